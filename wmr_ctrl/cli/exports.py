@@ -117,6 +117,7 @@ def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool
     epilog=opt.examples(
         "wmr-ctrl page --out robot.html",
         "wmr-ctrl page --out mine.html --scenario mine.toml --law nn --law prox",
+        "wmr-ctrl page --out burger.html --scenario turtlebot3-burger",
     ),
 )
 @click.option("--out", required=True, metavar="FILE.html", help="File to write.")
@@ -137,8 +138,9 @@ def page(
     """Write one HTML file, without server or network, that runs the closed loop in a browser.
 
     It is the compiled loop of this program, with the same numbers to the bit. For the paper's
-    simulation it tells a story in five steps; for another scenario it shows that. The first page
-    takes a minute or two to compile.
+    simulation it tells a story in five steps; for another scenario it shows that, and of a base
+    that takes velocities ways to limit its commands. The first page takes a minute or two to
+    compile.
     """
     from wmr_ctrl import api
 

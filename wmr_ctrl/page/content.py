@@ -13,14 +13,15 @@ from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.ranges import fields_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
+from wmr_ctrl.page.members import PageMember, members_of
 from wmr_ctrl.page.module import PageLoop, PageLoops, Room
 from wmr_ctrl.page.scenes import PageScene, SettledVariant, settled_variants
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
-from wmr_ctrl.report.style import look, unit_text
+from wmr_ctrl.report.style import unit_text
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 Plain = dict[str, Any]
 Row = dict[str, float]
@@ -35,11 +36,12 @@ LIGHT = 0.2
 
 @dataclass(frozen=True)
 class Content:
-    """Compiled loops, their room, and the data that the script gets."""
+    """Compiled loops, their room, the data that the script gets, and the robot's mass [kg]."""
 
     loops: tuple[PageLoop, ...]
     room: Room
     data: Plain
+    mass: float
 
 
 def content_of(
@@ -52,12 +54,14 @@ def content_of(
     loops, phases, steps = PageLoops(), 1, 0
     scenery = list[Plain]()
     for scene in scenes:
-        variants = list(settled_variants(scene.scenario, laws))
+        members = members_of(scene.scenario, laws)
+        variants = list(settled_variants(scene.scenario, members))
         setups = [setup for item in variants for setup in item.setups.values()]
         phases = max(phases, 1 + len(scene.scenario.changes))
         for setup in setups:
-            actuator, step = setup.scenario.actuator, setup.scenario.clock.plant
-            steps = max(steps, round((actuator.delay + actuator.unmodelled_delay) / step))
+            actuator, base = setup.scenario.actuator, setup.scenario.base
+            late = actuator.delay + actuator.unmodelled_delay + base.delay
+            steps = max(steps, round(late / setup.scenario.clock.plant))
         scenery.append(_scene(scene, variants, loops))
         progress(len(scenery) / len(scenes))
     numbers = {item.name: item for loop in loops for item in loop.layout.parameters}
@@ -72,14 +76,16 @@ def content_of(
     data = {
         "version": __version__,
         "seed": seed,
-        "body": {"size": BODY, "wheel": WHEEL, "track": TRACK},
-        "laws": [_look(name, LAWS[name].title) for name in laws],
+        "body": _body(scenes[0].scenario),
+        "filtered": takes_velocity(scenes[0].scenario),
+        "laws": [_look(member) for member in members],
         "names": names,
         "loops": [_loop(item) for item in loops],
         "groups": [{"key": g.key, "title": g.title, "hint": g.hint} for g in GROUPS],
         "scenes": scenery,
     }
-    return Content(tuple(loops), Room(phases, steps), data)
+    mass = scenes[0].scenario.robot.m
+    return Content(tuple(loops), Room(phases, steps), data, mass)
 
 
 def _loop(loop: PageLoop) -> Plain:
@@ -176,11 +182,18 @@ def _unit(unit: str) -> str:
     return unit_text(unit).replace(".", " ").translate(str.maketrans("23", "²³"))
 
 
-def _look(law: str, title: str) -> Plain:
-    """Name, label, title, colours (on white, on black) and dashes of a law."""
-    chosen = look(law)
+def _body(scenario: Scenario) -> Plain:
+    """Size of the drawn robot [m], as wide as its wheels are apart."""
+    scale = scenario.robot.l / TRACK
+    size, wheel = ([scale * part for part in item] for item in (BODY, WHEEL))
+    return {"size": size, "wheel": wheel, "track": scale * TRACK}
+
+
+def _look(member: PageMember) -> Plain:
+    """Name, label, title, colours (on white, on black) and dashes of a robot."""
+    chosen = member.look
     dash = [] if isinstance(chosen.dash, str) else list(chosen.dash[1])
-    words = {"name": law, "label": chosen.label, "title": title}
+    words = {"name": member.name, "law": member.law, "label": chosen.label, "title": member.title}
     return {**words, "colour": chosen.colour, "dark": _in_the_dark(chosen.colour), "dash": dash}
 
 

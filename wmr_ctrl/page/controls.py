@@ -33,6 +33,13 @@ GROUPS = (
         ("robot.m", "robot.I", "robot.mu", "actuator.tau_max"),
     ),
     Group(
+        "base", "Speed loop of the base", "What it is, which nobody knows for sure.", ("base.",)
+    ),
+    Group(
+        "filter", "What the filter counts on", "Its promise holds for bases within these bounds.",
+        ("filter.tau", "filter.gain", "filter.d", "filter.odometry"),
+    ),
+    Group(
         "world", "Noise and pushes", "A push always goes on in the direction of motion.",
         ("disturbance.", "sensor."),
     ),
@@ -46,7 +53,8 @@ GROUPS = (
 )  # fmt: skip
 """In the order in which they are listed; a parameter belongs to the first that names it."""
 HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay", "robot.g",
-          "robot.v_s")  # fmt: skip
+          "robot.v_s", "base.delay", "base.timeout", "base.tau_believed",
+          "filter.delta")  # fmt: skip
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 SPANS: Mapping[str, Span] = {
     "robot.m": (10.0, 150.0),
@@ -61,6 +69,10 @@ SPANS: Mapping[str, Span] = {
     "sensor.pose_noise": (0.0, 0.2),
     "sensor.correction": (0.0, 1.0),
     "actuator.tau_max": (1.0, 100.0),
+    "base.gain[1]": (0.8, 1.25),
+    "base.gain[2]": (0.8, 1.25),
+    "filter.gain[1]": (0.8, 1.25),
+    "filter.gain[2]": (0.8, 1.25),
     "guard.nbar[1]": (0.0, 0.2),
     "guard.nbar[2]": (0.0, 0.4),
     "guard.f_min[1]": (0.0, 100.0),

@@ -8,16 +8,17 @@ loop for each law, and the numbers that the product derives for it, such as the 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 
-from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.values import multiple
+from wmr_ctrl.page.members import PageMember, members_of
 from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,8 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     """The story for ``laws`` where a scenario is the one it begins with, else one scene of it."""
     steps = story()
     if scenario != load_scenario(steps[0].preset):
-        return (PageScene("own", scenario.title or scenario.name, "", scenario, laws[:4]),)
+        shown = tuple(member.name for member in members_of(scenario, laws))[:MOST_SHOWN]
+        return (PageScene("own", scenario.title or scenario.name, "", scenario, shown),)
     listed = []
     for step in steps:
         own = override(load_scenario(step.preset), step.overrides)
@@ -67,6 +69,8 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     return tuple(listed)
 
 
+MOST_SHOWN = 4
+"""Robots that one scenario's page shows first."""
 PERIODS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 """Control periods [s] that are offered where no part of the loop counts its steps."""
 LATE = (0, 2, 5)
@@ -93,25 +97,26 @@ class Variant:
 
 @dataclass(frozen=True)
 class SettledVariant:
-    """A variant with the setup of each law, or why the product refuses it."""
+    """A variant with the setup of each robot, or why the product refuses it."""
 
     variant: Variant
     setups: Mapping[str, Setup]
     refusal: str = ""
 
 
-def settled_variants(scenario: Scenario, laws: tuple[str, ...]) -> Iterator[SettledVariant]:
-    """All variants of a scenario, its own first.
+def settled_variants(scenario: Scenario, members: Sequence[PageMember]) -> Iterator[SettledVariant]:
+    """All variants of a scenario, its own first; of a base that takes velocities that one alone.
 
     Raises as `settle` does where its own is refused.
     """
-    check_takes_torques(scenario, "the page drives robots")
     own = Variant(scenario.guard.enabled, scenario.clock.control, scenario.actuator.delay)
-    yield SettledVariant(own, {law: settle(scenario, law) for law in laws})
-    for variant in _others(scenario, own, laws[0]):
+    yield SettledVariant(own, {member.name: member.settled(scenario) for member in members})
+    if takes_velocity(scenario):
+        return
+    for variant in _others(scenario, own, members[0].law):
         try:
             changed = override(scenario, variant.overrides)
-            yield SettledVariant(variant, {law: settle(changed, law) for law in laws})
+            yield SettledVariant(variant, {item.name: item.settled(changed) for item in members})
         except ScenarioError as error:
             yield SettledVariant(variant, {}, str(error))
 

@@ -14,16 +14,20 @@ import jinja2
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.content import Content, content_of
+from wmr_ctrl.page.members import SENDING
 from wmr_ctrl.page.module import build_module
 from wmr_ctrl.page.scenes import scenes
 from wmr_ctrl.results.files import atomic_text, check_writable
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.many import checked_seeds
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 ALONE = ("engine.js", "run.js")
 """Scripts that need no document, in order: node runs them too."""
 LARGEST_SEED = 2**53
 """Numbers of a browser are doubles."""
+PUSHES = (0.6, 2.0, 6.0)
+"""Forces of pushes by hand [N], for each kg of the robot."""
 SETTLING = 0.3
 """Share of the time before anything is compiled, about."""
 SHOWING = ("fleet.js", "settings.js", "link.js", "charts.js", "plane.js", "page.js")
@@ -39,9 +43,10 @@ def write_page(
 ) -> Path:
     """Write the page to the file ``out``, whole or not at all; returns its path.
 
-    For the paper's simulation it tells a story in five steps.  ``laws``: which can be chosen;
-    without, all.  ``progress`` is called with the share that is done.  Raises UnknownNameError for
-    a law, ArgumentError for the seed, ScenarioError for what the scenario cannot be,
+    For the paper's simulation it tells a story in five steps; of a base that takes velocities it
+    shows ways to limit commands side by side.  ``laws``: which can be chosen; without, all, of such
+    a base pursuit.  ``progress`` is called with the share that is done.  Raises UnknownNameError
+    for a law, ArgumentError for the seed, ScenarioError for what the scenario cannot be,
     CompilerError without zig, ResultFileError where the file cannot be written.
     """
     checked_seeds([seed])
@@ -53,7 +58,8 @@ def write_page(
     for name in laws or ():
         if name not in LAWS:
             raise UnknownNameError("law", name, tuple(LAWS))
-    chosen = tuple(dict.fromkeys(laws or LAWS))
+    usual = SENDING if takes_velocity(scenario) else LAWS
+    chosen = tuple(dict.fromkeys(laws or usual))
 
     def advance(done: float, part: float, share: float) -> None:
         if progress:
@@ -82,6 +88,8 @@ def page_text(content: Content, module: bytes) -> str:
         scenes=content.data["scenes"],
         laws=content.data["laws"],
         groups=content.data["groups"],
+        filtered=content.data["filtered"],
+        forces=[float(f"{share * content.mass:.2g}") for share in PUSHES],
         loops=len(content.loops),
         size=len(module),
         version=content.data["version"],

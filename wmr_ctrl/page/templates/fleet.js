@@ -1,6 +1,6 @@
 // The robots that are shown: one for each law, all at the same sample, with what they left behind.
 
-const KEPT = ["t", "x", "y", "theta", "v1", "omega", "torque", "V1", "margin", "distance", "jump"];
+const KEPT = ["t", "x", "y", "theta", "v1", "omega", "torque", "V1", "margin", "distance", "command", "turning", "jump"];
 const MOST_ROWS = 160000;
 const PUSH_SECONDS = 0.5;
 
@@ -86,7 +86,8 @@ class Member {
     const off = Math.hypot(robot.column("x") - robot.column("x_d"), robot.column("y") - robot.column("y_d"));
     this.history.add([
       robot.column("t"), robot.column("x"), robot.column("y"), robot.column("theta"), robot.column("v1"),
-      robot.column("omega"), torque, robot.column("V1"), robot.column("margin"), off, this.jumped,
+      robot.column("omega"), torque, robot.column("V1"), robot.column("margin"), off,
+      robot.column("v_command"), robot.column("omega_command"), this.jumped,
     ]);
     this.jumped = 0;
   }

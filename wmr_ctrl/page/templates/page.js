@@ -9,6 +9,8 @@ const CHARTS = [
   { id: "v1", column: "v1", most: 2.5, marks: (fleet) => limitsOf(fleet, 1) },
   { id: "omega", column: "omega", most: 2.5, marks: (fleet) => limitsOf(fleet, 2) },
   { id: "torque", column: "torque", floor: 0, least: 1, share: 0.99, marks: (fleet) => (Number.isFinite(fleet.value("actuator.tau_max")) ? [{ value: fleet.value("actuator.tau_max"), beyond: 1 }] : []) },
+  { id: "command", column: "command", most: 2.5, marks: (fleet) => limitsOf(fleet, 1) },
+  { id: "turning", column: "turning", most: 2.5, marks: (fleet) => limitsOf(fleet, 2) },
   { id: "V1", column: "V1", floor: 0, least: 0.01, share: 0.99, marks: () => [] },
   { id: "margin", column: "margin", floor: -0.5, ceiling: 1, marks: () => [{ value: 0, beyond: -1 }] },
   { id: "distance", column: "distance", floor: 0, least: 0.05, marks: () => [] },
@@ -35,7 +37,7 @@ class Page {
     this.before = null;
     this.frames = 0;
     this.plane = new Plane(byId("plane"), this.told.body);
-    this.charts = CHARTS.map((what) => new Chart(byId(`chart-${what.id}`), what));
+    this.charts = CHARTS.filter((what) => byId(`chart-${what.id}`)).map((what) => new Chart(byId(`chart-${what.id}`), what));
     this.settings = new Settings(this.fleet, byId("settings"), (control, value) => this.moved(control, value));
     this.findLook();
     this.listen();
@@ -316,7 +318,7 @@ class Page {
         cell(`${shownNumber(most[0])} of ${shownNumber(limits[0])} m/s`),
         cell(`${shownNumber(most[1])} of ${shownNumber(limits[1])} rad/s`),
         cell(length(member.history.last("distance"))),
-        cell(fleet.stand.guard ? `${shownNumber(share, 2)} %` : "–"));
+        cell(fleet.stand.guard || (this.told.filtered && share) ? `${shownNumber(share, 2)} %` : "–"));
     }));
     const notices = this.notices();
     if (String(notices) !== this.noticed) {

@@ -69,12 +69,13 @@ class Settings {
   constructor(fleet, holder, changed) {
     Object.assign(this, { fleet, holder, changed });
     this.sliders = [];
-    this.opened = new Set(["limits", "robot"]);
+    this.opened = new Set(fleet.told.filtered ? ["base", "filter"] : ["limits", "robot"]);
   }
 
   // For another scene, or other laws.
   build() {
-    const { fleet, holder } = this, laws = fleet.told.laws.map((item) => item.name).filter((law) => !fleet.laws.includes(law));
+    const { fleet, holder } = this, shown = fleet.told.laws.filter((item) => fleet.laws.includes(item.name)).map((item) => item.law);
+    const laws = fleet.told.laws.map((item) => item.law).filter((law) => !shown.includes(law));
     const hidden = (name) => laws.some((law) => name.startsWith(`gains.${law}.`));
     this.sliders = [];
     holder.replaceChildren();

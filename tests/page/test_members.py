@@ -1,0 +1,56 @@
+"""Pages of bases that take velocities: the ways to limit commands, and their numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from tests.page.test_numbers import assert_same_bits, from_page
+from wmr_ctrl.page.members import members_of
+from wmr_ctrl.scenario import load_scenario
+
+STRONG = {"base.gain": [1.04, 1.04]}
+
+
+@pytest.mark.parametrize(
+    ("name", "ways"),
+    [
+        ("turtlebot3-burger", ["clipped", "smoothed", "clip", "governor"]),
+        ("clearpath-jackal", ["clipped", "smoothed", "clip"]),
+    ],
+)
+def test_a_base_has_the_filters_that_hold_for_it(name: str, ways: list[str]) -> None:
+    members = members_of(load_scenario(name), ["pursuit"])
+
+    assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
+    assert len({item.look.colour for item in members}) == len(members)
+
+
+def test_a_law_with_limits_of_its_own_is_shown_with_them_and_filtered() -> None:
+    members = members_of(load_scenario("turtlebot3-burger"), ["prox", "kanayama"])
+
+    assert [item.name for item in members][:3] == ["prox-clipped", "prox-clip", "prox-governor"]
+    assert members[0].look.dash != members[-1].look.dash
+
+
+def test_a_robot_that_takes_torques_is_there_once_for_each_law() -> None:
+    members = members_of(load_scenario("paper-simulation"), ["mb", "nn"])
+
+    assert [(item.name, item.law) for item in members] == [("mb", "mb"), ("nn", "nn")]
+
+
+@pytest.mark.slow
+def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(tmp_path: Path) -> None:
+    scenario = load_scenario("turtlebot3-burger", STRONG)
+    page = wmr_ctrl.write_page(tmp_path / "burger.html", scenario)
+    members = members_of(scenario, ["pursuit"])
+    shown = from_page(page, tmp_path, [(item.name, 80.0, {}) for item in members])
+
+    for item, columns in zip(members, shown, strict=True):
+        run = wmr_ctrl.simulate(item.settled(scenario).scenario, item.law)
+        assert_same_bits(columns, run)
+        filtered = item.name.split("-")[1] in ("clip", "governor")
+        assert (np.abs(run["v1"]).max() <= 0.22) == filtered
