@@ -230,6 +230,23 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
 
 
+@pytest.mark.parametrize(("kind", "least"), [("clip", 0.5), ("band", 0.98)])
+def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
+    kind: str, least: float
+) -> None:
+    stated = {**OVERSHOOTING["filter"], "kind": kind}
+    scenario = based({**OVERSHOOTING, "filter": stated})
+    facts = filter_facts(settle(scenario, "kanayama"))
+    assert facts is not None
+    assert "linear loops" in facts.statement
+    assert facts.delay_cost == (0.0, 0.0)
+    shares = [speed / limit for speed, limit in zip(facts.usable_speed, (1.0, 2.0), strict=True)]
+    assert least < min(shares) <= max(shares) <= 1.0
+    if kind == "clip":
+        assert max(shares) > 1 / facts.gain > min(shares) - 1e-6
+        assert facts.gain_cost == pytest.approx([0.0099 * s for s in facts.usable_speed], rel=2e-3)
+
+
 BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "pi": ({"base.loop": "pi"}, "never pass their command"),
     "tau": ({"base.tau": [0.19, 0.2]}, "outside filter.tau"),

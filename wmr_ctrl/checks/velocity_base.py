@@ -12,13 +12,17 @@ from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
+from wmr_ctrl.filter.band import MOST_COMMANDS
 from wmr_ctrl.filter.hypotheses import broken_hypotheses
+from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.scenario import Scenario, override
 
 STATEMENTS = {
     "clip": "memoryless clip, for every base that never overshoots",
     "governor": "governor, for a first-order base with nothing hidden",
+    "band": "band, for linear loops whose numbers stay as they are",
 }
+OF_LINEAR_LOOPS = "memoryless clip, for linear loops with peak gains up to {0:.4g}, {1:.4g}"
 MILLISECOND = 1e-3
 SETTLED = 40.0
 """Time constants after which a base is taken to have settled: e^-40 is below rounding."""
@@ -29,10 +33,11 @@ MOST_STEPS = 5000
 class FilterFacts:
     """Result of a command filter on a scenario.
 
-    ``gain``: largest gain that is counted on; ``usable_speed`` (linear, angular) [m/s, rad/s]: at
-    rest on the weakest base that is stated, without push, of a command far beyond the limit;
-    ``delay_cost``: what one more millisecond of delay takes of it; ``gain_cost``: what one more per
-    cent of gain takes; ``broken``: what of the theorem does not hold.
+    ``gain``: largest gain that is counted on, of the clip of linear loops their peak gain, of the
+    axis where it is larger; ``usable_speed`` (linear, angular) [m/s, rad/s]: at rest on the weakest
+    base that is stated, without push, of a command far beyond the limit; ``delay_cost``: what one
+    more millisecond of delay takes of it; ``gain_cost``: what one more per cent of that gain takes;
+    ``broken``: what of the theorem does not hold.
     """
 
     kind: str
@@ -49,25 +54,34 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     scenario, stated = setup.scenario, setup.scenario.filter
     if not setup.takes_velocity or stated.kind == "none":
         return None
-    usable = usable_speed(scenario)
+    usable, broken = usable_speed(scenario), broken_hypotheses(scenario, setup.bound)
     (low, high), (first, last) = stated.gain, stated.delay
-    late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
-    strong = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
-    broken = broken_hypotheses(scenario, setup.bound)
     statement = STATEMENTS[stated.kind]
-    return FilterFacts(stated.kind, statement, high, usable, late, strong, broken)
+    if stated.loop != "first-order":  # where a command acts is no matter to a clip, nor to a band
+        late, strong = (0.0, 0.0), None
+        if stated.kind == "clip":
+            peaks = [peak.gain for peak in peak_gains(scenario)]
+            statement, high = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
+            strong = usable[0] * (1 - 1 / 1.01), usable[1] * (1 - 1 / 1.01)
+        return FilterFacts(stated.kind, statement, high, usable, late, strong, broken)
+    delayed = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
+    stronger = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
+    return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)
 
 
 def usable_speed(scenario: Scenario) -> tuple[float, float]:
     """Speeds at rest [m/s, rad/s] of the weakest base that the filter is stated for.
 
-    The filter's own graph drives it: the smallest gain, the largest time constant (of a clip the
-    speed at rest does not depend on it), the longest delay, exact odometry.  Each axis by itself.
+    The filter's own graph drives it: the smallest gain, the largest time constant (of clip and band
+    the speed at rest does not depend on it), the longest delay, exact odometry.  Each axis by
+    itself; of a band what it admits after as many commands as its longest tables hold.
     """
     scenario = override(scenario, {"filter.scale": "axes"})
     filtering, stated = CommandFilter(scenario), scenario.filter
     if not filtering.governs:
-        sent = filtering.step([10 * limit for limit in scenario.limits.v_u1]).command
+        steps = MOST_COMMANDS if stated.kind == "band" else 1
+        asked = [10 * limit for limit in scenario.limits.v_u1]
+        sent = [filtering.step(asked).command for _ in range(steps)][-1]
         return stated.gain[0] * sent[0], stated.gain[0] * sent[1]
     assert stated.tau is not None  # a governor has it
     T, tau = scenario.clock.control, stated.tau[1]

@@ -118,7 +118,8 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         f"the filter ({facts.statement}) {held} {limits}; it leaves {speeds(facts.usable_speed)} "
         "on the weakest base that is stated"
     )
-    costs = {"millisecond of delay": facts.delay_cost, "per cent of gain": facts.gain_cost}
+    gain = "gain" if setup.scenario.filter.loop == "first-order" else "peak gain"
+    costs = {"millisecond of delay": facts.delay_cost, f"per cent of {gain}": facts.gain_cost}
     texts = [f"one more {name} costs {speeds(cost)}" for name, cost in costs.items() if cost]
     if texts:
         yield "; ".join(texts)
