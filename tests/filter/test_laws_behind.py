@@ -51,7 +51,7 @@ def held_back(law, told):
     return np.array(found)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", [*LAWS, "mb"])
 def test_a_law_that_is_held_back_stays_as_it_is(law):
     found = held_back(law, lambda _: (0.0, 0.0))
 
