@@ -12,7 +12,7 @@ from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wmr_ctrl.identification import Identification
+    from wmr_ctrl.identification import BaseIdentification
 
 
 @click.command(
@@ -21,10 +21,18 @@ if TYPE_CHECKING:
         "wmr-ctrl identify run.npz --out mine.toml",
         "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
         "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
+        "wmr-ctrl identify log.csv --base velocity --out mine.toml",
         "wmr-ctrl identify drive/ --topics odom=/base/odom --out mine.toml",
     ),
 )
 @click.argument("log")
+@click.option(
+    "--base",
+    type=click.Choice(["torque", "velocity"]),
+    default="torque",
+    show_default=True,
+    help="Commands that the base takes: wheel torques, or (v, omega).",
+)
 @click.option("--out", metavar="FILE", help="Scenario with what was identified: .toml.")
 @click.option(
     "--robot", metavar="S", help="Scenario with what is known: wheels, counts, limits, gains."
@@ -49,6 +57,7 @@ if TYPE_CHECKING:
 @debug_option
 def identify(
     log: str,
+    base: str,
     out: str | None,
     robot: str | None,
     assignments: tuple[str, ...],
@@ -61,6 +70,10 @@ def identify(
 ) -> None:
     """Fit mass, inertia, friction, delay and lag to LOG, with 95 % intervals.
 
+    With --base velocity: gain, time constant or frequency and damping, delay and acceleration
+    limit of a base's own speed loop, and its peak gain, from v_command [m/s] and omega_command
+    [rad/s] beside the measured motion.
+
     LOG is a CSV file, a ROS 2 bag (its folder, .mcap or .db3; extra `logs`) or a saved run. Columns
     of a CSV file are named as those of our runs, with units: t [s], wheel_counts[1] [1] (right),
     wheel_counts[2] [1] (left), tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and
@@ -72,6 +85,14 @@ def identify(
     check_output(plot, (".png", ".svg", ".pdf"), "--plot")
     check_output(report, (".html",), "--report")
     check_output(propose, (".csv",), "--propose")
+    drawn = [key for key, path in (("--plot", plot), ("--report", report), ("--propose", propose))
+             if path and base == "velocity"]  # fmt: skip
+    if drawn:
+        raise ArgumentError(
+            f"{drawn[0]} is for --base torque. For a base that takes velocities take --out or "
+            "--json."
+        )
+    from wmr_ctrl.identification import Identification
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.scenario import parse_assignments
@@ -79,6 +100,7 @@ def identify(
     with Progress(f"identify {log}") as progress:
         result = identify_log(
             log,
+            base=base,
             known=robot,
             overrides=parse_assignments(assignments),
             topics=_roles(topics),
@@ -88,13 +110,13 @@ def identify(
         with atomic_text(out) as file:
             file.write(result.to_toml())
         say("wrote", out)
-    if plot or report:
+    if isinstance(result, Identification) and (plot or report):
         from wmr_ctrl.report.identified import write_identification
 
         write_identification(result, report, plot)
         for path in filter(None, (plot, report)):
             say("wrote", path)
-    if propose:
+    if isinstance(result, Identification) and propose:
         from wmr_ctrl.identification.propose import propose as propose_drive
 
         drive = propose_drive(result, floor)
@@ -115,27 +137,37 @@ def _roles(text: str | None) -> dict[str, str]:
     return {role.strip(): name.strip() for role, _, name in pairs}
 
 
-def _text(result: Identification) -> str:
+def _text(result: BaseIdentification) -> str:
     """Parameters, the guard's numbers and the score."""
+    from wmr_ctrl.identification.bounds import FilterBounds
     from wmr_ctrl.identification.estimate import UNITS
 
+    half_of_it = {
+        name: f"most of it from {item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
+        for name, item in result.parameters.items()
+        if item.verdict != "told" and item.seconds[1]
+    }
     rows = [
         (name, f"{item.value:.5g}", f"{item.low:.4g} to {item.high:.4g}", UNITS[name], item.verdict,
-         "" if item.verdict == "told" else f"most of it from {item.seconds[0]:.3g} to "
-         f"{item.seconds[1]:.3g} s")
+         half_of_it.get(name, ""))
         for name, item in result.parameters.items()
     ]  # fmt: skip
     head = ("", "value", "95 % interval", "unit", "", "")
     lines = [table(rows, head), ""]
+    limited = "filter" if isinstance(result.bounds, FilterBounds) else "guard"
     for name, value in result.bounds.to_json().items():
         if isinstance(value, list):
-            lines.append(f"guard.{name} = [{value[0]:.4g}, {value[1]:.4g}]")
-    lines.append(wrapped(f"dbar: {result.bounds.sentence}.", hang="  "))
+            label = "peak gain" if name == "peak_gain" else f"{limited}.{name}"
+            lines.append(f"{label} = [{value[0]:.4g}, {value[1]:.4g}]")
+    lines.append(
+        wrapped(f"{'dbar' if limited == 'guard' else 'd'}: {result.bounds.sentence}.", hang="  ")
+    )
     ahead, around = result.score.foretold
     held = result.score.constant_velocity
     lines.append(
         wrapped(
-            f"the last third, foretold over 1 s each by a fit of the rest: {100 * ahead:.1f} % of "
+            f"the last third, foretold {'over 1 s each' if limited == 'guard' else 'by commands'} "
+            f"by a fit of the rest: {100 * ahead:.1f} % of "
             f"v1's variance and {100 * around:.1f} % of omega's (by a constant velocity "
             f"{100 * held[0]:.1f} and {100 * held[1]:.1f} %)",
             hang="  ",

@@ -2,5 +2,6 @@
 
 from __future__ import annotations
 
+from wmr_ctrl.identification.bounds import BaseIdentification as BaseIdentification
 from wmr_ctrl.identification.identification import Identification as Identification
 from wmr_ctrl.identification.identification import identify as identify

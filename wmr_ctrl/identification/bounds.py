@@ -1,20 +1,23 @@
-"""From a fit to what a guard may count on, and what that costs."""
+"""Results of a log, and what a guard or a filter may count on."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import ClassVar
 
 import numpy as np
+import tomlkit
 from scipy.stats import t as student
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import pair_of
 from wmr_ctrl.guard.price import speed_price
+from wmr_ctrl.identification.estimate import UNITS, WORDS, Estimate, Score
 from wmr_ctrl.identification.fit import Fit
 from wmr_ctrl.identification.reading import BLOCKS, COUNTED
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.world.encoder import rounded_by
 
 CREEP = 0.01
@@ -50,6 +53,82 @@ class GuardBounds:
         """Plain data."""
         names = ("M_min", "M_max", "dbar", "nbar", "delay", "lag")
         return {**{name: list(getattr(self, name)) for name in names}, "sentence": self.sentence}
+
+
+@dataclass(frozen=True)
+class FilterBounds:
+    """Numbers for [filter]: kind of loop, and per axis [m/s, rad/s] or from least to most [s].
+
+    ``peak_gain``: largest speed over commanded speed of the whole family, infinite where an axis
+    was not driven; ``d``: the largest deviation of the speed that no command explains, of which
+    the sentence says what it is worth.
+    """
+
+    loop: str
+    peak_gain: tuple[float, float]
+    d: tuple[float, float]
+    delay: tuple[float, float]
+    sentence: str
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        numbers = {name: list(getattr(self, name)) for name in ("peak_gain", "d", "delay")}
+        return {"loop": self.loop, **numbers, "sentence": self.sentence}
+
+
+@dataclass(frozen=True)
+class BaseIdentification:
+    """What a log told of a robot.
+
+    ``parameters`` maps a name to (value, low, high, told, seconds), SI units; ``bounds`` are the
+    guard's or the filter's numbers; ``score`` says how the held-out third was foretold;
+    ``scenario`` runs as it is.
+    """
+
+    name: str
+    parameters: Mapping[str, Estimate]
+    bounds: GuardBounds | FilterBounds
+    remarks: tuple[str, ...]
+    score: Score
+    scenario: Scenario
+    places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """Keys of the scenario, and the parameters whose intervals stand beside them."""
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {
+            "log": self.name,
+            "parameters": {name: item.to_json() for name, item in self.parameters.items()},
+            "bounds": self.bounds.to_json(),
+            "remarks": list(self.remarks),
+            "score": asdict(self.score),
+        }
+
+    def described(self) -> dict[str, tuple[str, str]]:
+        """Words and unit of each parameter."""
+        return {name: (WORDS[name], UNITS[name]) for name in self.parameters}
+
+    def to_toml(self) -> str:
+        """The scenario, with the interval and verdict of each number beside it."""
+        document = tomlkit.parse(to_toml(self.scenario))
+        for key, names in self.places.items():
+            table, field = key.split(".")
+            said = "; ".join(
+                f"{name} {item.low:.6g} to {item.high:.6g} {UNITS[name]}, {item.verdict}"
+                for name in names
+                if (item := self.parameters.get(name))
+            )
+            if not said or field not in document.get(table, {}):
+                continue
+            entry = document[table][field]
+            entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
+        limit = "guard.dbar" if isinstance(self.bounds, GuardBounds) else "filter.d"
+        head = [
+            f"from the log {self.name} by wmr-ctrl identify; 95 % intervals stand beside values",
+            f"{limit}: {self.bounds.sentence}",
+            *self.remarks,
+        ]
+        return "".join(f"# {line}\n" for line in head) + "\n" + tomlkit.dumps(document)
 
 
 def guard_bounds(

@@ -35,6 +35,8 @@ LOW_SPEED, LOW_FADING, LOW_FACTOR = 0.06, 0.1, 10.0
 MOVED = 3.5
 """Standard errors of the worse fit from which on a parameter has moved."""
 HELD_OUT = 1 / 3
+AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
+"""Sections of what is known that the identified numbers take the place of."""
 FREE_RUN = 1.0
 TOLD, ROUGHLY, NOT_TOLD = "told", "roughly", "not told"
 SHARES = (0.1, 0.3)

@@ -189,30 +189,43 @@ def bounded(theta: Floats, names: tuple[str, ...], before: Floats | None = None)
 def standard_errors(fit: Fit) -> tuple[Floats, Floats]:
     """Standard errors (n,) by the Fisher information, and by leaving out blocks of time.
 
-    Zero where a parameter is not free.  Source of the second: one Newton step for each block b that
-    is left out, theta_b = theta + (H - H_b)^-1 g_b.
+    Zero where a parameter is not free.
     """
-    free, whole = fit.free, fit.information()
+    return _two_errors(fit.last.gradient, fit.last.fisher, fit.free)
+
+
+def _two_errors(gradient: Floats, fisher: Floats, free: np.ndarray) -> tuple[Floats, Floats]:
+    """Both errors from gradient (B, n) and information (B, n, n) of blocks of time.
+
+    The second is by one Newton step for each block b that is left out, theta_b = theta + (H -
+    H_b)^-1 g_b.
+    """
+    whole = fisher.sum(axis=0)[np.ix_(free, free)]
     tiny = 1e-10 * np.diag(np.diag(whole))
-    fisher, left = np.zeros(len(free)), np.zeros(len(free))
-    fisher[free] = np.sqrt(np.maximum(np.diag(np.linalg.inv(whole + tiny)), 0))
+    by_fisher, left = np.zeros(len(free)), np.zeros(len(free))
+    by_fisher[free] = np.sqrt(np.maximum(np.diag(np.linalg.inv(whole + tiny)), 0))
     moved = []
     for block in range(BLOCKS):
-        own = fit.last.fisher[block][np.ix_(free, free)]
+        own = fisher[block][np.ix_(free, free)]
         if not own.any():
             continue
-        gradient = fit.last.gradient[block][free]
-        moved.append(np.linalg.solve(whole + tiny - own + 1e-9 * np.diag(np.diag(whole)), gradient))
+        lacking = whole + tiny - own + 1e-9 * np.diag(np.diag(whole))
+        moved.append(np.linalg.solve(lacking, gradient[block][free]))
     count = len(moved)
     spread = np.array(moved) - np.mean(moved, axis=0)
     left[free] = np.sqrt((count - 1) / count * (spread**2).sum(axis=0))
-    return fisher, left
+    return by_fisher, left
+
+
+def errors_of(gradient: Floats, fisher: Floats, free: np.ndarray) -> Floats:
+    """Half-widths (n,) of 95 % intervals: the larger of both errors'."""
+    by_fisher, left = _two_errors(gradient, fisher, free)
+    return np.maximum(student.ppf(0.975, BLOCKS - 1) * left, 1.96 * by_fisher)
 
 
 def half_widths(fit: Fit) -> Floats:
     """Half-widths (n,) of 95 % intervals: the larger of both errors', and of the floor."""
-    fisher, left = standard_errors(fit)
-    half = np.maximum(student.ppf(0.975, BLOCKS - 1) * left, 1.96 * fisher)
+    half = errors_of(fit.last.gradient, fit.last.fisher, fit.free)
     for place, least in fit.least.items():
         half[place] = max(half[place], least)
     return half

@@ -4,25 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import tomlkit
 
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.identification import lint
-from wmr_ctrl.identification.bounds import GuardBounds, guard_bounds, usable_speeds
+from wmr_ctrl.identification.bounds import (
+    BaseIdentification,
+    GuardBounds,
+    guard_bounds,
+    usable_speeds,
+)
 from wmr_ctrl.identification.estimate import (
+    AFFECTED,
     FREE_RUN,
     NOT_TOLD,
     TOLD,
-    UNITS,
-    WORDS,
     Estimate,
-    Score,
     Traces,
     coloured_if_likelier,
     distrusting_low_speeds,
@@ -40,6 +42,8 @@ from wmr_ctrl.identification.estimate import (
 from wmr_ctrl.identification.fit import Fit, LogProblem, scored, standard_errors
 from wmr_ctrl.identification.graph import torque_graph
 from wmr_ctrl.identification.log import (
+    COMMAND,
+    KNOWN,
     TORQUES,
     Log,
     LogError,
@@ -50,8 +54,10 @@ from wmr_ctrl.identification.log import (
 )
 from wmr_ctrl.identification.reading import COUNTED as MEASURED
 from wmr_ctrl.identification.reading import CompiledFilter, Floats, Samples, motion_of
-from wmr_ctrl.scenario import Scenario, override, to_toml
+from wmr_ctrl.identification.velocity_base import of_velocities
+from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS, Encoder
+from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 
 Progress = Callable[[float], None]
 USUAL_PASSES = 60
@@ -59,36 +65,26 @@ USUAL_PASSES = 60
 TRACE_PASSES = 6
 ROBOT = ("robot.r", "robot.l")
 COUNTED = "encoder.counts"
-AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
+
+
+PLACES = {
+    "robot.m": ("m",), "robot.I": ("I",), "robot.mu": ("Fc",), "actuator.delay": ("delay",),
+    "actuator.lag": ("lag",), "resistance.rolling": ("c",), "resistance.viscous": ("Fv", "Mv"),
+}  # fmt: skip
+"""Keys of the scenario, and the parameters whose intervals stand beside them."""
 
 
 @dataclass(frozen=True)
-class Identification:
-    """What a log told of a robot.
+class Identification(BaseIdentification):
+    """What a log told of a base that takes torques.
 
-    ``parameters`` maps a name to (value, low, high, told, seconds), SI units; ``bounds`` are the
-    guard's numbers; ``score`` says how the held-out third was foretold; ``scenario`` runs as it is.
     ``fit`` is the one that is reported, ``white`` the one whose residuals the bounds are made of.
     """
 
-    name: str
-    parameters: Mapping[str, Estimate]
     bounds: GuardBounds
-    remarks: tuple[str, ...]
-    score: Score
-    scenario: Scenario
     fit: Fit
     white: Fit
-
-    def to_json(self) -> dict[str, object]:
-        """Plain data."""
-        return {
-            "log": self.name,
-            "parameters": {name: item.to_json() for name, item in self.parameters.items()},
-            "bounds": self.bounds.to_json(),
-            "remarks": list(self.remarks),
-            "score": asdict(self.score),
-        }
+    places = PLACES
 
     def traces(self) -> Traces:
         """Measured and foretold speeds, and residuals; takes some passes through the log."""
@@ -119,65 +115,48 @@ class Identification:
         errors, _ = standard_errors(self.fit)
         return dict(zip(self.fit.problem.filter.graph.names, errors.tolist(), strict=True))
 
-    def described(self) -> dict[str, tuple[str, str]]:
-        """Words and unit of each parameter."""
-        return {name: (WORDS[name], UNITS[name]) for name in self.parameters}
-
-    def to_toml(self) -> str:
-        """The scenario, with the interval and verdict of each number beside it."""
-        document = tomlkit.parse(to_toml(self.scenario))
-        for key, names in PLACES.items():
-            table, field = key.split(".")
-            said = "; ".join(
-                f"{name} {item.low:.6g} to {item.high:.6g} {UNITS[name]}, {item.verdict}"
-                for name in names
-                if (item := self.parameters.get(name))
-            )
-            entry = document[table][field]
-            entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
-        head = [
-            f"from the log {self.name} by wmr-ctrl identify; 95 % intervals stand beside values",
-            f"guard.dbar: {self.bounds.sentence}",
-            *self.remarks,
-        ]
-        return "".join(f"# {line}\n" for line in head) + "\n" + tomlkit.dumps(document)
-
-
-PLACES = {
-    "robot.m": ("m",), "robot.I": ("I",), "robot.mu": ("Fc",), "actuator.delay": ("delay",),
-    "actuator.lag": ("lag",), "resistance.rolling": ("c",), "resistance.viscous": ("Fv", "Mv"),
-}  # fmt: skip
-"""Keys of the scenario, and the parameters whose intervals stand beside them."""
-
 
 @checks_arguments
 def identify(
     log: str | Path | Mapping[str, list[float]],
     *,
+    base: str = "torque",
     known: str | Path | Scenario | None = None,
     overrides: Mapping[str, object] | None = None,
     topics: Mapping[str, str] | None = None,
     progress: Progress | None = None,
-) -> Identification:
+) -> BaseIdentification:
     """Identify a robot from a log: a CSV file, a bag, a saved run, or columns by ``name [unit]``.
 
+    ``base`` is what the base takes: "torque", or "velocity" (v, omega).
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
     ``overrides`` are put on it; ``topics`` names a bag's by role.  Raises LogError for a log that
     something is wrong with or that tells nothing, ScenarioError, ArgumentError, ResultFileError,
     MissingExtraError, CompilerError.
     """
+    if base not in KINDS:
+        raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
+    commands = TORQUES if base == "torque" else COMMAND
     raw = of_columns("log", log) if isinstance(log, Mapping) else read_log(log, topics)
+    if raw.base is not None and takes_velocity(raw.base) != (base == "velocity"):
+        kind = raw.base.section(BaseKind).kind
+        raise ArgumentError(
+            f'{raw.name}: the base of this run takes a {kind} (base.kind). Give base = "{kind}", '
+            f"on the command line --base {kind}."
+        )
     scenario, sure = _believed(raw, known, overrides or {})
     raw, counts = counted(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
     if counts is not None:
         scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
-    lint.check_log(raw)
+    lint.check_log(raw, commands)
     remarks = list(raw.remarks)
-    samples, scenario = _samples(raw, scenario, sure, remarks)
+    samples, scenario = _samples(raw, scenario, sure, remarks, commands)
     lint.check_motion(raw.name, samples, scenario.robot.l)
-    lint.check_torques(raw.name, samples, scenario.robot.l)
+    if base == "torque":
+        lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
-    return _of_torques(raw.name, samples, scenario, remarks, progress or (lambda share: None))
+    fit = _of_torques if base == "torque" else of_velocities
+    return fit(raw.name, samples, scenario, remarks, progress or (lambda share: None))
 
 
 def _believed(
@@ -190,16 +169,19 @@ def _believed(
 
 
 def _samples(
-    raw: Log, scenario: Scenario, sure: set[str], remarks: list[str]
+    raw: Log, scenario: Scenario, sure: set[str], remarks: list[str], commands: tuple[str, ...]
 ) -> tuple[Samples, Scenario]:
     """Way and turn, or speeds, with torques; the wheels' sizes from poses where they are not known.
 
     Raises LogError where something is missing.
     """
-    if not raw.has(TORQUES):
+    if not raw.has(commands):
+        names = " and ".join(f"{name} [{KNOWN[name]}]" for name in commands)
+        other = COMMAND if commands == TORQUES else TORQUES
+        hint = "velocity" if commands == TORQUES else "torque"
         raise LogError(
-            f"{raw.name}: no torques. It needs {' and '.join(TORQUES)} [N.m], as they were "
-            "commanded to the wheels."
+            f"{raw.name}: no commands. It needs {names}, as they were sent to the base."
+            + (f" It has {' and '.join(other)}: for those take --base {hint}." * raw.has(other))
         )
     source = seen_by(raw)
     if source == COUNTS.name and not (COUNTED in sure and scenario.section(Encoder).counts):
@@ -208,19 +190,25 @@ def _samples(
             "four edges counted, as in --set encoder.counts=4096."
         )
     missing = [key for key in ROBOT if key not in sure]
-    if missing:
-        scenario = _by_poses(raw, scenario, missing, remarks)
-    samples = motion_of(raw, scenario, source)
+    if missing and (commands == TORQUES or source in (COUNTS.name, "wheel_speed")):
+        scenario = _by_poses(raw, scenario, missing, remarks, commands)
+    samples = motion_of(raw, scenario, source, commands)
     if source not in (COUNTS.name, "wheel_speed"):
         remarks.append(f"the motion is read from {source}; encoder counts tell more.")
     return samples, scenario
 
 
-def _by_poses(raw: Log, scenario: Scenario, missing: list[str], remarks: list[str]) -> Scenario:
+def _by_poses(
+    raw: Log,
+    scenario: Scenario,
+    missing: list[str],
+    remarks: list[str],
+    commands: tuple[str, ...],
+) -> Scenario:
     trial = override(scenario, {"robot.r": 1.0, "robot.l": 1.0})
     ratios = None
     if seen_by(raw) in (COUNTS.name, "wheel_speed"):
-        ratios = lint.pose_ratios(raw, motion_of(raw, trial, seen_by(raw)))
+        ratios = lint.pose_ratios(raw, motion_of(raw, trial, seen_by(raw), commands))
     if ratios is None:
         raise LogError(
             f"{raw.name}: {' and '.join(missing)} must be known, "

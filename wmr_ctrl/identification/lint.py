@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wmr_ctrl.identification.log import POSES, TORQUES, Floats, Log, LogError
+from wmr_ctrl.identification.log import POSES, TORQUES, Floats, Log, LogError, unit_of
 from wmr_ctrl.identification.reading import Samples
 from wmr_ctrl.world.encoder import COUNTS
 
@@ -22,12 +22,6 @@ STEPS = (5e-4, 0.5)
 OVER = 0.4
 """Time over which poses are compared with the wheels' turn [s]."""
 LONGEST_SHIFT = 0.5
-FACTORS = {
-    57.29577951308232: "degrees for radians", 9.549296585513721: "revolutions a minute for rad/s",
-    1000.0: "millimetres for metres", 4.0: "a quarter of the counts in a turn (or all four edges)",
-}  # fmt: skip
-NEAR = 0.08
-"""How near a ratio must be to one of these factors to be named after it."""
 
 
 def check_times(log: Log) -> None:
@@ -292,13 +286,11 @@ def _check_ratio(name: str, column: str, what: str, ratio: float) -> None:
             f"{name}: {column} turns against the wheels (ratio {ratio:.3g}): the sign of theta, or "
             "right and left of the counters, is reversed. theta grows anticlockwise."
         )
-    for factor, word in FACTORS.items():
-        for power, sense in ((1.0, word), (-1.0, " for ".join(reversed(word.split(" for "))))):
-            if abs(ratio / factor**power - 1) < NEAR:
-                raise LogError(
-                    f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels: it "
-                    f"looks like {sense}. Name the unit in the header, or set encoder.counts."
-                )
+    if sense := unit_of(ratio):
+        raise LogError(
+            f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels: it "
+            f"looks like {sense}. Name the unit in the header, or set encoder.counts."
+        )
     if not 0.5 < ratio < 2:
         raise LogError(
             f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels. Check "
@@ -339,11 +331,11 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
         )
 
 
-def check_log(log: Log) -> None:
+def check_log(log: Log, commands: tuple[str, ...] = TORQUES) -> None:
     """All that needs no knowledge of the robot."""
     check_times(log)
     check_counters(log)
-    if log.has(TORQUES) and not any(np.ptp(log.columns[name]) > 0 for name in TORQUES):
+    if log.has(commands) and not any(np.ptp(log.columns[name]) > 0 for name in commands):
         raise LogError(
-            f"{log.name}: both torques are constant, so nothing can be told of the mass."
+            f"{log.name}: {' and '.join(commands)} are constant, so nothing can be told."
         )

@@ -280,3 +280,20 @@ def seen_by(log: Log) -> str:
         f"(encoder counts), {' and '.join(WHEEL_SPEED)}, {' and '.join(SPEEDS[0])} or "
         f"{' and '.join(SPEEDS[1])}; poses alone are not enough."
     )
+
+
+FACTORS = {
+    57.29577951308232: "degrees for radians", 9.549296585513721: "revolutions a minute for rad/s",
+    1000.0: "millimetres for metres", 4.0: "a quarter of the counts in a turn (or all four edges)",
+}  # fmt: skip
+NEAR = 0.08
+"""How near a ratio must be to one of these factors to be named after it."""
+
+
+def unit_of(ratio: float) -> str | None:
+    """Units that are mistaken for each other where two columns have this ratio."""
+    for factor, word in FACTORS.items():
+        for power, sense in ((1.0, word), (-1.0, " for ".join(reversed(word.split(" for "))))):
+            if abs(ratio / factor**power - 1) < NEAR:
+                return sense
+    return None

@@ -69,12 +69,12 @@ class Samples:
         )
 
 
-def motion_of(raw: Log, scenario: Scenario, source: str) -> Samples:
+def motion_of(
+    raw: Log, scenario: Scenario, source: str, commands: tuple[str, ...] = TORQUES
+) -> Samples:
     """Samples of a log whose motion is read from ``source``."""
     r, half_track = scenario.robot.r, scenario.robot.l
-    sent, command = (
-        raw.pair(TORQUES) if raw.has(TORQUES) else raw.pair(("v_command", "omega_command"))
-    )
+    sent, command = raw.pair(commands)
     variance, of_speed = np.zeros(2), source != COUNTS.name
     if source in (COUNTS.name, "wheel_speed"):
         names = COUNTS.elements if source == COUNTS.name else ("wheel_speed[1]", "wheel_speed[2]")

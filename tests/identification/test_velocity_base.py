@@ -1,0 +1,133 @@
+"""Bases that take velocities: runs of the package's own bases give their numbers back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import identify, simulate
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.filter import command_filter
+from wmr_ctrl.identification.log import LogError
+from wmr_ctrl.scenario import loads_scenario
+
+FIRST = {"tau": [0.25, 0.15], "gain": [0.95, 1.05], "delay": 0.03}
+PI = {"loop": "pi", "kp": 150.0, "ki": 600.0, "delay": 0.04}
+
+
+def steps(base, seconds=30.0, seed=0):
+    """A log of random steps, by the loops' own equations in steps of 1 ms, with noisy speeds."""
+    rng, T, h = np.random.default_rng(seed), 0.02, 1e-3
+    count = round(seconds / T)
+    u = rng.uniform((-0.5, -1.0), (0.5, 1.0), (count // 40 + 1, 2)).repeat(40, axis=0)[:count]
+    late, inner = round(base["delay"] / h), round(T / h)
+    sent = np.vstack([np.zeros((late, 2)), u.repeat(inner, axis=0)])
+    v, ramped, seen = np.zeros(2), np.zeros(2), []
+    for k in range(count * inner):
+        if k % inner == 0:
+            seen.append(v)
+        most = np.asarray(base.get("accel", [np.inf, np.inf])) * h
+        ramped = ramped + np.clip(sent[k] - ramped, -most, most)
+        v = v + (np.array(base["gain"]) * ramped - v) * -np.expm1(-h / np.array(base["tau"]))
+    noisy = np.array(seen) + rng.normal(size=(count, 2)) * (0.003, 0.006)
+    names = ("v_command [m/s]", "omega_command [rad/s]")
+    columns = {"t [s]": np.arange(count) * T}
+    columns |= dict(zip(names, u.T, strict=True))
+    names = ("v1_measured [m/s]", "omega_measured [rad/s]")
+    columns |= dict(zip(names, noisy.T, strict=True))
+    return {name: values.tolist() for name, values in columns.items()}
+
+
+@pytest.fixture(scope="module")
+def found():
+    return identify(steps(FIRST), base="velocity")
+
+
+def near(item, truth):
+    """Three half-widths: an interval of 95 % misses by that much once in 1e8."""
+    return abs(item.value - truth) <= 3 * max(item.high - item.value, item.value - item.low)
+
+
+def test_a_first_order_base_gives_its_numbers_back(found):
+    assert found.bounds.loop == "first-order"
+    for axis in (1, 2):
+        assert near(found.parameters[f"tau{axis}"], FIRST["tau"][axis - 1])
+        assert near(found.parameters[f"gain{axis}"], FIRST["gain"][axis - 1])
+        assert near(found.parameters[f"delay{axis}"], FIRST["delay"])
+        for name in ("tau", "gain", "delay"):
+            assert found.parameters[f"{name}{axis}"].verdict == "told", name
+    assert min(found.score.foretold) > 0.98
+
+
+def test_a_limit_that_was_never_met_is_not_told_and_has_no_upper_end(found):
+    item = found.parameters["accel1"]
+
+    assert item.verdict == "not told"
+    assert item.high == np.inf
+    assert item.low > 1.0
+    assert any("acceleration limit" in text for text in found.remarks)
+
+
+def test_the_scenario_runs_behind_its_filter(found):
+    scenario = loads_scenario(found.to_toml())
+
+    assert scenario == found.scenario
+    assert scenario.filter.kind == "governor"
+    command_filter(scenario)
+    run = simulate(scenario, "kanayama", overrides={"clock.duration": 1.0})
+    assert run.monitor.violations == 0
+    # The peak gain of a family of first-order loops is its largest gain.
+    assert found.bounds.peak_gain[0] == scenario.filter.gain[1]
+
+
+def test_what_is_no_log_of_such_a_base_is_refused_by_name():
+    log = steps(FIRST, 12.0)
+    reversed_ = {**log, "v_command [m/s]": [-x for x in log["v_command [m/s]"]]}
+    degrees = {**log, "omega_measured [rad/s]": [57.3 * x for x in log["omega_measured [rad/s]"]]}
+
+    with pytest.raises(LogError, match="sign of one of both is reversed"):
+        identify(reversed_, base="velocity")
+    with pytest.raises(LogError, match="degrees for radians"):
+        identify(degrees, base="velocity")
+    with pytest.raises(LogError, match="--base velocity"):
+        identify(log)
+    with pytest.raises(ArgumentError, match="torque, velocity"):
+        identify(log, base="wheels")
+
+
+@pytest.mark.slow
+def test_an_acceleration_limit_is_told_apart_from_a_time_constant():
+    base = {"tau": [0.1, 0.1], "gain": [1.0, 1.0], "delay": 0.02, "accel": [0.8, 2.0]}
+
+    found = identify(steps(base), base="velocity")
+
+    for axis in (1, 2):
+        assert near(found.parameters[f"accel{axis}"], base["accel"][axis - 1])
+        assert found.parameters[f"tau{axis}"].value == pytest.approx(0.1, rel=0.15)
+    assert found.scenario.filter.kind == "clip"
+
+
+@pytest.mark.slow
+def test_a_pi_loop_of_a_run_gives_its_peak_gain_back(tmp_path):
+    """kp/M, ki/M and kp l^2/I of a run on encoders, and a filter for the family of them."""
+    m, inertia, half = 50.0, 5.4, 0.25
+    made = simulate("paper-simulation-noise-free", "kanayama", overrides={
+        "changes": [], "base": {"kind": "velocity", **PI}, "clock.control": 0.02,
+        "clock.duration": 30.0, "reference.kind": "stop-and-go", "encoder.counts": 4096,
+        "robot.mu": 0.0, "disturbance.std": 0.2,
+    })  # fmt: skip
+    path = tmp_path / "run.npz"
+    made.save(path)
+
+    with pytest.raises(ArgumentError, match="--base velocity"):
+        identify(path)
+    found = identify(path, base="velocity")
+
+    assert found.bounds.loop == "pi"
+    for axis, mass in enumerate((m, inertia / half**2), 1):
+        wn = np.sqrt(PI["ki"] / mass)
+        assert found.parameters[f"wn{axis}"].value == pytest.approx(wn, rel=0.02)
+        zeta = PI["kp"] / (2 * np.sqrt(PI["ki"] * mass))
+        assert found.parameters[f"zeta{axis}"].value == pytest.approx(zeta, rel=0.03)
+    assert found.scenario.filter.loop == "pi"
+    assert found.scenario.filter.kind == "clip", found.remarks

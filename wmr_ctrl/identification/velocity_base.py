@@ -1,0 +1,329 @@
+"""From a log of commanded and measured velocities to a scenario with [base] and [filter]."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
+from wmr_ctrl.identification.axis import AxisLog, axis_log, check_following, shifted_gain
+from wmr_ctrl.identification.bounds import BaseIdentification, FilterBounds
+from wmr_ctrl.identification.estimate import (
+    AFFECTED,
+    FREE_RUN,
+    HELD_OUT,
+    NOT_TOLD,
+    Estimate,
+    Score,
+    plant_step,
+    verdict,
+)
+from wmr_ctrl.identification.log import COMMAND, LogError
+from wmr_ctrl.identification.reading import Samples
+from wmr_ctrl.identification.speed_loop import (
+    LoopFit,
+    best_loop,
+    fitted,
+    forecast,
+    least_acceleration,
+)
+from wmr_ctrl.scenario import Scenario, override
+
+AXES = (1, 2)
+SMOOTHED = 0.1
+"""Time over which deviations are averaged before the largest counts as a push [s]: shorter ones
+are the sensors'."""
+LEAST_DRIVEN = 1e-3
+USUAL_STEPS = 18
+PLACES = {
+    "base.tau": ("tau1", "tau2"), "base.gain": ("gain1", "gain2"),
+    "base.kp": ("wn1", "zeta1", "wn2", "zeta2"), "base.delay": ("delay1", "delay2"),
+    "base.accel": ("accel1", "accel2"), "filter.gain": ("gain1", "gain2"),
+}  # fmt: skip
+"""Keys of the scenario, and the parameters whose intervals stand beside them."""
+
+
+@dataclass(frozen=True)
+class VelocityIdentification(BaseIdentification):
+    """What a log told of a base that takes velocities; ``fits``: of v and omega, if driven."""
+
+    bounds: FilterBounds
+    fits: tuple[LoopFit | None, LoopFit | None]
+    places = PLACES
+
+
+def of_velocities(
+    name: str,
+    log: Samples,
+    scenario: Scenario,
+    remarks: list[str],
+    progress: Callable[[float], None],
+) -> VelocityIdentification:
+    """The base of a log; raises LogError where it tells nothing."""
+    done = [0]
+
+    def tell() -> None:
+        done[0] += 1
+        progress(min(0.95, done[0] / USUAL_STEPS))
+
+    axes = [axis_log(log, axis) for axis in (0, 1)]
+    driven = [bool(np.std(axis.sent) > LEAST_DRIVEN) for axis in axes]
+    if not any(driven):
+        raise LogError(f"{name}: both commands are constant, so nothing can be told of the base.")
+    for axis, drives, column in zip(axes, driven, COMMAND, strict=True):
+        if drives:
+            check_following(name, column, *shifted_gain(axis), log.period)
+    fits = _same_loop(axes, driven, tell)
+    estimates = _estimates(fits, log.period)
+    if all(item.verdict == NOT_TOLD for item in estimates.values()):
+        raise LogError(
+            f"{name}: the log tells nothing of the base. Change both commands by steps, apart from "
+            "each other."
+        )
+    remarks += _remarks(fits, estimates)
+    bounds, identified = _scenario(name, scenario, log, fits, estimates, remarks)
+    score = _score(axes, fits, tell)
+    progress(1.0)
+    return VelocityIdentification(name, estimates, bounds, tuple(remarks), score, identified, fits)
+
+
+def _same_loop(
+    axes: list[AxisLog], driven: list[bool], tell: Callable[[], None]
+) -> tuple[LoopFit | None, LoopFit | None]:
+    """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
+    first, second = (
+        best_loop(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
+    )
+    if first is None or second is None or first.loop == second.loop:
+        return first, second
+    others = (
+        (first, best_loop(axes[1], tell, (first.loop,))),
+        (best_loop(axes[0], tell, (second.loop,)), second),
+    )
+    return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
+def _estimates(fits: tuple[LoopFit | None, LoopFit | None], period: float) -> dict[str, Estimate]:
+    """Value, interval and verdict of each parameter of both axes."""
+    estimates = {}
+    for axis, fit in zip(AXES, fits, strict=True):
+        if fit is None:
+            continue
+        halves = fit.half_widths(plant_step(period) / 2).tolist()
+        for (name, value), half in zip(fit.values.items(), halves, strict=True):
+            if name == "delay":
+                low, high, share = max(value - half, 0.0), value + half, half / max(value, period)
+            else:
+                half = min(half, 50.0)
+                low, high = value * math.exp(-half), value * math.exp(half)
+                share = half
+            item = Estimate(value, low, high, verdict(share, 1.0), share=share)
+            estimates[f"{name}{axis}"] = item
+        if "accel" not in fit.names:
+            least = least_acceleration(fit)
+            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, NOT_TOLD, share=9.0)
+    return estimates
+
+
+def _remarks(
+    fits: tuple[LoopFit | None, LoopFit | None], estimates: Mapping[str, Estimate]
+) -> list[str]:
+    remarks = [
+        "gains are against the log's own measured speeds: what is off in a wheel's radius or "
+        "track is in both, and no log of wheels tells it. Add it to filter.gain."
+    ]
+    for axis, fit, column in zip(AXES, fits, COMMAND, strict=True):
+        if fit is None:
+            remarks.append(f"{column} is constant: nothing is told of that axis.")
+        elif "accel" not in fit.names:
+            unit = ("m/s2", "rad/s2")[axis - 1]
+            remarks.append(
+                f"no acceleration limit shows in {column}: if there is one, it is above "
+                f"{estimates[f'accel{axis}'].low:.3g} {unit}."
+            )
+    vague = [name for name, item in estimates.items() if item.verdict == NOT_TOLD and
+             not name.startswith("accel")]  # fmt: skip
+    if vague:
+        remarks.append(
+            f"not told: {', '.join(vague)}. Steps of the command tell them, each held until the "
+            "speed has settled."
+        )
+    return remarks
+
+
+def _scenario(
+    name: str,
+    scenario: Scenario,
+    log: Samples,
+    fits: tuple[LoopFit | None, LoopFit | None],
+    estimates: Mapping[str, Estimate],
+    remarks: list[str],
+) -> tuple[FilterBounds, Scenario]:
+    """The scenario of the base, whose filter is on where its numbers can be met."""
+    T = float(f"{log.period:.4g}")
+    step, count = plant_step(T), max(1, round(scenario.clock.duration / T))
+    clock = replace(scenario.clock, control=T, plant=step, duration=count * T)
+    base = replace(
+        scenario,
+        clock=clock,
+        changes=(),
+        model=type(scenario.model)(),
+        actuator=type(scenario.actuator)(),
+        effects={k: v for k, v in scenario.effects.items() if k not in AFFECTED},
+    )
+    seen = [fit for fit in fits if fit is not None]
+    d1, d2 = (0.0 if fit is None else _largest(fit) for fit in fits)
+    both = [fit or seen[0] for fit in fits]
+    values = [fit.values for fit in both]
+    delays = [estimates[key] for key in ("delay1", "delay2") if key in estimates]
+    late = max(round(float(np.mean([item.value for item in delays])) / step), 0) * step
+    accel = [item.get("accel", math.inf) for item in values]
+    ends = min([late, *(item.low for item in delays)]), max([late, *(i.high for i in delays)])
+    result = override(base, {
+        "title": f"identified from {name}", "robot.mu": 0.0, "base.kind": "velocity",
+        "base.delay": late, "base.accel": accel, "base.decel": accel, "guard.enabled": False,
+        "filter.kind": "none", "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
+    })  # fmt: skip
+    loop = both[0].loop
+    hull = _hulls(estimates)
+    result = _FAMILIES[loop](result, values, hull, (d1, d2))
+    kind = "governor" if loop == "first-order" and not any(map(math.isfinite, accel)) else "clip"
+    remarks += _said_of(loop, base.robot.m)
+    stated = override(result, {"filter.kind": kind, "filter.delay": list(ends)})
+    linear = loop != "first-order"
+    peak = [item.gain for item in peak_gains(stated)] if linear else [hull["gain"][1]] * 2
+    peak = [most if fit is not None else math.inf for most, fit in zip(peak, fits, strict=True)]
+    sentence = (
+        f"largest deviation, averaged over {SMOOTHED:g} s, that was seen in "
+        f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
+    )
+    bounds = FilterBounds(loop, (peak[0], peak[1]), (d1, d2), ends, sentence)
+    missing = [column for fit, column in zip(fits, COMMAND, strict=True) if fit is None]
+    if missing:
+        remarks.append(f"the filter is off: {missing[0]} never changed. Drive both axes.")
+        return bounds, result
+    try:
+        settle(stated, None)
+    except ScenarioError as error:
+        remarks.append(f"the filter is off: with these numbers it is refused. {error}")
+        return bounds, result
+    return bounds, stated
+
+
+def _said_of(loop: str, m: float) -> list[str]:
+    """Remarks on what the scenario cannot hold of a kind of loop."""
+    said = {
+        "second-order": (
+            "the loop is second-order without a zero, and runs know first-order and PI loops "
+            "alone: runs take the first-order loop of the same gain and mean lag, and "
+            "filter.trust lets the filter, which counts on the identified loop, pass there."
+        ),
+        "pi": (
+            f"kp and ki go with robot.m = {m:g} kg as it was given: a log of velocities tells kp/M "
+            "and ki/M alone. Coulomb friction is left to the loop (robot.mu = 0), and filter.push "
+            "is the least push that makes the largest deviation seen."
+        ),
+    }
+    return [said[loop]] if loop in said else []
+
+
+def _largest(fit: LoopFit) -> float:
+    """Largest deviation of the speed from what was foretold, averaged over SMOOTHED."""
+    wide = max(round(SMOOTHED / fit.log.period), 1)
+    left = np.where(fit.log.counted, fit.left, 0.0)
+    return float(np.abs(np.convolve(left, np.ones(wide) / wide, "valid")).max())
+
+
+def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, tuple[float, float]]:
+    """Intervals of each kind of parameter that hold those of both axes."""
+    names = {name[:-1] for name in estimates}
+    pairs = {name: [estimates[k] for k in estimates if k[:-1] == name] for name in names}
+    return {k: (min(i.low for i in v), max(i.high for i in v)) for k, v in pairs.items()}
+
+
+def _of_first_order(
+    scenario: Scenario,
+    values: list[dict[str, float]],
+    hull: Mapping[str, tuple[float, float]],
+    d: tuple[float, float],
+) -> Scenario:
+    return override(scenario, {
+        "base.loop": "first-order", "base.tau": [item["tau"] for item in values],
+        "base.gain": [item["gain"] for item in values], "filter.loop": "first-order",
+        "filter.tau": list(hull["tau"]), "filter.gain": list(hull["gain"]), "filter.d": list(d),
+    })  # fmt: skip
+
+
+def _of_second_order(
+    scenario: Scenario,
+    values: list[dict[str, float]],
+    hull: Mapping[str, tuple[float, float]],
+    d: tuple[float, float],
+) -> Scenario:
+    return override(scenario, {
+        "base.loop": "first-order", "base.tau": [2 * v["zeta"] / v["wn"] for v in values],
+        "base.gain": [item["gain"] for item in values], "filter.loop": "second-order",
+        "filter.damping": list(hull["zeta"]), "filter.frequency": list(hull["wn"]),
+        "filter.gain": list(hull["gain"]), "filter.d": list(d), "filter.trust": True,
+    })  # fmt: skip
+
+
+def _of_pi(
+    scenario: Scenario,
+    values: list[dict[str, float]],
+    hull: Mapping[str, tuple[float, float]],
+    d: tuple[float, float],
+) -> Scenario:
+    """A PI loop of both wheels: kp and ki on robot.m, and the inertia that turns as was seen."""
+    m, l = scenario.robot.m, scenario.robot.l
+    pulls = [(2 * v["zeta"] * v["wn"], v["wn"] ** 2) for v in values]
+    # Both ratios of v over omega are I/(m l^2) in a loop that both wheels share.
+    heavier = math.sqrt(pulls[0][0] / pulls[1][0] * (pulls[0][1] / pulls[1][1]))
+    inertia = m * l**2 * heavier
+    (wn, wn_most), (zeta, zeta_most) = hull["wn"], hull["zeta"]
+    own = min(1.0, heavier), max(1.0, heavier)
+    result = override(scenario, {
+        "base.loop": "pi", "robot.I": inertia,
+        "base.kp": m * pulls[0][0], "base.ki": m * pulls[0][1], "filter.loop": "pi",
+        "filter.mass": [m, m], "filter.inertia": [inertia, inertia],
+        "filter.kp": [2 * m * zeta * wn * own[0], 2 * m * zeta_most * wn_most * own[1]],
+        "filter.ki": [m * wn**2 * own[0], m * wn_most**2 * own[1]],
+    })  # fmt: skip
+    pushes = [d[axis] / pi_loop(result, axis).peak(1.0).push * (1.0, l**2)[axis] for axis in (0, 1)]
+    return override(result, {"filter.push": pushes})
+
+
+_FAMILIES = {"first-order": _of_first_order, "pi": _of_pi, "second-order": _of_second_order}
+
+
+def _score(
+    axes: list[AxisLog],
+    fits: tuple[LoopFit | None, LoopFit | None],
+    tell: Callable[[], None],
+) -> Score:
+    """How well the last third is foretold from commands alone by a fit of the rest."""
+    t = axes[0].t
+    cut = float(t[-1] - HELD_OUT * (t[-1] - t[0]))
+    shares = []
+    for axis, fit in zip(axes, fits, strict=True):
+        if fit is None:
+            shares.append((math.nan, math.nan))
+            continue
+        trained = fitted(axis.until(cut), fit.loop, fit.names, fit.theta, 4)
+        tell()
+        rest = (t >= cut) & axis.counted
+        seen = axis.speed
+        turn = np.floor((t - t[0]) / FREE_RUN)
+        held = seen[np.searchsorted(turn, turn)]
+        total = max(float(np.sum((seen - seen[rest].mean())[rest] ** 2)), 1e-12)
+        apart = [
+            float(np.sum((item - seen)[rest] ** 2)) for item in (forecast(trained, axis), held)
+        ]
+        shares.append((1 - apart[0] / total, 1 - apart[1] / total))
+    ours, constant = zip(*shares, strict=True)
+    return Score((ours[0], ours[1]), (constant[0], constant[1]), cut)
