@@ -11,6 +11,7 @@ from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL
 from wmr_ctrl.identification.fit import packed, searched
 from wmr_ctrl.identification.graph import torque_graph
+from wmr_ctrl.identification.log import LogError
 from wmr_ctrl.identification.reading import CompiledFilter, Samples, events_of
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
@@ -68,6 +69,21 @@ def test_a_bag_tells_what_its_columns_tell(driven, found, tmp_path):
         assert other.parameters[name].value == pytest.approx(
             found.parameters[name].value, rel=1e-4, abs=1e-6
         )
+
+
+def test_currents_tell_what_torques_tell_once_an_ampere_is_known(driven, found):
+    log, k = log_of(driven, 0), 0.5
+    for side in ("right", "left"):
+        torque = log.pop(f"tau_{side} [N.m]")
+        log[f"current_{side} [A]"] = [value / k for value in torque]
+
+    with pytest.raises(LogError, match="--torque-constant"):
+        identify(log, overrides=KNOWN)
+    other = identify(log, overrides=KNOWN, torque_constant=k)
+
+    assert any("currents" in text for text in other.remarks)
+    for name in PHYSICAL:
+        assert other.parameters[name].value == pytest.approx(found.parameters[name].value)
 
 
 @pytest.mark.slow

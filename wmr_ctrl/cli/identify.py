@@ -43,6 +43,12 @@ if TYPE_CHECKING:
     metavar="ROLE=NAME,...",
     help="Of a bag: odom=, cmd=, joints= and effort= name topics, right= and left= joints.",
 )
+@click.option(
+    "--torque-constant",
+    type=float,
+    metavar="K",
+    help="Torque at a wheel per ampere [N.m/A], for current_right [A] and current_left [A].",
+)
 @click.option("--plot", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 @click.option("--report", metavar="FILE", help="One page with all of it: .html.")
 @click.option("--propose", metavar="FILE", help="A drive that tells more, as t, v, omega: .csv.")
@@ -62,6 +68,7 @@ def identify(
     robot: str | None,
     assignments: tuple[str, ...],
     topics: str | None,
+    torque_constant: float | None,
     plot: str | None,
     report: str | None,
     propose: str | None,
@@ -85,13 +92,9 @@ def identify(
     check_output(plot, (".png", ".svg", ".pdf"), "--plot")
     check_output(report, (".html",), "--report")
     check_output(propose, (".csv",), "--propose")
-    drawn = [key for key, path in (("--plot", plot), ("--report", report), ("--propose", propose))
-             if path and base == "velocity"]  # fmt: skip
-    if drawn:
-        raise ArgumentError(
-            f"{drawn[0]} is for --base torque. For a base that takes velocities take --out or "
-            "--json."
-        )
+    for key, path in (("--plot", plot), ("--report", report), ("--propose", propose)):
+        if path and base == "velocity":
+            raise ArgumentError(f"{key} is for --base torque. Take --out or --json here.")
     from wmr_ctrl.identification import Identification
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.results import atomic_text
@@ -104,6 +107,7 @@ def identify(
             known=robot,
             overrides=parse_assignments(assignments),
             topics=_roles(topics),
+            torque_constant=torque_constant,
             progress=progress,
         )
     if out:

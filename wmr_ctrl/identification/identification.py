@@ -51,6 +51,7 @@ from wmr_ctrl.identification.log import (
     of_columns,
     read_log,
     seen_by,
+    with_torques,
 )
 from wmr_ctrl.identification.reading import COUNTED as MEASURED
 from wmr_ctrl.identification.reading import CompiledFilter, Floats, Samples, motion_of
@@ -124,20 +125,23 @@ def identify(
     known: str | Path | Scenario | None = None,
     overrides: Mapping[str, object] | None = None,
     topics: Mapping[str, str] | None = None,
+    torque_constant: float | None = None,
     progress: Progress | None = None,
 ) -> BaseIdentification:
     """Identify a robot from a log: a CSV file, a bag, a saved run, or columns by ``name [unit]``.
 
     ``base`` is what the base takes: "torque", or "velocity" (v, omega).
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
-    ``overrides`` are put on it; ``topics`` names a bag's by role.  Raises LogError for a log that
-    something is wrong with or that tells nothing, ScenarioError, ArgumentError, ResultFileError,
-    MissingExtraError, CompilerError.
+    ``overrides`` are put on it; ``topics`` names a bag's by role; ``torque_constant`` [N.m/A] makes
+    torques of motor currents.  Raises LogError for a log that something is wrong with or that tells
+    nothing, ScenarioError, ArgumentError, ResultFileError, MissingExtraError, CompilerError.
     """
     if base not in KINDS:
         raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
     commands = TORQUES if base == "torque" else COMMAND
     raw = of_columns("log", log) if isinstance(log, Mapping) else read_log(log, topics)
+    if base == "torque" or torque_constant is not None:
+        raw = with_torques(raw, torque_constant)
     if raw.base is not None and takes_velocity(raw.base) != (base == "velocity"):
         kind = raw.base.section(BaseKind).kind
         raise ArgumentError(

@@ -240,6 +240,37 @@ def of_columns(name: str, columns: Mapping[str, Sequence[float]]) -> Log:
     return _of_table(name, list(columns), table)
 
 
+def with_torques(log: Log, constant: float | None) -> Log:
+    """The log with torques made of motor currents, by newton metres at a wheel per ampere.
+
+    Raises ArgumentError where that is not positive, or there are no currents; LogError where there
+    are currents alone and it is not given.
+    """
+    if constant is None:
+        if log.has(CURRENT) and not log.has(TORQUES):
+            raise LogError(
+                f"{log.name} has motor currents and no torques. Currents tell masses and frictions "
+                "over the torque that an ampere makes alone; delay and lag need no torque. Give "
+                "that torque at the wheel, gear included, as in --torque-constant 0.6; with 1 for "
+                "it, m, I and frictions come out over it, and no scenario of that is to be run."
+            )
+        return log
+    if not 0 < constant < math.inf:
+        raise ArgumentError(f"torque_constant = {constant:g} N.m/A must be positive and finite.")
+    if not log.has(CURRENT):
+        raise ArgumentError(
+            f"torque_constant is for motor currents, and {log.name} has no {' and '.join(CURRENT)}."
+        )
+    times, columns = dict(log.times), dict(log.columns)
+    for torque, current in zip(TORQUES, CURRENT, strict=True):
+        times[torque], columns[torque] = log.times[current], constant * log.columns[current]
+    said = (
+        f"torques are currents times {constant:g} N.m/A: an error of that factor is in m, I and "
+        "all frictions alike, and in no interval; delay and lag do not hang on it."
+    )
+    return replace(log, times=times, columns=columns, remarks=(*log.remarks, said))
+
+
 MOST_COUNTS = 1_000_000
 """Counts of a turn where angles show no steps."""
 
