@@ -21,7 +21,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry, Path
-from outside import KEPT, RATE, SURE
+from outside import KEPT, ON_THE_WAY, RATE, SURE
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
@@ -140,17 +140,19 @@ def main(scenario: str) -> None:
         back = [(x + 1.5, y + 0.1) for x, y in PATH]
         base.follow(back)
         base.go(5, lambda: base.speed[0] > 0.15)
-        base.seen.clear()
         process.send_signal(signal.SIGSTOP)
+        base.go(ON_THE_WAY)
+        base.seen.clear()
         base.go(0.6)
         found["while frozen"] = len(base.seen)
         process.send_signal(signal.SIGCONT)
         base.go(0.5)
         found["thawed"] = [v for _, v in base.seen][:3]
         found["goes on"] = base.go(5, lambda: base.speed[0] > 0.15)
-        base.seen.clear()
         process.kill()
         process.wait()
+        base.go(ON_THE_WAY)
+        base.seen.clear()
         base.go(0.5)
         found["after the kill"] = len(base.seen)
         base.speed = 0.0, 0.0  # a base's own time-out

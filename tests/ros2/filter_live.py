@@ -15,7 +15,7 @@ import time
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from outside import SURE, World
+from outside import ON_THE_WAY, SURE, World
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
@@ -84,15 +84,15 @@ def in_a_namespace(scenario: str) -> dict[str, object]:
         found["scaled"] = speeds(world, 0.6)[-1]
         set_scale(world, 1.0)
         world.drive()
-        world.seen.clear()
         world.process.send_signal(signal.SIGSTOP)
-        world.go(0.6, command=False)
-        found["while frozen"] = len(world.seen)
+        speeds(world, ON_THE_WAY)
+        found["while frozen"] = len(speeds(world, 0.6, command=False))
         world.process.send_signal(signal.SIGCONT)
         found["thawed"] = speeds(world, 0.6, command=False)
         world.drive()
         world.process.kill()
         world.process.wait()
+        speeds(world, ON_THE_WAY)
         found["after the kill"] = len(speeds(world, 0.5))
         world.seen.clear()
         world.process = start(scenario, *SPACE)

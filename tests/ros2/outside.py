@@ -30,6 +30,8 @@ KEPT = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 RATE = 0.02
+ON_THE_WAY = 0.2
+"""Time in which what was sent before a signal has arrived [s]."""
 
 
 class World:
