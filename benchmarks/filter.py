@@ -6,18 +6,15 @@ One base after the other in time: each step begins from the memory that the last
 from __future__ import annotations
 
 import ctypes
-import tempfile
 from collections.abc import Mapping
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.drive import in_place
-from benchmarks.native import HERE, load
+from benchmarks.native import load_filter
 from benchmarks.timing import Candidate, measure_in_processes
-from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.filter import filter_system
 from wmr_ctrl.scenario import load_scenario
 
@@ -49,13 +46,7 @@ def candidates() -> dict[str, Candidate]:
     for name, (changes, steps) in CASES.items():
         scenario = load_scenario("paper-simulation", {**STATED, **changes})
         system, draw = filter_system(scenario), np.random.default_rng(0)
-        with tempfile.TemporaryDirectory() as folder:
-            files = [HERE / "filter_step.c"]
-            for file, text in package_files("filter", scenario).items():
-                if file in ("wmr_filter.h", "wmr_filter.c", "arithmetic.h"):
-                    files.append(Path(folder) / file)
-                    files[-1].write_text(text, encoding="utf-8")
-            library = load(files, "filter_step")
+        library = load_filter(scenario, "filter_step")
         state, width = np.zeros(max(system.x.numel(), 1)), system.u.numel()
         library.filter_begin(state.ctypes.data_as(ctypes.c_void_p))
         rows = np.zeros((64, width))

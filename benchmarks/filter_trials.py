@@ -9,24 +9,20 @@ unnoticed would say nothing.
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import itertools
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.native import load
-from benchmarks.parts import renew
+from benchmarks.native import load_filter
+from benchmarks.parts import page_parser, renew
 from tests.filter.adversary import Base, Sender, fastest
 from tests.filter.linear_base import driven, impulses, pi_base, second_order_base
-from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.filter import filter_system
 from wmr_ctrl.scenario import Scenario, load_scenario
 
@@ -34,7 +30,6 @@ NAME = "trials"
 TRIALS, BROKEN_TRIALS, BATCH = 100_000, 2_000, 2_000
 SAMPLES, T, PARTS = 120, 0.05, 4
 Floats = NDArray[np.float64]
-HERE = Path(__file__).parent
 
 
 class Compiled:
@@ -42,14 +37,7 @@ class Compiled:
 
     def __init__(self, scenario: Scenario) -> None:
         """Compile it; CompilerError where that fails."""
-        with tempfile.TemporaryDirectory() as folder:
-            files = []
-            for name, text in package_files("filter", scenario).items():
-                files.append(Path(folder) / name)
-                files[-1].write_text(text, encoding="utf-8")
-            wanted = ("wmr_filter.h", "wmr_filter.c", "arithmetic.h")
-            kept = [file for file in files if file.name in wanted]
-            self._many = load([*kept, HERE / "filter_trials.c"], "filter_trials").wmr_filter_many
+        self._many = load_filter(scenario, "filter_trials").wmr_filter_many
         self.system = filter_system(scenario)
 
     def sender(self, trials: int) -> Sender:
@@ -346,12 +334,7 @@ def row(statement: Statement, trials: int, broken: int) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run all trials, print the table, and with ``--out`` renew its part of the page."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="a hundredth of the trials")
-    parser.add_argument("--out", type=Path, help="page whose part is renewed")
-    given = parser.parse_args(arguments)
+    given = page_parser(__doc__, "a hundredth of the trials").parse_args(arguments)
     share = 100 if given.quick else 1
     lines = [
         "| statement | trials | breaks | largest \\|v\\|/V | broken by 5 %: share of "

@@ -10,14 +10,13 @@ was interrupted goes on from there.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.parts import renew
+from benchmarks.parts import page_parser, renew
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.checks import stability
 from wmr_ctrl.laws.prox import guide
@@ -139,11 +138,7 @@ def table(pairs: Sequence[Sequence[Place]]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Tune what is not tuned yet, judge all, print the table, and with ``--out`` renew it."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="one case, few trials")
-    parser.add_argument("--out", type=Path, help="page whose part about the front is renewed")
+    parser = page_parser(__doc__, "one case, few trials")
     parser.add_argument("--work", type=Path, default=Path("build/front"), help="what is kept")
     given = parser.parse_args(arguments)
     given.work.mkdir(parents=True, exist_ok=True)

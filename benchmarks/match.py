@@ -9,7 +9,6 @@ drawn alike around its own start, on a training seed.  The plant is the product'
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,6 +30,7 @@ from benchmarks.contenders import (
     Step,
     contenders,
 )  # fmt: skip
+from benchmarks.parts import page_parser
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.results import atomic_text, percent
 from wmr_ctrl.scenario import Scenario, override
@@ -214,11 +214,7 @@ def _drawn(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Play all matches, print the tables, and with ``--out`` renew the page behind its mark."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="short runs, two contenders, one case")
-    parser.add_argument("--out", type=Path, help="page whose part behind its mark is renewed")
+    parser = page_parser(__doc__, "short runs, two contenders, one case")
     given = parser.parse_args(arguments)
     if given.out and MARK not in _text(given.out):
         parser.error(f"{given.out} is no page with the line {MARK!r}, behind which tables belong")

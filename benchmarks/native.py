@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
+from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent
 """Folder of the benchmarks, which also holds their C."""
@@ -35,5 +37,19 @@ def load(files: Sequence[Path], name: str, extra: Sequence[str] = ()) -> ctypes.
 
     Raises CompilerError if there is no compiler or it refuses the source.
     """
-    sources = {file.name: file.read_bytes() for file in files}
+    return _load({file.name: file.read_bytes() for file in files}, name, extra)
+
+
+def load_filter(scenario: Scenario, own: str) -> ctypes.CDLL:
+    """Compile the filter's package of a scenario with this folder's file ``own``.c, and load it.
+
+    Raises as `load` does.
+    """
+    package = package_files("filter", scenario)
+    wanted = ("wmr_filter.h", "wmr_filter.c", "arithmetic.h")
+    sources = {name: package[name].encode() for name in wanted if name in package}
+    return _load({**sources, f"{own}.c": (HERE / f"{own}.c").read_bytes()}, own)
+
+
+def _load(sources: Mapping[str, bytes], name: str, extra: Sequence[str] = ()) -> ctypes.CDLL:
     return ctypes.CDLL(str(build_library(sources, floor_toolchain(extra), name=name)))

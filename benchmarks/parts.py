@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import atomic_text
+
+
+def page_parser(description: str | None, quick: str) -> argparse.ArgumentParser:
+    """Arguments of a benchmark that renews a part of a page; ``quick``: what --quick leaves."""
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true", help=quick)
+    parser.add_argument("--out", type=Path, help="page whose part is renewed")
+    return parser
 
 
 def renew(page: Path, name: str, text: str) -> None:

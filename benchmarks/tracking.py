@@ -8,14 +8,12 @@ distance from the desired position over the last quarter: the median and the wor
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from benchmarks.parts import renew
+from benchmarks.parts import page_parser, renew
 from wmr_ctrl.api import simulate
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.laws.registry import NAMES
@@ -84,12 +82,7 @@ def section(preset: str, period: float, laws: Sequence[str]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run all, print the tables, and with ``--out`` renew them."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="one period, one law")
-    parser.add_argument("--out", type=Path, help="page whose part about tracking is renewed")
-    given = parser.parse_args(arguments)
+    given = page_parser(__doc__, "one period, one law").parse_args(arguments)
     places, laws = (PLACES[-1:], NAMES[-1:]) if given.quick else (PLACES, NAMES)
     made = "\n\n".join(section(preset, period, laws) for preset, period in places)
     if given.out:

@@ -7,16 +7,14 @@ nobody was told of.
 
 from __future__ import annotations
 
-import argparse
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.parts import renew
+from benchmarks.parts import page_parser, renew
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.laws import LAWS
@@ -179,12 +177,7 @@ def table(place: Place, results: Sequence[Result]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Play all, print the tables, and with ``--out`` renew their part of the page."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="one law, one set of gains")
-    parser.add_argument("--out", type=Path, help="page whose part is renewed")
-    given = parser.parse_args(arguments)
+    given = page_parser(__doc__, "one law, one set of gains").parse_args(arguments)
     players, budget = (PLAYERS[:1], 1) if given.quick else (PLAYERS, BUDGET)
     parts = []
     for place in PLACES:

@@ -102,13 +102,13 @@ def _whitener(
     """Filter that whitens what is left, and which samples it is whole for."""
     if not order:
         return lambda x: x, counted
-    behind = np.column_stack([np.roll(left, k) for k in range(1, ORDER + 1)])
-    whole = counted & np.all([np.roll(counted, k) for k in range(1, ORDER + 1)], axis=0)
-    whole[:ORDER] = False
+    behind = np.column_stack([np.roll(left, k) for k in range(1, order + 1)])
+    whole = counted & np.all([np.roll(counted, k) for k in range(1, order + 1)], axis=0)
+    whole[:order] = False
     a = np.linalg.lstsq(behind[whole], left[whole], rcond=None)[0]
 
     def whiten(x: Floats) -> Floats:
-        return np.asarray(x - sum(a[k] * np.roll(x, k + 1, axis=0) for k in range(ORDER)))
+        return np.asarray(x - sum(a[k] * np.roll(x, k + 1, axis=0) for k in range(order)))
 
     return whiten, whole
 

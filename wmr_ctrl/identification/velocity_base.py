@@ -191,7 +191,10 @@ def _scenario(
     })  # fmt: skip
     loop = both[0].loop
     hull = _hulls(estimates)
-    result = _FAMILIES[loop](result, values, hull, (d1, d2))
+    if loop == "pi":
+        result = _of_pi(result, values, hull, (d1, d2))
+    else:
+        result = _of_relaxing(result, loop, values, hull, (d1, d2))
     kind = "governor" if loop == "first-order" and not any(map(math.isfinite, accel)) else "clip"
     remarks += _said_of(loop, base.robot.m)
     stated = override(result, {"filter.kind": kind, "filter.delay": list(ends)})
@@ -246,30 +249,26 @@ def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, tuple[float, float]]:
     return {k: (min(i.low for i in v), max(i.high for i in v)) for k, v in pairs.items()}
 
 
-def _of_first_order(
+def _of_relaxing(
     scenario: Scenario,
+    loop: str,
     values: list[dict[str, float]],
     hull: Mapping[str, tuple[float, float]],
     d: tuple[float, float],
 ) -> Scenario:
+    """A first-order loop for runs, of the same mean lag where the identified one is of second."""
+    if loop == "first-order":
+        tau = [item["tau"] for item in values]
+        counted: dict[str, object] = {"filter.tau": list(hull["tau"])}
+    else:
+        tau = [2 * item["zeta"] / item["wn"] for item in values]
+        counted = {
+            "filter.damping": list(hull["zeta"]), "filter.frequency": list(hull["wn"]),
+            "filter.trust": True,
+        }  # fmt: skip
     return override(scenario, {
-        "base.loop": "first-order", "base.tau": [item["tau"] for item in values],
-        "base.gain": [item["gain"] for item in values], "filter.loop": "first-order",
-        "filter.tau": list(hull["tau"]), "filter.gain": list(hull["gain"]), "filter.d": list(d),
-    })  # fmt: skip
-
-
-def _of_second_order(
-    scenario: Scenario,
-    values: list[dict[str, float]],
-    hull: Mapping[str, tuple[float, float]],
-    d: tuple[float, float],
-) -> Scenario:
-    return override(scenario, {
-        "base.loop": "first-order", "base.tau": [2 * v["zeta"] / v["wn"] for v in values],
-        "base.gain": [item["gain"] for item in values], "filter.loop": "second-order",
-        "filter.damping": list(hull["zeta"]), "filter.frequency": list(hull["wn"]),
-        "filter.gain": list(hull["gain"]), "filter.d": list(d), "filter.trust": True,
+        "base.loop": "first-order", "base.tau": tau, "base.gain": [v["gain"] for v in values],
+        "filter.loop": loop, "filter.gain": list(hull["gain"]), "filter.d": list(d), **counted,
     })  # fmt: skip
 
 
@@ -296,9 +295,6 @@ def _of_pi(
     })  # fmt: skip
     pushes = [d[axis] / pi_loop(result, axis).peak(1.0).push * (1.0, l**2)[axis] for axis in (0, 1)]
     return override(result, {"filter.push": pushes})
-
-
-_FAMILIES = {"first-order": _of_first_order, "pi": _of_pi, "second-order": _of_second_order}
 
 
 def _score(
