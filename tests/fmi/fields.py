@@ -43,8 +43,10 @@ LOOSE = {
     "actuator": {"tau_max": 60.0, "lag": 0.02, "delay": 0.003},
     "limits": {"v_u1": [1.0, 1.5], "v_u2": [0.1, 0.1], "clip": 0.02},
     "initial.velocity": [0.02, -0.3],
+    "gains.pursuit": {"radius": 10.0, "slowest": 0.3, "share": 0.3, "turn": 0.1, "turn_from": 0.38},
 }
-"""The same without guard and with strong wheels, where gains have their say."""
+"""The same without guard and with strong wheels, where gains have their say: pursuit turns on the
+spot at first, then drives arcs that slow it down."""
 
 OTHER: Mapping[str, Any] = {
     "clock.control": 0.02,
@@ -66,6 +68,9 @@ OTHER: Mapping[str, Any] = {
     "gains.nn.ratio_cap": 1.01,
     "gains.pid.kinematics": [11.0, 6.0, 5.0],
     "gains.kanayama.k": [0.1, 0.7, 0.2],
+    "gains.pursuit.distance": [0.2, 0.4],
+    "gains.pursuit.radius": 0.5,
+    "gains.pursuit.turn_from": 0.2,
     "metrics.split": 0.1,
     "body.radius": 0.3,
     "corridor.cells": 2,
