@@ -187,6 +187,18 @@ def test_processes_that_want_one_entry_at_once_all_get_it(folder, tmp_path, lock
     assert len(entries(folder)) == 1
 
 
+def test_a_folder_that_another_process_makes_meanwhile_is_used(folder, monkeypatch):
+    make = Path.mkdir
+
+    def after_the_other(path: Path, *given, **named) -> None:
+        os.makedirs(path, exist_ok=True)
+        make(path, *given, **named)
+
+    monkeypatch.setattr(Path, "mkdir", after_the_other)
+
+    assert cache_dir() == folder
+
+
 def test_a_builder_that_dies_lets_the_next_one_build(tmp_path):
     script = textwrap.dedent("""
         import os

@@ -164,7 +164,8 @@ def main(scenario: str) -> None:
         world.drive()
         world.seen.clear()
         process.send_signal(signal.SIGINT)
-        world.go(1.5)
+        world.go(10.0, until=lambda: process.poll() is not None)
+        world.go(0.2)
         last = world.seen[-1][1:] if world.seen else None
         found["interrupt"] = {"last": last, "code": process.wait(10)}
     finally:

@@ -99,7 +99,7 @@ def _why_not_writable(folder: Path) -> str:
     """Try it, since permission bits say little on network drives, in containers and for root."""
     try:
         if not folder.is_dir():
-            folder.mkdir(parents=True)
+            folder.mkdir(parents=True, exist_ok=True)  # another process may just have made it
             keep_others_out(folder)
         os.rmdir(tempfile.mkdtemp(prefix="trial-", dir=folder))
     except OSError as error:

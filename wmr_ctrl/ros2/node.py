@@ -17,6 +17,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -38,6 +39,8 @@ KEPT = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
+LAST_ZERO = 1.0
+"""Time [s] in which whoever hears a node has to take its last zero; no longer is waited."""
 LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
 
 
@@ -332,6 +335,8 @@ def spin(make: Callable[[], SafeNode[Core]], arguments: list[str]) -> int:
     finally:
         if node.active and rclpy.ok():
             node.trigger_deactivate()
+            # What a reader has not taken yet may go with the process: the last zero is waited for.
+            node.out.wait_for_all_acked(Duration(seconds=LAST_ZERO))
         executor.shutdown()
         node.destroy_node()
         rclpy.try_shutdown()
