@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from dataclasses import replace
 
@@ -11,7 +12,8 @@ from click.testing import CliRunner
 
 import wmr_ctrl
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ArgumentError, MissingExtraError
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import tau_peak
@@ -71,6 +73,40 @@ def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
 
     assert resumed.gains == once.gains
     assert resumed.after.records() == once.after.records()
+
+
+def test_the_corridor_can_be_what_is_made_small(tmp_path):
+    pytest.importorskip("flint")
+    guarded = load_scenario("safe-simulation", {"changes": [], "clock.duration": 4.0})
+    few = {**FEW, "trials": 6, "merit": "corridor", "hold": ["gains.kinematics.k"], "weight": 1e-4}
+    found = wmr_ctrl.tune(guarded, "prox", tmp_path / "a.toml", **few)
+    before, after = (find_corridor(item, "prox").position for item in (guarded, found.scenario))
+
+    assert before <= found.objective[0] < 1.1 * before
+    assert after <= found.objective[1] < found.objective[0]
+    assert found.to_json()["merit"] == "corridor"
+    assert "root of the mean of corridor^2" in found.out.read_text()
+
+
+def test_what_has_no_certificate_costs_more_than_any_that_has_one_and_slopes():
+    pytest.importorskip("flint")
+    exact = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
+    pushed = [load_scenario("safe-experiment", {**exact, "disturbance.std": s}) for s in (0.8, 1.0)]
+    first, second = (find_corridor(item, "prox") for item in pushed)
+
+    assert first.position is None
+    assert 1.0 < first.merit < second.merit < 1.1
+    assert find_corridor(load_scenario("safe-simulation"), "mb").merit == math.inf
+
+
+def test_a_merit_that_nothing_is_known_of_is_refused(tmp_path):
+    pytest.importorskip("flint")
+    curved = load_scenario("safe-simulation", {"reference.kind": "lemniscate"})
+
+    with pytest.raises(ArgumentError, match="circles and lines alone are covered"):
+        wmr_ctrl.tune(curved, "prox", tmp_path / "a.toml", merit="corridor")
+    with pytest.raises(UnknownNameError, match="tracking"):
+        wmr_ctrl.tune(curved, "prox", tmp_path / "a.toml", merit="speed")
 
 
 def test_trials_of_another_search_are_not_taken(short, tmp_path):

@@ -21,12 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.intervals import StopRule
+from wmr_ctrl.results.figures import Figure
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.scenario import Scenario, load_scenario, scenario_dict
 
 Overrides: TypeAlias = Mapping[str, object]
 """Fields of a scenario by key path, such as ``clock.control``."""
 LATIN, SOBOL, UNIFORM = "latin-hypercube", "sobol", "uniform"
+CORRIDOR = Figure(
+    "corridor", "m", "certified distance from the path: none of a run, of law and scenario",
+    lambda _: None,
+)  # fmt: skip
+"""Figure of a plan's case, the same for all its seeds; on the plane model."""
 MOST_SEEDS_EACH = 10_000
 """Seeds of a study that names no number of its own: at most these are asked for."""
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import os
 import signal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -17,8 +17,8 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import Refusal, Silent, accepted, built_loops
-from wmr_ctrl.campaign.plan import PlannedCase
+from wmr_ctrl.campaign.engine import Refusal, Silent, accepted, built_loops, case_key, scenario_of
+from wmr_ctrl.campaign.plan import CORRIDOR, PlannedCase
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
@@ -85,13 +85,25 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
             from wmr_ctrl.physics.run import rigid_table
 
             tabulate = rigid_table
-        further = [name for name in chunk.figures if name not in SHARES]
+        further = [name for name in chunk.figures if name not in (*SHARES, CORRIDOR.name)]
         table = tabulate([Task(loop, seed) for loop, seed in ready], further, jobs)
         columns = {"violated": table["violations"] > 0, **table}
+        if CORRIDOR.name in chunk.figures:
+            columns[CORRIDOR.name] = _corridors([chunk.runs[k][0] for k in places])
         outcome[places] = table["outcome"]
         for name in chunk.figures:
             rows[name][places] = columns[name]
     return {"outcome": outcome, "refusal": np.array(refusal), **rows}
+
+
+def _corridors(cases: Sequence[PlannedCase]) -> np.ndarray:
+    """Corridor [m] of each run's case, NaN without one; MissingExtraError without python-flint."""
+    library("flint", "proofs")
+    from wmr_ctrl.corridor import find_corridor
+
+    different = {case_key(case): case for case in cases}
+    known = {k: find_corridor(scenario_of(case), case.law) for k, case in different.items()}
+    return np.array([known[case_key(case)].position for case in cases], dtype=float)
 
 
 @contextmanager

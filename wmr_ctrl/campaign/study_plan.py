@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from wmr_ctrl.campaign.intervals import StopRule
-from wmr_ctrl.campaign.plan import LATIN, SOBOL, UNIFORM, SamplePlan, Study
+from wmr_ctrl.campaign.plan import CORRIDOR, LATIN, SOBOL, UNIFORM, SamplePlan, Study
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.fields.limits import SEED_END
@@ -225,6 +225,7 @@ def _figures(names: Sequence[str], plant: str) -> tuple[str, ...]:
     if not names:
         return (*SHARES, *(f.name for f in (*SUMMED, *(RIGID if on_tyres else ()))))
     known = [figure.name for figure in FIGURES if on_tyres or figure not in RIGID]
+    known += [] if on_tyres else [CORRIDOR.name]
     for name in names:
         if name not in known:
             raise UnknownNameError("figure", name, known)

@@ -23,7 +23,7 @@ import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from wmr_ctrl.campaign.plan import Study
+from wmr_ctrl.campaign.plan import CORRIDOR, Study
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.results import atomic_path, atomic_text
 from wmr_ctrl.results.figures import FIGURES
@@ -144,7 +144,8 @@ def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
         unit, meaning = _field(plan, key)
         yield key, unit, meaning
     yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
-    for figure in map(FIGURES.__getitem__, plan.figures):
+    for name in plan.figures:
+        figure = CORRIDOR if name == CORRIDOR.name else FIGURES[name]
         yield figure.name, figure.unit, figure.meaning
     yield REFUSAL, "", "why the guard refused the run, else empty"
 

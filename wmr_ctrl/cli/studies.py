@@ -148,6 +148,12 @@ class SeedRange(click.ParamType):
     metavar="KEY",
     help="A gain that stays, such as gains.kinematics.k, which laws share. May be repeated.",
 )
+@click.option(
+    "--merit",
+    type=click.Choice(("tracking", "corridor")),
+    default="tracking",
+    help="Distance in runs (tracking), or the certified one of `check` (corridor).",
+)
 @opt.jobs_option
 @opt.set_option
 @opt.json_option("Print gains and figures, before and after, as one JSON document.")
@@ -161,6 +167,7 @@ def tune(
     trials: int,
     weight: float,
     hold: tuple[str, ...],
+    merit: str,
     jobs: int | None,
     assignments: tuple[str, ...],
     as_json: bool,
@@ -168,7 +175,9 @@ def tune(
     """Search gains of a law that track with little torque, also if the robot's mass is another.
 
     Minimises the root of the mean of position_rms^2 + (W torque_change_rms)^2 over the training
-    seeds, for the scenario's robot and for 0.6 and 1.6 times the believed mass, the guard off.
+    seeds, for the scenario's robot and for 0.6 and 1.6 times the believed mass, the guard off. With
+    --merit corridor the certified corridor takes the place of position_rms; where none is certified
+    it counts as 1 m and what a linear loop would leave.
     Writes the scenario with these gains, and says how they do on test seeds and on references that
     were not trained on. An interrupted search goes on where it was when it is called again.
     """
@@ -186,6 +195,7 @@ def tune(
             trials=trials,
             weight=weight,
             hold=hold,
+            merit=merit,
             jobs=jobs,
             progress=progress,
         )

@@ -5,6 +5,7 @@ Worked out by `wmr_ctrl.corridor.certificate`, which takes python-flint.
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 
 from wmr_ctrl.corridor.clearance import Clearance, length
@@ -16,8 +17,8 @@ class Corridor:
 
     ``position`` [m] and ``heading`` [rad]: the most that the robot is ever off its place on the
     path, at plant steps, if it starts there.  ``linear`` [m]: what a linear loop would leave of the
-    position, which a push attains.  ``binding`` names what comes nearest to acting (the wheels'
-    limit, the guard, a limit of the law), ``share`` how near.
+    position, which a push attains; None where there is no such loop.  ``binding`` names what comes
+    nearest to acting (the wheels' limit, the guard, a limit of the law), ``share`` how near.
 
     ``push``: largest torque on each wheel [N m], held over a sample; ``pose``: the most that the
     measured position is off [m]; ``velocity``: the same of each measured velocity; ``mass`` [kg].
@@ -46,6 +47,16 @@ class Corridor:
     masses: tuple[tuple[float, float], ...] | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_late: float | None = None
+
+    @property
+    def merit(self) -> float:
+        """Figure of merit [m] of a search, less is better: the position, where it is certified.
+
+        Else 1 m more than the linear loop leaves, which has a slope; inf without such a loop.
+        """
+        if self.position is not None:
+            return self.position
+        return math.inf if self.linear is None else 1.0 + self.linear
 
     @property
     def sentence(self) -> str:

@@ -217,8 +217,11 @@ def reference_gap(v_d: Floats, step: float) -> float:
     return abs(float(v_d[0])) * float(v_d[1]) ** 4 * step**5 / 1000
 
 
-def certified(setup: Setup) -> Corridor:
-    """The Corridor of a setup, or why it has none; with cells, of all masses in them."""
+def certified(setup: Setup, *, closing: bool = True) -> Corridor:
+    """The Corridor of a setup, or why it has none; with cells, of all masses in them.
+
+    ``closing``: where there is none, search for the share of inputs with which there is one.
+    """
     until = min((item.t for item in setup.scenario.changes), default=None)
     known = Corridor(setup.name, until=until, mass=setup.scenario.robot.m)
     tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
@@ -232,8 +235,9 @@ def certified(setup: Setup) -> Corridor:
             known = replace(
                 known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)
             )
-            tubes.append(_certified_tube(certifier, inputs))
             linear = max(linear, certifier.linear_position)
+            known = replace(known, linear=linear)
+            tubes.append(_certified_tube(certifier, inputs, closing))
     except NoCorridorError as error:
         here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
         return replace(known, refused=f"{here}{error}", closes=error.closes)
@@ -246,7 +250,6 @@ def certified(setup: Setup) -> Corridor:
         heading=max(tube.heading for tube in tubes),
         binding=worst.binding,
         share=worst.share,
-        linear=linear,
         masses=tuple(mass_range(setup.guard, i) for i in (0, 1)) if len(cells) > 1 else None,
     )
 
@@ -270,11 +273,12 @@ def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
     ]  # fmt: skip
 
 
-def _certified_tube(certifier: Certifier, inputs: Inputs) -> Tube:
+def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube:
     try:
         return certifier.tube(inputs)
     except NoCorridorError as error:
-        raise NoCorridorError(str(error), _closing(certifier, inputs)) from error
+        closes = _closing(certifier, inputs) if closing else None
+        raise NoCorridorError(str(error), closes) from error
 
 
 def _closing(certifier: Certifier, inputs: Inputs) -> float | None:

@@ -5,9 +5,11 @@ Objective, to be made small: the root of the mean over all training runs of
     position_rms^2 + (weight torque_change_rms)^2
 
 with the position's RMS over the last quarter and the torques' change over the last half of a run,
-of a path that stops over its drive (`results.measures`).  The runs: every training seed, once with
-the scenario as it is and once for each of `MASSES`, the true mass and inertia over the believed
-ones, without the scenario's changes.  A run that ends early counts as LOST metres.  Gains are
+of a path that stops over its drive (`results.measures`); with merit = "corridor" the certified
+corridor stands in the place of position_rms (`Corridor.merit`).  The runs: every training seed,
+once with the scenario as it is and once for each of `MASSES`, the true mass and inertia over the
+believed ones, without the scenario's changes.  A run that ends early counts as LOST metres.  Gains
+are
 searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.  Seeds
 of the test, and references that were not trained on, judge.
 """
@@ -22,8 +24,10 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.engines import table_of
-from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, numbers_in
@@ -32,6 +36,7 @@ from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.results import atomic_text, check_writable
 from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
@@ -47,6 +52,9 @@ REFERENCES = ("lemniscate", "line")
 LOST, SEARCH = 10.0, 0.9
 """Cost of a run that ended early [m]; share of the time that the search takes."""
 
+TRACKING, CORRIDOR = MERITS = ("tracking", "corridor")
+MEASURED = {TRACKING: "position_rms", CORRIDOR: "corridor"}
+"""What each merit makes small, as the objective has it."""
 _ERRORS = ("tracking_drive_rms", "torque_change_rms")
 """Figures that are judged, less is better."""
 MOST_TRIALS = 100_000
@@ -58,7 +66,8 @@ WORSE = 0.05
 class TuningPlan:
     """Law, scenario, seeds and length of a search; ``weight`` in m per N m.
 
-    ``hold``: keys of gains that stay as they are, such as those that several laws share.
+    ``hold``: keys of gains that stay as they are, such as those that several laws share;
+    ``merit``: one of `MERITS`, what is made small beside the torques' change.
     """
 
     scenario: Scenario
@@ -68,6 +77,7 @@ class TuningPlan:
     trials: int = 200
     weight: float = 1e-3
     hold: tuple[str, ...] = ()
+    merit: str = TRACKING
 
     def __post_init__(self) -> None:
         """Raise ArgumentError for what cannot be meant."""
@@ -81,6 +91,8 @@ class TuningPlan:
             )
         if not 1 <= self.trials <= MOST_TRIALS:
             raise ArgumentError(f"trials = {show(self.trials)} must be from 1 to {MOST_TRIALS}.")
+        if self.merit not in MERITS:
+            raise UnknownNameError("merit", self.merit, MERITS)
         if not (self.weight >= 0 and math.isfinite(self.weight)):
             raise ArgumentError(f"weight = {self.weight} must be finite and not negative.")
         if not tunable(LAWS[self.law]):
@@ -152,6 +164,7 @@ class Tuning:
             "scenario": plan.scenario.name, "law": plan.law, "out": str(self.out),
             "seeds": list(plan.seeds), "test_seeds": list(plan.test_seeds),
             "trials": plan.trials, "weight": plan.weight, "hold": list(plan.hold),
+            "merit": plan.merit,
             "masses": [1.0, *MASSES],
             "objective": dict(zip(("before", "after"), self.objective, strict=True)),
             "gains": {key: list(value) for key, value in self.gains.items()},
@@ -178,16 +191,19 @@ def tune(
     trials: int = 200,
     weight: float = 1e-3,
     hold: Iterable[str] = (),
+    merit: str = TRACKING,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Tuning:
     """Find gains of ``law`` on ``scenario``, and write that scenario with them to ``out`` (.toml).
 
     ``weight`` [m/(N m)] is what torque change costs; ``hold`` are keys of gains that stay;
-    ``trials`` sets of gains are tried, rounded up to whole generations.  What was tried is kept in
-    ``out``.trials.json until the end: the same call goes on from there, and gives the same gains.
-    Raises MissingExtraError without the extra tune, ArgumentError (that file belongs to another
-    search, say), ScenarioError, ResultFileError.
+    ``merit`` is "tracking", the distance in runs, or "corridor", the certified one (which takes the
+    extra proofs, and a scenario and law that `find_corridor` covers); ``trials`` sets of gains are
+    tried, rounded up to whole generations.  What was tried is kept in ``out``.trials.json until the
+    end: the same call goes on from there, and gives the same gains.  Raises MissingExtraError
+    without the extra tune, ArgumentError (that file belongs to another search, say), ScenarioError,
+    UnknownNameError, ResultFileError.
     """
     chosen = scenario_of(scenario)
     plan = TuningPlan(
@@ -198,11 +214,14 @@ def tune(
         trials=trials,
         weight=weight,
         hold=tuple(hold),
+        merit=merit,
     )
+    if merit == CORRIDOR:
+        _check_corridor(chosen, law)
     target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
     tell, tries, search = (
         progress or (lambda share: None),
-        Trials(target, digest_of(text, law, plan.seeds, weight, plan.hold, MASSES)),
+        Trials(target, digest_of(text, law, plan.seeds, weight, plan.hold, merit, MASSES)),
         Search(start),
     )
     while search.tried < plan.trials:
@@ -268,10 +287,32 @@ def _costs(
     """The objective of each set of gains, all runs side by side."""
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
     table = _table(cases, plan.law, plan.seeds, jobs)
-    position = np.where(table["stop"] > 0, LOST, table["tracking_drive_rms"])
+    reached = table["tracking_drive_rms"]
+    if plan.merit == CORRIDOR:
+        merits = [_corridor(with_gains(plan.scenario, gains), plan.law) for gains in sets]
+        reached = np.repeat(merits, len(reached) // len(sets))
+    position = np.where(table["stop"] > 0, LOST, reached)
     change = np.where(table["stop"] > 0, 0.0, table["torque_change_rms"])
     squares = np.nan_to_num(position, nan=LOST) ** 2 + (plan.weight * np.nan_to_num(change)) ** 2
     return [float(item) for item in np.sqrt(squares.reshape(len(sets), -1).mean(axis=1))]
+
+
+def _corridor(scenario: Scenario, law: str) -> float:
+    """Merit [m] of a corridor, LOST where not even the linear loop has one."""
+    from wmr_ctrl.corridor.certificate import certified
+
+    return min(LOST, certified(settle(scenario, law), closing=False).merit)
+
+
+def _check_corridor(scenario: Scenario, law: str) -> None:
+    """ArgumentError where there is none to be made smaller, MissingExtraError without its extra."""
+    library("flint", "proofs")
+    tube = find_corridor(scenario, law)
+    if tube.linear is None:
+        raise ArgumentError(
+            f"merit = {CORRIDOR}: {scenario.name} with {law} has {tube.sentence}. Tune what a "
+            f"corridor covers (`wmr-ctrl check`), or with merit = {TRACKING}."
+        )
 
 
 def _table(
@@ -325,7 +366,7 @@ def _document(tuning: Tuning) -> str:
         *([f"held: {', '.join(plan.hold)};"] if plan.hold else []),
         f"trials {plan.trials}, training seeds {list(plan.seeds)}, true over believed mass 1, "
         f"{', '.join(f'{ratio:g}' for ratio in MASSES)};",
-        f"root of the mean of position_rms^2 + ({plan.weight:g} torque_change_rms)^2: "
+        f"root of the mean of {MEASURED[plan.merit]}^2 + ({plan.weight:g} torque_change_rms)^2: "
         f"{first:.4g} m before, {last:.4g} m after",
     ]  # fmt: skip
     return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)
