@@ -2,5 +2,5 @@
 
 from wmr_ctrl.tuning.gains import Tuning as Tuning
 from wmr_ctrl.tuning.gains import judged as judged
-from wmr_ctrl.tuning.gains import tunable as tunable
 from wmr_ctrl.tuning.gains import tune as tune
+from wmr_ctrl.tuning.plan import tunable as tunable

@@ -9,14 +9,12 @@ of a path that stops over its drive (`results.measures`); with merit = "corridor
 corridor stands in the place of position_rms (`Corridor.merit`).  The runs: every training seed,
 once with the scenario as it is and once for each of `MASSES`, the true mass and inertia over the
 believed ones, without the scenario's changes.  A run that ends early counts as LOST metres.  Gains
-are
-searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.  Seeds
-of the test, and references that were not trained on, judge.
+are searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.
+Seeds of the test, and references that were not trained on, judge.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -27,11 +25,9 @@ from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.engines import table_of
-from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, numbers_in
-from wmr_ctrl.laws.law import Law
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.results import atomic_text, check_writable
@@ -41,6 +37,7 @@ from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
 from wmr_ctrl.sim.many import checked_seeds
+from wmr_ctrl.tuning.plan import CORRIDOR, MEASURED, TRACKING, TuningPlan
 from wmr_ctrl.tuning.search import Search, Trials, digest_of
 
 Progress = Callable[[float], None]
@@ -52,67 +49,10 @@ REFERENCES = ("lemniscate", "line")
 LOST, SEARCH = 10.0, 0.9
 """Cost of a run that ended early [m]; share of the time that the search takes."""
 
-TRACKING, CORRIDOR = MERITS = ("tracking", "corridor")
-MEASURED = {TRACKING: "position_rms", CORRIDOR: "corridor"}
-"""What each merit makes small, as the objective has it."""
 _ERRORS = ("tracking_drive_rms", "torque_change_rms")
 """Figures that are judged, less is better."""
-MOST_TRIALS = 100_000
 WORSE = 0.05
 """Share by which a figure may grow before it is worse: medians of few runs differ by as much."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class TuningPlan:
-    """Law, scenario, seeds and length of a search; ``weight`` in m per N m.
-
-    ``hold``: keys of gains that stay as they are, such as those that several laws share;
-    ``merit``: one of `MERITS`, what is made small beside the torques' change.
-    """
-
-    scenario: Scenario
-    law: str
-    seeds: tuple[int, ...] = (1, 2, 3)
-    test_seeds: tuple[int, ...] = (7101, 7102, 7103, 7104, 7105)
-    trials: int = 200
-    weight: float = 1e-3
-    hold: tuple[str, ...] = ()
-    merit: str = TRACKING
-
-    def __post_init__(self) -> None:
-        """Raise ArgumentError for what cannot be meant."""
-        if not self.seeds or not self.test_seeds:
-            raise ArgumentError("seeds: there must be at least one of training and one of test.")
-        shared = sorted(set(self.seeds) & set(self.test_seeds))
-        if shared:
-            raise ArgumentError(
-                f"seeds: {shared[0]} is trained on and tested with, so the test would flatter. "
-                "Give ranges that have no seed in common."
-            )
-        if not 1 <= self.trials <= MOST_TRIALS:
-            raise ArgumentError(f"trials = {show(self.trials)} must be from 1 to {MOST_TRIALS}.")
-        if self.merit not in MERITS:
-            raise UnknownNameError("merit", self.merit, MERITS)
-        if not (self.weight >= 0 and math.isfinite(self.weight)):
-            raise ArgumentError(f"weight = {self.weight} must be finite and not negative.")
-        if not tunable(LAWS[self.law]):
-            raise ArgumentError(
-                f"the law {self.law!r} names no gains to be tuned: give it `tuned`."
-            )
-        unknown = [key for key in self.hold if key not in tunable(LAWS[self.law])]
-        if unknown or not self.searched:
-            raise ArgumentError(
-                f"hold = {', '.join(self.hold)}: what a search for {self.law} moves is "
-                f"{', '.join(tunable(LAWS[self.law]))}; hold some of these, and not all."
-            )
-
-    @property
-    def searched(self) -> tuple[str, ...]:
-        """Keys of the gains that are searched; of Eq. (7) the law's own, where there are such."""
-        own = f"gains.{self.law}.kinematics"
-        stated = self.scenario.gains.get(self.law, {}).get("kinematics") is not None
-        keys = (key for key in tunable(LAWS[self.law]) if key not in self.hold)
-        return tuple(own if stated and key == "gains.kinematics.k" else key for key in keys)
 
 
 @dataclass(frozen=True)
@@ -172,12 +112,6 @@ class Tuning:
             "after": self.after.records(),
             "worse": [asdict(item) for item in self.worse],
         }  # fmt: skip
-
-
-def tunable(law: Law) -> tuple[str, ...]:
-    """Keys of the gains that are searched: the law's own, then those of Eq. (7) if it has it."""
-    own = tuple(f"gains.{law.name}.{name}" for name in law.tuned)
-    return (*own, "gains.kinematics.k") if own and law.traits.auxiliary else own
 
 
 @checks_arguments
