@@ -159,7 +159,8 @@ def simulate_many(
 ) -> RunTable:
     """Figures of one run per seed as arrays, several robots at a time on each core.
 
-    ``overrides`` is one mapping for all runs, or one a seed; ``starts`` (n, 5) are states at t = 0.
+    ``overrides`` is one mapping for all runs, or one a seed; ``starts`` (n, 5) are states at t = 0
+    in the scenario's ``frames``: x, y [m], theta [rad], v1 [m/s], omega [rad/s].
     ``figures``: names of further figures of the catalogue, those of other packages too.
     ``plant`` "mujoco" is the rigid body: ``jobs`` are processes then, and the table has slip, wheel
     speed, tilt and tip margin too.  Results do not depend on ``jobs``.  Ctrl-C ends all threads
@@ -175,9 +176,9 @@ def simulate_many(
     check_plant(plant)
     if progress:
         progress(0.0)
-    rows = None if starts is None else checked_starts(starts)
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
+    rows = None if starts is None else checked_starts(starts, scenarios)
     return table_of(plant, scenarios, law, listed, rows, tuple(figures), jobs, progress)
 
 

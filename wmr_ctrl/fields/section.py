@@ -39,6 +39,7 @@ def quantity(
     usual: tuple[float, float] | None = None,
     multiple_of: str = "",
     most: int = 0,
+    orientation: int = 0,
 ) -> Any:
     """Return a dataclass field whose metadata hold ``quantity``, ``unit``, ``doc``, ``bounds``.
 
@@ -51,14 +52,27 @@ def quantity(
     element, in ``unit``; ``infinite`` admits inf.
     Beyond the sizes ``usual`` (left out: those of the unit) it is asked whether the unit is meant.
     ``multiple_of`` is the key of a time, of which this one is a whole multiple: at most ``most``
-    times it, unless that is 0.
+    times it, unless that is 0.  ``orientation``: which element, from 1, is an orientation of the
+    plane, 0 along +Y; a scenario's ``frames`` says how files state it.
     """
     bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
     if kind is None:
         number = default is REQUIRED or isinstance(default, tuple)
         kind = "number" if number else kind_of(default)
-    what = Quantity(default, unit, doc, bounds, kind, elements, options, usual, multiple_of, most)
+    what = Quantity(
+        default,
+        unit,
+        doc,
+        bounds,
+        kind,
+        elements,
+        options,
+        usual,
+        multiple_of,
+        most,
+        orientation,
+    )
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:
         return dataclasses.field(metadata=metadata)

@@ -84,8 +84,8 @@ class Quantity:
 
     ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
     that a text field accepts (any, if empty); ``usual`` is the range of sizes beyond which it is
-    asked whether the unit is meant (None: that of the unit); ``multiple_of``
-    and ``most`` as in `quantity`.
+    asked whether the unit is meant (None: that of the unit); ``multiple_of``,
+    ``most`` and ``orientation`` as in `quantity`.
     """
 
     default: Any
@@ -98,6 +98,7 @@ class Quantity:
     usual: tuple[float, float] | None = None
     multiple_of: str = ""
     most: int = 0
+    orientation: int = 0
 
     def clean(self, value: object, path: str) -> Any:
         """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""

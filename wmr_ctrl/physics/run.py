@@ -13,12 +13,14 @@ from wmr_ctrl.compiled import elements
 from wmr_ctrl.physics.rigid import RigidBody, mujoco
 from wmr_ctrl.physics.workers import Progress, make_each
 from wmr_ctrl.results import RigidMonitor, Run, split_columns, tracked
-from wmr_ctrl.results.figures import FIGURES, RIGID, STATE, SUMMED, values_of
+from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.outcomes import STOP_REASONS
 from wmr_ctrl.results.table import RunTable, table_of_rows
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.sections import Initial
 from wmr_ctrl.signals import RIGID as RIGID_COLUMNS
 from wmr_ctrl.sim.coupled import Coupled
+from wmr_ctrl.sim.figures import final_state
 from wmr_ctrl.sim.many import not_summed
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
@@ -148,8 +150,8 @@ def rigid_table(
     for task in tasks:
         loop, start = task.loop, task.start
         if build is not None and start is not None:
-            changed = {"initial.pose": start[:3], "initial.velocity": start[3:]}
-            loop = build(override(loop.scenario, changed))
+            begin = Initial(pose=(start[0], start[1], start[2]), velocity=(start[3], start[4]))
+            loop = build(replace(loop.scenario, initial=begin))
         pairs.append((loop, task.seed))
     rows = make_each(partial(rigid_row, further=not_summed(figures)), pairs, jobs, progress)
     return table_of_rows(rows)
@@ -175,5 +177,5 @@ def figures_from_run(run: Run, end: tuple[float, ...]) -> dict[str, float | None
     row = values_of(run, (*SUMMED, *(RIGID if seen.rigid else ())))
     events = {"first": seen.first_violation, "stop": seen.stopped, "bounds": seen.bounds_left}
     row |= {f"{name}_axis": None if e is None else float(e[1]) for name, e in events.items()}
-    row |= {f"final_{name}": number for (name, _), number in zip(STATE, end, strict=True)}
+    row |= final_state(end, run.settings.frames)
     return row | {"samples": float(run.rows), "stop": float(STOP_REASONS.index(seen.stop_reason))}

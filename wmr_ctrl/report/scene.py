@@ -15,6 +15,7 @@ from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.report.drawing import line_handle
 from wmr_ctrl.report.style import (
     DOTTED,
@@ -108,7 +109,14 @@ _SAME = 1e-6
 
 
 def _columns(run: Run, rows: NDArray[np.intp], *names: str) -> FloatArray:
-    return np.column_stack([run[name][rows] for name in names])
+    frames = run.settings.frames
+    columns = (run[name] for name in names)
+    return np.column_stack(
+        [
+            (inward(column, frames) if name in ORIENTATIONS else column)[rows]
+            for name, column in zip(names, columns, strict=True)
+        ]
+    )
 
 
 def names_of(runs: Sequence[Run]) -> list[str]:

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.fields.orientation import inward, outward
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.signals import (
@@ -162,7 +163,7 @@ def _odometry(
     place, placed = types["geometry_msgs/msg/Pose"], types["geometry_msgs/msg/PoseWithCovariance"]
     moved, unknown = types["geometry_msgs/msg/TwistWithCovariance"], np.zeros(36)
     x, y, theta = (run[name] for name in pose)
-    half = (theta + math.pi / 2) / 2
+    half = outward(inward(theta, run.settings.frames), "rep103") / 2
     poses = zip(*(item.tolist() for item in (x, y, np.sin(half), np.cos(half))), strict=True)
     for header, twist, (px, py, sine, cosine) in zip(headers, twists, poses, strict=True):
         where = place(

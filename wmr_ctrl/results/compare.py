@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.results.run import FloatArray, Run
 
 Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
@@ -111,6 +112,8 @@ def _difference(
     name: str, run_a: Run, run_b: Run, rows_a: NDArray[np.intp], rows_b: NDArray[np.intp]
 ) -> ColumnDifference:
     a, b = run_a[name][rows_a], run_b[name][rows_b]
+    if name in ORIENTATIONS:  # the runs may count them differently
+        a, b = inward(a, run_a.settings.frames), inward(b, run_b.settings.frames)
     gaps = _gaps(a, b)
     row = int(np.argmax(gaps))
     largest = relative = float(gaps[row])

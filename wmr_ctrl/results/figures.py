@@ -186,6 +186,7 @@ def _over(span: Span, name: str, text: str, of: Callable[[Run, Span], float | No
 
 STATE = (("x", "m"), ("y", "m"), ("theta", "rad"), ("v1", "m/s"), ("omega", "rad/s"))
 
+
 SHARES = ("violated", "tracked")
 """Figures that are 0 or 1 a run: their mean is a share of the runs."""
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.orientation import PAPER
 from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.results.outcomes import Event
 
@@ -57,7 +58,8 @@ class Settings(CountedNumbers):
     ``tolerance``: position error that counts as tracked [m], None where not known;
     ``plant_kind``: "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which
     the desired motion comes to rest for good [s], None where it never does; ``keep_out``: circles
-    and polygons that a body of ``radius`` [m] must not touch.
+    and polygons that a body of ``radius`` [m] must not touch; ``frames``: how the columns state
+    orientations, as in a scenario.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -72,6 +74,7 @@ class Settings(CountedNumbers):
     arrival: float | None = None
     keep_out: tuple[Shape, ...] = ()
     radius: float | None = None
+    frames: str = PAPER
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):

@@ -16,7 +16,15 @@ from pathlib import Path
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.scenario.raw import Raw, drop_unreached, from_dict, scenario_dict, with_defaults
+from wmr_ctrl.scenario.raw import (
+    Raw,
+    drop_unreached,
+    frames_of,
+    from_dict,
+    in_frames,
+    scenario_dict,
+    with_defaults,
+)
 from wmr_ctrl.scenario.scenario import Scenario
 
 Step = str | int
@@ -67,6 +75,7 @@ def _toml_value(text: str) -> tuple[object] | None:
 def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
     """Return a copy of ``raw`` with the overrides put on it.
 
+    Other ``frames`` restate what is there, and say how the other overrides are meant.
     Another ``reference.kind`` starts from that kind's defaults; a shorter ``clock.duration``
     drops the changes that the run no longer reaches, unless changes are overridden too.  A
     relative ``reference.file`` is relative to the current directory.
@@ -77,7 +86,8 @@ def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
         key: parse_value(value) if isinstance(value, str) else deepcopy(value)
         for key, value in overrides.items()
     }
-    result = _with_kind(deepcopy(dict(raw)), values)
+    result = in_frames(deepcopy(dict(raw)), values.get("frames", frames_of(raw)))
+    result = _with_kind(result, values)
     result = with_defaults(result)
     for key, value in values.items():
         _assign(result, parse_key(key), value, key)

@@ -8,8 +8,9 @@ from numbers import Real
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError, choices
+from wmr_ctrl.fields.orientation import PAPER, checked_frames, field_inward, field_outward
 from wmr_ctrl.fields.problems import UnknownKeyError, show
-from wmr_ctrl.fields.section import Section, build
+from wmr_ctrl.fields.section import Section, build, quantities
 from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.scenario import OTHER_KEYS, SECTIONS, Scenario, sections
 from wmr_ctrl.scenario.sections import Change
@@ -29,12 +30,14 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
     for key in raw:
         if key not in known and key not in OTHER_KEYS:
             raise UnknownKeyError(str(key), [*known, *OTHER_KEYS])
+    frames, raw = frames_of(raw), in_frames(raw, PAPER)
     values: Mapping[str, Any] = raw
     parts: dict[str, Any] = {key: build(known[key], raw[key]) for key in known if key in raw}
     effects = {key: parts.pop(key) for key in list(parts) if key not in SECTIONS}
     return Scenario(
         name=name,
         title=values.get("title", ""),
+        frames=frames,
         gains=values.get("gains", {}),
         reference=_reference(raw.get("reference", {})),
         changes=_changes(raw.get("changes", [])),
@@ -64,7 +67,8 @@ def _changes(raw: object) -> tuple[Change, ...]:
 def scenario_dict(scenario: Scenario) -> Raw:
     """Return all of a scenario but its name, as plain values; fields left out are missing.
 
-    ``from_dict(scenario_dict(s), s.name) == s`` for every scenario.
+    ``from_dict(scenario_dict(s), s.name) == s`` for every scenario; orientations that do not come
+    from a file with ``frames = "rep103"`` are off by rounding then.
     """
     raw: Raw = {"title": scenario.title}
     raw |= {key: _section_dict(getattr(scenario, key)) for key in SECTIONS}
@@ -76,7 +80,34 @@ def scenario_dict(scenario: Scenario) -> Raw:
     kind = {"kind": scenario.reference_kind.name}
     raw["reference"] = kind | _section_dict(scenario.reference)
     raw["changes"] = [_section_dict(change) for change in scenario.changes]
-    return raw
+    if scenario.frames == PAPER:
+        return raw
+    return in_frames(raw, scenario.frames)
+
+
+def frames_of(raw: Mapping[str, object]) -> str:
+    """How a raw dictionary states orientations; raises ScenarioError for an unknown way."""
+    return checked_frames(raw.get("frames", PAPER))
+
+
+def in_frames(raw: Mapping[str, object], frames: object) -> Raw:
+    """Return ``raw`` with its orientations as ``frames`` counts them, which it names then."""
+    had, wanted = frames_of(raw), checked_frames(frames)
+    result = dict(raw)
+    if had == wanted:
+        return result
+    kind = REFERENCES.get(str(_kind(raw)))
+    known = {**sections(), **({"reference": kind.section} if kind else {})}
+    for key, section in known.items():
+        table = raw.get(key)
+        if isinstance(table, Mapping):
+            turns = {name: what.orientation for name, what in quantities(section)}
+            inside = {name: field_inward(table[name], turns.get(name, 0), had) for name in table}
+            result[key] = {
+                name: field_outward(value, turns.get(name, 0), wanted)
+                for name, value in inside.items()
+            }
+    return result | {"frames": wanted}
 
 
 def _section_dict(section: Section) -> Raw:
@@ -108,7 +139,7 @@ def with_defaults(raw: Mapping[str, object]) -> Raw:
     kind = REFERENCES.get(str(_kind(raw)))
     if kind is not None and kind.section is not Waypoints:  # points have no default
         defaults["reference"] = _section_dict(kind.section())
-    return _over(defaults, raw)
+    return _over(in_frames(defaults, frames_of(raw)), raw)
 
 
 def _over(base: Mapping[str, Any], over: Mapping[str, Any]) -> Raw:

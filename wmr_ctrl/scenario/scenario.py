@@ -9,6 +9,7 @@ from typing import TypeAlias, TypeVar, cast
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.fields.orientation import PAPER, checked_frames, described, field_outward
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, asking, number_of, numbers_in, quantities
 from wmr_ctrl.fields.values import Frozen, Quantity, Range, as_list, check_multiple
@@ -90,11 +91,14 @@ class Scenario:
     The defaults are Section V of the paper without the change of parameters at 40 s.  SI units.
     ``gains`` holds those that the scenario names, by law and gain; numbers are floats, arrays
     tuples of floats.  A law's other gains are the law's own defaults.  ``effects`` holds the
-    sections of effects that have a table of their own, by its key; see `section`.
+    sections of effects that have a table of their own, by its key; see `section`.  ``frames`` says
+    how files, tables and runs state orientations: "paper" (0 along +Y) or "rep103" (0 along +X).
+    The fields here are the paper's in either.
     """
 
     name: str = "unnamed"
     title: str = ""
+    frames: str = PAPER
     robot: Robot = field(default_factory=Robot)
     body: Body = field(default_factory=Body)
     model: Model = field(default_factory=Model)
@@ -135,9 +139,9 @@ class Scenario:
         rows = []
         for key, part in parts.items():
             for name, what in quantities(type(part)):
-                value = getattr(part, name)
+                value = field_outward(getattr(part, name), what.orientation, self.frames)
                 text = "–" if value is None else str(value)
-                rows.append((f"{key}.{name}", text, what.unit, what.doc))
+                rows.append((f"{key}.{name}", text, what.unit, described(what.doc, self.frames)))
         return table_html(repr(self)[1:-1], rows, ("field", "value", "unit", "meaning"))
 
     def gains_by_law(self) -> Mapping[str, Section]:
@@ -216,7 +220,7 @@ class Scenario:
         return numbers[name]
 
 
-OTHER_KEYS = ("title", "gains", "reference", "changes")
+OTHER_KEYS = ("title", "frames", "gains", "reference", "changes")
 SECTIONS: dict[str, type[Section]] = {
     item.name: cast("type[Section]", kind)
     for item in dataclasses.fields(Scenario)
@@ -231,6 +235,7 @@ def _check_types(scenario: Scenario) -> None:
     for name in ("name", "title"):
         if not isinstance(getattr(scenario, name), str):
             raise ScenarioError(f"{name} = {show(getattr(scenario, name))} must be text in quotes.")
+    checked_frames(scenario.frames)
     if REFERENCES.of(scenario.reference) is None:
         raise ScenarioError(f"reference must be one of the kinds {', '.join(REFERENCES)}.")
     if not isinstance(scenario.effects, Mapping):

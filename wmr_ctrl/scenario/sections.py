@@ -80,7 +80,9 @@ class Body(Section, key="body"):
         minimum=0,
         maximum=math.pi / 4,
     )
-    uphill: float = quantity(0.0, unit="rad", doc="orientation theta that looks uphill")
+    uphill: float = quantity(
+        0.0, unit="rad", doc="orientation that looks uphill, 0 along +Y", orientation=1
+    )
     slip_max: float = quantity(
         0.1, unit="m/s", doc="tread over ground; beyond, the robot has slipped", above=0
     )
@@ -123,7 +125,10 @@ class Initial(Section, key="initial"):
     """Pose and velocity at t = 0; the velocity may lie outside the limits."""
 
     pose: tuple[float, float, float] = quantity(
-        (-0.5, -0.5, -0.7), unit="m, m, rad", doc="x, y, theta (theta = 0 along +Y)"
+        (-0.5, -0.5, -0.7),
+        unit="m, m, rad",
+        doc="x, y, theta (theta is 0 along +Y)",
+        orientation=3,
     )
     velocity: tuple[float, float] = quantity((0.0, 0.0), unit="m/s, rad/s", doc="v1, omega")
 

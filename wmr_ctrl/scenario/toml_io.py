@@ -15,10 +15,11 @@ from pathlib import Path
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.files import decode, parse_toml, read_text
+from wmr_ctrl.fields.orientation import described, field_outward
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.scenario.overrides import absolute, apply
-from wmr_ctrl.scenario.raw import Raw, from_dict, merge
+from wmr_ctrl.scenario.raw import Raw, frames_of, from_dict, in_frames, merge
 from wmr_ctrl.scenario.scenario import Scenario, sections
 
 _SUFFIX = ".toml"
@@ -143,7 +144,8 @@ def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:
         raise ScenarioError(
             f"extends = {show(base)} must be a preset's name or a TOML file's path."
         )
-    return merge(_resolved(base, folder, seen), raw)
+    extended = _resolved(base, folder, seen)
+    return merge(in_frames(extended, raw.get("frames", frames_of(extended))), raw)
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,8 +173,11 @@ def inherited(
         table, _, name = key.partition(".")
         if key not in stated:
             what = dict(quantities(sections()[table]))[name]
-            value = getattr(scenario.table(table), name)
-            values.append(InheritedValue(key, value, what.unit, what.doc))
+            value = field_outward(
+                getattr(scenario.table(table), name), what.orientation, scenario.frames
+            )
+            doc = described(what.doc, scenario.frames)
+            values.append(InheritedValue(key, value, what.unit, doc))
     return tuple(values)
 
 

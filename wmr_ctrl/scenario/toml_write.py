@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 import tomlkit
 from tomlkit.items import Table
 
+from wmr_ctrl.fields.orientation import PAPER, described
 from wmr_ctrl.fields.section import Section, quantities
 from wmr_ctrl.scenario.raw import scenario_dict
 from wmr_ctrl.scenario.scenario import Scenario
@@ -29,7 +30,10 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
     raw: dict[str, Any] = scenario_dict(scenario)
     document = tomlkit.document()
     document.add("title", tomlkit.item(scenario.title))
-    rest = [key for key in raw if key not in (*ORDER, "title", "changes")]
+    if comments or "frames" in raw:
+        note = "how orientations are stated: paper (0 along +Y), rep103 (0 along +X)"
+        _add(document, "frames", scenario.frames, note * comments)
+    rest = [key for key in raw if key not in (*ORDER, "title", "frames", "changes")]
     for key in (*ORDER, *rest):
         if key == "gains":
             document.add(key, _gains(raw[key], gains_docs or {}, comments))
@@ -38,7 +42,7 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
         if key == "reference":
             _add(table, "kind", raw[key]["kind"], f"one of {', '.join(REFERENCES)}" * comments)
         cls = Model if key == "model" else type(scenario.table(key))
-        document.add(key, _fields(table, cls, raw[key], comments))
+        document.add(key, _fields(table, cls, raw[key], comments, scenario.frames))
     if raw["changes"]:
         array = tomlkit.aot()
         for values in raw["changes"]:
@@ -53,9 +57,12 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
     return tomlkit.dumps(document)
 
 
-def _fields(table: Table, cls: type[Section], raw: Mapping[str, Any], comments: bool) -> Table:
+def _fields(
+    table: Table, cls: type[Section], raw: Mapping[str, Any], comments: bool, frames: str = PAPER
+) -> Table:
     for name, what in quantities(cls):
-        _add_or_tell(table, name, raw.get(name), _note(what.unit, what.doc) if comments else "")
+        note = _note(what.unit, described(what.doc, frames)) if comments else ""
+        _add_or_tell(table, name, raw.get(name), note)
     return table
 
 
@@ -71,7 +78,7 @@ def _add_or_tell(table: Table, name: str, value: Any, note: str) -> None:
         table.add(tomlkit.comment(f"{name} = ...  # {note}"))
 
 
-def _add(table: Table, name: str, value: Any, note: str) -> None:
+def _add(table: Table | tomlkit.TOMLDocument, name: str, value: Any, note: str) -> None:
     item = tomlkit.item(value)
     if isinstance(value, list) and value and isinstance(value[0], list):
         item.multiline(True)

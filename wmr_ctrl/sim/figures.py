@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.fields.orientation import outward
 from wmr_ctrl.results import Monitor, Settings, outcome_of
 from wmr_ctrl.results.figures import STATE, SUMMED, Sum
 from wmr_ctrl.results.outcomes import STOP_REASONS, Event
@@ -15,6 +17,7 @@ from wmr_ctrl.sim.memory import Memory, Task
 
 Floats = NDArray[np.float64]
 Figures = dict[str, NDArray[np.float64]]
+V = TypeVar("V", float, Floats)
 
 EVENTS = ("first_axis", "stop", "stop_axis", "samples", "bounds_axis")
 """Numbers of a run beside its figures: axes of its events (1, 2), ``stop`` (index into
@@ -81,13 +84,19 @@ def monitor(
     )
 
 
+def final_state(end: Iterable[V], frames: str) -> dict[str, V]:
+    """The figures of the state at the end, by name; its orientation as ``frames`` counts it."""
+    values = {f"final_{name}": value for (name, _), value in zip(STATE, end, strict=False)}
+    return values | {"final_theta": outward(values["final_theta"], frames)}
+
+
 def _from_findings(memory: Memory, settings: Settings) -> Figures:
     row = memory.row
     step, left = settings.plant, row("left_sample")
     violated, ended, samples = row("violations") > 0, row("stop") > 0, row("samples")
     ran, most = samples > 0, np.maximum(samples, 1)
     return {
-        **{f"final_{name}": memory.final[:, place] for place, (name, _) in enumerate(STATE)},
+        **final_state(memory.final.T, settings.frames),
         "max_abs_v1": row("max_v1"),
         "max_abs_v2": row("max_omega"),
         "violations": row("violations"),

@@ -11,6 +11,7 @@ import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.limits import MOST_SEEDS, SEED_END
+from wmr_ctrl.fields.orientation import inward
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Monitor, Run, split_columns
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
@@ -145,11 +146,23 @@ def checked_seeds(seeds: Iterable[int]) -> list[int]:
     return listed
 
 
-def checked_starts(starts: Iterable[Iterable[float]]) -> list[tuple[float, ...]]:
-    """States at t = 0 as rows of numbers; raises ArgumentError for what is none."""
+def checked_starts(
+    starts: Iterable[Iterable[float]], scenarios: Sequence[Scenario]
+) -> list[tuple[float, ...]]:
+    """States at t = 0 as rows of numbers, theta from +Y; it is given in the scenarios' frames.
+
+    Raises ArgumentError for what is no row of numbers.
+    """
     try:
-        return [tuple(map(float, row)) for row in starts]
+        rows = [tuple(map(float, row)) for row in starts]
     except (TypeError, ValueError):
         raise ArgumentError(
             "starts must hold five numbers a run: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."
         ) from None
+    each = list(scenarios) * (len(rows) if len(scenarios) == 1 else 1)
+    if len(each) != len(rows):
+        return rows  # which is refused where they meet the seeds
+    return [
+        (*row[:2], *(inward(theta, item.frames) for theta in row[2:3]), *row[3:])
+        for row, item in zip(rows, each, strict=True)
+    ]

@@ -12,6 +12,7 @@ import numpy as np
 
 from wmr_ctrl import __version__
 from wmr_ctrl.compiled import CompiledLoop
+from wmr_ctrl.fields.orientation import ORIENTATIONS, PAPER, described, outward
 from wmr_ctrl.results import Assumptions, Monitor, Run, Settings, outcome_of
 from wmr_ctrl.results.settings import CountedNumbers, first_beyond, largest_push
 from wmr_ctrl.scenario import Scenario, to_toml
@@ -38,6 +39,7 @@ def assemble_run(
     `Settings`.
     """
     (signals, columns, seen), guard = log, scenario.guard.enabled
+    signals, columns = _stated(signals, columns, scenario.frames)
     left, least = first_beyond(columns, bounds), largest_push(columns)
     monitor = replace(seen, bounds_left=left, d_least=least)
     known = {item.name: getattr(bounds, item.name) for item in fields(CountedNumbers)}
@@ -58,6 +60,17 @@ def assemble_run(
     )
 
 
+def _stated(
+    signals: tuple[Signal, ...], columns: Mapping[str, np.ndarray], frames: str
+) -> tuple[tuple[Signal, ...], Mapping[str, np.ndarray]]:
+    """Signals and columns with orientations as ``frames`` counts them."""
+    if frames == PAPER:
+        return signals, columns
+    turned = {name: outward(columns[name], frames) for name in ORIENTATIONS if name in columns}
+    renamed = (replace(item, meaning=described(item.meaning, frames)) for item in signals)
+    return tuple(renamed), {**columns, **turned}
+
+
 def settings_of(scenario: Scenario) -> Settings:
     """Clocks, limits and windows of a scenario."""
     clock, metrics = scenario.clock, scenario.metrics
@@ -65,6 +78,7 @@ def settings_of(scenario: Scenario) -> Settings:
         clock.control, clock.plant, clock.duration, scenario.limits.v_u1, scenario.split,
         metrics.rms_from, tolerance=metrics.tolerance, arrival=scenario.reference.arrival,
         keep_out=scenario.reference.keep_out, radius=scenario.body.radius,
+        frames=scenario.frames,
     )  # fmt: skip
 
 

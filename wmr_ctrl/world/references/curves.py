@@ -42,7 +42,7 @@ class Line(Reference):
 
     speed: float = quantity(0.2, unit="m/s", doc="speed of the desired motion")
     heading: float = quantity(
-        -math.pi / 2, unit="rad", doc="orientation of the desired line, 0 along +Y; -pi/2: along +X"
+        -math.pi / 2, unit="rad", doc="orientation of the desired line, 0 along +Y", orientation=1
     )
     origin: tuple[float, float] = quantity(
         (0.0, 0.0), unit="m", doc="desired position x, y at t = 0"
