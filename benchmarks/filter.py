@@ -25,7 +25,7 @@ STATED: Mapping[str, Any] = {
 GOVERNED = {"filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.odometry": (0.02, 0.02)}
 BANDED = {
     "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
-    "filter.frequency": (4.0, 5.0), "clock.control": 0.05,
+    "filter.frequency": (2.9, 3.6), "clock.control": 0.05,
 }  # fmt: skip
 CASES: Mapping[str, tuple[Mapping[str, Any], int]] = {
     "clip": ({"filter.kind": "clip"}, 100_000),
@@ -35,7 +35,7 @@ CASES: Mapping[str, tuple[Mapping[str, Any], int]] = {
         **GOVERNED, "filter.delay": (0.02, 0.06), "filter.losses": 1, "filter.jitter": 0.004,
         "filter.age": 0.12,
     }, 20_000),
-    "band": (BANDED, 5_000),
+    "band of 50 commands": (BANDED, 10_000),
 }  # fmt: skip
 FLOOR = "clip by hand"
 

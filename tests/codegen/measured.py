@@ -12,14 +12,17 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import casadi as ca
 
 from tests.board.emulated import BOARDS, COMPILER, missing
 from tests.board.lockstep import lockstep
 from wmr_ctrl.codegen.package import (
+    FILTER,
     RECORD,
     Footprint,
     footprint_key,
@@ -29,6 +32,7 @@ from wmr_ctrl.codegen.package import (
 )
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.filter import filter_system
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import Scenario, load_scenario
 
@@ -42,6 +46,21 @@ SCENARIOS = {False: "paper-simulation", True: "safe-simulation"}
 """By whether the guard is on."""
 ROBOTS = ("robot-10ms", "robot-100ms")
 """Guarded scenarios with encoders and late drives, whose packages are compiled only."""
+GOVERNED: Mapping[str, object] = {
+    "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
+    "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02), "clock.control": 0.05,
+}  # fmt: skip
+FILTERS: Mapping[str, Mapping[str, object]] = {
+    "clip": {"filter.kind": "clip"},
+    "governor": GOVERNED,
+    "governor, delay of 0 to 30 ms": {**GOVERNED, "filter.delay": (0.0, 0.03)},
+    "band of 50 commands": {
+        "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+        "filter.frequency": (2.9, 3.6), "clock.control": 0.05,
+    },
+}  # fmt: skip
+"""Command filters whose packages are compiled only."""
+NOTHING: Mapping[str, object] = MappingProxyType({})
 NOMINAL = "paper-simulation-nominal"
 GOLDEN = fmu_dir() / "golden" / "c"
 COPIES = tuple((law, float32) for law in ("mb", "nn") for float32 in (False, True))
@@ -58,9 +77,11 @@ class Sizes:
     stack: int
 
 
-def sizes(law: str, float32: bool, preset: str, folder: Path) -> Sizes:
-    """Sizes of a law's package, compiled for the board's processor."""
-    scenario = load_scenario(preset)
+def sizes(
+    law: str, float32: bool, preset: str, folder: Path, changes: Mapping[str, object] = NOTHING
+) -> Sizes:
+    """Sizes of a law's package, or of the command filter's, compiled for the board's processor."""
+    scenario = load_scenario(preset, changes)
     write_package(law, folder, scenario, float32=float32)
     command = [COMPILER, "-std=c99", "-O2", "-ffp-contract=off", *TARGET, "-fstack-usage", "-c",
                f"wmr_{law}.c"]  # fmt: skip
@@ -68,8 +89,13 @@ def sizes(law: str, float32: bool, preset: str, folder: Path) -> Sizes:
     text, data, bss, *_ = _output(["arm-none-eabi-size", f"wmr_{law}.o"], folder)[1].split()
     frames = (folder / f"wmr_{law}.su").read_text(encoding="utf-8").splitlines()
     stack = sum(int(line.split("\t")[1]) for line in frames if "defaults" not in line)
-    operations = step_kernel(packaged(settle(scenario, law))).operations
-    return Sizes(operations, int(text), int(data) + int(bss), stack)
+    system = filter_system(scenario) if law == FILTER else packaged(settle(scenario, law))
+    return Sizes(step_kernel(system).operations, int(text), int(data) + int(bss), stack)
+
+
+def filter_sizes(name: str, float32: bool, folder: Path) -> Sizes:
+    """Those of one of FILTERS."""
+    return sizes(FILTER, float32, "paper-simulation", folder, FILTERS[name])
 
 
 def loop_scenario(guarded: bool) -> Scenario:
@@ -121,6 +147,17 @@ def write_footprints() -> None:
             ]
         by_form = {item.operations: asdict(item) for item in each}
         found[footprint_key(law, float32, guarded)] = list(by_form.values())
+    for float32 in (False, True):
+        with tempfile.TemporaryDirectory() as root:
+            folder = Path(root)
+            each = [
+                Footprint(
+                    *astuple(filter_sizes(name, float32, folder / str(k))), None, None, None,
+                    _version(folder),
+                )
+                for k, name in enumerate(FILTERS)
+            ]  # fmt: skip
+        found[footprint_key(FILTER, float32)] = [asdict(item) for item in each]
     RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 

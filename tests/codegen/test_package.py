@@ -135,6 +135,15 @@ def test_documented_footprint_of_a_robots_package_holds(
     assert "instructions a sample" not in readme
 
 
+@pytest.mark.parametrize("name", measured.FILTERS)
+def test_documented_footprint_of_a_filter_holds(name: str, tmp_path: Path) -> None:
+    needs(measured.COMPILER)
+    found = measured.filter_sizes(name, False, tmp_path)
+    told = known_footprint("filter", False, False, found.operations)
+    assert told is not None
+    assert (told.code, told.data, told.stack) == (found.code, found.data, found.stack)
+
+
 def test_another_kernel_does_not_borrow_a_footprint() -> None:
     late = load_scenario("safe-simulation", {"actuator.lag": 0.02})
 

@@ -145,6 +145,11 @@ class _Writer:
 
     def _looped(self, loop: ArrayLoop, shift: int) -> str:
         """Element ``shift + j`` of a loop's result."""
+        if loop.op == SELECT:
+            condition, *arms = loop.operands
+            assert isinstance(condition, int)  # the same for all elements
+            yes, no = (self._element(operand, shift) for operand in arms)
+            return self.dialect.choice(self._truth(condition), yes, no)
         shown = [self._element(operand, shift) for operand in loop.operands]
         return shown[0] if loop.op is None else self.dialect.pattern(loop.op).format(*shown)
 

@@ -24,6 +24,7 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.filter import filter_system
+from wmr_ctrl.filter.filter import derived_numbers
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario
@@ -39,6 +40,8 @@ _CALL = re.compile(r"\b(?!wmr_)([a-z][a-z0-9]*)\(")
 _ROOT = re.compile(r"\bwmr_(sqrt|hypot|asin|acos)\(")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _TEMPLATES = Path(__file__).parent / "templates"
+TABLE = 16
+"""Members with more elements have their defaults in a table."""
 RECORD = _TEMPLATES / "footprint.json"
 """Measured footprints of packages."""
 
@@ -84,7 +87,7 @@ def package_files(
         setup = settle(scenario, law)
         system = packaged(setup) if counting else controller(setup)
     if float32 and (scenario.guard.enabled or law == FILTER):
-        system = single_precision.with_margin(system)
+        system = single_precision.with_margin(system, _margin(law, scenario))
     context = _context(law, scenario, system, step_kernel(system), float32)
     engine = text_engine(_TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
@@ -160,14 +163,26 @@ def _context(
         "qualifiers": QUALIFIERS, "kernel": text, "calls": library_calls(text, float32),
         "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
-        "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": single_precision.MARGIN,
+        "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": _margin(law, scenario),
         "periods": [f"{1e3 * period:g} ms" for period in periods],
         "footprint": known_footprint(law, float32, guarded, step.operations),
         "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
-        "governs": len(system.inputs) > 1,
+        "governs": len(system.inputs) > 1, "first_order": scenario.filter.loop == "first-order",
+        "tables": TABLE, "derived": _derived(scenario, law),
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
     }  # fmt: skip
+
+
+def _margin(law: str, scenario: Scenario) -> float:
+    """Share of the limits that a package in single precision stays away from them."""
+    banded = law == FILTER and scenario.filter.kind == "band"
+    return single_precision.BAND_MARGIN if banded else single_precision.MARGIN
+
+
+def _derived(scenario: Scenario, law: str) -> list[str]:
+    """Members of a filter's parameters that hang on what is no parameter."""
+    return [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else []
 
 
 def _robot(scenario: Scenario) -> Mapping[str, str | float]:
@@ -199,7 +214,12 @@ def _fields(ports: Iterable[Port]) -> list[Field]:
 
 def c_name(signal: Signal) -> str:
     """The name of a signal as C can write it: ``gains.nn.eta`` as gains_nn_eta."""
-    return re.sub(r"\W+", "_", signal.name).strip("_")
+    return c_name_of(signal.name)
+
+
+def c_name_of(name: str) -> str:
+    """A dotted name as C can write it."""
+    return re.sub(r"\W+", "_", name).strip("_")
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 A graph of SX knows no arrays: 64 products are 64 statements.  Operations of one kind and one depth
 whose operands lie side by side in a vector become one loop; what they read besides is either the
-same for all of them or is laid side by side in a local array, backwards through the graph.
+same for all of them (the condition of a choice always is) or is laid side by side in a local
+array, backwards through the graph.
 Values of one depth never depend on each other, so any grouping of them can be put in order.
 """
 
@@ -26,7 +27,7 @@ from wmr_ctrl.codegen.items import (
     computed,
     replaced,
 )
-from wmr_ctrl.model.graph import Graph
+from wmr_ctrl.model.graph import SELECT, Graph, Node
 
 SHORTEST = 8
 """Fewest elements that a loop is begun with."""
@@ -36,7 +37,8 @@ SHORTEST_FUSED = 8
 """Loops shorter than this take no other loop into their expression: eight lanes stay eight."""
 
 _LOOPED = frozenset(
-    {ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE}
+    {ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE, ca.OP_FMIN,
+     ca.OP_FMAX, SELECT}
 )  # fmt: skip
 
 Place = tuple[str, int]
@@ -69,7 +71,7 @@ class _Rerolling:
         """Make loops of all runs, from the inputs on."""
         by_depth: dict[int, list[int]] = {}
         for number in sorted(self.lines):
-            if self.graph.nodes[number].op in _LOOPED:
+            if self._is_looped(number):
                 by_depth.setdefault(self.depth[number], []).append(number)
         for depth in sorted(by_depth):
             made = -1
@@ -77,6 +79,9 @@ class _Rerolling:
                 made = len(self.loops)
                 for run in self._runs(by_depth[depth]):
                     self._roll(run)
+
+    def _is_looped(self, number: int) -> bool:
+        return self.graph.nodes[number].op in _LOOPED and not self.graph.is_logical(number)
 
     def _runs(self, numbers: Iterable[int]) -> list[list[int]]:
         """Lines of one depth whose located operands are consecutive."""
@@ -109,9 +114,10 @@ class _Rerolling:
         """Key shared by the lines of a run, and this line's position in it."""
         node, start = self.graph.nodes[number], None
         parts: list[object] = [node.op]
-        for operand, sharing in zip(node.operands, self._sharings(number), strict=True):
+        for position, sharing in enumerate(self._sharings(number)):
+            operand = node.operands[position]
             place = self.place.get(operand)
-            if sharing in common:
+            if sharing in common or _is_condition(node, position):
                 parts.append(operand)
             elif place is None:
                 parts.append(None)
@@ -163,7 +169,7 @@ class _Rerolling:
         for position in range(len(nodes[0].operands)):
             wanted = [node.operands[position] for node in nodes]
             place = wanted[0] if len(set(wanted)) == 1 else self._slice(wanted)
-            if place is None:
+            if place is None or (isinstance(place, Slice) and _is_condition(nodes[0], position)):
                 return None
             found.append(place)
         return tuple(found)
@@ -179,7 +185,7 @@ class _Rerolling:
         depths = {self.depth.get(number) for number in wanted}
         kinds = {self.graph.nodes[number].op for number in wanted}
         alone = not any(places) and set(wanted) <= self.lines and len(set(wanted)) == len(wanted)
-        alike = len(depths) == 1 and len(kinds) == 1 and kinds <= _LOOPED
+        alike = len(depths) == 1 and len(kinds) == 1 and all(map(self._is_looped, wanted))
         return self._array_of(wanted) if alone and alike else None
 
     def _array_of(self, wanted: list[int]) -> Slice | None:
@@ -203,6 +209,10 @@ class _Rerolling:
     def _new_array(self) -> str:
         self.arrays += 1
         return f"a{self.arrays}"
+
+
+def _is_condition(node: Node, position: int) -> bool:
+    return node.op == SELECT and position == 0
 
 
 def _alike(before: list[int], operand: int) -> bool:

@@ -34,9 +34,14 @@ PERIODS = {
 precision did; the tests of the boards repeat it."""
 
 
-def with_margin(system: System) -> System:
-    """The same law with its limits' values lowered by MARGIN."""
-    shares = ((item, 1 - MARGIN if item.signal.name == LIMIT else 1.0) for item in system.params)
+BAND_MARGIN = 2.0**-12
+"""The same for the command filter's band, whose forecasts are sums over up to 128 commands: each
+adds three roundings of at most four times the limit, and its tables are rounded, too."""
+
+
+def with_margin(system: System, margin: float = MARGIN) -> System:
+    """The same law with its limits' values lowered by this share."""
+    shares = ((item, 1 - margin if item.signal.name == LIMIT else 1.0) for item in system.params)
     lowered = (replace(item, value=tuple(share * x for x in item.value)) for item, share in shares)
     return replace(system, params=tuple(lowered))
 

@@ -39,12 +39,11 @@ from wmr_ctrl.filter.channels import (
     usable_command,
 )
 from wmr_ctrl.filter.governor import largest_command
-from wmr_ctrl.filter.governor_step import stated
 from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains, pi_loop
 from wmr_ctrl.filter.step_response import Band, band, pi_cells, second_order_cells
 from wmr_ctrl.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import ASKED, Signal
+from wmr_ctrl.signals import ASKED, LARGEST, Signal
 
 PIECES = 2
 """Pieces of the tables in a period."""
@@ -106,7 +105,10 @@ class Forecast:
         set is what all lines leave; ``inverse`` as `inverse_slopes` gives them.  Where 0 follows,
         they aim at c (1 + FLATTEST).
         """
-        return ca.fmax(_least(ca.vertcat(*self.lines(c, table, inverse))), 0)
+        held, *stopped = self.lines(c, table, inverse)
+        later = reduce(ca.fmin, (held[PIECES:], *stopped))  # piece by piece: a loop in C
+        first, last = ca.vertsplit(held[:PIECES]), later[-1]
+        return ca.fmax(reduce(ca.fmin, (_least(later[:-1]), last, *first)), 0)
 
     def lines(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> list[ca.SX]:
         """Largest u of each condition: for v held, then for v and -v where 0 follows, twice."""
@@ -140,7 +142,7 @@ def _younger(values: ca.SX, worse: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:
 
 
 def _least(values: ca.SX) -> ca.SX:
-    """The least element, by halves, which compilers make loops of."""
+    """The least element, by halves, which are loops in C."""
     while values.numel() > 1:
         half = (values.numel() + 1) // 2
         values = ca.fmin(values[:half], values[values.numel() - half :])
@@ -165,10 +167,11 @@ class BandGovernor:
             *(s for own in slopes for s in own),
         )
         self.p = Parameters(scenario, ports)
-        K_min, K_max, _ = stated(self.p)
+        gain = self.p.take("filter.gain")
         self.tables = [ResponseTable(*(item.sym for item in own)) for own in known]
         self.inverse = [[item.sym for item in own] for own in slopes]
-        self.channels = channels_of(scenario, self.p, (K_min, K_max, delta.sym), ca.SX(0))
+        numbers = ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), delta.sym
+        self.channels = channels_of(scenario, self.p, numbers, ca.SX(0))
         self.sound = sound(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
 
@@ -196,10 +199,16 @@ class BandGovernor:
 
     @cached_property
     def sent(self) -> ca.SX:
-        """The safe command (2,); 0 where the parameters are unsound."""
-        hi = [ca.fmax(limit, TINY) for limit in self.limits]
-        backwards, scale = [-limit for limit in hi], self.scenario.filter.scale
-        return ca.if_else(self.sound, scaled(self.command, self.channels, backwards, hi, scale), 0)
+        """The safe command (2,); 0 where the parameters are unsound.
+
+        There 0 is asked for, whose share is 1 within any limits: no branch holds up the loops of C.
+        """
+        asked = [ca.if_else(self.sound, r, 0) for r in self.command]
+        room = [ca.fmin(ca.fmax(limit, TINY), LARGEST) for limit in self.limits]
+        back, scale = [-most for most in room], self.scenario.filter.scale
+        safe = scaled(asked, self.channels, back, room, scale)
+        return ca.vertcat(*(ca.fmin(ca.fmax(safe[i], -most), most)
+                            for i, most in enumerate(self.limits)))  # fmt: skip
 
     @property
     def system(self) -> System:

@@ -64,7 +64,8 @@ class PiLoop:
         held = Span.of(kp) + c
         most = held / (2 * root(Span.of(ki) * M))
         damping = _off_one(float(most.hi), 1)
-        return PeakGain(float(gain.hi), float((pi_push(*_swing(damping)) * push / held).hi))
+        pushed = float((pi_push(*_swing(damping)) * push / held).hi) if push else 0.0
+        return PeakGain(float(gain.hi), pushed)
 
 
 def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
@@ -100,7 +101,7 @@ def second_order(damping: float, gain: float, d: float) -> PeakGain:
     """
     z, _, left = _swing(_off_one(damping, -1))
     most = second_order_gain(z, left)
-    return PeakGain(float((most * gain).hi), float((most * d).hi))
+    return PeakGain(float((most * gain).hi), float((most * d).hi) if d else 0.0)
 
 
 def second_order_gain(z: Value, left: Value) -> Value:

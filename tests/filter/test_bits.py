@@ -1,0 +1,56 @@
+"""The command filter's package has the same bits on every platform, odd inputs included."""
+
+from __future__ import annotations
+
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+
+from tests.bits.platforms import HERE as BESIDE
+from tests.bits.platforms import Platform, check_tools, ran
+from tests.bits.test_same_bits import ELSEWHERE, HERE_NOW
+from tests.codegen.measured import FILTERS
+from tests.compilers import FLAGS, compile_program
+from wmr_ctrl.codegen.package import package_files
+from wmr_ctrl.scenario import load_scenario
+
+FIRST, *OTHERS = (item for item in (*HERE_NOW, *ELSEWHERE) if not item.lanes)
+PROGRAM = Path(__file__).with_name("bits.c")
+
+
+def shown(platform: Platform, name: str, folder: Path) -> str:
+    """Digest of all that the filter sends and remembers."""
+    runner = check_tools(platform)
+    scenario = load_scenario("paper-simulation", FILTERS[name])
+    for file, text in package_files("filter", scenario).items():
+        (folder / file).write_text(text, encoding="utf-8")
+    governs = ["-DGOVERNS"] if FILTERS[name]["filter.kind"] == "governor" else []
+    command = [*platform.command, *FLAGS, *governs, f"-I{folder}", f"-I{BESIDE}"]
+    out = folder / f"filtered{platform.suffix}"
+    compile_program(folder, command, [str(PROGRAM), str(folder / "wmr_filter.c")], str(out))
+    return sha256(ran([*runner, str(out)], folder)).hexdigest()
+
+
+@cache
+def here(name: str) -> str:
+    with TemporaryDirectory() as folder:
+        return shown(FIRST, name, Path(folder))
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_compilers_agree(name: str, tmp_path: Path) -> None:
+    assert shown(HERE_NOW[2], name, tmp_path) == here(name)
+
+
+def test_filters_differ() -> None:
+    assert len({here(name) for name in FILTERS}) == len(FILTERS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FILTERS)
+@pytest.mark.parametrize("platform", OTHERS, ids=[item.name for item in OTHERS])
+def test_platforms_agree(platform: Platform, name: str, tmp_path: Path) -> None:
+    assert shown(platform, name, tmp_path) == here(name)
