@@ -18,6 +18,7 @@ HOMES = {
     "gains_by_law": "wmr_ctrl.control.setup",
     "outlook_of": "wmr_ctrl.checks.outlook",
     "needed_by": "wmr_ctrl.checks.outlook",
+    "left_corridor": "wmr_ctrl.corridor",
 }
 """Each function, and the module that it is found in."""
 

@@ -66,7 +66,7 @@ def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
 
 def outlook_of(run: Run) -> Outlook | None:
     """The Outlook of a run; None where its scenario or law is not known here."""
-    scenario = _scenario_of(run)
+    scenario = scenario_of_run(run)
     if run.law not in LAWS or scenario is None:
         return None
     return _outlook(scenario, run.law, run.settings.plant_kind)
@@ -74,7 +74,7 @@ def outlook_of(run: Run) -> Outlook | None:
 
 def needed_by(run: Run) -> FloatArray | None:
     """Wheel torques (rows, 2) [N m] that the desired motion needs; None as `outlook_of`."""
-    scenario = _scenario_of(run)
+    scenario = scenario_of_run(run)
     if scenario is None:
         return None
     desired, rates = (
@@ -84,7 +84,7 @@ def needed_by(run: Run) -> FloatArray | None:
     return needed_torque(scenario, run.time, desired, rates)
 
 
-def _scenario_of(run: Run) -> Scenario | None:
+def scenario_of_run(run: Run) -> Scenario | None:
     """The scenario of a run; None where it was not kept, or has parts that are not installed."""
     try:
         text = run.provenance.get(TEXT)

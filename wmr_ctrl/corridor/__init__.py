@@ -7,11 +7,16 @@ from dataclasses import replace
 from functools import lru_cache
 from importlib.util import find_spec
 
+from wmr_ctrl.checks.outlook import scenario_of_run
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor as Corridor
+from wmr_ctrl.corridor.answer import CorridorLeft as CorridorLeft
 from wmr_ctrl.corridor.clearance import Clearance as Clearance
 from wmr_ctrl.corridor.clearance import find_clearance
+from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.registry import EFFECTS
 
 NOT_CHECKED = (
     "NOT_CHECKED: the certificate takes ball arithmetic; install wmr-ctrl[proofs], which has "
@@ -25,6 +30,23 @@ def find_corridor(scenario: Scenario, law: str) -> Corridor:
     Without python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
     return _of(settle(scenario, law))
+
+
+def left_corridor(run: Run) -> CorridorLeft | None:
+    """The first leaving of the corridor by a run that was settled in it, None without one.
+
+    Asked of runs on the rigid body, and of those with effects of other packages, whose bounds
+    nothing proves; None without python-flint.
+    """
+    scenario = scenario_of_run(run)
+    if scenario is None or run.law not in LAWS or LAWS[run.law].inside is None:
+        return None
+    foreign = any(item.present(scenario) for item in EFFECTS.plugins)
+    if find_spec("flint") is None or not (foreign or run.monitor.rigid):
+        return None
+    from wmr_ctrl.corridor.latch import left_by
+
+    return left_by(run, scenario)
 
 
 @lru_cache(maxsize=256)

@@ -94,13 +94,8 @@ class Corridor:
         return f"M is anything from {low:g} to {high:g} kg, I from {least:g} to {most:g} kg m2"
 
     def _while(self, share: float) -> str:
-        parts = [f"each wheel is pushed by at most {share * self.push:.3g} N m"] * (self.push > 0)
-        if self.pose > 0:
-            parts.append(f"positions are measured to within {length(share * self.pose)}")
-        if any(self.velocity):
-            first, second = (share * value for value in self.velocity)
-            parts.append(f"velocities to within {first:.3g} m/s and {second:.3g} rad/s")
-        return "while " + (", ".join(parts) if parts else "nothing disturbs")
+        velocity = (share * self.velocity[0], share * self.velocity[1])
+        return f"while {bounds(share * self.push, share * self.pose, velocity)}"
 
     @property
     def figures(self) -> dict[str, object]:
@@ -115,3 +110,39 @@ class Corridor:
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
             "mass": self.mass, "masses": self.masses, "until": self.until, "clearance": clearance,
         }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class CorridorLeft:
+    """A run that was settled in its corridor from ``since`` [s] on, and left it at ``time`` [s].
+
+    ``distance`` [m] from its place on the path then, of which ``most`` [m] is certified while
+    ``counted`` holds.
+    """
+
+    time: float
+    distance: float
+    most: float
+    since: float
+    counted: str
+
+    @property
+    def sentence(self) -> str:
+        """All of it in words, with what follows."""
+        return (
+            f"At t = {self.time:.4g} s the robot was {length(self.distance)} from its place on the "
+            f"path. From t = {self.since:.4g} s on it was settled there, and no more than "
+            f"{length(self.most)} are possible while {self.counted}: one of these was not so, or "
+            "the plane model is none of this robot. Look for what pushes it, or state larger "
+            "bounds."
+        )
+
+
+def bounds(push: float, pose: float, velocity: tuple[float, float]) -> str:
+    """Sizes of what disturbs, as a clause: torque [N m], position [m], velocities."""
+    parts = [f"each wheel is pushed by at most {push:.3g} N m"] * (push > 0)
+    if pose > 0:
+        parts.append(f"positions are measured to within {length(pose)}")
+    if any(velocity):
+        parts.append(f"velocities to within {velocity[0]:.3g} m/s and {velocity[1]:.3g} rad/s")
+    return ", ".join(parts) if parts else "nothing disturbs"

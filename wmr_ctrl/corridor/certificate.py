@@ -59,6 +59,14 @@ class Peaks:
         """All in one vector."""
         return np.concatenate((self.fast, self.state, self.law))
 
+    def times(self, factor: float, more: float = LEAST) -> Peaks:
+        """So many times as large, and some more."""
+        return Peaks(*(part * factor + more for part in (self.fast, self.state, self.law)))
+
+    def within(self, other: Peaks) -> bool:
+        """True where no element is larger than another's."""
+        return bool((self.every <= other.every).all())
+
 
 @dataclass(frozen=True)
 class Tube:
@@ -129,24 +137,23 @@ class Certifier:
     def _closed(self, inputs: Inputs) -> Tube:
         peaks = first = self.linear(inputs)
         for _ in range(ROUNDS):
-            following = self._image(inputs, peaks)
+            following = self.image(inputs, peaks)
             change = np.abs(following.every - peaks.every) <= CLOSE * following.every + LEAST
             peaks = following
             if change.all():
                 break
             if (peaks.fast[:ROBOT] > FAR * first.fast[:ROBOT]).any():
                 raise NoCorridorError(self._blamed(inputs, first))
-        grown = Peaks(
-            *(part * (1 + INFLATED) + LEAST for part in (peaks.fast, peaks.state, peaks.law))
-        )
-        if not (self._image(inputs, grown).every <= grown.every).all():
+        grown = peaks.times(1 + INFLATED)
+        if not self.image(inputs, grown).within(grown):
             raise NoCorridorError(self._blamed(inputs, first))
         late = grown
         for _ in range(SETTLING if self.gains.fast.start.any() else 0):
-            late = self._image(inputs, late, started=False)
-        return replace(self._tube(grown), position_late=self._position(late))
+            late = self.image(inputs, late, started=False)
+        return replace(self._tube(grown), position_late=self.position(late))
 
-    def _position(self, peaks: Peaks) -> float:
+    def position(self, peaks: Peaks) -> float:
+        """Distance [m] from the place on the path of anything within these deviations."""
         nz = len(self.loop.names)
         ahead = peaks.fast[nz : nz + DIRECTIONS].max()
         return float(ahead / cos(pi / (2 * DIRECTIONS)) * UP)
@@ -154,20 +161,54 @@ class Certifier:
     def _tube(self, peaks: Peaks) -> Tube:
         shares = (self.level + peaks.law[-self.loop.count :]) / self.most * UP
         worst = int(np.where(self.most > 0, shares, np.inf).argmax())
-        position = self._position(peaks)
+        position = self.position(peaks)
         share = float(shares[worst]) if self.most[worst] > 0 else float("inf")
         name = self.loop.conditions[worst].name
         return Tube(peaks, position, position, float(peaks.fast[2]), name, share)
 
-    def _image(self, inputs: Inputs, peaks: Peaks, *, started: bool = True) -> Peaks:
+    def image(self, inputs: Inputs, peaks: Peaks, *, started: bool = True) -> Peaks:
         """Left side of (*), with the start or after it has been forgotten."""
+        return self._peaks(inputs, *self._added(inputs, peaks), started)
+
+    def settled(self, inputs: Inputs, peaks: Peaks) -> Peaks:
+        """What follows K samples within ``peaks``, K as in `LoopGains` (ledger: corridor.latch)."""
+        forced, gains = self.image(inputs, peaks, started=False), self.gains
+        norm = float((peaks.state / gains.scale).max()) * UP
+        parts = zip((forced.fast, forced.state, forced.law), self._three, strict=True)
+        return Peaks(*((part + item.left * norm) * UP for part, item in parts))
+
+    def next_sample(self, inputs: Inputs, state: Floats, peaks: Peaks) -> Peaks:
+        """From a state within ``state``, over one sample in which nothing leaves ``peaks``."""
+        step, law = self._added(inputs, peaks)
+        given = self._given(inputs, law)
+
+        def of(gains: Gains) -> Floats:
+            held, direct, own = gains.first
+            return np.asarray((held @ state + direct @ given + own @ step) * UP)
+
+        return Peaks(*map(of, self._three))
+
+    def share(self, peaks: Peaks) -> float:
+        """Of the condition that is used most within these deviations, 1 where it is broken."""
+        return self._tube(peaks).share
+
+    @property
+    def _three(self) -> tuple[Gains, Gains, Gains]:
+        return self.gains.fast, self.gains.state, self.gains.law
+
+    def _added(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
+        """What a plant step and the law add to their linear parts within these deviations."""
         step, law = self._remainders(inputs, peaks)
-        return self._peaks(
-            inputs,
+        return (
             (self._rest(inputs) + step.sum(axis=(1, 2))) * UP,
             (self.law_rest + law.sum(axis=(1, 2))) * UP,
-            started,
         )
+
+    @staticmethod
+    def _given(inputs: Inputs, law: Floats) -> Floats:
+        """Inputs and what the law adds, in the order of the gains' columns."""
+        error = np.array([inputs.pose, 0.0, 0.0, *inputs.velocity])
+        return np.concatenate((inputs.push, law, error))
 
     def _remainders(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
         """What the linear part leaves of the robot's step and of the law, by pairs of variables."""
@@ -190,14 +231,13 @@ class Certifier:
         return loop.step.remainders(by_step * UP), loop.law.remainders(by_law * UP)
 
     def _peaks(self, inputs: Inputs, step: Floats, law: Floats, started: bool = True) -> Peaks:
-        error = np.array([inputs.pose, 0.0, 0.0, *inputs.velocity])
-        given = np.concatenate((inputs.push, law, error))
+        given = self._given(inputs, law)
 
         def of(gains: Gains) -> Floats:
             forced = gains.by @ given + gains.steps @ step
             return np.asarray((forced + started * gains.start) * UP)
 
-        return Peaks(of(self.gains.fast), of(self.gains.state), of(self.gains.law))
+        return Peaks(*map(of, self._three))
 
     def _blamed(self, inputs: Inputs, peaks: Peaks) -> str:
         """The product of two deviations that adds most to the distance, in words."""

@@ -8,7 +8,7 @@ q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, cos, log, log2, pi, sin
 from typing import TypeAlias
@@ -48,12 +48,16 @@ class Gains:
     ``by``: columns push (2), errors of the law's outputs, a disc of (e1, e2) as measured, nothing,
     errors of e3, v1 and omega as measured.
     ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
-    after a start whose e is off by up to what was asked for, and nothing else is.
+    after a start whose e is off by up to what was asked for, and nothing else is.  ``first``: the
+    same within one sample, by the state at its begin and then as ``by`` and ``steps``.  ``left``:
+    what is left after ``samples``, by the state's largest deviation in units of ``scale``.
     """
 
     by: Floats
     steps: Floats
     start: Floats
+    first: tuple[Floats, Floats, Floats]
+    left: Floats
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,8 @@ class LoopGains:
     """Gains of the fast state at all plant steps, of the state at samples, of the law's outputs.
 
     Rows of ``fast``: its elements, directions of (e1, e2), then for each of PAIRS the sum and the
-    difference of its first with ``ratios`` times its second.  ``damping`` is q, over ``samples``.
+    difference of its first with ``ratios`` times its second.  ``damping`` is q, over ``samples``,
+    ``scale`` the weights of its norm.
     """
 
     fast: Gains
@@ -70,6 +75,7 @@ class LoopGains:
     ratios: Floats
     damping: float
     samples: int
+    scale: Floats
 
 
 @dataclass(frozen=True)
@@ -201,7 +207,8 @@ def _summed(sample: _Sample, loop: SampledLoop, samples: int, start: Floats) -> 
         np.eye(count), shown, np.zeros((count, COMMAND)), np.eye(count),
         np.abs(_doubles(sample.seen)) * UP, np.zeros((count, nz)),
     )  # fmt: skip
-    return LoopGains(_largest(within), sums.gains(state), sums.gains(law), ratios, damping, samples)
+    three = _largest(within), sums.gains(state), sums.gains(law)
+    return LoopGains(*three, ratios, damping, samples, scale)
 
 
 @dataclass
@@ -230,9 +237,9 @@ class _Sums:
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
         reach = size @ self.scale
         tail = np.outer(reach, self.norms.sum(axis=0)) * self.damping / (1 - self.damping)
-        first = slice(len(self.start))
-        rest = slack[:, first] + np.outer(reach, self.norms[:, first].max(axis=0)) * self.damping
-        start = ((seen[..., first] @ self.start).max(axis=0) + rest @ self.start) * UP
+        e = slice(len(self.start))
+        rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
+        start = ((seen[..., e] @ self.start).max(axis=0) + rest @ self.start) * UP
         direct = np.hstack([rows.push, rows.law, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
         for part in (seen, direct):
@@ -243,7 +250,9 @@ class _Sums:
             part[..., disc[1]] = 0.0
         every = (seen.sum(axis=0) + slack + tail) * UP
         steps = (every[:, :n] @ self.steps + rows.steps) * UP
-        return Gains((every[:, n:] + direct) * UP, steps, start)
+        held = (np.abs(rows.picked @ rows.state) + ROUNDING * size + FLOOR) * UP
+        first = held, direct, rows.steps
+        return Gains((every[:, n:] + direct) * UP, steps, start, first, reach * self.damping * UP)
 
 
 def _fast_rows(nz: int, ratios: Floats) -> Floats:
@@ -263,8 +272,15 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
 
 
 def _largest(each: list[Gains]) -> Gains:
-    names = (field.name for field in fields(Gains))
-    return Gains(*(np.max([getattr(item, name) for item in each], axis=0) for name in names))
+    """Entry by entry."""
+    by, steps, start, left = (
+        np.max([getattr(item, name) for item in each], axis=0)
+        for name in ("by", "steps", "start", "left")
+    )
+    held, direct, own = (
+        np.max(parts, axis=0) for parts in zip(*(item.first for item in each), strict=True)
+    )
+    return Gains(by, steps, start, (held, direct, own), left)
 
 
 def _powers(matrix: BallArray, count: int) -> list[BallArray]:

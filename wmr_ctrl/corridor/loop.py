@@ -189,6 +189,9 @@ class SampledLoop:
             rest[: self.acting],
         ))  # fmt: skip
         self.remains = np.concatenate((rest, memory[: self.memory], rest[: self.acting]))
+        self.at = np.concatenate((
+            self.step.at[: len(self.names)], np.tile(rest, self.queue), self.remains[COMMAND:],
+        ))  # fmt: skip
         self.law = Curve("the law", by, output, at)
         self.most = Curve("the limits", by, sizes, at).value()
 

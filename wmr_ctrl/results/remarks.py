@@ -52,6 +52,7 @@ SHORT = {
     "saturated": "its wheels are at their torque limit",
     "guard-holds-back": "the guard holds it back",
     "obstacle": "it touched an obstacle",
+    "corridor-left": "it left its certified corridor",
     "exact-pose": "its pose was exact",
     OBJECTED: "theory objects",
     "assumption-void": "an assumption of the guarantee is void",
@@ -172,6 +173,11 @@ def _touched(run: Run) -> Iterator[Remark]:
         )
 
 
+def _left_corridor(run: Run) -> Iterator[Remark]:
+    if run.corridor_left is not None:
+        yield Remark("corridor-left", run.corridor_left.sentence)
+
+
 def _oscillates(run: Run) -> Iterator[Remark]:
     cycle = oscillation(run)
     if cycle is not None:
@@ -267,6 +273,7 @@ _PARTS: tuple[Callable[[Run], Iterator[Remark]], ...] = (
     _not_tracked,
     _not_arrived,
     _touched,
+    _left_corridor,
     _too_fast,
     _oscillates,
     _chatters,

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from wmr_ctrl.checks.outlook import Outlook
+    from wmr_ctrl.corridor.answer import CorridorLeft
     from wmr_ctrl.results.remarks import Remark
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -193,6 +194,15 @@ class Run:
     def needed(self) -> FloatArray | None:
         """Wheel torques [N m] that the desired motion needs, (N, 2); None as `outlook`."""
         return cast("FloatArray | None", late_bound("needed_by")(self))
+
+    @cached_property
+    def corridor_left(self) -> CorridorLeft | None:
+        """The first leaving of the certified corridor by a run that was settled in it.
+
+        None where it did not, where there is no corridor, and where the plane model and effects of
+        ours alone move the robot: there the certificate is about them.
+        """
+        return cast("CorridorLeft | None", late_bound("left_corridor")(self))
 
     @cached_property
     def remarks(self) -> tuple[Remark, ...]:

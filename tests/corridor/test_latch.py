@@ -1,0 +1,84 @@
+"""From when on a run is held by the corridor, and what it proves if it leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.corridor.adversary import attack
+from tests.physics.shove import SHOVE
+from wmr_ctrl import load_run, simulate, simulate_runs
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.corridor.latch import STAGES, latch_of, left_by
+from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.registry import EFFECTS
+
+SHORT = {"changes": [], "clock.duration": 32.0}
+
+
+@pytest.fixture(scope="module")
+def certifier():
+    return Certifier(settle(load_scenario("safe-simulation"), "prox"))
+
+
+def test_what_holds_after_the_latch_comes_down_to_the_corridor(certifier):
+    latch = latch_of(certifier, certifier.inputs)
+    alone = certifier.tube(certifier.inputs).position
+
+    assert list(latch.position) == sorted(latch.position, reverse=True)
+    assert len(latch.position) == STAGES
+    assert 1.3 * alone > latch.position[0] > latch.position[-1] >= alone
+    assert latch.position[-1] == pytest.approx(alone, rel=0.01)
+
+
+def test_no_sample_from_the_box_goes_farther_than_it_says(certifier):
+    """Against the tests' own loop: moved within the box, pushed at random."""
+    scenario, rng = load_scenario("safe-simulation"), np.random.default_rng(5)
+    held = certifier.tube(certifier.inputs).peaks.times(1.2)
+    box = 0.3 * held.state
+    most = certifier.next_sample(certifier.inputs, box, held).fast[:3]
+    quiet, rest = np.zeros((20, 2)), scenario.clock.substeps
+    before = 20 - 1 / rest  # one plant step before the sample
+    for _ in range(20):
+        jump = 0.95 * rng.choice([-1.0, 1.0], size=3) * box[:3]
+        push = 3.0 * rng.choice([-1.0, 1.0], size=(1, 2))
+        e = attack(scenario, "prox", np.vstack([quiet, push]), jump=jump, at=before).e[-rest:]
+        assert (np.abs(e).max(axis=0) <= most).all()
+
+
+def test_runs_that_keep_their_bounds_are_settled_and_stay():
+    scenario = override(load_scenario("safe-simulation"), SHORT)
+    latch = latch_of(*((c := Certifier(settle(scenario, "prox"))), c.inputs))
+    for run in simulate_runs(scenario, "prox", range(5)):
+        late = run.time > 20.0
+        off = np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])[late]
+        assert left_by(run, scenario) is None
+        assert off.max() < latch.position[1]
+
+
+def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path):
+    """An effect whose bound says that it does nothing; the run says that this was false."""
+    monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
+    shoved = {**SHORT, "shove.force": 300.0, "shove.start": 30.0, "shove.time": 0.5}
+    run = simulate("safe-simulation", "prox", seed=3, overrides=shoved)
+    calm = simulate("safe-simulation", "prox", seed=3, overrides={**shoved, "shove.force": 20.0})
+    run.save(tmp_path / "run.npz")
+    left = run.corridor_left
+
+    assert "corridor-left" in [item.key for item in run.remarks]
+    assert 30.0 < left.time < 30.5
+    assert left.since < 15.0
+    assert left.distance > left.most
+    assert left.most >= find_corridor(load_scenario("safe-simulation", SHORT), "prox").position
+    assert "3 N m and M = 50 kg: one of these was not so" in left.sentence
+    assert load_run(tmp_path / "run.npz").corridor_left == left
+    assert calm.corridor_left is None
+
+
+def test_a_run_that_is_not_settled_yet_proves_nothing(monkeypatch):
+    monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
+    early = {**SHORT, "shove.force": 300.0, "shove.start": 5.0, "shove.time": 0.5}
+
+    assert simulate("safe-simulation", "prox", overrides=early).corridor_left is None
