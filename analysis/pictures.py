@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageSequence
 
 import wmr_ctrl
+from analysis.chain import picture
 from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.campaign import PAPER_LAWS
 from wmr_ctrl.campaign.engine import run_campaign
@@ -265,6 +266,7 @@ PICTURES: Mapping[str, Callable[[], Figure]] = {
     "identified": identified,
     "velocity": velocity,
     "stress": stress,
+    "proved": picture,
 }
 
 

@@ -20,6 +20,7 @@ import threading
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -46,16 +47,7 @@ _INSTALL = (
     "without a compiler."
 )
 _ON_PATH = ("cc", "gcc", "clang")
-_PROBE = """\
-#include <math.h>
-#include <stdint.h>
-#if defined(_WIN32)
-__declspec(dllexport)
-#else
-__attribute__((visibility("default")))
-#endif
-int32_t wmr_probe(int32_t a) { return a + (int32_t)cosh(0.0 * a); }
-"""
+_PROBE = (files("wmr_ctrl.codegen") / "probe.c").read_text(encoding="utf-8")
 
 
 def find_toolchain(extra: Sequence[str] = (), *, native: bool = False) -> Toolchain:

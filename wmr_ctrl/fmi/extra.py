@@ -20,6 +20,7 @@ from wmr_ctrl.fmi.files import render, write_archive
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import Role
 from wmr_ctrl.laws import LAWS
+from wmr_ctrl.results.frames import library
 from wmr_ctrl.signals import Signal
 
 EXTRA = "extra/org.wmr-ctrl"
@@ -99,8 +100,7 @@ def _seconds(model: FmuModel) -> float:
 
 def reference_result(model: FmuModel, files: Mapping[str, bytes]) -> bytes:
     """CSV of two seconds of co-simulation with constant inputs: time, inputs and outputs."""
-    from fmpy import simulate_fmu
-
+    simulate_fmu = library("fmpy", "fmi").simulate_fmu
     names = [v.name for v in model.variables if (v.output or v.role is Role.INPUT) and not v.array]
     step = model.scenario.clock.control
     with tempfile.TemporaryDirectory() as folder:

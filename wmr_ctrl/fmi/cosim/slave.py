@@ -12,19 +12,12 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import (
-    FMU2Slave,
-    defaultCallbacks,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
-from fmpy.fmi3 import FMU3Slave
-
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
 from wmr_ctrl.fields.limits import may_unpack
 from wmr_ctrl.fmi.units import BASE, NamedUnit
+from wmr_ctrl.results.frames import library
 
+_fmpy, _fmi2, _fmi3 = (library(f"fmpy{part}", "fmi") for part in ("", ".fmi2", ".fmi3"))
 _WARNING = 1  # the highest status of a call that did what it should
 Read = Callable[[], list[float]]
 Write = Callable[[Sequence[float]], None]
@@ -51,7 +44,7 @@ class FmuFile:
                     f"it is {unpacked / 1e6:.0f} MB unpacked, which its own size cannot be true "
                     "of. Check where it is from."
                 )
-            self.description = read_model_description(self.path)
+            self.description = _fmpy.read_model_description(self.path)
         except Exception as error:  # FMPy raises bare Exceptions
             raise self.unusable(error) from error
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -121,9 +114,9 @@ class Slave(FmuFile):
             if interface is None:
                 text = "it has no co-simulation interface. Export it for co-simulation."
                 raise ArgumentError(text)
-            self._fmu = (FMU2Slave if self.version == 2 else FMU3Slave)(
+            self._fmu = (_fmi2.FMU2Slave if self.version == 2 else _fmi3.FMU3Slave)(
                 guid=self.description.guid,
-                unzipDirectory=extract(self.path, str(folder)),
+                unzipDirectory=_fmpy.extract(self.path, str(folder)),
                 instanceName=self.name,
                 modelIdentifier=interface.modelIdentifier,
             )
@@ -135,10 +128,10 @@ class Slave(FmuFile):
         if self.version == 3:
             self._fmu.instantiate(logMessage=self._hear)
             return
-        callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(self._hear)
-        callbacks.allocateMemory = defaultCallbacks.allocateMemory
-        callbacks.freeMemory = defaultCallbacks.freeMemory
+        callbacks = _fmi2.fmi2CallbackFunctions()
+        callbacks.logger = _fmi2.fmi2CallbackLoggerTYPE(self._hear)
+        callbacks.allocateMemory = _fmi2.defaultCallbacks.allocateMemory
+        callbacks.freeMemory = _fmi2.defaultCallbacks.freeMemory
         self._callbacks = callbacks
         self._fmu.instantiate(callbacks=callbacks)
 
