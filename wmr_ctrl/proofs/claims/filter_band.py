@@ -1,6 +1,6 @@
 """The band of the command filter: what its forecasts bound, and what it admits.
 
-Tables of one piece and the tail: every piece of longer ones is reckoned alike.
+Tables of a few pieces and the tail: every piece of longer ones is reckoned alike.
 """
 
 from __future__ import annotations
@@ -10,14 +10,34 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.filter.band import Forecast, ResponseTable
+from wmr_ctrl.filter.band import (
+    FLATTEST,
+    PIECES,
+    BandGovernor,
+    Forecast,
+    ResponseTable,
+    inverse_slopes,
+)
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, stacked, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    stacked,
+    symbols,
+    within,
+)
+from wmr_ctrl.scenario import load_scenario
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
 claim = Claims(by=Z3(effort=100))
+WAYS = (
+    {"word": "over", "sign": "", "way": 1},
+    {"word": "under", "sign": "-", "way": -1},
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +84,7 @@ class BandAxis:
 @claim(
     "filter.band.{word}",
     given=f"{TABLES}; {{sign}}v <= {{sign}}u + {{word}}; low <= S <= high, the base's response",
-    over=({"word": "over", "sign": "", "way": 1}, {"word": "under", "sign": "-", "way": -1}),
+    over=WAYS,
 )
 def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     """{sign}(v + (to - u) S) <= {sign}to + {word} of the changed forecast.
@@ -102,6 +122,140 @@ def mirrored(mutation: Mutation) -> Statement:
     return Statement(s, tuple(goals), a.stated)
 
 
+PARTS = ({"part": "piece", "told": "a piece of the tables"},
+         {"part": "tail", "told": "behind the tables"})  # fmt: skip
+EACH = tuple(way | part for way in WAYS for part in PARTS)
+INSIDE = (
+    "before it u + over, -u + under <= c', and over, under <= c' once 0 is sent, c' = c (1 + 2^-30)"
+)
+
+
+@dataclass(frozen=True)
+class BandStep(BandAxis):
+    """A step of the band on tables of a period and one piece, and the conditions it is held to."""
+
+    size: int = PIECES + 1
+
+    @cached_property
+    def lines(self) -> list[ca.SX]:
+        """Largest command of each condition, as the filter's graph reckons it."""
+        inverse = inverse_slopes(self.table.low, self.table.high)
+        return self.forecast.lines(self.symbols["c"], self.table, inverse)
+
+    @property
+    def most(self) -> ca.SX:
+        """c (1 + FLATTEST)."""
+        return self.symbols["c"] * (1 + FLATTEST)
+
+    def within(self, forecast: Forecast, part: int, way: int) -> Relation:
+        """The forecast keeps v (or -v) within `most` on one part: a piece, or -1 for the tail."""
+        bounds = forecast.over if way > 0 else forecast.under
+        return at_least(self.most, way * forecast.u + (forecast.tail if part < 0 else bounds[part]))
+
+    def inside(self, *parts: int) -> tuple[Relation, ...]:
+        """What is known before the step, of these parts: the command held, and 0 sent."""
+        kept = self.forecast, self.forecast.changed(ca.SX(0), self.table)
+        return tuple(self.within(f, part, way) for f in kept for part in parts for way in (1, -1))
+
+
+@claim("filter.band.least", given="any tables, forecast and command")
+def least(mutation: Mutation) -> Statement:
+    """the largest command is 0, or at most what each of the conditions admits.
+
+    None of the conditions is left out.
+    """
+    a = BandStep()
+    cuts = {f"line {i} {k}": line[k] for i, line in enumerate(a.lines)
+            for k in range(line.numel())}  # fmt: skip
+    inverse = inverse_slopes(a.table.low, a.table.high)
+    largest = mutation(1, 1.1) * a.forecast.largest(a.symbols["c"], a.table, inverse)
+    goals = tuple(at_least(ca.fmax(line, 0), largest) for line in cuts.values())
+    return Statement(a.symbols, goals, (), cuts)
+
+
+@claim(
+    "filter.band.held-{word}-{part}",
+    given=f"{TABLES}; 0 <= to <= what the condition admits; {INSIDE}",
+    over=EACH,
+)
+def held(mutation: Mutation, word: str, way: int, part: str) -> Statement:
+    """{sign}to + {word} of the changed forecast <= c', on {told}.
+
+    A command that is admitted, and then held, keeps the forecast within the limit.
+    """
+    a = BandStep()
+    k, to = (-1 if part == "tail" else 0), a.symbols["to"]
+    admitted = at_least(a.lines[0][k], to) if way > 0 else at_least(to)
+    known = tuple(item for item in a.inside(k))
+    changed = a.forecast.changed(mutation(1, 1.5 * way) * to, a.table)
+    given = (*a.stated, at_least(to), admitted, *known)
+    return Statement(a.symbols, (a.within(changed, k, way),), given)
+
+
+@claim(
+    "filter.band.stop-{word}-{part}",
+    given=f"{TABLES}; 0 <= to <= what the conditions admit; {INSIDE}",
+    over=EACH,
+)
+def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
+    """{word} of the forecast <= c' if 0 follows a period behind the admitted command, from {told}.
+
+    A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
+    """
+    a = BandStep()
+    line, to = (-1 if part == "tail" else 0), a.symbols["to"]
+    admitted = tuple(at_least(limit[line], to) for limit in a.lines[1:])
+    changed = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
+    after = changed.changed(ca.SX(0), a.table)
+    parts = (*range(1, a.size), -1) if part == "tail" else (0,)
+    goals = tuple(a.within(after, k, way) for k in parts)
+    return Statement(a.symbols, goals, (*a.stated, at_least(to), *admitted))
+
+
+@claim("filter.band.zero", given=f"{TABLES}; {INSIDE}")
+def zero(mutation: Mutation) -> Statement:
+    """0 keeps the forecast within c', held or sent again a period later.
+
+    A stop is always admitted, whatever the conditions say.
+    """
+    a = BandStep()
+    everywhere = (*range(a.size), -1)
+    now = a.forecast.changed(ca.SX(0), a.table)
+    after = now.later(a.table).changed(mutation(0, 1) * a.symbols["c"], a.table)
+    goals = [a.within(f, part, way) for f in (now, after) for part in everywhere for way in (1, -1)]
+    return Statement(a.symbols, tuple(goals), (*a.stated, *a.inside(*everywhere)))
+
+
+BANDED = {
+    "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+    "filter.frequency": (4.0, 5.0), "clock.control": 0.1,
+}  # fmt: skip
+"""Settings for the structure of the band's graph; its numbers are symbols."""
+
+
+@claim(
+    "filter.band.sent-{id}",
+    given="every command (no number, too), any parameters",
+    over=({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1}),
+)
+def sent(mutation: Mutation, axis: int) -> Statement:
+    """|u| <= the largest command, u what the whole band sends on the {id} axis, and u never turns
+    against what was asked for.
+
+    Nothing passes by: no number that is asked for, nor the other axis' scaling.
+    """
+    graph = BandGovernor(load_scenario("paper-simulation", BANDED))
+    limits, u = graph.limits, mutation(1, 1.1) * graph.sent[axis]
+    named = {
+        f"{item.signal.name}.{k + 1}": item.sym[k]
+        for item in graph.system.inputs
+        for k in range(item.signal.size)
+    }
+    cuts = {f"limit {i}": limit for i, limit in enumerate(limits)} | {"sound": graph.sound}
+    goals = (*within(u, limits[axis]), at_least(u * graph.command[axis]))
+    return Statement(named, goals, tuple(at_least(limit) for limit in limits), cuts)
+
+
 @claim(
     "filter.band.superposition",
     given="a linear loop of the family that reaches its command at rest, its numbers constant, at "
@@ -113,4 +267,23 @@ def superposition() -> None:
     """v(t) = sum of Delta_j S(age_j) + what pushes lead to, of which at most delta.
 
     Forecasts that bound the sum bound the speed, at every instant of every member of the family.
+    """
+
+
+@claim(
+    "filter.band.induction",
+    given="a linear loop of the family, its numbers constant, at rest at the start; commands take "
+    "over one period after the other, by a delay that is constant; |d| <= dbar",
+    by=HAND,
+    premises="filter.band.superposition filter.band.least filter.band.held-over-piece "
+    "filter.band.held-over-tail filter.band.held-under-piece filter.band.held-under-tail "
+    "filter.band.stop-over-piece filter.band.stop-over-tail filter.band.stop-under-piece "
+    "filter.band.stop-under-tail filter.band.zero filter.band.mirrored filter.band.sent-linear "
+    "filter.band.sent-angular",
+)
+def induction() -> None:
+    """|v| <= K_max c (1 + 2^-30) + delta <= V at every instant: forecasts that are within c' stay
+    so from sample to sample, whatever is asked for.
+
+    The band keeps a loop that overshoots within its limit.
     """
