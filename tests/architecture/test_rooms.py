@@ -20,6 +20,7 @@ KEPT_SHORT = {
     "wmr_ctrl.outputs": "outputs for other tools, by the names that users type",
     "wmr_ctrl.world.command_dead_band": "an effect has a file",
     "wmr_ctrl.world.command_quantum": "an effect has a file",
+    "wmr_ctrl.world.wheel_speed_limit": "an effect has a file",
 }
 """Short files with one user that are looked up by name, and why."""
 BY_NAME = ("wmr_ctrl.laws.",)

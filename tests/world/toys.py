@@ -17,6 +17,7 @@ from wmr_ctrl.model.system import (
     Parameters,
     System,
     draw,
+    outputs,
     port,
     ports,
     stack,
@@ -26,6 +27,7 @@ from wmr_ctrl.signals import (
     BODY_FORCE,
     MEASURED_VELOCITY,
     PLANT_STATE,
+    REFERENCE,
     TIME,
     TORQUE,
     TORQUE_NOISE,
@@ -33,7 +35,7 @@ from wmr_ctrl.signals import (
     Signal,
 )
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
-from wmr_ctrl.world.references.kind import Reference, ReferenceKind, outputs
+from wmr_ctrl.world.references.kind import Reference, ReferenceKind
 
 OMEGA = MEASURED_VELOCITY[1]
 THETA = PLANT_STATE[2]
@@ -63,7 +65,6 @@ def gyro(scenario: Scenario) -> System:
         update=following,
         outputs=(Output(OMEGA, omega.sym + following),),
         diagnostics=(Output(Signal("toy_bias_now", "rad/s", "bias of this sample"), following),),
-        period=scenario.clock.control,
         draws=(step,),
     )
 
@@ -97,7 +98,6 @@ def encoder(scenario: Scenario) -> System:
         inputs=(travel,),
         params=p.ports,
         outputs=(Output(MEASURED_VELOCITY[0], counted / period),),
-        period=scenario.clock.control,
     )
 
 
@@ -129,7 +129,6 @@ def ramp(scenario: Scenario) -> System:
         params=p.ports,
         update=following,
         outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
-        period=scenario.clock.plant,
     )
 
 
@@ -155,7 +154,6 @@ def slope(scenario: Scenario) -> System:
         inputs=(theta,),
         params=p.ports,
         outputs=(Output(BODY_FORCE[0], pull * ca.sin(theta.sym)),),
-        period=scenario.clock.plant,
     )
 
 
@@ -191,7 +189,6 @@ def gust(scenario: Scenario) -> System:
         params=p.ports,
         update=following,
         outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE_NOISE)),
-        period=scenario.clock.plant,
         draws=(kick,),
     )
 
@@ -238,7 +235,7 @@ def clothoid(scenario: Scenario) -> System:
         state=(place,),
         params=p.ports,
         update=following,
-        outputs=outputs(path),
+        outputs=outputs(REFERENCE, path),
         period=scenario.clock.control,
     )
 
@@ -265,7 +262,6 @@ def late(scenario: Scenario) -> System:
         inputs=torque,
         params=p.ports,
         outputs=tuple(Output(item.signal, item.sym) for item in torque),
-        period=scenario.clock.plant,
         transport=time,
     )
 

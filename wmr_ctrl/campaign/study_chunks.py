@@ -108,10 +108,7 @@ def _corridors(cases: Sequence[PlannedCase]) -> np.ndarray:
 
 @contextmanager
 def executor_named(
-    name: str | Executor,
-    jobs: int | None,
-    facts: Callable[[], Facts],
-    asked: Callable[[], Facts],
+    name: str | Executor, jobs: int | None, facts: Callable[[], Facts], asked: Callable[[], Facts]
 ) -> Iterator[Executor | None]:
     """The executor of that name, closed at the end; None for threads of this process.
 

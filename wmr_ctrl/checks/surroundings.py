@@ -161,7 +161,7 @@ class Surroundings:
         return rate
 
     def step(self, z: ca.SX, force: ca.SX, v_d: Floats, step: float, push: ca.SX) -> ca.SX:
-        """That state after a plant step of ``step`` [s], under a force and a disturbance (2)."""
+        """Fast state after a plant step of ``step`` [s], under a force and a disturbance (2)."""
         world = self.worlds(self.scenario.clock.control)[0][1]
         numbers = self.numbers(world, self.scenario.clock.control, step, None)
         held = self.torque(world, force, push)

@@ -13,9 +13,7 @@ from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price
 from wmr_ctrl.world.phases import largest_friction
 
 PLACE = "guard, docs/guarantee.md"
-REMEDIES = {
-    "disturbance.truncate": "Set disturbance.truncate = 3 for a guarantee.",
-}
+REMEDIES = {"disturbance.truncate": "Set disturbance.truncate = 3 for a guarantee."}
 OTHER_REMEDY = (
     "Take it out of the scenario, or keep away from the limit with a smaller guard.alpha."
 )

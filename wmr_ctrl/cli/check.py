@@ -161,11 +161,12 @@ def _short(scenario: Scenario) -> Scenario:
 
 
 def _document(answers: Answers) -> dict[str, Any]:
-    from wmr_ctrl.checks import reference_torque
+    from wmr_ctrl.checks import filter_facts, reference_torque
     from wmr_ctrl.results import summary
     from wmr_ctrl.world.grip import grip
 
     case, stable, runs = answers.scenario, answers.stable, answers.runs
+    filtering = filter_facts(answers.setup)
     shares = ("guard_share", "filter_share")
     shown = ("position_rms", "tracking", "tracked", "arrival", *shares, "outcome", "remarks")
     figures = {law: summary(run) for law, run in runs.items()}
@@ -195,7 +196,7 @@ def _document(answers: Answers) -> dict[str, Any]:
             for law, warnings in answers.warned.items()
         },
         "guard": check_sentences.guard_numbers(answers.setup),
-        "filter": check_sentences.filter_numbers(answers.setup),
+        "filter": filtering and asdict(filtering),
         "corridor": {law: tube.figures for law, tube in answers.tubes.items()},
     }
 
@@ -210,7 +211,7 @@ def _merged(answers: Answers) -> Iterator[tuple[str | None, Warning]]:
 
 
 def _head(answers: Answers) -> Iterator[str]:
-    """What is promised, and lines on the scenario whatever the law."""
+    """The promise, and lines on the scenario whatever the law."""
     case = answers.scenario
     yield wrapped(f"{case.name} is valid{f' ({case.title})' if case.title else ''}.")
     yield wrapped(check_sentences.promise(answers.setup))
@@ -306,10 +307,8 @@ def _findings(answers: Answers) -> Iterator[Note]:
     """Everything that is known, of the scenario first, then by law."""
     from wmr_ctrl.checks.surroundings import lost_poses, rounded_effects
 
-    for key, lines in (
-        ("guard", check_sentences.guard_lines),
-        ("filter", check_sentences.filter_lines),
-    ):
+    about = {"guard": check_sentences.guard_lines, "filter": check_sentences.filter_lines}
+    for key, lines in about.items():
         yield from (Note("", key, line) for line in lines(answers.setup))
     if answers.taken:
         yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ NOT_THE_PATH = "how well the path is followed is not"
 
 
 def promise(setup: Setup) -> str:
-    """Whether the limits are promised, by what and as long as what, in a sentence or two."""
+    """The promise on the limits, if there is one: by what, and as long as what."""
     from wmr_ctrl.checks import filter_facts
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.errors import ScenarioError
@@ -96,16 +95,8 @@ def guard_lines(setup: Setup) -> Iterator[str]:
     )
 
 
-def filter_numbers(setup: Setup) -> dict[str, object] | None:
-    """Facts of the command filter for JSON; None without one."""
-    from wmr_ctrl.checks import filter_facts
-
-    facts = filter_facts(setup)
-    return None if facts is None else asdict(facts)
-
-
 def filter_lines(setup: Setup) -> Iterator[str]:
-    """The same in two sentences; none without filter."""
+    """The command filter in two sentences; none without filter."""
     from wmr_ctrl.checks import filter_facts
     from wmr_ctrl.results import speeds
 

@@ -118,13 +118,7 @@ class Dialect:
 HEADER = "arithmetic.h"
 """The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
 SCALAR = Dialect(
-    HEADER,
-    "double",
-    "int",
-    MappingProxyType(_SCALAR),
-    lanes=False,
-    exp_batch=8,
-    packs_stores=True,
+    HEADER, "double", "int", MappingProxyType(_SCALAR), lanes=False, exp_batch=8, packs_stores=True
 )
 LANES = Dialect(
     HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, exp_batch=1, pairs_sines=True

@@ -77,10 +77,7 @@ Torque = TypeVar("Torque", ca.SX, "NDArray[np.float64]")
 
 
 def followed(
-    commands: Sequence[Torque],
-    late: tuple[int, float, float],
-    acting: Torque,
-    decay: ca.SX | float,
+    commands: Sequence[Torque], late: tuple[int, float, float], acting: Torque, decay: ca.SX | float
 ) -> tuple[Torque, Torque]:
     """Mean torque over a sample, and what acts at its end behind a lag, for commands by age.
 

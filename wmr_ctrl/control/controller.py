@@ -17,7 +17,7 @@ from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import TorqueLimited
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
-from wmr_ctrl.model.system import Output, Parameters, Port, System, port, ports, stack
+from wmr_ctrl.model.system import Output, Parameters, Port, System, outputs, port, ports, stack
 from wmr_ctrl.signals import ASKED, FORCE, TORQUE, VELOCITY
 
 
@@ -90,7 +90,7 @@ def guard(setup: Setup) -> System:
         state=(*applied.state, *memory.state),
         params=p.ports,
         update=ca.vertcat(*applied.following(torque), memory.update),
-        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
+        outputs=outputs(TORQUE, torque),
         diagnostics=memory.diagnostics,
         period=setup.scenario.clock.control,
     )
@@ -135,7 +135,7 @@ def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
 
 
 def _reached(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
-    """What of a force (2,) [N, N m] the wheels can give, the thrust served first."""
+    """The part of a force (2,) [N, N m] that the wheels can give, the thrust served first."""
     _, half_track, phi = _wheels(setup, p)
     return linear_first(asked, phi, half_track)
 
@@ -240,7 +240,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
 
 
 def _velocity_sender(setup: Setup, core: System) -> SentVelocity:
-    """What follows a law on a base that takes velocities."""
+    """Sender of a law's command on a base that takes velocities."""
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
     direct = core.outputs[0].signal == ASKED
@@ -269,7 +269,7 @@ def _finished(
         state=(*core.state, *state),
         params=p.ports,
         update=ca.vertcat(core.update, *(update or [])),
-        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
+        outputs=outputs(TORQUE, torque),
         diagnostics=(*core.diagnostics, *diagnostics),
         period=core.period,
     )

@@ -17,13 +17,7 @@ import casadi as ca
 
 from wmr_ctrl.control.controller import watched_controller, wheel_limit
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.control.wiring import (
-    Named,
-    Stream,
-    Wiring,
-    held_signals,
-    pushes,
-)
+from wmr_ctrl.control.wiring import Named, Stream, Wiring, held_signals, pushes
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.model.dynamics import plant, rk4_step

@@ -26,7 +26,7 @@ from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, has_bit, usable_c
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import ODOMETRY
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
-from wmr_ctrl.model.system import Output, Parameters, Port, System, port, stack
+from wmr_ctrl.model.system import Output, Parameters, Port, System, outputs, port, stack
 from wmr_ctrl.signals import (
     ASKED,
     COMMAND,
@@ -123,7 +123,7 @@ class SentVelocity:
             self._law(memory),
             state=(*self.core.state, *memory, *held),
             update=ca.vertcat(self.core.update, *following, filtering),
-            outputs=tuple(Output(signal, sent[i]) for i, signal in enumerate(COMMAND)),
+            outputs=outputs(COMMAND, sent),
             diagnostics=(
                 *self.core.diagnostics, *(Output(*item) for item in watched), *shown,
             ),

@@ -119,7 +119,7 @@ class Wiring:
         return [item.system(self.setup.scenario) for item in chosen]
 
     def drives(self) -> list[System]:
-        """What makes torques of what is sent: commands, the speed loop, then the drives."""
+        """Systems from what is sent to torques: commands, the speed loop, then the drives."""
         roles = (EffectRole.COMMAND, EffectRole.LOOP, EffectRole.DRIVE)
         return [system for role in roles for system in self.effects(role)]
 

@@ -15,13 +15,7 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
-from wmr_ctrl.fmi.blocks import (
-    filter_model,
-    guard_model,
-    law_model,
-    plant_model,
-    reference_model,
-)
+from wmr_ctrl.fmi.blocks import filter_model, guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.extra import EXTRA, GRAPH, NOTE, RESULT, plain_code, reference_result, references
 from wmr_ctrl.fmi.files import write_archive

@@ -214,11 +214,7 @@ def _holds(force: float, tau_max: float, r: float) -> bool:
 
 
 def _refuse_wheels(
-    scenario: Scenario,
-    name: str,
-    pair: Pair,
-    tau_max: float,
-    needed: Callable[[float], float],
+    scenario: Scenario, name: str, pair: Pair, tau_max: float, needed: Callable[[float], float]
 ) -> None:
     robot, need, most = scenario.robot, sum(pair), full_thrust(scenario.robot.r, tau_max)
     enough = _enough(needed, need * robot.r / 2, robot.r)

@@ -131,8 +131,8 @@ class LinearReport:
             "delay_margin": each["delay"],
             "disk_margin": each["disk"],
             "per_axis": {
-                "max_sample_time_kink": _listed(self.max_sample_time_kink),
-                "one_step_safe_time": _listed(self.one_step_safe_time),
+                "max_sample_time_kink": self.max_sample_time_kink,
+                "one_step_safe_time": self.one_step_safe_time,
                 "margins": [item and item.as_dict() for item in self.margins],
                 "sampled_margins": [item and item.as_dict() for item in self.sampled_margins],
             },
@@ -228,10 +228,6 @@ def report_linear(
 
 def _pairs(poles: Floats | None) -> list[list[float]] | None:
     return None if poles is None else [[p.real, p.imag] for p in np.asarray(poles, complex)]
-
-
-def _listed(values: Floats | None) -> list[float] | None:
-    return None if values is None else [float(value) for value in values]
 
 
 def _least(values: Floats | None) -> float | None:

@@ -179,11 +179,7 @@ def frozen_regressor(scenario: Scenario, axis: int, square: float) -> ct.StateSp
     n = axis_learning(law_loop(scenario, LAW), axis)
     k = n.kinematic
     matrix = np.array(
-        [
-            [-k, -1.0, 0.0],
-            [k * k, k - n.a, 1 / n.mass],
-            [0.0, -n.gamma * square, -n.leak],
-        ]
+        [[-k, -1.0, 0.0], [k * k, k - n.a, 1 / n.mass], [0.0, -n.gamma * square, -n.leak]]
     )
     push = np.array([[0.0], [1 / n.mass], [0.0]])
     return ct.ss(

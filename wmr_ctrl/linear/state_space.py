@@ -73,11 +73,7 @@ def with_inputs(system: ct.StateSpace, names: list[str]) -> ct.StateSpace:
 
 
 def law_at(
-    scenario: Scenario,
-    law: str,
-    point: Point,
-    period: float | None = None,
-    memory: str = "frozen",
+    scenario: Scenario, law: str, point: Point, period: float | None = None, memory: str = "frozen"
 ) -> ct.StateSpace:
     """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s].
 

@@ -185,6 +185,11 @@ def ports(signals: Iterable[Signal], start: Iterable[float] | None = None) -> tu
     return tuple(port(signal, number) for signal, number in zip(listed, numbers, strict=True))
 
 
+def outputs(signals: Iterable[Signal], column: ca.SX) -> tuple[Output, ...]:
+    """An Output for each of these scalar signals: the elements of a column."""
+    return tuple(Output(signal, column[i]) for i, signal in enumerate(signals))
+
+
 class KeyedNumbers(Protocol):
     """Numbers by key: a Scenario, or the Setup of a law on it."""
 

@@ -49,10 +49,7 @@ _GIF_COLOURS = 48
 
 
 def animate_runs(
-    runs: Sequence[Run],
-    path: str | os.PathLike[str],
-    progress: PhaseProgress | None = None,
-    labels: Sequence[str] = (),
+    runs: Sequence[Run], path: str | os.PathLike[str], progress: PhaseProgress | None = None
 ) -> None:
     """Animate one run or several at once: a .html (with play and slider), .gif or .mp4 file.
 
@@ -62,7 +59,7 @@ def animate_runs(
     """
     target = _film_target(path, SUFFIXES, "a run is animated as .gif, .mp4, .html")
     suffix, shown = target.suffix.lower(), progress or Silent()
-    scene = scene_of(runs, _FRAMES[suffix], labels)
+    scene = scene_of(runs, _FRAMES[suffix])
     shown.start(len(scene.t), "Drawing the animation")
     try:
         with atomic_path(target) as scratch:
@@ -92,10 +89,7 @@ def check_film(path: str | os.PathLike[str], plant: str) -> None:
 
 
 def write_moments(
-    run: Run,
-    moments: Moments,
-    path: str | os.PathLike[str],
-    progress: PhaseProgress | None = None,
+    run: Run, moments: Moments, path: str | os.PathLike[str], progress: PhaseProgress | None = None
 ) -> None:
     """Write the film of a run on tyres, whole or not at all; errors as `Run.film` says."""
     target, shown = Path(path), progress or Silent()

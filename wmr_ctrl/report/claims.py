@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib.resources import files
@@ -249,9 +249,9 @@ def _worst(spec: TestSpec, values: list[float | None]) -> float | None:
     return min(known) if spec.at_least is not None else max(known)
 
 
-def judge_all(evidence: Evidence, claims: Iterable[PaperClaim] | None = None) -> tuple[Judged, ...]:
-    """Judge ``claims``, by default those of the paper."""
-    return tuple(judge(claim, evidence) for claim in (claims or load_claims()))
+def judge_all(evidence: Evidence) -> tuple[Judged, ...]:
+    """Judge the paper's claims."""
+    return tuple(judge(claim, evidence) for claim in load_claims())
 
 
 def judge(claim: PaperClaim, evidence: Evidence) -> Judged:

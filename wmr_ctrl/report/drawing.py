@@ -170,13 +170,12 @@ def include(axes: Axes, levels: Iterable[float]) -> None:
     axes.set_ylim(min(low, *levels), max(high, *levels))
 
 
-def shade_limits(axes: Axes, limit: float, *, both: bool = True) -> None:
+def shade_limits(axes: Axes, limit: float) -> None:
     """Shade what lies beyond +-``limit`` and draw its edges; the view stays as it is."""
     low, high = axes.get_ylim()
-    edges = [(limit, max(high, limit))] + ([(min(low, -limit), -limit)] if both else [])
-    for start, end in edges:
+    for start, end in ((limit, max(high, limit)), (min(low, -limit), -limit)):
         axes.axhspan(start, end, color=LIMIT, alpha=0.10, lw=0, zorder=0.5)
-    for level in (limit, -limit) if both else (limit,):
+    for level in (limit, -limit):
         axes.axhline(level, color=LIMIT, lw=0.9, zorder=1.5)
     axes.set_ylim(low, high)
 
@@ -196,13 +195,7 @@ def mark_switch(axes: Axes, time: float | None) -> None:
 
 
 def dots(
-    axes: Axes,
-    values: FloatArray,
-    y: float,
-    law: str,
-    high: float = 0.4,
-    *,
-    filled: bool = True,
+    axes: Axes, values: FloatArray, y: float, law: str, high: float = 0.4, *, filled: bool = True
 ) -> None:
     """A dot per value around height ``y``, spread within ``high`` so that none hides another.
 

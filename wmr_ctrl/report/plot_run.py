@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from functools import partial
 from textwrap import wrap
 
@@ -53,7 +54,7 @@ from wmr_ctrl.world.references import Waypoints
 SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75
-_MARGINS = Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
+MARGINS = Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
 
 
 def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -104,7 +105,7 @@ MOST_WAYPOINTS = 60
 
 def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     """The robot's path on top of the desired one, with start, waypoints and goal."""
-    axes = one_axes(part, _MARGINS)
+    axes = one_axes(part, MARGINS)
     if tube is not None:
         _draw_tube(axes, run, tube)
     plot_reference(axes, *thin_path(run["x_d"], run["y_d"], 64))
@@ -148,7 +149,7 @@ def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
 
 
 def _obstacle(shape: Shape) -> Patch:
-    """What is kept out, hatched."""
+    """A polygon or circle that is kept out, hatched."""
     if isinstance(shape[0], tuple):
         patch: Patch = Polygon(np.array(shape))
     else:
@@ -284,11 +285,16 @@ def _barrier(part: SubFigure, run: Run) -> None:
     axes.set_yscale("log")
 
 
-def _time_axes(part: SubFigure, run: Run, title: str) -> Axes:
-    axes = one_axes(part, _MARGINS)
-    end = float(run.time[-1]) + run.settings.control
+def time_axes(part: SubFigure, runs: Sequence[Run], title: str) -> Axes:
+    """Axes over the time of the longest of the runs."""
+    axes = one_axes(part, MARGINS)
+    end = max(float(run.time[-1]) + run.settings.control for run in runs)
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")
-    switch = switch_time(run)
-    mark_switch(axes, switch if switch is not None and switch < end else None)
+    return axes
+
+
+def _time_axes(part: SubFigure, run: Run, title: str) -> Axes:
+    axes, switch = time_axes(part, [run], title), switch_time(run)
+    mark_switch(axes, switch if switch is not None and switch < axes.get_xlim()[1] else None)
     return axes

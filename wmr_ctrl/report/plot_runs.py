@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from wmr_ctrl.report.drawing import (
     Drawing,
-    Padding,
     heading,
     include,
     line_handle,
@@ -24,38 +22,34 @@ from wmr_ctrl.report.drawing import (
     thin,
     thin_path,
 )
-from wmr_ctrl.report.plot_run import SUFFIXES
+from wmr_ctrl.report.plot_run import MARGINS, SUFFIXES, time_axes
 from wmr_ctrl.report.scene import names_of, scene_of
 from wmr_ctrl.report.style import colours_of, house_style, verbatim
 from wmr_ctrl.results import Run, distance
 
 _SIZE = (8.3, 7.0)
 _HEAD = 0.55
-_MARGINS = Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
 _LEAST = 0.01
 """Distances below it are drawn there [mm]."""
 
 
-def plot_runs(
-    runs: Sequence[Run], path: str | os.PathLike[str], labels: Sequence[str] = ()
-) -> None:
+def plot_runs(runs: Sequence[Run], path: str | os.PathLike[str]) -> None:
     """Draw runs over each other into a .png, .svg or .pdf file, whole or not at all.
 
     Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
     for runs that one picture cannot show (`scene_of`).
     """
     target = target_of(path, SUFFIXES, f"runs are drawn as {', '.join(SUFFIXES)}")
-    names = tuple(labels) or tuple(names_of(runs))
     scene_of(runs, 1)
     with house_style():
-        save_figure(Drawing("runs", _SIZE, partial(_draw, runs=runs, names=names)).figure(), target)
+        save_figure(Drawing("runs", _SIZE, partial(_draw, runs=runs)).figure(), target)
 
 
-def _draw(figure: Figure, runs: Sequence[Run], names: Sequence[str]) -> None:
+def _draw(figure: Figure, runs: Sequence[Run]) -> None:
     grid = figure.add_gridspec(3, 2, height_ratios=(_HEAD, 3.5, 2.95), hspace=0.0, wspace=0.0)
     top = figure.add_subfigure(grid[0, :])
     colours = colours_of([run.law for run in runs])
-    handles = [line_handle(*pair) for pair in zip(names, colours, strict=True)]
+    handles = [line_handle(*pair) for pair in zip(names_of(runs), colours, strict=True)]
     heading(top, verbatim(runs[0].scenario), handles)
     parts = [figure.add_subfigure(grid[row, column]) for row in (1, 2) for column in (0, 1)]
     _path(parts[0], runs, colours)
@@ -65,7 +59,7 @@ def _draw(figure: Figure, runs: Sequence[Run], names: Sequence[str]) -> None:
 
 
 def _path(part: SubFigure, runs: Sequence[Run], colours: Sequence[str]) -> None:
-    axes = one_axes(part, _MARGINS)
+    axes = one_axes(part, MARGINS)
     longest = max(runs, key=lambda run: run.rows * run.settings.control)
     for run, colour in zip(runs, colours, strict=True):
         axes.plot(*thin_path(run["x"], run["y"], 3000), color=colour, lw=1.2, alpha=0.85)
@@ -76,7 +70,7 @@ def _path(part: SubFigure, runs: Sequence[Run], colours: Sequence[str]) -> None:
 
 
 def _distance(part: SubFigure, runs: Sequence[Run], colours: Sequence[str]) -> None:
-    axes = _time_axes(part, runs, "Distance from the desired position [mm]")
+    axes = time_axes(part, runs, "Distance from the desired position [mm]")
     for run, colour in zip(runs, colours, strict=True):
         axes.plot(*thin(run.time, np.maximum(1e3 * distance(run), _LEAST)), color=colour, lw=0.9)
     axes.set_yscale("log")
@@ -84,17 +78,9 @@ def _distance(part: SubFigure, runs: Sequence[Run], colours: Sequence[str]) -> N
 
 def _velocity(part: SubFigure, runs: Sequence[Run], colours: Sequence[str], axis: int) -> None:
     name, title = (("v1", "v₁ [m/s], its limits"), ("omega", "ω [rad/s], its limits"))[axis]
-    axes = _time_axes(part, runs, title)
+    axes = time_axes(part, runs, title)
     for run, colour in zip(runs, colours, strict=True):
         axes.plot(*thin(run.time, run[name]), color=colour, lw=0.9, alpha=0.8)
     limit = runs[0].settings.v_u1[axis]
     include(axes, (-1.15 * limit, 1.15 * limit))
     shade_limits(axes, limit)
-
-
-def _time_axes(part: SubFigure, runs: Sequence[Run], title: str) -> Axes:
-    axes = one_axes(part, _MARGINS)
-    end = max(float(run.time[-1]) + run.settings.control for run in runs)
-    axes.set(xlabel="t [s]", xlim=(0, end))
-    axes.set_title(title, weight="normal")
-    return axes

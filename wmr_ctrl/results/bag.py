@@ -61,7 +61,7 @@ def message_types() -> Typestore:
 
 
 def is_bag(path: str | Path) -> bool:
-    """Whether a path looks like a bag: a folder with metadata.yaml, or a file of one."""
+    """True if a path looks like a bag: a folder with metadata.yaml, or a file of one."""
     place = Path(path)
     return place.suffix.lower() in SUFFIXES or os.path.isfile(place / "metadata.yaml")
 
@@ -214,7 +214,7 @@ def rows_of_mcap(data: bytes) -> tuple[str, FloatArray]:
 
 
 def holds_run(path: str | Path) -> bool:
-    """Whether a bag is a file that a run was saved in."""
+    """True if a bag is a file that a run was saved in."""
     if Path(path).suffix.lower() != ".mcap" or os.path.isdir(path):
         return False
     with opened_bag(path) as (connections, _):

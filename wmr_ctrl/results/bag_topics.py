@@ -46,7 +46,7 @@ APART = 0.5
 LATE = 1.0
 """Messages at most so late [s] are put back in order; more is a clock that was set."""
 UNIT = 1e-2
-"""How far from 1 the norm of a quaternion may be."""
+"""Largest distance from 1 of the norm of a quaternion."""
 MAP = "map"
 """Frame of poses that jump (REP 105), and so are none of the robot's motion."""
 
@@ -260,7 +260,7 @@ def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
 
 
 def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, FloatArray]:
-    """What the joints have in every message: angles, speeds, efforts."""
+    """Angles, speeds and efforts of the joints, those that every message has."""
     wanted: list[tuple[Sequence[str], FloatArray]] = [
         (WHEEL_ANGLE, topic.values[:, :2]),
         (WHEEL_SPEED.elements, topic.values[:, 2:4]),

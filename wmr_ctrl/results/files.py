@@ -56,10 +56,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
 @contextmanager
 def atomic_text(path: str | os.PathLike[str]) -> Iterator[IO[str]]:
     """The same for text, in UTF-8."""
-    with (
-        atomic_path(path) as scratch,
-        scratch.open("w", encoding="utf-8", newline="\n") as file,
-    ):
+    with atomic_path(path) as scratch, scratch.open("w", encoding="utf-8", newline="\n") as file:
         yield file
 
 

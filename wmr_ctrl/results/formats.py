@@ -255,10 +255,6 @@ def _run_in_parquet(data: bytes) -> Run:
     return _run_from(metadata, columns)
 
 
-def _mcap_of(run: Run) -> bytes:
-    return run_as_mcap(run, metadata_text(run))
-
-
 def _run_in_mcap(data: bytes) -> Run:
     text, rows = rows_of_mcap(data)
     metadata = _parsed(text)
@@ -271,7 +267,7 @@ _FORMATS: Mapping[str, tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = 
     ".npz": (_npz_of, _run_in_npz),
     ".csv": (_csv_of, _run_in_csv),
     ".parquet": (_parquet_of, _run_in_parquet),
-    ".mcap": (_mcap_of, _run_in_mcap),
+    ".mcap": (lambda run: run_as_mcap(run, metadata_text(run)), _run_in_mcap),
 }
 """Writer and reader of each suffix."""
 _NEEDS = {".parquet": ("pyarrow", "data"), ".mcap": ("rosbags.rosbag2", "logs")}

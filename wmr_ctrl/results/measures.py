@@ -58,11 +58,7 @@ def distance_at_start(run: Run) -> float | None:
 
 def distance_over(run: Run, span: tuple[float, float], *, largest: bool = False) -> float | None:
     """RMS of the distance from the reference over [start, end) [m], or the largest."""
-    rows = window(run, *span)
-    if rows is None or rows.start == rows.stop:
-        return None
-    gap = distance(run)[rows]
-    return float(gap.max() if largest else np.sqrt(np.mean(gap**2)))
+    return _distances(run, window(run, *span))["position_max" if largest else "position_rms"]
 
 
 def halving_time(run: Run) -> float | None:
@@ -120,8 +116,11 @@ def e_rms(run: Run, start: float, end: float) -> tuple[float, float, float] | No
 
 def distances(run: Run, samples: Span) -> dict[str, float | None]:
     """RMS and largest distance from the desired position over a window of samples [m]."""
-    rows = rows_of(run, samples)
-    if rows is None:
+    return _distances(run, rows_of(run, samples))
+
+
+def _distances(run: Run, rows: slice | None) -> dict[str, float | None]:
+    if rows is None or rows.start == rows.stop:
         return {"position_rms": None, "position_max": None}
     gap = distance(run)[rows]
     return {"position_rms": float(np.sqrt(np.mean(gap**2))), "position_max": float(np.max(gap))}

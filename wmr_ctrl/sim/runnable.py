@@ -44,20 +44,9 @@ def assemble_run(
     monitor = replace(seen, bounds_left=left, d_least=least)
     known = {item.name: getattr(bounds, item.name) for item in fields(CountedNumbers)}
     settings = replace(settings_of(scenario), plant_kind=plant, **known)
+    about = scenario.name, law, guard, seed, engine, settings
     outcome, made_by = outcome_of(monitor, guard), {**provenance(scenario), **facts}
-    return Run(
-        scenario.name,
-        law,
-        guard,
-        seed,
-        engine,
-        settings,
-        signals,
-        columns,
-        monitor,
-        outcome,
-        made_by,
-    )
+    return Run(*about, signals, columns, monitor, outcome, made_by)
 
 
 def _stated(

@@ -10,7 +10,6 @@ from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import COMMAND
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 
 class CommandDeadBand(Section, key="base"):
@@ -34,7 +33,6 @@ def build(scenario: Scenario) -> System:
             Output(item.signal, ca.if_else(ca.fabs(item.sym) < band[i], 0, item.sym))
             for i, item in enumerate(command)
         ),
-        period=scenario.clock.plant,
     )
 
 
@@ -43,12 +41,7 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(hidden="base.deadband: small commands do not act.")
 
 
-def acts(scenario: Scenario) -> bool:
-    """True where there is a band."""
-    return takes_velocity(scenario) and any(scenario.section(CommandDeadBand).deadband)
-
-
 COMMAND_DEAD_BAND = Effect(
-    "command dead band", EffectRole.COMMAND, CommandDeadBand, build, bound, acts=acts,
+    "command dead band", EffectRole.COMMAND, CommandDeadBand, build, bound,
     rate=Rate.STEP,
 )  # fmt: skip

@@ -33,7 +33,6 @@ def build(scenario: Scenario) -> System:
         inputs=command,
         params=p.ports,
         outputs=tuple(Output(item.signal, item.sym) for item in command),
-        period=scenario.clock.plant,
         transport=late,
     )
 
@@ -59,17 +58,12 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(delay=scenario.section(CommandDelay).delay)
 
 
-def acts(scenario: Scenario) -> bool:
-    """True where commands to a base that takes velocities are late."""
-    return takes_velocity(scenario) and scenario.section(CommandDelay).delay > 0
-
-
 def command_delay_in_periods(scenario: Scenario) -> tuple[int, int]:
     """The delay as whole control periods and the plant steps that are left."""
     return in_periods(scenario.section(CommandDelay).delay, scenario)
 
 
 COMMAND_DELAY = Effect(
-    "command delay", EffectRole.COMMAND, CommandDelay, build, bound, acts=acts, rate=Rate.STEP,
+    "command delay", EffectRole.COMMAND, CommandDelay, build, bound, rate=Rate.STEP,
     shape=("base.delay",), check=check,
 )  # fmt: skip

@@ -17,11 +17,10 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
+from wmr_ctrl.model.system import Parameters, System, outputs, port, ports, stack
 from wmr_ctrl.signals import COMMAND, LARGEST, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 ROUNDED = Signal("v_rounded", "m/s, rad/s", "command behind the jerk limit", 2)
 RATE = Signal("v_rounded_rate", "m/s2, rad/s2", "rate of the command behind the jerk limit", 2)
@@ -54,8 +53,7 @@ def build(scenario: Scenario) -> System:
         state=(now, rate),
         params=p.ports,
         update=ca.vertcat(following, rates),
-        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(COMMAND)),
-        period=scenario.clock.plant,
+        outputs=outputs(COMMAND, following),
     )
 
 
@@ -73,12 +71,4 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(hidden="base.jerk: the base rounds its ramps.")
 
 
-def acts(scenario: Scenario) -> bool:
-    """True where one of the limits is finite."""
-    own = scenario.section(CommandJerk)
-    return takes_velocity(scenario) and any(map(math.isfinite, own.jerk))
-
-
-COMMAND_JERK = Effect(
-    "command jerk", EffectRole.COMMAND, CommandJerk, build, bound, acts=acts, rate=Rate.STEP
-)
+COMMAND_JERK = Effect("command jerk", EffectRole.COMMAND, CommandJerk, build, bound, rate=Rate.STEP)

@@ -9,12 +9,11 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
+from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
 from wmr_ctrl.signals import COMMAND, STEP, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.jitter import whole
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 NUMBERS = Signal("command_loss", "1", "uniform numbers on [-1, 1) of a sample", 2)
 HEARD = Signal("v_heard", "m/s, rad/s", "last command that was not lost", 2)
@@ -56,8 +55,7 @@ def build(scenario: Scenario) -> System:
         state=(heard, silent, missed),
         params=p.ports,
         update=ca.vertcat(now, silence, missing),
-        outputs=tuple(Output(signal, acting[i]) for i, signal in enumerate(COMMAND)),
-        period=scenario.clock.plant,
+        outputs=outputs(COMMAND, acting),
         draws=(number,),
     )
 
@@ -73,7 +71,7 @@ def bound(scenario: Scenario) -> Bound:
 def acts(scenario: Scenario) -> bool:
     """True where commands are lost, or the base stops between two of them."""
     own = scenario.section(CommandLoss)
-    return takes_velocity(scenario) and (own.losses > 0 or own.timeout < scenario.clock.control)
+    return own.losses > 0 or own.timeout < scenario.clock.control
 
 
 COMMAND_LOSS = Effect(

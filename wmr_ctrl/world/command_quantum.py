@@ -10,7 +10,6 @@ from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import COMMAND
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 
 class CommandQuantum(Section, key="base"):
@@ -37,7 +36,6 @@ def build(scenario: Scenario) -> System:
         inputs=command,
         params=p.ports,
         outputs=tuple(outputs),
-        period=scenario.clock.plant,
     )
 
 
@@ -47,11 +45,6 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(command=(v / 2, omega / 2))
 
 
-def acts(scenario: Scenario) -> bool:
-    """True where there is a step."""
-    return takes_velocity(scenario) and any(scenario.section(CommandQuantum).quantum)
-
-
 COMMAND_QUANTUM = Effect(
-    "command quantum", EffectRole.COMMAND, CommandQuantum, build, bound, acts=acts, rate=Rate.STEP
+    "command quantum", EffectRole.COMMAND, CommandQuantum, build, bound, rate=Rate.STEP
 )

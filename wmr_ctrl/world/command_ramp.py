@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
+from wmr_ctrl.model.system import Parameters, System, outputs, port, ports, stack
 from wmr_ctrl.signals import COMMAND, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 RAMPED = Signal("v_ramped", "m/s, rad/s", "command behind the acceleration limit", 2)
 FREE = (math.inf, math.inf)
@@ -47,8 +46,7 @@ def build(scenario: Scenario) -> System:
         state=(ramped,),
         params=p.ports,
         update=following,
-        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(COMMAND)),
-        period=scenario.clock.plant,
+        outputs=outputs(COMMAND, following),
     )
 
 
@@ -64,12 +62,4 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(hidden="base.accel: the base ramps its command.")
 
 
-def acts(scenario: Scenario) -> bool:
-    """True where one of the limits is finite."""
-    own = scenario.section(CommandRamp)
-    return takes_velocity(scenario) and any(map(math.isfinite, (*own.accel, *own.decel)))
-
-
-COMMAND_RAMP = Effect(
-    "command ramp", EffectRole.COMMAND, CommandRamp, build, bound, acts=acts, rate=Rate.STEP
-)
+COMMAND_RAMP = Effect("command ramp", EffectRole.COMMAND, CommandRamp, build, bound, rate=Rate.STEP)

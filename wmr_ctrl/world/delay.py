@@ -48,7 +48,6 @@ def build(scenario: Scenario) -> System:
         inputs=torque,
         params=p.ports,
         outputs=tuple(Output(item.signal, item.sym) for item in torque),
-        period=scenario.clock.plant,
         transport=late,
     )
 

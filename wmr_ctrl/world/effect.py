@@ -46,6 +46,7 @@ from wmr_ctrl.signals import (
     TRAVEL,
     Signal,
 )
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 if TYPE_CHECKING:
     from wmr_ctrl import scenario
@@ -166,7 +167,8 @@ class Effect:
     refuses to be switched on.
 
     It acts where a field of its section differs from its default: one of ``switches``, where some
-    are named, or as ``acts(scenario)`` says.  It is part of the loop's structure where it acts;
+    are named, or as ``acts(scenario)`` says; a command or speed loop only on a base that takes
+    velocities.  The System's period is that of the rate.  It is part of the loop where it acts;
     with ``always`` it is so cheap that it is always there and its numbers decide.
 
     ``shape`` lists the keys of numbers that decide the form of its graph, such as how much it
@@ -217,6 +219,8 @@ class Effect:
 
     def active(self, scenario: Scenario) -> bool:
         """True where it makes a difference."""
+        if self.role in (EffectRole.COMMAND, EffectRole.LOOP) and not takes_velocity(scenario):
+            return False
         if self.acts is not None:
             return bool(self._call("acts", self.acts, scenario))
         section, defaults = scenario.section(self.section), dict(quantities(self.section))
@@ -242,7 +246,8 @@ class Effect:
         self._only("reads", (item.signal for item in system.inputs), reads)
         self._only("writes", (item.signal for item in system.outputs), WRITES[self.role])
         self._only_draws(system)
-        return system
+        period = scenario.clock.control if self.rate is Rate.SAMPLE else scenario.clock.plant
+        return replace(system, period=period)
 
     def bounded(self, scenario: Scenario) -> Bound | None:
         """Its contribution to the guard's assumptions; None where it states no bound."""

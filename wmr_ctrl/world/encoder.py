@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Output, Parameters, Port, System, port
+from wmr_ctrl.model.system import Number, Output, Parameters, Port, System, outputs, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
@@ -83,9 +83,8 @@ def build(scenario: Scenario) -> System:
         state=state,
         params=p.ports,
         update=update,
-        outputs=tuple(Output(signal, velocity[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
+        outputs=outputs(MEASURED_VELOCITY, velocity),
         diagnostics=(Output(COUNTS, counts),),
-        period=scenario.clock.control,
     )
 
 

@@ -39,7 +39,6 @@ def build(scenario: Scenario) -> System:
         params=p.ports,
         update=now,
         outputs=tuple(Output(signal, size[i] * now[i]) for i, signal in enumerate(BODY_FORCE)),
-        period=scenario.clock.control,
         draws=(number,),
     )
 

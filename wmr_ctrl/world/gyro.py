@@ -34,7 +34,6 @@ def build(scenario: Scenario) -> System:
         inputs=(omega,),
         params=p.ports,
         outputs=(Output(MEASURED_VELOCITY[1], shown),),
-        period=scenario.clock.control,
         draws=(error,),
     )
 

@@ -1,4 +1,4 @@
-"""What Systems remember of the samples before: the last values of a quantity, and how many."""
+"""Memory of the samples before in Systems: the last values of a quantity, and how many."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
+from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
 from wmr_ctrl.signals import STEP, TORQUE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
@@ -64,8 +64,7 @@ def build(scenario: Scenario) -> System:
         state=(acting, waiting, due),
         params=p.ports,
         update=ca.vertcat(now, arrived, wait),
-        outputs=tuple(Output(signal, now[i]) for i, signal in enumerate(TORQUE)),
-        period=scenario.clock.plant,
+        outputs=outputs(TORQUE, now),
         draws=(number,),
     )
 

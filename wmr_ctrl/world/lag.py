@@ -14,10 +14,10 @@ from wmr_ctrl.model.system import (
     UNIFORM,
     Draw,
     Number,
-    Output,
     Parameters,
     System,
     draw,
+    outputs,
     port,
     ports,
     stack,
@@ -64,8 +64,7 @@ def build(scenario: Scenario) -> System:
         state=(acting,),
         params=p.ports,
         update=following,
-        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
-        period=scenario.clock.plant,
+        outputs=outputs(TORQUE, following),
         draws=draws,
     )
 

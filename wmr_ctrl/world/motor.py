@@ -61,7 +61,6 @@ def build(scenario: Scenario) -> System:
         inputs=(*torque, *velocity),
         params=p.ports,
         outputs=tuple(Output(signal, item) for signal, item in zip(TORQUE, given, strict=True)),
-        period=scenario.clock.plant,
     )
 
 

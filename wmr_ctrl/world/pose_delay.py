@@ -7,7 +7,7 @@ late pose as if it were new, which is what a controller does that does not know 
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section
-from wmr_ctrl.model.system import Output, System, port, ports, stack
+from wmr_ctrl.model.system import System, outputs, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal
 from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing
 from wmr_ctrl.world.history import history, remembered
@@ -33,8 +33,7 @@ def build(scenario: Scenario) -> System:
         inputs=(*pose, sample),
         state=seen.state,
         update=seen.update,
-        outputs=tuple(Output(signal, seen.aged[-1][i]) for i, signal in enumerate(MEASURED_POSE)),
-        period=scenario.clock.control,
+        outputs=outputs(MEASURED_POSE, seen.aged[-1]),
     )
 
 

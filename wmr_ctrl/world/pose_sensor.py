@@ -6,7 +6,7 @@ Source: Section VI of the paper has such a sensor; how it is read between two po
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
+from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing
@@ -88,8 +88,7 @@ def build(scenario: Scenario) -> System:
         state=(estimate, old),
         params=p.ports,
         update=ca.vertcat(seen, *(item.sym for item in velocity)),
-        outputs=tuple(Output(signal, seen[i]) for i, signal in enumerate(MEASURED_POSE)),
-        period=scenario.clock.control,
+        outputs=outputs(MEASURED_POSE, seen),
         draws=tuple(draws),
     )
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.system import Output, Parameters, System, ports, stack
+from wmr_ctrl.model.system import Parameters, System, outputs, ports, stack
 from wmr_ctrl.signals import TORQUE_NOISE, VELOCITY
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
@@ -33,8 +33,7 @@ def build(scenario: Scenario) -> System:
         "push in the direction of motion",
         inputs=velocity,
         params=p.ports,
-        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
-        period=scenario.clock.control,
+        outputs=outputs(TORQUE_NOISE, torque),
     )
 
 

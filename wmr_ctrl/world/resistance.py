@@ -41,7 +41,6 @@ def build(scenario: Scenario) -> System:
             Output(signal, force[i] - viscous[i] * velocity[i].sym)
             for i, signal in enumerate(BODY_FORCE)
         ),
-        period=scenario.clock.plant,
     )
 
 

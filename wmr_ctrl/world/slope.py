@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Output, Parameters, System, port
+from wmr_ctrl.model.system import Number, Parameters, System, outputs, port
 from wmr_ctrl.signals import BODY_FORCE, POSE
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario, heaviest
@@ -42,8 +42,7 @@ def build(scenario: Scenario) -> System:
         "slope of the ground",
         inputs=(theta,),
         params=p.ports,
-        outputs=tuple(Output(signal, force[i]) for i, signal in enumerate(BODY_FORCE)),
-        period=scenario.clock.plant,
+        outputs=outputs(BODY_FORCE, force),
     )
 
 

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
-from wmr_ctrl.model.system import Output, Parameters, Port, System, port, ports, stack
+from wmr_ctrl.model.system import Parameters, Port, System, outputs, port, ports, stack
 from wmr_ctrl.signals import COMMAND, TORQUE, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Scenario
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
 
 KINDS = ("torque", "velocity")
 LOOPS = ("first-order", "pi")
@@ -88,6 +91,5 @@ def speed_loop(scenario: Scenario, title: str, loop: Callable[[Servo], Drive]) -
         state=(exerted, *own.state),
         params=p.ports,
         update=ca.vertcat(torque, own.update(torque - wanted)),
-        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
-        period=scenario.clock.plant,
+        outputs=outputs(TORQUE, torque),
     )

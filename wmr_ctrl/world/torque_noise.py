@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import NORMAL, Number, Output, Parameters, System, draw
+from wmr_ctrl.model.system import NORMAL, Number, Parameters, System, draw, outputs
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
 
@@ -42,8 +42,7 @@ def build(scenario: Scenario) -> System:
         "torque_noise",
         "Gaussian torque on the wheels",
         params=p.ports,
-        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
-        period=scenario.clock.control,
+        outputs=outputs(TORQUE_NOISE, torque),
         draws=(normal,),
     )
 

@@ -7,7 +7,7 @@ adds.  An ideal one: it counts nothing in steps (see `encoder`).
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section
-from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
+from wmr_ctrl.model.system import Parameters, System, outputs, port, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
@@ -42,8 +42,7 @@ def build(scenario: Scenario) -> System:
         state=seen.state,
         params=p.ports,
         update=seen.update,
-        outputs=tuple(Output(signal, shown[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
-        period=scenario.clock.control,
+        outputs=outputs(MEASURED_VELOCITY, shown),
     )
 
 

@@ -36,7 +36,6 @@ def build(scenario: Scenario) -> System:
             Output(item.signal, item.sym + half[i] * error.port.sym[i])
             for i, item in enumerate(velocity)
         ),
-        period=scenario.clock.control,
         draws=(error,),
     )
 

@@ -14,7 +14,6 @@ from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import COMMAND
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 
 class WheelSpeedLimit(Section, key="base"):
@@ -42,7 +41,6 @@ def build(scenario: Scenario) -> System:
             Output(v.signal, (right + left) / 2),
             Output(omega.signal, (right - left) / (2 * half_track)),
         ),
-        period=scenario.clock.plant,
     )
 
 
@@ -51,12 +49,7 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(hidden="base.w_max: the firmware clips the wheels' speeds.")
 
 
-def acts(scenario: Scenario) -> bool:
-    """True where the limit is finite."""
-    return takes_velocity(scenario) and math.isfinite(scenario.section(WheelSpeedLimit).w_max)
-
-
 WHEEL_SPEED_LIMIT = Effect(
-    "wheel speed limit", EffectRole.COMMAND, WheelSpeedLimit, build, bound, acts=acts,
+    "wheel speed limit", EffectRole.COMMAND, WheelSpeedLimit, build, bound,
     rate=Rate.STEP,
 )  # fmt: skip

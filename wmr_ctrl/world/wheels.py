@@ -12,7 +12,7 @@ import math
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.system import Number, Output, Parameters, System, ports
+from wmr_ctrl.model.system import Number, Parameters, System, outputs, ports
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario
@@ -54,8 +54,7 @@ def build(scenario: Scenario) -> System:
         "wheels of another size than believed",
         inputs=torque,
         params=p.ports,
-        outputs=tuple(Output(signal, acting[i]) for i, signal in enumerate(TORQUE)),
-        period=scenario.clock.plant,
+        outputs=outputs(TORQUE, acting),
     )
 
 

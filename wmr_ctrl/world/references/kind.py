@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.fields.section import Section, number_of, quantities, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, port
+from wmr_ctrl.model.system import Parameters, System, outputs, port
 from wmr_ctrl.signals import REFERENCE, SAMPLE, TIME, Signal
 from wmr_ctrl.symbolic import ca
 
@@ -95,16 +95,12 @@ def timed(trajectory: Trajectory) -> Callable[[Scenario], System]:
         time, p = port(TIME), Parameters(scenario)
         names = [signal.name for signal, _ in scenario.reference_kind.numbers(scenario.reference)]
         path = trajectory(time.sym, {name: p.take(name) for name in names})
+        shown = outputs(REFERENCE, path)
         return System(
-            "reference", "desired trajectory", inputs=(time,), params=p.ports, outputs=outputs(path)
+            "reference", "desired trajectory", inputs=(time,), params=p.ports, outputs=shown
         )
 
     return build
-
-
-def outputs(path: ca.SX) -> tuple[Output, ...]:
-    """The seven signals of a reference (7, 1)."""
-    return tuple(Output(signal, path[i]) for i, signal in enumerate(REFERENCE))
 
 
 def speeds(velocity: ca.SX, acceleration: ca.SX, jerk: ca.SX) -> ca.SX:
