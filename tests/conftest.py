@@ -6,9 +6,13 @@ runs lose by it. The bits are the same: tests/bits compares builds at -O2 and -O
 
 from __future__ import annotations
 
+import gc
 import os
+import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -21,21 +25,30 @@ from tests.longest_first import Apart, seconds
 if TYPE_CHECKING:
     from wmr_ctrl.codegen.build import Instructions
 
+TESTS = Path(__file__).parent
 Sets: TypeAlias = "Callable[[], tuple[Instructions, ...]]"
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile(
     "project",
+    max_examples=30,  # with -m '' more of them
     deadline=None,
     derandomize=True,
     print_blob=True,
     suppress_health_check=[HealthCheck.too_slow],  # how busy the machine is, is no one's fault
 )
+settings.register_profile("every example", settings.get_profile("project"), max_examples=100)
 settings.load_profile("project")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched."""
+    """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched.
+
+    Garbage is looked for seldom: what tests and graphs are made of is many objects, and stays.
+    """
+    gc.set_threshold(50_000, 20, 50)
+    if config.getoption("markexpr") == "":
+        settings.load_profile("every example")
     os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
     cache = getattr(config, "cache", None)
     if cache is not None:
@@ -90,6 +103,25 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         config.hook.pytest_deselected(items=[item for item in items if item in left_out])
         items[:] = [item for item in items if item not in left_out]
     items.sort(key=lambda item: -seconds(item.nodeid))
+
+
+def pytest_collection(session: pytest.Session) -> None:
+    """Where several processes collect all tests, each module is compiled by one of them alone.
+
+    Its bytecode, with what pytest writes into it, is kept; so each process begins with modules of
+    its own and finds those of the others. One that cannot be imported fails where it is collected.
+    """
+    count, name = (os.environ.get(f"PYTEST_XDIST_{key}", "") for key in ("WORKER_COUNT", "WORKER"))
+    if not count or sys.dont_write_bytecode or session.config.args != ["tests"]:
+        return
+    for module in sorted(TESTS.rglob("test_*.py"))[int(name.removeprefix("gw")) :: int(count)]:
+        with suppress(Exception, pytest.skip.Exception):
+            import_module(".".join(module.relative_to(TESTS.parent).with_suffix("").parts))
+
+
+def pytest_collection_finish() -> None:
+    """What was imported and collected is not looked through for garbage again."""
+    gc.freeze()
 
 
 def mark_slow(items: Iterable[pytest.Item]) -> None:

@@ -152,7 +152,7 @@ target = st.floats(-1e6, 1e6)
 
 
 @given(target, inside)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples // 2)
 def test_barrier_is_odd(c: float, v: float) -> None:
     plus, minus = STABLE(c, v, 1.0, 0.8), STABLE(-c, -v, 1.0, 0.8)
 
@@ -161,7 +161,7 @@ def test_barrier_is_odd(c: float, v: float) -> None:
 
 
 @given(target, inside)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples // 2)
 def test_structure_facts(c: float, v: float) -> None:
     """V1 >= w^2/2 (Eq. (81)), q in [0, 1], V1/A between 0 and w: the command stays bounded."""
     quotient, q, x, value = (float(item) for item in STABLE(c, v, 1.0, 0.8))
@@ -174,7 +174,7 @@ def test_structure_facts(c: float, v: float) -> None:
 
 
 @given(target, target)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples // 2)
 def test_minimiser_is_monotone_and_nonexpansive(a: float, b: float) -> None:
     low, high = sorted((a, b))
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -72,6 +73,7 @@ def attack(scenario, law, push, pose=None, jump=None, at=0):
     return Excursion(np.array(loop.errors), float(torque), bool(np.any(columns["clip_active"])))
 
 
+@lru_cache(maxsize=16)
 def worst_pushes(scenario, law, samples, size):
     """For each of DIRECTIONS: pushes (N, 2) of ``size`` that lead furthest that way."""
     steps = scenario.clock.substeps
@@ -81,12 +83,18 @@ def worst_pushes(scenario, law, samples, size):
         push = np.zeros((samples, 2))
         push[0, wheel] = TINY
         answers.append(attack(scenario, law, push).e[steps - 1 :: steps] - rest)
-    for ahead, left in DIRECTIONS:
-        signs = [np.sign(ahead * e[::-1, 0] + left * e[::-1, 1]) for e in answers]
-        yield size * np.stack(signs, axis=1)
+    ways = [[np.sign(ahead * e[::-1, 0] + left * e[::-1, 1]) for e in answers]
+            for ahead, left in DIRECTIONS]  # fmt: skip
+    return [size * np.stack(signs, axis=1) for signs in ways]
+
+
+@lru_cache(maxsize=16)
+def worst_excursions(scenario, law, samples, size, times=1.0):
+    """Those that the worst pushes lead to, being so many times as large as is allowed."""
+    return [attack(scenario, law, times * p) for p in worst_pushes(scenario, law, samples, size)]
 
 
 def farthest(scenario, law, samples, size, times=1.0):
-    """The largest of these excursions, pushes being so many times as large as is allowed."""
-    pushes = worst_pushes(scenario, law, samples, size)
-    return max((attack(scenario, law, times * p) for p in pushes), key=lambda x: x.position)
+    """The largest of these excursions."""
+    found = worst_excursions(scenario, law, samples, size, times)
+    return max(found, key=lambda x: x.position)

@@ -239,7 +239,7 @@ def test_states_of_solvers_must_be_numbers(raw):
 
 
 @full
-@settings(max_examples=150)
+@settings(max_examples=3 * settings.default.max_examples // 2)
 @given(script=st.lists(st.integers(0, 10_000), max_size=25))
 def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
     """Whatever is called in whatever order: a status, and an instance that works after reset."""

@@ -40,7 +40,7 @@ def steps(base, seconds=30.0, seed=0):
 
 @pytest.fixture(scope="module")
 def found():
-    return identify(steps(FIRST), base="velocity")
+    return identify(steps(FIRST, 12.0), base="velocity")
 
 
 def near(item, truth):

@@ -40,11 +40,12 @@ def numbers(text: str) -> set[int]:
 def docstrings() -> list[tuple[str, str]]:
     found = []
     for path in PACKAGE.rglob("*.py"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        if not TAG.search(text := path.read_text(encoding="utf-8")):
+            continue
         kinds = (ast.Module, ast.FunctionDef, ast.ClassDef)
         found += [
             (path.name, ast.get_docstring(node) or "")
-            for node in ast.walk(tree)
+            for node in ast.walk(ast.parse(text))
             if isinstance(node, kinds)
         ]
     return found

@@ -205,7 +205,7 @@ def one_paragraph_or_none(load):
         return re.fullmatch(r"[^\n\r]+", str(problem)) is not None
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(st.binary(max_size=200))
 def test_random_bytes_never_give_a_traceback(data):
     assert one_paragraph_or_none(lambda: loads_scenario(data))
@@ -221,7 +221,7 @@ keys = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(st.dictionaries(keys, values, max_size=3))
 def test_random_values_load_or_are_refused(overrides):
     assert one_paragraph_or_none(lambda: load_scenario("paper-simulation", overrides))

@@ -6,7 +6,7 @@ import math
 
 import pytest
 import tomlkit
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.errors import ScenarioError
@@ -90,7 +90,6 @@ gains = st.dictionaries(
 )
 
 
-@settings(max_examples=100, deadline=None)
 @given(gains, finite, st.text(max_size=20))
 def test_any_gains_numbers_and_titles_load_back_equal(gains, heading, title):
     scenario = Scenario(title=title, gains=gains, reference=Line(heading=heading))

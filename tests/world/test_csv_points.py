@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
@@ -149,7 +149,6 @@ def test_a_way_back_on_the_same_line_is_not_left_out():
     assert left.tolist() == [[0.0, 0.0], [5.0, 0.0], [2.0, 0.0], [6.0, 0.0]]
 
 
-@settings(max_examples=100, deadline=None)
 @given(st.binary(max_size=100))
 def test_random_bytes_are_points_or_an_error(tmp_path_factory, data):
     file = tmp_path_factory.mktemp("csv") / "way.csv"
