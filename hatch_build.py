@@ -1,4 +1,4 @@
-"""Dependencies of the package: those that are always there, and a C compiler where there is none.
+"""What a wheel needs beside the dependencies of pyproject.toml: a C compiler, where there is none.
 
 The compiler is the wheel `ziglang`, 0.4 GB when installed.  A checkout is built for the machine on
 which `pip install .` runs, so it goes without the wheel where a compiler works there.  Whoever
@@ -15,7 +15,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from hatchling.metadata.plugin.interface import MetadataHookInterface
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).parent
 PROBE = ROOT / "wmr_ctrl" / "codegen" / "probe.c"
@@ -25,13 +25,13 @@ COMPILER = "ziglang>=0.13"
 """It covers every platform that casadi's wheels cover, so it needs no marker."""
 
 
-class DependenciesHook(MetadataHookInterface):
-    """Writes `project.dependencies`."""
+class CompilerHook(BuildHookInterface):
+    """Adds the compiler's wheel to the dependencies of a wheel that needs it."""
 
-    def update(self, metadata: dict[str, object]) -> None:
-        """Write the lists of this build."""
-        listed = [str(item) for item in self.config["always"]]
-        metadata["dependencies"] = listed if built_here() and compiler() else [*listed, COMPILER]
+    def initialize(self, version: str, build_data: dict[str, object]) -> None:
+        """Before a wheel is built, an editable one too."""
+        if not (built_here() and compiler()):
+            build_data["dependencies"] = [*build_data.get("dependencies", []), COMPILER]
 
 
 def built_here() -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 
 import pytest
 
@@ -41,6 +42,18 @@ def test_long_jobs_say_now_and_then_how_long_they_still_take(capsys, clock):
         "run: 57 %, about 17 s left",
         "run: 82 %, about 7 s left",
     ]
+
+
+def test_a_job_that_tells_nothing_is_not_silent(capsys, monkeypatch):
+    said = threading.Event()
+    monkeypatch.setattr(module, "FIRST", 0.0)
+    monkeypatch.setattr(module, "TICK", 0.001)
+    monkeypatch.setattr(module.click, "echo", lambda text, err: (lines.append(text), said.set()))
+    lines = []
+    with Progress("linearised"):
+        assert said.wait(60)
+
+    assert lines[0].startswith("linearised: at work for ")
 
 
 def test_phases_count_for_themselves(capsys, clock):

@@ -30,6 +30,16 @@ def test_wheel_has_package_data_and_nothing_else(built):
     assert [name for name in names if name.endswith(UNWANTED)] == []
 
 
+def test_a_wheel_for_any_machine_asks_for_the_compiler(built):
+    with zipfile.ZipFile(next(built.glob("*.whl"))) as wheel:
+        (name,) = [item for item in wheel.namelist() if item.endswith(".dist-info/METADATA")]
+        lines = wheel.read(name).decode().splitlines()
+
+    needed = [line for line in lines if line.startswith("Requires-Dist") and "extra ==" not in line]
+    assert [line for line in needed if "ziglang" in line]
+    assert not [line for line in needed if "fmpy" in line.lower()]
+
+
 def test_source_archive_has_tests_and_c_but_no_build_products(built):
     with tarfile.open(next(built.glob("*.tar.gz"))) as archive:
         names = [name.partition("/")[2] for name in archive.getnames()]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from typing import Any, Self
 
@@ -10,6 +11,8 @@ import click
 
 FIRST, INTERVAL = 3.0, 10.0
 """Seconds until the first line and between two where stderr is no terminal."""
+TICK = 0.25
+"""Seconds between two looks at the clock there."""
 
 
 class Progress:
@@ -83,22 +86,43 @@ class Bar:
 
 
 class Lines:
-    """A line after three seconds, then one every ten: for logs."""
+    """A line after three seconds, then one every ten, also while nothing is heard of the job."""
 
     def __init__(self) -> None:
-        self._next = time.monotonic() + FIRST
+        self._next, self._text, self._begin, self._share = time.monotonic() + FIRST, "", 0.0, 0.0
+        self._turn, self._ended = threading.Lock(), threading.Event()
+        threading.Thread(target=self._watch, daemon=True).start()
 
     def phase(self, text: str, measured: bool) -> None:
         """Store the phase's text and begin."""
-        self._text, self._begin = text, time.monotonic()
+        with self._turn:
+            self._text, self._begin, self._share = text, time.monotonic(), 0.0
 
     def share(self, share: float) -> None:
-        """Say so if the last line is long enough ago."""
-        now = time.monotonic()
-        if now >= self._next and 0 < share < 1:
-            self._next = now + INTERVAL
-            left = (now - self._begin) * (1 - share) / share
-            click.echo(f"{self._text}: {100 * share:.0f} %, about {left:.0f} s left", err=True)
+        """Take the share, and say so if the last line is long enough ago."""
+        with self._turn:
+            self._share = share
+            if 0 < share < 1:
+                self._say()
 
     def close(self) -> None:
-        """Nothing to clear."""
+        """End the lines."""
+        self._ended.set()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(TICK):
+            with self._turn:
+                if not self._ended.is_set():
+                    self._say()
+
+    def _say(self) -> None:
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + INTERVAL
+        if 0 < self._share < 1:
+            left = (now - self._begin) * (1 - self._share) / self._share
+            said = f"{100 * self._share:.0f} %, about {left:.0f} s left"
+        else:
+            said = f"at work for {now - self._begin:.0f} s"
+        click.echo(f"{self._text}: {said}", err=True)
