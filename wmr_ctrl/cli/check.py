@@ -89,12 +89,12 @@ def check(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Validate a scenario, and say what theory and one run of each law have against it.
+    """Validate a scenario, and say what theory and one run of each law predict.
 
-    SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0, and for
-    two million plant steps at most; how far off its path it can be pushed is certified. What is
-    promised comes first, then a table of the laws. The exit code is 0 if the scenario is valid,
-    whatever the warnings, and 2 if it is not.
+    SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0, and for two
+    million plant steps at most; where it can be certified, the output has the largest distance from
+    the path. The promise comes first, then a table of the laws. The exit code is 0 if the scenario
+    is valid, whatever the warnings, and 2 if it is not.
     """
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.scenario import inherited, parse_assignments

@@ -73,9 +73,9 @@ def compare(
     """Put laws on one scenario side by side, or saved runs (.npz, .csv, .parquet or .mcap).
 
     With --law, SCENARIO (a preset or TOML file) is run with each of the laws, and a table has the
-    figures of all. Of saved runs the same table is printed. Of two, it is also told where they
-    differ, by how much and when, over the samples and columns that both have: then the exit code
-    is 0 if they are equal or agree within the tolerance, 1 if they differ or share no sample.
+    figures of all. For saved runs the same table is printed. For two runs, their differences are
+    listed as well: which columns differ, by how much and when. The exit code is then 0 if they are
+    equal or agree within the tolerance, and 1 if they differ or have no sample in common.
     """
     check_outputs(plot=plot, animate=animate)
     if laws is not None:

@@ -65,10 +65,9 @@ def cosim(
 ) -> None:
     """Run reference, controller and plant as FMUs, and print how it went.
 
-    SCENARIO is the name of a preset or a TOML file. With --guard the velocity guard stands behind
-    --controller, whoever made it. An FMU that fails on the way ends the run: the message names it,
-    the time and the call, and the exit code is 3; what was simulated until then is printed and
-    saved as usual.
+    SCENARIO is the name of a preset or a TOML file. With --guard the velocity guard limits the
+    torques of --controller, too. An FMU that fails ends the run: the message names it, the time and
+    the call, and the exit code is 3; what was simulated until then is printed and saved as usual.
     """
     from wmr_ctrl import api
 

@@ -102,10 +102,9 @@ def reproduce(
 def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
-    Claims are about the very graphs that the C is made from. Every verdict is found again, and the
-    functions that an entry names are searched again. The exit code is 1 where a verdict
-    differs from the committed one, and 3 where a proving package is missing, so that entries are
-    NOT_CHECKED.
+    Claims are about the expressions from which the C is generated. Every verdict is found again,
+    and so are the functions that an entry names. The exit code is 1 where a verdict differs from
+    the committed one, and 3 where a proving package is missing, so that entries are NOT_CHECKED.
     """
     from wmr_ctrl.proofs.command import run_export, run_prove
 
@@ -153,11 +152,11 @@ def linearize(
     plot: str | None,
     as_json: bool,
 ) -> None:
-    """Linearise the closed loop along the reference, exactly, and print what that tells.
+    """Linearise the closed loop along the reference, exactly: poles, margins, stability limits.
 
     Around the circle and the line the loop is time-invariant in error coordinates.  Along other
-    references poles and margins are those of a time, which is said; spectral radius, unless at a
-    time, and largest stable period are those of a whole period of the reference, or of its worst
+    references poles and margins are those at one time, which is printed. Spectral radius (without
+    --at) and largest stable period are those of a whole period of the reference, or of its worst
     point where it does not repeat.
     """
     from wmr_ctrl.linear import report_linear

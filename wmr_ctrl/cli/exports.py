@@ -137,10 +137,10 @@ def page(
 ) -> None:
     """Write one HTML file, without server or network, that runs the closed loop in a browser.
 
-    It is the compiled loop of this program, with the same numbers to the bit. For the paper's
-    simulation it tells a story in five steps; for another scenario it shows that, and of a base
-    that takes velocities ways to limit its commands. The first page takes a minute or two to
-    compile.
+    It contains the compiled loop of this program, with the same numbers to the bit. For the paper's
+    simulation it tells a story in five steps; for another scenario it shows that one, and for a
+    base that takes velocities several ways to limit its commands. The first page takes a minute or
+    two to compile.
     """
     from wmr_ctrl import api
 

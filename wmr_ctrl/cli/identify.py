@@ -82,11 +82,11 @@ def identify(
     [rad/s] beside the measured motion.
 
     LOG is a CSV file, a ROS 2 bag (its folder, .mcap or .db3; extra `logs`) or a saved run. Columns
-    of a CSV file are named as those of our runs, with units: t [s], wheel_counts[1] [1] (right),
+    of a CSV file have the names of a run's columns, with units: t [s], wheel_counts[1] [1] (right),
     wheel_counts[2] [1] (left), tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and
-    omega_measured [rad/s]. Each parameter is told, roughly told, or not told by the log. FILE is a
-    scenario for check, run, tune and codegen, with the numbers that a guard may count on. A log
-    that something is wrong with is refused in one paragraph (exit code 2).
+    omega_measured [rad/s]. For each parameter the output says whether the log determines it
+    ("told", "roughly", "not told"). FILE is a scenario for check, run, tune and codegen, with the
+    numbers for a guard. A faulty log is refused in one paragraph (exit code 2).
     """
     check_output(out, (".toml",), "--out")
     check_output(plot, (".png", ".svg", ".pdf"), "--plot")

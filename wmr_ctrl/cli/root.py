@@ -103,12 +103,11 @@ def _drop_stdout() -> None:
 @debug_option
 @click.pass_context
 def root(ctx: click.Context) -> None:
-    """Velocity-constrained control of wheeled mobile robots.
+    """Simulate, check, prove and deploy controllers for wheeled robots with speed limits.
 
-    Reruns the experiments of Z. Chen, Y. Liu, W. He, H. Qiao and H. Ji,
-    "Adaptive-Neural-Network-Based Trajectory Tracking Control for a Nonholonomic Wheeled Mobile
-    Robot With Velocity Constraints" (IEEE Transactions on Industrial Electronics, 2021), judges
-    its claims, and runs the control laws on scenarios of your own.
+    A scenario (a preset or a TOML file) describes robot, limits and path. Start with `wmr-ctrl
+    scenarios`, then `check`, `run` and `compare`. `reproduce` judges the claims of the paper that
+    the project began with: Z. Chen et al., IEEE Transactions on Industrial Electronics, 2021.
     """
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())

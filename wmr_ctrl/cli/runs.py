@@ -76,10 +76,10 @@ def run(
 ) -> None:
     """Run one law on one scenario, and print how it went.
 
-    SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. What `wmr-ctrl
-    check` has against the run is named on stderr before it. A run that breaks the velocity limit or
-    diverges, spins its wheels or falls over is a result like any other: the exit code is 0, and
-    the outcome says so. A file that is named for a result is replaced, once the new one is whole.
+    SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. Objections of
+    `wmr-ctrl check` are named on stderr before the run. A run that breaks the velocity limit,
+    diverges, spins its wheels or falls over is a result like any other: the exit code is 0, and the
+    outcome says so. Existing result files are replaced once the new ones are complete.
     """
     check_outputs(**files)
     if files["film"]:

@@ -40,13 +40,12 @@ if TYPE_CHECKING:
 def study(
     words: tuple[str, ...], out: str | None, executor: str, jobs: int | None, as_json: bool
 ) -> None:
-    """Run all that PLAN.toml asks for, and write DIR/table.csv, one row a run.
+    """Make all runs of PLAN.toml, and write DIR/table.csv with one row per run.
 
     A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
     ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
-    number of jobs and of interruptions. `study plot DIR` draws its pictures,
-    `study parquet DIR` writes the table by columns too. Where the guard refused
-    every run, the exit code is 1.
+    number of jobs, and after interruptions. `study plot DIR` draws its pictures, `study parquet
+    DIR` writes the table by columns too. Where the guard refused every run, the exit code is 1.
     """
     if words[0] in ("plot", "parquet") and len(words) == 2:
         from wmr_ctrl.campaign.study_store import write_columns
@@ -172,14 +171,14 @@ def tune(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Search gains of a law that track with little torque, also if the robot's mass is another.
+    """Search for gains that track with little torque, also if the robot's mass differs.
 
     Minimises the root of the mean of position_rms^2 + (W torque_change_rms)^2 over the training
     seeds, for the scenario's robot and for 0.6 and 1.6 times the believed mass, the guard off. With
     --merit corridor the certified corridor takes the place of position_rms; where none is certified
-    it counts as 1 m and what a linear loop would leave.
-    Writes the scenario with these gains, and says how they do on test seeds and on references that
-    were not trained on. An interrupted search goes on where it was when it is called again.
+    it counts as 1 m and what a linear loop would leave. Writes the scenario with these gains, and
+    shows how they perform on test seeds and on references that were not used for training. An
+    interrupted search continues when the command is repeated.
     """
     opt.check_output(out, (".toml",), "--out")
     from wmr_ctrl import tuning
