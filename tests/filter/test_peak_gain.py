@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import flint
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lti, step
 
 from tests.filter.linear_base import LinearBase, pi_base, second_order_base
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.enclosure import Span, exp, root
-from wmr_ctrl.filter.peak_gain import PiLoop, second_order
+from wmr_ctrl.filter.peak_gain import PiLoop, overshoot, peak_gains, second_order
 from wmr_ctrl.scenario import Scenario
 
 WIDE = {"mass": (50.0, 65.0), "kp": (135.0, 165.0), "ki": (270.0, 330.0), "friction": (0.0, 20.0)}
@@ -142,3 +144,45 @@ def test_the_parameters_are_the_peak_gain_and_what_pushes_lead_to():
     peak = LOOP.peak(PUSH)
     assert found["filter.peak_gain"] == pytest.approx((peak.gain, peak.gain), rel=1e-12)
     assert found["filter.delta"] == pytest.approx((peak.push, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("z", [0.2, 0.45, 0.8, 1.0, 1.6])
+def test_overshoot_is_that_of_a_step_and_its_price_that_of_less_damping(z):
+    def of(z: float) -> Scenario:
+        stated = {"loop": "second-order", "damping": (z, 2.0), "frequency": (3.0, 4.0)}
+        return scenario(**stated, push=(0.0, 0.0))
+
+    (share, slope), _ = overshoot(of(z))
+    _, S = step(lti([1], [1, 2 * z, 1]), T=np.linspace(0, 40, 40001))
+    assert share == pytest.approx(max(S.max() - 1, 0), abs=1e-6)
+    less = 1 / np.hypot(1, np.pi / np.log(share + 0.001)) if share else 0.9
+    (more, _), _ = overshoot(of(less))
+    grown = peak_gains(of(less))[0].gain - peak_gains(of(z))[0].gain
+    assert grown == pytest.approx(slope * (more - share), rel=5e-3)
+
+
+def test_overshoot_of_a_pi_loop_is_that_of_its_worst_corner():
+    (share, slope), _ = overshoot(scenario())
+    _, S = step(lti([135, 330], [65, 135, 330]), T=np.linspace(0, 20, 20001))
+    assert share == pytest.approx(S.max() - 1, abs=1e-6)
+    assert 2 < slope < 4
+
+
+def test_the_corner_is_enclosed_as_balls_of_200_bits_have_it():
+    """An arithmetic that shares no code with NumPy's; the bound is above by a few roundings."""
+    with flint.ctx.workprec(200):
+        z = flint.arb(135) / (2 * (flint.arb(330) * 65).sqrt())
+        w = (1 - z * z).sqrt()
+        swing = (-2 * z * z.acos() / w).exp()
+        N = 1 + 2 * swing / (1 - (-flint.arb.pi() * z / w).exp())
+        gain = flint.arb(LOOP.peak(PUSH).gain)
+        assert gain >= N
+        assert gain - N < N * flint.arb(2) ** -44
+        held = flint.arb(135)
+        z = held / (2 * (flint.arb(270) * 50).sqrt())
+        w = (1 - z * z).sqrt()
+        left = (-flint.arb.pi() * z / w).exp()
+        delta = PUSH * 4 * z * (-z * z.acos() / w).exp() / (1 - left) / held
+        push = flint.arb(LOOP.peak(PUSH).push)
+        assert push >= delta
+        assert push - delta < delta * flint.arb(2) ** -44

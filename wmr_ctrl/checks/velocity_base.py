@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
 from wmr_ctrl.filter.band import MOST_COMMANDS
 from wmr_ctrl.filter.hypotheses import broken_hypotheses
-from wmr_ctrl.filter.peak_gain import peak_gains
+from wmr_ctrl.filter.peak_gain import overshoot, peak_gains
 from wmr_ctrl.scenario import Scenario, override
 
 STATEMENTS = {
@@ -37,7 +37,8 @@ class FilterFacts:
     axis where it is larger; ``usable_speed`` (linear, angular) [m/s, rad/s]: at rest on the weakest
     base that is stated, without push, of a command far beyond the limit; ``delay_cost``: what one
     more millisecond of delay takes of it; ``gain_cost``: what one more per cent of that gain takes;
-    ``broken``: what of the theorem does not hold.
+    ``broken``: what of the theorem does not hold.  Of linear loops ``overshoot`` is the largest
+    share by which a step overshoots, and ``overshoot_cost`` what one more per cent of it takes.
     """
 
     kind: str
@@ -47,6 +48,8 @@ class FilterFacts:
     delay_cost: tuple[float, float] | None
     gain_cost: tuple[float, float] | None
     broken: tuple[str, ...]
+    overshoot: tuple[float, float] | None = None
+    overshoot_cost: tuple[float, float] | None = None
 
 
 def filter_facts(setup: Setup) -> FilterFacts | None:
@@ -58,12 +61,16 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     (low, high), (first, last) = stated.gain, stated.delay
     statement = STATEMENTS[stated.kind]
     if stated.loop != "first-order":  # where a command acts is no matter to a clip, nor to a band
-        late, strong = (0.0, 0.0), None
+        late, strong, swung = (0.0, 0.0), None, None
+        (o1, slope1), (o2, slope2) = overshoot(scenario)
         if stated.kind == "clip":
-            peaks = [peak.gain for peak in peak_gains(scenario)]
+            N1, N2 = peaks = [peak.gain for peak in peak_gains(scenario)]
             statement, high = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
             strong = usable[0] * (1 - 1 / 1.01), usable[1] * (1 - 1 / 1.01)
-        return FilterFacts(stated.kind, statement, high, usable, late, strong, broken)
+            more = 0.01 * slope1, 0.01 * slope2
+            swung = usable[0] * more[0] / (N1 + more[0]), usable[1] * more[1] / (N2 + more[1])
+        facts = FilterFacts(stated.kind, statement, high, usable, late, strong, broken)
+        return replace(facts, overshoot=(o1, o2), overshoot_cost=swung)
     delayed = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
     stronger = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
     return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)

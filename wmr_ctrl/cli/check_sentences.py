@@ -96,7 +96,7 @@ def guard_lines(setup: Setup) -> Iterator[str]:
 
 
 def filter_lines(setup: Setup) -> Iterator[str]:
-    """The command filter in two sentences; none without filter."""
+    """The command filter in sentences; none without filter."""
     from wmr_ctrl.checks import filter_facts
     from wmr_ctrl.results import speeds
 
@@ -110,7 +110,13 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         "on the weakest base that is stated"
     )
     gain = "gain" if setup.scenario.filter.loop == "first-order" else "peak gain"
-    costs = {"millisecond of delay": facts.delay_cost, f"per cent of {gain}": facts.gain_cost}
+    costs = {
+        "millisecond of delay": facts.delay_cost, f"per cent of {gain}": facts.gain_cost,
+        "per cent of overshoot": facts.overshoot_cost,
+    }  # fmt: skip
+    if facts.overshoot:
+        v, omega = (f"{100 * share:.3g} %" for share in facts.overshoot)
+        yield f"steps of such a base overshoot by up to {v} (linear), {omega} (angular)"
     texts = [f"one more {name} costs {speeds(cost)}" for name, cost in costs.items() if cost]
     if texts:
         yield "; ".join(texts)

@@ -18,6 +18,7 @@ intervals that are rounded outward.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -117,6 +118,35 @@ def pi_gain(z: Value, ratio: Value, left: Value) -> Value:
 def pi_push(z: Value, ratio: Value, left: Value) -> Value:
     """4 z exp(-z acos(z)/w)/(1 - r)."""
     return 4 * z * _exp(-(z * ratio)) / (1 - left)
+
+
+def overshoot(scenario: Scenario) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Largest overshoot of a step of v and of omega, as a share of it, and N's slope over it.
+
+    Of the corner where N is largest; in doubles, for what is told.
+    """
+    settings = scenario.filter
+    if settings.loop == "second-order":
+        z, K = settings.interval("damping")[0], settings.gain[1]
+        both = _told(z, lambda z, ratio, left: (left, K * second_order_gain(z, left)))
+        return both, both
+    v, omega = (
+        _told(
+            loop.kp[0] / (2 * (loop.ki[1] * loop.M[1]) ** 0.5),
+            lambda z, ratio, left: (_exp(-2 * z * ratio), pi_gain(z, ratio, left)),
+        )
+        for loop in (pi_loop(scenario, 0), pi_loop(scenario, 1))
+    )
+    return v, omega
+
+
+def _told(z: float, of: Callable[[Span, Span, Span], tuple[Span, Span]]) -> tuple[float, float]:
+    """An overshoot at damping z, and by how much N grows with it there."""
+    o, _ = of(*_swing(_off_one(z, -1)))
+    near = min(z, 0.95)  # beyond it hardly anything swings
+    (less, smaller), (more, larger) = (of(*_swing(share * near)) for share in (1.0, 1 - 2.0**-10))
+    slope = float((larger.hi - smaller.hi) / (more.hi - less.hi))
+    return float(o.hi), slope
 
 
 def _exp(value: Value) -> Value:
