@@ -15,6 +15,7 @@ import numpy as np
 from tests.oracle.auxiliary import tracking_error
 from tests.oracle.loop import _Loop
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.world.references import sample
 
 TINY = 1e-4
 DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
@@ -35,9 +36,9 @@ class Excursion:
 
 
 class Attacked(_Loop):
-    """The oracle's loop from a start on the path, with given pushes and errors of the position."""
+    """The oracle's loop from a start on the path, with given pushes and errors of measurements."""
 
-    def __init__(self, scenario, law, push, pose=None):
+    def __init__(self, scenario, law, push, pose=None, velocity=None):
         setup = settle(scenario, law)
         clock = replace(scenario.clock, duration=len(push) * scenario.clock.control)
         scenario = replace(scenario, clock=clock, changes=())
@@ -46,6 +47,8 @@ class Attacked(_Loop):
         self.state = (start.x, start.y, start.theta, start.v1, start.v2)
         if pose is not None:
             self.sensor.pose_error = pose
+        if velocity is not None:
+            self.sensor.velocity_error = velocity
         self.errors, self.jump, self.at = [], None, 0
 
     def _plant_step(self, n, torque, noise):
@@ -60,12 +63,12 @@ class Attacked(_Loop):
         return acting
 
 
-def attack(scenario, law, push, pose=None, jump=None, at=0):
-    """The Excursion under wheel torques ``push`` (N, 2) and position errors ``pose`` (N, 2).
+def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0):
+    """The Excursion under wheel torques ``push`` (N, 2) and errors ``pose``, ``velocity`` (N, 2).
 
     At sample ``at`` the robot is moved by ``jump``: ahead, aside [m] and a turn [rad].
     """
-    loop = Attacked(scenario, law, push, pose)
+    loop = Attacked(scenario, law, push, pose, velocity)
     loop.jump, loop.at = jump, at * scenario.clock.substeps
     loop.run(None)
     columns = loop.log.columns()
@@ -94,7 +97,42 @@ def worst_excursions(scenario, law, samples, size, times=1.0):
     return [attack(scenario, law, times * p) for p in worst_pushes(scenario, law, samples, size)]
 
 
+def worst_errors(scenario, law, samples, kind, size):
+    """For each of DIRECTIONS: errors (N, 2) of ``kind`` "pose" or "velocity" that lead furthest.
+
+    Each of size ``size`` (2) at most, those of the position along the axes of the plane, in which
+    the robot turns.
+    """
+    steps, first = scenario.clock.substeps, 2  # the law's first sample knows of no velocity before
+    push = np.zeros((samples + first, 2))
+    exact = {"pose": push, "velocity": push}
+    rest = attack(scenario, law, push, **exact).e[(first + 1) * steps - 1 :: steps]
+    answers = []
+    for axis in (0, 1):
+        error = np.zeros_like(push)
+        error[first, axis] = TINY
+        e = attack(scenario, law, push, **{**exact, kind: error}).e[
+            (first + 1) * steps - 1 :: steps
+        ]
+        answers.append(e - rest)
+    rate = sample(scenario, [0.0])[0, 4] if kind == "pose" else 0.0
+    turned = rate * scenario.clock.control * np.arange(samples)
+    for ahead, left in DIRECTIONS:
+        x, y = (ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers)
+        c, s = np.cos(turned), np.sin(turned)
+        yield np.sign(np.stack([c * x - s * y, s * x + c * y], axis=1)) * size
+
+
 def farthest(scenario, law, samples, size, times=1.0):
     """The largest of these excursions."""
     found = worst_excursions(scenario, law, samples, size, times)
     return max(found, key=lambda x: x.position)
+
+
+def farthest_misled(scenario, law, samples, kind, times=1.0):
+    """The same by errors of one ``kind`` alone, of the scenario's size, without pushes."""
+    sensor = scenario.sensor
+    size = {"pose": (sensor.pose_noise,) * 2, "velocity": sensor.velocity_noise}[kind]
+    push, errors = np.zeros((samples, 2)), worst_errors(scenario, law, samples, kind, size)
+    each = (attack(scenario, law, push, **{kind: times * error}) for error in errors)
+    return max(each, key=lambda x: x.position)

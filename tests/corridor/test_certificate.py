@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 import wmr_ctrl.corridor as room
-from tests.corridor.adversary import attack, farthest, worst_excursions, worst_pushes
+from tests.corridor.adversary import (
+    attack,
+    farthest,
+    farthest_misled,
+    worst_excursions,
+    worst_pushes,
+)
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.certificate import Certifier
@@ -44,6 +50,21 @@ def test_a_push_beyond_its_bound_by_a_fifth_leaves_it():
     tube = find_corridor(scenario, "prox")
 
     assert farthest(scenario, "prox", 300, 3.0, times=1.2).position > tube.position
+
+
+@pytest.mark.parametrize(
+    ("kind", "noise"),
+    [("pose", {"sensor.pose_noise": 1e-3}), ("velocity", {"sensor.velocity_noise": [2e-3, 5e-3]})],
+)
+def test_so_do_errors_of_measurements_and_none_within_it(kind, noise):
+    alone = {**noise, "disturbance.std": 0.0, "guard.enabled": False}
+    scenario = override(load_scenario("safe-simulation"), alone)
+    tube = find_corridor(scenario, "prox")
+    within, beyond = (
+        farthest_misled(scenario, "prox", 300, kind, times).position for times in (1.0, 1.2)
+    )
+
+    assert tube.position / 1.2 < within <= tube.position < beyond
 
 
 def test_every_peak_holds_for_every_error_at_every_plant_step():
