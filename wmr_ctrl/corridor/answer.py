@@ -78,13 +78,11 @@ class Corridor:
 
     @property
     def _from(self) -> str:
-        if not any(self.start):
-            return "on it"
         ahead, aside, turn = self.start
-        return (
-            f"within {length(ahead)} ahead, {length(aside)} aside and {turn:g} rad of it (in the "
-            f"long run within {length(self.position_late or 0.0)})"
-        )
+        place = f"within {length(ahead)} ahead, {length(aside)} aside and {turn:g} rad of it"
+        late, begun = length(self.position_late or 0.0), length(self.position or 0.0)
+        more = f" (in the long run within {late})" if any(self.start) or late != begun else ""
+        return (place if any(self.start) else "on it") + more
 
     @property
     def _mass(self) -> str:

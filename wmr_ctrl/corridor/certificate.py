@@ -107,19 +107,36 @@ class Certifier:
         self.step_rest = np.array([upper(a - x) for a, x in zip(moved, loop.step.at, strict=False)])
         self.by_body = np.array([[upper(x) for x in row[-COMMAND:]] for row in loop.step.slopes()])
         self.step_rest[:2] += reference_gap(v_d, setup.scenario.clock.plant)
+        self.begun = self._reckoning_gap()
+
+    def _reckoning_gap(self) -> float:
+        """Distance [m] by which dead reckoning over a sample misses the reference."""
+        share, loop = self.loop.setup.scenario.sensor.correction, self.loop
+        if not loop.filter:
+            return 0.0
+        place = COMMAND + loop.memory - loop.filter
+        period = self.loop.setup.scenario.clock.control
+        gap = reference_gap(loop.step.at[3:ROBOT], period)
+        self.law_rest[place : place + 2] += gap
+        return float(self.law_rest[place : place + 2].sum() / (1 - share) * UP)
 
     def tube(self, inputs: Inputs) -> Tube:
         """The closed box for some inputs; NoCorridorError where none closes or something cuts."""
+        self._check(self._tube(self.linear(inputs)), ", which is so for the linear loop already")
         try:
             tube = self._closed(inputs)
         except OpenBoxError as error:
             raise NoCorridorError(f"the box that it needs grows without end ({error})") from error
-        if tube.share > 1:
-            name = tube.binding
-            place = [item.name for item in self.loop.conditions].index(name)
-            reach = self.level[place] + tube.peaks.law[-self.loop.count :][place]
-            raise NoCorridorError(f"{name} may reach {reach:.3g} of {self.most[place]:.3g}")
+        self._check(tube)
         return tube
+
+    def _check(self, tube: Tube, more: str = "") -> None:
+        """NoCorridorError where a condition is broken."""
+        if tube.share > 1:
+            place = [item.name for item in self.loop.conditions].index(tube.binding)
+            reach = self.level[place] + tube.peaks.law[-self.loop.count :][place]
+            text = f"{tube.binding} may reach {reach:.3g} of {self.most[place]:.3g}{more}"
+            raise NoCorridorError(text)
 
     def linear(self, inputs: Inputs) -> Peaks:
         """Peaks of the linear loop, with what does not vanish on the reference."""
@@ -148,7 +165,8 @@ class Certifier:
         if not self.image(inputs, grown).within(grown):
             raise NoCorridorError(self._blamed(inputs, first))
         late = grown
-        for _ in range(SETTLING if self.gains.fast.start.any() else 0):
+        off = self.gains.fast.start.any() or self.gains.fast.misled.any()
+        for _ in range(SETTLING if off else 0):
             late = self.image(inputs, late, started=False)
         return replace(self._tube(grown), position_late=self.position(late))
 
@@ -235,7 +253,8 @@ class Certifier:
 
         def of(gains: Gains) -> Floats:
             forced = gains.by @ given + gains.steps @ step
-            return np.asarray((forced + started * gains.start) * UP)
+            start = gains.start + gains.misled * (inputs.pose + self.begun)
+            return np.asarray((forced + started * start) * UP)
 
         return Peaks(*map(of, self._three))
 

@@ -48,7 +48,8 @@ class Gains:
     ``by``: columns push (2), errors of the law's outputs, a disc of (e1, e2) as measured, nothing,
     errors of e3, v1 and omega as measured.
     ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
-    after a start whose e is off by up to what was asked for, and nothing else is.  ``first``: the
+    after a start whose e is off by up to what was asked for, and nothing else is; ``misled``: after
+    one whose estimated position is off by 1 m in any direction, alone.  ``first``: the
     same within one sample, by the state at its begin and then as ``by`` and ``steps``.  ``left``:
     what is left after ``samples``, by the state's largest deviation in units of ``scale``.
     """
@@ -56,6 +57,7 @@ class Gains:
     by: Floats
     steps: Floats
     start: Floats
+    misled: Floats
     first: tuple[Floats, Floats, Floats]
     left: Floats
 
@@ -101,6 +103,7 @@ class _Sample:
         """x' = free x + outputs l + push d with l = law x; the same for the fast state within."""
         nz, nq, nm, na = len(loop.names), COMMAND * loop.queue, loop.memory, loop.acting
         self.n = n = nz + nq + nm + na
+        self.acting = na
         slopes, step = (np.array(curve.slopes(), dtype=object) for curve in (loop.law, loop.step))
         self.law = _balls(len(slopes), n)
         order = [
@@ -197,7 +200,8 @@ def _summed(sample: _Sample, loop: SampledLoop, samples: int, start: Floats) -> 
     )
     steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
     whole = np.abs(np.array(powers)).sum(axis=0)
-    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps, start)
+    estimate = n - sample.acting - loop.filter if loop.filter else None
+    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps, start, estimate)
     within = [sums.gains(sample.rows_within(s, picked)) for s in range(loop.steps)]
     shown = _doubles(sample.law)
     count = len(shown)
@@ -223,6 +227,7 @@ class _Sums:
     n: int
     steps: Floats
     start: Floats
+    estimate: int | None
 
     @cached_property
     def norms(self) -> Floats:
@@ -240,6 +245,7 @@ class _Sums:
         e = slice(len(self.start))
         rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
         start = ((seen[..., e] @ self.start).max(axis=0) + rest @ self.start) * UP
+        misled = self._misled(seen, slack, reach)
         direct = np.hstack([rows.push, rows.law, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
         for part in (seen, direct):
@@ -252,7 +258,17 @@ class _Sums:
         steps = (every[:, :n] @ self.steps + rows.steps) * UP
         held = (np.abs(rows.picked @ rows.state) + ROUNDING * size + FLOOR) * UP
         first = held, direct, rows.steps
-        return Gains((every[:, n:] + direct) * UP, steps, start, first, reach * self.damping * UP)
+        left = reach * self.damping * UP
+        return Gains((every[:, n:] + direct) * UP, steps, start, misled, first, left)
+
+    def _misled(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
+        """Largest values after a start whose estimated position alone is off."""
+        if self.estimate is None:
+            return np.zeros(len(reach))
+        e = slice(self.estimate, self.estimate + 2)
+        rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
+        size = np.hypot(seen[..., self.estimate], seen[..., self.estimate + 1]).max(axis=0)
+        return np.asarray((size + rest.sum(axis=1)) * UP)
 
 
 def _fast_rows(nz: int, ratios: Floats) -> Floats:
@@ -273,14 +289,14 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
 
 def _largest(each: list[Gains]) -> Gains:
     """Entry by entry."""
-    by, steps, start, left = (
+    by, steps, start, misled, left = (
         np.max([getattr(item, name) for item in each], axis=0)
-        for name in ("by", "steps", "start", "left")
+        for name in ("by", "steps", "start", "misled", "left")
     )
     held, direct, own = (
         np.max(parts, axis=0) for parts in zip(*(item.first for item in each), strict=True)
     )
-    return Gains(by, steps, start, (held, direct, own), left)
+    return Gains(by, steps, start, misled, (held, direct, own), left)
 
 
 def _powers(matrix: BallArray, count: int) -> list[BallArray]:

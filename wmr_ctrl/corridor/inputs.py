@@ -75,10 +75,9 @@ def bounded_inputs(setup: Setup) -> Inputs:
     if len(surroundings(scenario).headings) > 1:
         raise NoCorridorError("what acts by the heading, such as a slope, is not covered")
     sensor, period = scenario.section(PoseSensor), scenario.clock.control
-    if sensor.pose_period > period * (1 + 1e-9) or sensor.correction < 1 or sensor.pose_dropout > 0:
+    if sensor.pose_period > period * (1 + 1e-9) or sensor.pose_dropout > 0:
         raise NoCorridorError(
-            "[sensor]: poses that are rare, lost or corrected in part, with dead reckoning in "
-            "between, are not covered"
+            "[sensor]: poses that are rare or lost, with dead reckoning in between, are not covered"
         )
     pose = math.sqrt(2.0) * sensor.pose_noise * (1 + 1e-15)
     return Inputs(push, pose, np.array(scenario.section(VelocityNoise).velocity_noise))

@@ -20,16 +20,18 @@ from flint import arb
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.surroundings import surroundings
-from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
 from wmr_ctrl.control.applied import followed, remembered
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import Balls, Enclosure, upper
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.kinematics import error_rotation, tracking_error
 from wmr_ctrl.model.system import System, port, stack
 from wmr_ctrl.scenario import Robot
 from wmr_ctrl.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
 from wmr_ctrl.world.delay import delay_in_periods
+from wmr_ctrl.world.pose_sensor import corrected, reckoned
 
 AXES = ("linear", "angular")
 BODY = ("robot.m", "robot.I")
@@ -99,6 +101,8 @@ class SampledLoop:
     ``law``: of (e, v, memory, sent, acting) its command, next memory, what acts, and conditions'
     values; ``step``: of the fast state, command, push and BODY the fast state a plant step later.
     ``conditions`` in the order of those values; ``late`` the plant steps until a command acts.
+    Where poses are corrected in part, the last ``filter`` numbers of the memory are the estimated
+    pose's error and the velocity that it was reckoned with.
     """
 
     def __init__(self, setup: Setup, v_d: Floats, asked: Asked) -> None:
@@ -153,7 +157,11 @@ class SampledLoop:
         setup, scenario, core = self.setup, self.setup.scenario, loop.core
         period = scenario.clock.control
         self.count = len(self.conditions)
-        self.memory = len(memory) - 2 * self.count
+        kept, memory = len(memory) - 2 * self.count, memory[: len(memory) - 2 * self.count]
+        v_d = ca.DM(self.step.at[3:ROBOT])
+        filtered = scenario.sensor.correction < 1
+        self.filter = ROBOT if filtered else 0
+        self.memory = kept + self.filter
         whole, part = delay_in_periods(scenario)
         asked = [item.signal for item in remembered(core)]
         ages = {tau_sent(age): age for age in range(1, setup.predicted + 1)}
@@ -163,6 +171,11 @@ class SampledLoop:
         lag = scenario.actuator.lag
         self.acting = COMMAND if lag > 0 and TAU_APPLIED in asked else 0
         s, own = ca.SX.sym("s", ROBOT), ca.SX.sym("memory", self.memory)
+        shown = s
+        if filtered:
+            share = ca.SX(scenario.sensor.correction)
+            seen = estimated(own[kept:], s[:3], v_d, ca.SX(period), share)
+            shown, memory = ca.vertcat(seen, s[3:]), np.concatenate((memory, self.step.at[:ROBOT]))
         sent, acting = ca.SX.sym("sent", COMMAND * self.queue), ca.SX.sym("acting", self.acting)
         queue = ca.vertsplit(sent, COMMAND) if self.queue else []
         forces, end = [], acting
@@ -176,24 +189,38 @@ class SampledLoop:
             else:
                 value = queue[ages[signal] - 1]
             forces.append(value)
-        given = ca.vertcat(own, ca.SX.zeros(2 * self.count))
-        v_d = ca.DM(self.step.at[3:ROBOT])
+        given = ca.vertcat(own[:kept], ca.SX.zeros(2 * self.count))
         numbers = ca.DM(loop.parameters(period))
-        force, following = loop.act(s, v_d, ca.DM.zeros(2), given, ca.vertcat(*forces), numbers)
+        force, following = loop.act(shown, v_d, ca.DM.zeros(2), given, ca.vertcat(*forces), numbers)
         by = ca.vertcat(s, own, sent, acting)
-        sizes = following[self.memory + self.count :]
-        values = following[: self.memory + self.count]
-        output = ca.vertcat(force, values[: self.memory], end, values[self.memory :])
+        sizes = following[kept + self.count :]
+        values = following[kept : kept + self.count]
+        output = ca.vertcat(force, following[:kept], shown[: self.filter], end, values)
         at = np.concatenate((
-            self.step.at[:ROBOT], memory[: self.memory], np.tile(rest, self.queue),
-            rest[: self.acting],
+            self.step.at[:ROBOT], memory, np.tile(rest, self.queue), rest[: self.acting],
         ))  # fmt: skip
-        self.remains = np.concatenate((rest, memory[: self.memory], rest[: self.acting]))
+        self.remains = np.concatenate((rest, memory, rest[: self.acting]))
         self.at = np.concatenate((
             self.step.at[: len(self.names)], np.tile(rest, self.queue), self.remains[COMMAND:],
         ))  # fmt: skip
         self.law = Curve("the law", by, output, at)
         self.most = Curve("the limits", by, sizes, at).value()
+
+
+def estimated(kept: ca.SX, e: ca.SX, v_d: ca.DM, T: ca.SX, share: ca.SX) -> ca.SX:
+    """Error (3,) of the pose that the sensor estimates (see `wmr_ctrl.world.pose_sensor`).
+
+    ``kept``: that error and the velocity measured a sample ago (5,); ``e``: the true error now.
+    """
+    before = _placed(ca.SX.zeros(3), kept[:3])
+    desired = carried(ca.SX.zeros(3), ca.SX(v_d), T)
+    seen = corrected(reckoned(before, kept[3:], T), _placed(desired, e), share)
+    return tracking_error(desired, seen)
+
+
+def _placed(desired: ca.SX, e: ca.SX) -> ca.SX:
+    """The pose (3,) that is off the desired one by the tracking error e, Eq. (8)."""
+    return desired - error_rotation(desired[2] - e[2]).T @ e
 
 
 def _wheels(robot: Robot) -> tuple[ca.SX, ca.SX]:
