@@ -53,7 +53,7 @@ def left_corridor(run: Run) -> CorridorLeft | None:
 def _of(setup: Setup) -> Corridor:
     tube = Corridor(setup.name, refused=NOT_CHECKED)
     if find_spec("flint") is not None:
-        from wmr_ctrl.corridor.certificate import certified
+        from wmr_ctrl.corridor.masses import certified
 
         tube = certified(setup)
     return replace(tube, clearance=find_clearance(setup.scenario, tube.position))

@@ -1,6 +1,6 @@
 """Corridor: how far a law's robot is off its path at most, as a value and in words.
 
-Worked out by `wmr_ctrl.corridor.certificate`, which takes python-flint.
+Worked out by `wmr_ctrl.corridor.masses`, which takes python-flint.
 """
 
 from __future__ import annotations

@@ -19,8 +19,7 @@ from math import cos, pi
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
-from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.corridor.answer import Corridor
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import OpenBoxError, upper
 from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, Gains, SlowLoopError, loop_gains
 from wmr_ctrl.corridor.inputs import (
@@ -30,10 +29,8 @@ from wmr_ctrl.corridor.inputs import (
     conditions,
     steady_motion,
 )
-from wmr_ctrl.corridor.loop import BODY, UP, SampledLoop
-from wmr_ctrl.guard.bounds import mass_range
+from wmr_ctrl.corridor.loop import UP, SampledLoop
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.scenario import override
 
 ROUNDS, CLOSE, INFLATED, LEAST = 60, 1e-7, 1e-6, 1e-15
 """Rounds of the fixed point, the change at which they end, and what is added before the check."""
@@ -41,8 +38,6 @@ SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
 FAR = 30.0
 """Growth over the linear loop with which the fixed point counts as lost."""
-SHARES = 12
-"""Halvings in the search for the inputs with which a corridor closes."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
@@ -274,80 +269,3 @@ class Certifier:
 def reference_gap(v_d: Floats, step: float) -> float:
     """Distance [m] between a circle's arc of one plant step and its sum by Simpson's rule."""
     return abs(float(v_d[0])) * float(v_d[1]) ** 4 * step**5 / 1000
-
-
-def certified(setup: Setup, *, closing: bool = True) -> Corridor:
-    """The Corridor of a setup, or why it has none; with cells, of all masses in them.
-
-    ``closing``: where there is none, search for the share of inputs with which there is one.
-    """
-    until = min((item.t for item in setup.scenario.changes), default=None)
-    known = Corridor(setup.name, until=until, mass=setup.scenario.robot.m)
-    tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
-    try:
-        for cell, widths in cells:
-            certifier = Certifier(cell)
-            inputs = replace(certifier.inputs, body=widths)
-            if tubes and float(max(inputs.push)) != known.push:
-                raise NoCorridorError("an effect's bound changes with the mass: take cells = 0")
-            first, second = map(float, inputs.velocity)
-            known = replace(
-                known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)
-            )
-            linear = max(linear, certifier.linear_position)
-            known = replace(known, linear=linear)
-            tubes.append(_certified_tube(certifier, inputs, closing))
-    except NoCorridorError as error:
-        here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
-        return replace(known, refused=f"{here}{error}", closes=error.closes)
-    worst = max(tubes, key=lambda tube: tube.share)
-    return replace(
-        known,
-        position=max(tube.position for tube in tubes),
-        position_late=max(tube.position_late for tube in tubes),
-        start=setup.scenario.corridor.start,
-        heading=max(tube.heading for tube in tubes),
-        binding=worst.binding,
-        share=worst.share,
-        masses=tuple(mass_range(setup.guard, i) for i in (0, 1)) if len(cells) > 1 else None,
-    )
-
-
-def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
-    """The setup by cells of mass and inertia, each with its half-widths [kg, kg m2].
-
-    One of no width without ``corridor.cells``, else the guard's intervals cut up alike.
-    """
-    scenario, count = setup.scenario, setup.scenario.corridor.cells
-    if not count or not scenario.guard.enabled:
-        return [(setup, np.zeros(COMMAND))]
-    ranges = np.array([mass_range(setup.guard, i) for i in (0, 1)])
-    widths = (ranges[:, 1] - ranges[:, 0]) / (2 * count)
-    middles = ranges[:, :1] + widths[:, None] * (2 * np.arange(count) + 1)
-    believed = {f"model.{key}": getattr(scenario.believed, key) for key in ("m", "I", "mu")}
-    return [
-        (settle(override(scenario, {**believed, BODY[0]: m, BODY[1]: I}), setup.name),
-         widths * (1 + 1e-12))
-        for m in middles[0].tolist() for I in middles[1].tolist()
-    ]  # fmt: skip
-
-
-def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube:
-    try:
-        return certifier.tube(inputs)
-    except NoCorridorError as error:
-        closes = _closing(certifier, inputs) if closing else None
-        raise NoCorridorError(str(error), closes) from error
-
-
-def _closing(certifier: Certifier, inputs: Inputs) -> float | None:
-    """Largest share of the inputs, of those tried, with which there is a corridor."""
-    low, high = 0.0, 1.0
-    for _ in range(SHARES):
-        middle = (low + high) / 2
-        try:
-            certifier.tube(inputs.scaled(middle))
-            low = middle
-        except NoCorridorError:
-            high = middle
-    return low or None

@@ -233,7 +233,7 @@ def _costs(
 
 def _corridor(scenario: Scenario, law: str) -> float:
     """Merit [m] of a corridor, LOST where not even the linear loop has one."""
-    from wmr_ctrl.corridor.certificate import certified
+    from wmr_ctrl.corridor.masses import certified
 
     return min(LOST, certified(settle(scenario, law), closing=False).merit)
 
