@@ -157,11 +157,12 @@ class SampledLoop:
         setup, scenario, core = self.setup, self.setup.scenario, loop.core
         period = scenario.clock.control
         self.count = len(self.conditions)
-        kept, memory = len(memory) - 2 * self.count, memory[: len(memory) - 2 * self.count]
+        law_memory = len(memory) - 2 * self.count
+        memory = memory[:law_memory]
         v_d = ca.DM(self.step.at[3:ROBOT])
         filtered = scenario.sensor.correction < 1
         self.filter = ROBOT if filtered else 0
-        self.memory = kept + self.filter
+        self.memory = law_memory + self.filter
         whole, part = delay_in_periods(scenario)
         asked = [item.signal for item in remembered(core)]
         ages = {tau_sent(age): age for age in range(1, setup.predicted + 1)}
@@ -174,7 +175,7 @@ class SampledLoop:
         shown = s
         if filtered:
             share = ca.SX(scenario.sensor.correction)
-            seen = estimated(own[kept:], s[:3], v_d, ca.SX(period), share)
+            seen = estimated(own[law_memory:], s[:3], v_d, ca.SX(period), share)
             shown, memory = ca.vertcat(seen, s[3:]), np.concatenate((memory, self.step.at[:ROBOT]))
         sent, acting = ca.SX.sym("sent", COMMAND * self.queue), ca.SX.sym("acting", self.acting)
         queue = ca.vertsplit(sent, COMMAND) if self.queue else []
@@ -189,13 +190,13 @@ class SampledLoop:
             else:
                 value = queue[ages[signal] - 1]
             forces.append(value)
-        given = ca.vertcat(own[:kept], ca.SX.zeros(2 * self.count))
+        given = ca.vertcat(own[:law_memory], ca.SX.zeros(2 * self.count))
         numbers = ca.DM(loop.parameters(period))
         force, following = loop.act(shown, v_d, ca.DM.zeros(2), given, ca.vertcat(*forces), numbers)
         by = ca.vertcat(s, own, sent, acting)
-        sizes = following[kept + self.count :]
-        values = following[kept : kept + self.count]
-        output = ca.vertcat(force, following[:kept], shown[: self.filter], end, values)
+        sizes = following[law_memory + self.count :]
+        values = following[law_memory : law_memory + self.count]
+        output = ca.vertcat(force, following[:law_memory], shown[: self.filter], end, values)
         at = np.concatenate((
             self.step.at[:ROBOT], memory, np.tile(rest, self.queue), rest[: self.acting],
         ))  # fmt: skip
@@ -207,14 +208,14 @@ class SampledLoop:
         self.most = Curve("the limits", by, sizes, at).value()
 
 
-def estimated(kept: ca.SX, e: ca.SX, v_d: ca.DM, T: ca.SX, share: ca.SX) -> ca.SX:
+def estimated(past: ca.SX, e: ca.SX, v_d: ca.DM, T: ca.SX, share: ca.SX) -> ca.SX:
     """Error (3,) of the pose that the sensor estimates (see `wmr_ctrl.world.pose_sensor`).
 
-    ``kept``: that error and the velocity measured a sample ago (5,); ``e``: the true error now.
+    ``past``: that error and the velocity measured a sample ago (5,); ``e``: the true error now.
     """
-    before = _placed(ca.SX.zeros(3), kept[:3])
+    before = _placed(ca.SX.zeros(3), past[:3])
     desired = carried(ca.SX.zeros(3), ca.SX(v_d), T)
-    seen = corrected(reckoned(before, kept[3:], T), _placed(desired, e), share)
+    seen = corrected(reckoned(before, past[3:], T), _placed(desired, e), share)
     return tracking_error(desired, seen)
 
 
