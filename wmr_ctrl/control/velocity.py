@@ -36,7 +36,7 @@ from wmr_ctrl.signals import (
     VELOCITY,
     Signal,
 )
-from wmr_ctrl.world.command_delay import command_delay_in_periods
+from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
 
@@ -51,7 +51,7 @@ class SentVelocity:
         """Take the ports of the law's System ``core``, whose parameters ``p`` has."""
         self.setup, self.core, self.p, self.wish = setup, core, p, wish
         self.v = stack(item.sym for item in core.inputs if item.signal in VELOCITY)
-        self.whole, self.part = command_delay_in_periods(setup.scenario)
+        self.whole, self.part = in_periods(setup.scenario.base.delay, setup.scenario)
         own = {item.signal: item for item in core.inputs}
         before = own.get(SENT_BEFORE) or port(SENT_BEFORE)
         ages = range(2, 2 + self.whole + bool(self.part) - 1)

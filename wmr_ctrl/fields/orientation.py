@@ -27,7 +27,7 @@ T = TypeVar("T", bound=Angle)
 
 PAPER = "paper"
 FRAMES = {PAPER: 0.0, "rep103": math.pi / 2}
-"""What each convention's orientation has more than the paper's [rad]."""
+"""Excess of each convention's orientation over the paper's [rad]."""
 ORIENTATIONS = (POSE[2].name, REFERENCE[2].name, MEASURED_POSE[2].name)
 """Columns of a run that are orientations."""
 _SAID = {

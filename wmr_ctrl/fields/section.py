@@ -61,17 +61,7 @@ def quantity(
         number = default is REQUIRED or isinstance(default, tuple)
         kind = "number" if number else kind_of(default)
     what = Quantity(
-        default,
-        unit,
-        doc,
-        bounds,
-        kind,
-        elements,
-        options,
-        usual,
-        multiple_of,
-        most,
-        orientation,
+        default, unit, doc, bounds, kind, elements, options, usual, multiple_of, most, orientation
     )
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:

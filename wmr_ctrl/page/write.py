@@ -9,14 +9,13 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-import jinja2
-
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.content import Content, content_of
 from wmr_ctrl.page.members import SENDING
 from wmr_ctrl.page.module import build_module
 from wmr_ctrl.page.scenes import scenes
+from wmr_ctrl.report.style import page_environment
 from wmr_ctrl.results.files import atomic_text, check_writable
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.many import checked_seeds
@@ -77,13 +76,10 @@ def write_page(
 def page_text(content: Content, module: bytes) -> str:
     """The page with its module."""
     folder = Path(__file__).parent / "templates"
-    engine = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folder), autoescape=True, trim_blocks=True,
-        lstrip_blocks=True, undefined=jinja2.StrictUndefined,
-    )  # fmt: skip
     scripts = {name: (folder / name).read_text(encoding="utf-8") for name in (*ALONE, *SHOWING)}
     script_data = json.dumps(content.data, allow_nan=False, separators=(",", ":"))
-    return engine.get_template("page.html.j2").render(
+    template = page_environment("wmr_ctrl.page").get_template("page.html.j2")
+    return template.render(
         title=content.data["scenes"][0]["scenario"],
         scenes=content.data["scenes"],
         laws=content.data["laws"],

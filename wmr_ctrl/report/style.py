@@ -201,10 +201,10 @@ def shown(value: float | None, digits: int = 3) -> str:
     return f"{mantissa}·10{raised}".replace("-", "−")
 
 
-def page_environment() -> Environment:
-    """The templates; texts are escaped, and a name that is not given is an error."""
+def page_environment(package: str = "wmr_ctrl.report") -> Environment:
+    """A package's templates; texts are escaped, and a name that is not given is an error."""
     return Environment(
-        loader=PackageLoader("wmr_ctrl.report", "templates"),
+        loader=PackageLoader(package, "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -86,7 +86,7 @@ def scenario_dict(scenario: Scenario) -> Raw:
 
 
 def frames_of(raw: Mapping[str, object]) -> str:
-    """How a raw dictionary states orientations; raises ScenarioError for an unknown way."""
+    """Convention of orientations in a raw dictionary; raises ScenarioError for an unknown one."""
     return checked_frames(raw.get("frames", PAPER))
 
 

@@ -125,10 +125,7 @@ class Initial(Section, key="initial"):
     """Pose and velocity at t = 0; the velocity may lie outside the limits."""
 
     pose: tuple[float, float, float] = quantity(
-        (-0.5, -0.5, -0.7),
-        unit="m, m, rad",
-        doc="x, y, theta (theta is 0 along +Y)",
-        orientation=3,
+        (-0.5, -0.5, -0.7), unit="m, m, rad", doc="x, y, theta (theta is 0 along +Y)", orientation=3
     )
     velocity: tuple[float, float] = quantity((0.0, 0.0), unit="m/s, rad/s", doc="v1, omega")
 

@@ -14,7 +14,7 @@ from wmr_ctrl.scenario import Scenario
 MOST_TRIALS = 100_000
 TRACKING, CORRIDOR = MERITS = ("tracking", "corridor")
 MEASURED = {TRACKING: "position_rms", CORRIDOR: "corridor"}
-"""What each merit makes small, as the objective has it."""
+"""Figure that each merit makes small, as the objective has it."""
 
 
 @dataclass(frozen=True, kw_only=True)

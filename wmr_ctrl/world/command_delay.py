@@ -11,7 +11,7 @@ from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.values import check_count
 from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import COMMAND
-from wmr_ctrl.world.delay import in_periods, queued
+from wmr_ctrl.world.delay import queued
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.history import MOST_REMEMBERED
 from wmr_ctrl.world.speed_loop import takes_velocity
@@ -56,11 +56,6 @@ def check(scenario: Scenario) -> None:
 def bound(scenario: Scenario) -> Bound:
     """The delay itself."""
     return Bound(delay=scenario.section(CommandDelay).delay)
-
-
-def command_delay_in_periods(scenario: Scenario) -> tuple[int, int]:
-    """The delay as whole control periods and the plant steps that are left."""
-    return in_periods(scenario.section(CommandDelay).delay, scenario)
 
 
 COMMAND_DELAY = Effect(
