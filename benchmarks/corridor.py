@@ -57,6 +57,9 @@ def _slow(period: float, wheel: float) -> dict[str, object]:
 
 HEAVY = {"robot.m": 65.0, "robot.I": 7.0, "model.m": 50.0, "model.I": 5.4, "model.mu": 0.08}
 BETTER = {"gains.prox": {"rho": [42.9, 21.74], "wo": 10.0}}
+QUICK = {
+    "gains.kinematics.k": [12.0, 196.0, 5.0], "gains.prox": {"rho": [24.0, 16.0], "wo": 12.0},
+}  # fmt: skip
 CALM = {"disturbance.std": 0.0, "guard.enabled": False}
 CASES = (
     Case("safe-simulation, prox, 10 ms", "safe-simulation", "prox", 500, {}),
@@ -68,6 +71,8 @@ CASES = (
          _slow(0.05, 1.0)),
     Case("safe-experiment, exact pose, 100 ms, 1 N m", "safe-experiment", "prox", 100,
          _slow(0.1, 1.0)),
+    Case("the same, 50 ms, 3 N m, k = (12, 196, 5), rho = (24, 16), wo = 12", "safe-experiment",
+         "prox", 150, {**_slow(0.05, 3.0), **QUICK}),
     Case("safe-simulation, prox, 10 ms, no push, poses off by 1 mm an axis", "safe-simulation",
          "prox", 500, {**CALM, "sensor.pose_noise": 1e-3}, "pose"),
     Case("the same, velocities off by 2 mm/s and 5 mrad/s", "safe-simulation", "prox", 500,

@@ -20,10 +20,15 @@ from wmr_ctrl.scenario import load_scenario, override
 
 EXACT_POSE = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
 SLOW = {**EXACT_POSE, "disturbance.std": 1 / 3}
+QUICK = {
+    **EXACT_POSE, "clock.control": 0.05, "gains.kinematics.k": [12.0, 196.0, 5.0],
+    "gains.prox": {"rho": [24.0, 16.0], "wo": 12.0},
+}  # fmt: skip
 CASES = {
     "prox, 10 ms": ("safe-simulation", "prox", {}, 300, 1.3),
     "kanayama, 10 ms": ("safe-simulation", "kanayama", {}, 400, 1.3),
     "prox, 20 ms": ("safe-simulation", "prox", {"clock.control": 0.02}, 150, 1.3),
+    "prox, 50 ms": ("safe-experiment", "prox", QUICK, 150, 1.3),
     "prox, 100 ms": ("safe-experiment", "prox", SLOW, 60, 1.5),
 }
 """Preset, law, changes, samples that an attack takes, and how tight the corridor is at least."""

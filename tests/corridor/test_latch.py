@@ -76,6 +76,9 @@ def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path
     assert load_run(tmp_path / "run.npz").corridor_left == left
     assert calm.corridor_left is None
 
+    shown = {**shoved, "frames": "rep103"}  # orientations from +X: the same run
+    assert simulate("safe-simulation", "prox", seed=3, overrides=shown).corridor_left == left
+
 
 def test_a_run_that_is_not_settled_yet_proves_nothing(monkeypatch):
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))

@@ -21,6 +21,7 @@ from wmr_ctrl.corridor.answer import CorridorLeft, bounds
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.errors import WmrError
+from wmr_ctrl.fields.orientation import inward
 from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY, STARTED
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.kinematics import tracking_error
@@ -128,9 +129,11 @@ def _seen(setup: Setup, latch: Latch) -> bool:
 
 def _within(run: Run, setup: Setup, latch: Latch, end: int) -> tuple[Floats, list[bool]]:
     """Distances [m] from the place on the path, and whether each sample's state is in the box."""
-    rows = slice(0, end)
-    poses = [np.stack([run[name][rows] for name in names])
-             for names in (("x_d", "y_d", "theta_d"), ("x", "y", "theta"))]  # fmt: skip
+    rows, frames = slice(0, end), run.settings.frames
+    poses = [
+        np.stack([*(run[name][rows] for name in place), inward(run[angle], frames)[rows]])
+        for place, angle in ((("x_d", "y_d"), "theta_d"), (("x", "y"), "theta"))
+    ]
     e = np.asarray(_errors()(*poses)).T
     v = np.stack([run["v1"][rows], run["omega"][rows]], axis=1)
     robot, names = setup.scenario.robot, [item.name for item in TORQUE]
