@@ -158,6 +158,22 @@ def plot_reference(axes: Axes, x: FloatArray, y: FloatArray) -> None:
     axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
 
 
+SLENDER = 12.0
+"""A path this many times longer than wide is drawn on two scales: else all of it is one line."""
+
+
+def finish_path(axes: Axes, marks: Iterable[str]) -> None:
+    """Labels, title and scales of a map, whose ``marks`` say what is drawn."""
+    wide, high = np.ptp(axes.dataLim.intervalx), np.ptp(axes.dataLim.intervaly)
+    said = list(marks)
+    if max(wide, high) > SLENDER * min(wide, high) > 0:
+        said.append("x and y on different scales")
+    else:
+        axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    axes.set_title(f"Path ({', '.join(said)})", weight="normal")
+
+
 def shade_beyond(axes: Axes, limit: float) -> None:
     """A vertical line at ``limit``, and shade right of it; the view stays as it is."""
     axes.axvline(limit, color=LIMIT, lw=1.0)

@@ -21,6 +21,7 @@ from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
+    finish_path,
     include,
     mark_switch,
     one_axes,
@@ -123,9 +124,7 @@ def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
         axes.plot(run["x_d"][-1], run["y_d"][-1], "*", mfc=LIMIT, mec="white", ms=11, zorder=4)
         marks.append("star: goal")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.set_title(f"Path ({', '.join(marks)})", weight="normal")
+    finish_path(axes, marks)
 
 
 def _tube(run: Run) -> Corridor | None:
@@ -213,8 +212,8 @@ def _errors(
         most = 1e3 * float((tube.heading if len(columns) == 1 else tube.position) or 0.0)
         end = run.time[-1] if tube.until is None else min(tube.until, run.time[-1])
         axes.hlines((-most, most), 0, end, color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
-        axes.annotate("certified from a start on the path", (0, most), size=6.5, xytext=(2, 2),
-                      textcoords="offset points", color=LIMIT)  # fmt: skip
+        axes.annotate("certified from a start on the path", (end, most), size=6.5, xytext=(-2, 2),
+                      textcoords="offset points", ha="right", color=LIMIT)  # fmt: skip
     if max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows.values()) > SMALL:
         axes.set_yscale("symlog", linthresh=NARROW)
         axes.yaxis.set_major_formatter(

@@ -8,9 +8,11 @@ from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from wmr_ctrl.report.drawing import (
     Drawing,
+    finish_path,
     heading,
     include,
     line_handle,
@@ -24,7 +26,7 @@ from wmr_ctrl.report.drawing import (
 )
 from wmr_ctrl.report.plot_run import MARGINS, SUFFIXES, time_axes
 from wmr_ctrl.report.scene import names_of, scene_of
-from wmr_ctrl.report.style import colours_of, house_style, verbatim
+from wmr_ctrl.report.style import DASHED, INK, colours_of, house_style, verbatim
 from wmr_ctrl.results import Run, distance
 
 _SIZE = (8.3, 7.0)
@@ -64,9 +66,7 @@ def _path(part: SubFigure, runs: Sequence[Run], colours: Sequence[str]) -> None:
     for run, colour in zip(runs, colours, strict=True):
         axes.plot(*thin_path(run["x"], run["y"], 3000), color=colour, lw=1.2, alpha=0.85)
     plot_reference(axes, *thin_path(longest["x_d"], longest["y_d"], 64))
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.set_title("Path (dots: reference)", weight="normal")
+    finish_path(axes, ["dots: reference"])
 
 
 def _distance(part: SubFigure, runs: Sequence[Run], colours: Sequence[str]) -> None:
@@ -74,13 +74,20 @@ def _distance(part: SubFigure, runs: Sequence[Run], colours: Sequence[str]) -> N
     for run, colour in zip(runs, colours, strict=True):
         axes.plot(*thin(run.time, np.maximum(1e3 * distance(run), _LEAST)), color=colour, lw=0.9)
     axes.set_yscale("log")
+    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_major_formatter(plain)
+    low, high = axes.get_ylim()
+    few = high < 10 * low  # no power of ten may be among the ticks then
+    axes.yaxis.set_minor_formatter(plain if few else NullFormatter())
 
 
 def _velocity(part: SubFigure, runs: Sequence[Run], colours: Sequence[str], axis: int) -> None:
-    name, title = (("v1", "v₁ [m/s], its limits"), ("omega", "ω [rad/s], its limits"))[axis]
-    axes = time_axes(part, runs, title)
+    name, desired, text = (("v1", "v1_d", "v₁ [m/s]"), ("omega", "v2_d", "ω [rad/s]"))[axis]
+    axes = time_axes(part, runs, f"{text}, its limits; dashed: desired")
     for run, colour in zip(runs, colours, strict=True):
         axes.plot(*thin(run.time, run[name]), color=colour, lw=0.9, alpha=0.8)
+    longest = max(runs, key=lambda run: run.rows * run.settings.control)
+    axes.plot(*thin(longest.time, longest[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
     limit = runs[0].settings.v_u1[axis]
     include(axes, (-1.15 * limit, 1.15 * limit))
     shade_limits(axes, limit)
