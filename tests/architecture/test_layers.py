@@ -34,7 +34,8 @@ ORDER = (
     {"api"},
     {"tuning", "identification"},
     {"__init__"},
-    {"cli", "ros2"},
+    {"ros2"},
+    {"cli"},
     {"__main__"},
 )
 ROS_MESSAGES = {

@@ -25,6 +25,15 @@ from outside import KEPT, ON_THE_WAY, RATE, SURE
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
+TWIN = """
+import time, rclpy
+from geometry_msgs.msg import TwistStamped
+rclpy.init()
+node = rclpy.create_node("wmr_drive")
+publisher = node.create_publisher(TwistStamped, "cmd_vel", 1)
+time.sleep(60)
+"""
+"""Somebody who publishes under the name of the node."""
 PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
 
 
@@ -39,6 +48,8 @@ class Base:
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
         self.pose, self.speed = [0.0, 0.0, 0.0], (0.0, 0.0)
         self.seen: list[tuple[float, float]] = []
+        self.pause = 0.0
+        """Longest pause between two messages [s]."""
         self.said: list[str] = []
         self.flags: list[str] = []
         """All that the node last told, where ``said`` has the gravest: a busy machine is late."""
@@ -64,7 +75,10 @@ class Base:
     def go(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Move and send odometry; True where ``until`` came true."""
         end = time.monotonic() + seconds
+        before = time.monotonic()
         while time.monotonic() < end and not until():
+            self.pause = max(self.pause, time.monotonic() - before)
+            before = time.monotonic()
             x, y, yaw = self.pose
             v, omega = self.speed
             turn = yaw + RATE * omega
@@ -139,7 +153,7 @@ def main(scenario: str) -> None:
         base.go(0.5)
         found["path in map"] = base.said[-1]
         base.follow(PATH)
-        found["arrived"] = base.go(20, lambda: "arrived" in base.flags)
+        found["arrived"] = base.go(40, lambda: "arrived" in base.flags)
         found["off"] = math.dist(base.pose[:2], PATH[-1])
         back = [(x + 1.5, y + 0.1) for x, y in PATH]
         base.follow(back)
@@ -162,9 +176,11 @@ def main(scenario: str) -> None:
         base.speed = 0.0, 0.0  # a base's own time-out
         base.follow([])  # nor does a path wait for the next life
         process = start(scenario)
-        base.go(10, lambda: len(base.seen) > 20)
+        base.go(30, lambda: len(base.seen) > 20)
         found["next life"] = max(abs(v) for _, v in base.seen)
-        second = start(scenario)
+        found["refused"] = start(scenario).wait(30)
+        base.go(2.0)
+        second = subprocess.Popen([sys.executable, "-c", TWIN])
         found["twin"] = base.go(10, lambda: "own name" in base.said[-1])
         second.kill()
         base.said.clear()

@@ -1,8 +1,9 @@
 """Faults of process, graph and time around the filter, from outside over DDS.
 
-``python filter_live.py SCENARIO`` runs the node in a namespace with remapped topics: frozen, killed
-and started again, with two senders, with parameters set; then on simulated time that stops, goes
-back and leaps ahead.  What was seen is printed as JSON.
+``python filter_live.py SCENARIO [NODE]`` runs the node (that in Python, or the program NODE, which
+has no parameters) in a namespace with remapped topics: frozen, killed and started again, with two
+senders, with parameters set; then on simulated time that stops, goes back and leaps ahead.  What
+was seen is printed as JSON.
 """
 
 from __future__ import annotations
@@ -43,7 +44,9 @@ class Simulated(World):
         super().command(v, omega, ago, frame)
 
 
-def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
+def start(scenario: str, node: str, *more: str) -> subprocess.Popen[bytes]:
+    if node:
+        return subprocess.Popen([node, "--ros-args", *more])
     given = ["-p", f"scenario:={scenario}", "-p", "odometry:=none", *more]
     return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *given])
 
@@ -65,8 +68,16 @@ def speeds(world: World, seconds: float, **go) -> list[float]:
     return [v for _, v, _ in world.seen]
 
 
-def in_a_namespace(scenario: str) -> dict[str, object]:
-    world, found = World(start(scenario, *SPACE)), {}
+def scaled(world: World) -> dict[str, object]:
+    """A parameter that is set while it drives."""
+    found = {"scale 7": set_scale(world, 7.0), "scale .25": set_scale(world, 0.25)}
+    found["scaled"] = speeds(world, 0.6)[-1]
+    set_scale(world, 1.0)
+    return found
+
+
+def in_a_namespace(scenario: str, node: str) -> dict[str, object]:
+    world, found = World(start(scenario, node, *SPACE)), {}
     try:
         world.drive()
         world.said.clear()
@@ -80,9 +91,7 @@ def in_a_namespace(scenario: str) -> dict[str, object]:
         world.go(1.6)
         found["two senders"] = list(world.said)
         world.node.destroy_publisher(second)
-        found["scale 7"], found["scale .25"] = set_scale(world, 7.0), set_scale(world, 0.25)
-        found["scaled"] = speeds(world, 0.6)[-1]
-        set_scale(world, 1.0)
+        found |= {} if node else scaled(world)
         world.drive()
         world.process.send_signal(signal.SIGSTOP)
         speeds(world, ON_THE_WAY)
@@ -95,8 +104,8 @@ def in_a_namespace(scenario: str) -> dict[str, object]:
         speeds(world, ON_THE_WAY)
         found["after the kill"] = len(speeds(world, 0.5))
         world.seen.clear()
-        world.process = start(scenario, *SPACE)
-        world.go(10, command=False, until=lambda: len(world.seen) > 10)
+        world.process = start(scenario, node, *SPACE)
+        world.go(30, command=False, until=lambda: len(world.seen) > 10)
         found["next life"] = max(abs(v) for _, v, _ in world.seen)
         began = time.monotonic()
         world.drive()
@@ -107,8 +116,8 @@ def in_a_namespace(scenario: str) -> dict[str, object]:
     return found
 
 
-def on_simulated_time(scenario: str) -> dict[str, object]:
-    world, found = Simulated(start(scenario, "-p", "use_sim_time:=true", *SPACE)), {}
+def on_simulated_time(scenario: str, node: str) -> dict[str, object]:
+    world, found = Simulated(start(scenario, node, "-p", "use_sim_time:=true", *SPACE)), {}
     try:
         world.drive()
         world.rate = 0.0
@@ -127,11 +136,11 @@ def on_simulated_time(scenario: str) -> dict[str, object]:
     return found
 
 
-def main(scenario: str) -> None:
+def main(scenario: str, node: str = "") -> None:
     rclpy.init(args=["--ros-args", *SPACE])
-    report = {"space": in_a_namespace(scenario), "simulated": on_simulated_time(scenario)}
-    print(json.dumps(report))
+    space, simulated = in_a_namespace(scenario, node), on_simulated_time(scenario, node)
+    print(json.dumps({"space": space, "simulated": simulated}))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

@@ -54,7 +54,7 @@ def built():
 def world(built):
     built.start()
     built.counts.clear()
-    built.clocks.counts.clear()
+    built.clocks.struct.counts[:] = [0, 0, 0]
     return World(built)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.ros2.conftest import OVER_DDS, refusal_of, report_of
+from tests.ros2.conftest import OVER_DDS, bar, refusal_of, report_of
 from tests.ros2.lockstep import BASES, CARRIED, COMMON, messages, sent_by
 from wmr_ctrl import simulate
 from wmr_ctrl.scenario import load_scenario, to_toml
@@ -136,13 +136,17 @@ def test_a_killed_node_is_silent_and_its_next_life_begins_with_zeros(life):
     assert life["interrupt"] == [0.0, 0]
 
 
+def test_a_second_node_is_refused(life):
+    assert life["refused"] == 2
+
+
 def test_a_twin_is_told_also_for_a_while_after_its_death(life):
     assert life["twin"]
     assert any("own name" in text and "lease" in text for text in life["ghost"])
 
 
-TICK, TIMEOUT, SLACK = 0.02, 0.1, 0.15
-"""Of the node [s], and what DDS and a busy machine may take beside."""
+TICK, TIMEOUT = 0.02, 0.1
+"""Of the node [s]."""
 STEP = 2.0 * TICK * 1.01
 """Most that a tick may take off the speed [m/s]; fall is 2 m/s2."""
 
@@ -154,8 +158,8 @@ STEP = 2.0 * TICK * 1.01
 def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
     found = faults["simulated" if fault == "stopped" else "real"][fault]
 
-    assert found["falls"] <= TIMEOUT + 2 * TICK + SLACK
-    assert found["zero"] <= TIMEOUT + 0.35 + 2 * TICK + SLACK  # at most .7 m/s at 2 m/s2
+    assert found["falls"] <= bar(found, TIMEOUT)
+    assert found["zero"] <= bar(found, TIMEOUT + 0.35)  # at most .7 m/s at 2 m/s2
     assert found["steps"] <= STEP
     assert found["last"] == 0
     assert any("no-odometry" in text for text in found["said"])
@@ -172,7 +176,7 @@ def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
 def test_a_leap_brakes_at_once_and_drives_on(faults, clock, fault, flag):
     found = faults[clock][fault]
 
-    assert found["falls"] <= 2 * TICK + SLACK
+    assert found["falls"] <= bar(found, 0.0)
     assert found["steps"] <= STEP
     assert found["last"] > 0.1
     assert any(flag in text for text in found["said"])
@@ -180,10 +184,10 @@ def test_a_leap_brakes_at_once_and_drives_on(faults, clock, fault, flag):
 
 def test_what_latches_waits_for_a_reset(faults):
     real = faults["real"]
-    assert real["too fast"]["falls"] <= 2 * TICK + SLACK
+    assert real["too fast"]["falls"] <= bar(real["too fast"], 0.0)
     assert real["too fast"]["steps"] <= STEP
     assert real["latched"] == [0.0, True]
-    assert real["stop"]["zero"] <= 2 * TICK + SLACK
+    assert real["stop"]["zero"] <= bar(real["stop"], 0.0)
     assert real["reset while stopped"] is False
     assert real["stopped"] == [0.0, True]
     assert real["drives again"]

@@ -52,7 +52,7 @@ class World:
         return speeds
 
     def command(self, stamp):
-        return self.core.commands.take((0.5, 0.0), stamp, "base_link", self.now())
+        return self.core.command((0.5, 0.0), stamp, "base_link", self.now())[0]
 
 
 def ticks_to_rest(speed):
@@ -120,8 +120,7 @@ def test_a_stop_outlives_messages_and_needs_a_reset(world):
     world.go(60)
     world.steady += TICK
     assert world.core.halt(True, world.now()).command == (0.0, 0.0)
-    assert not world.core.reset()
-    assert world.go(3) == [0.0] * 3
+    assert not world.core.reset()  # and it is not remembered
     assert world.core.halt(False, world.now()) is None
     assert world.go(3) == [0.0] * 3
     assert world.core.reset()
@@ -174,3 +173,63 @@ def test_the_gravest_is_told_first():
     assert judged(("limited",), "", "", senders) == (WARN, senders)
     assert judged(("limited", "ramped")) == (OK, "driving")
     assert judged(("arrived",)) == (OK, "arrived")
+
+
+# -- answers when a command comes ----------------------------------------------------------
+
+
+@pytest.fixture
+def prompt(scenario):
+    return World(FilterCore(scenario, SETTINGS, "base_link", at_once=True))
+
+
+def sent_at(world, *, ros=0, steady=0, simulated=False):
+    """Whether a command that comes so much later [ns] is answered at once."""
+    world.ros, world.steady = world.ros + ros, world.steady + steady
+    now = Moment(world.ros, world.steady, simulated)
+    world.core.see(now)
+    reason, gated = world.core.command((0.5, 0.0), world.ros, "base_link", now)
+    assert reason == ""
+    return gated is not None
+
+
+def timer(world, *, steady, simulated=False):
+    """Whether the timer answers so much later [ns]."""
+    world.steady += steady
+    world.ros += 0 if simulated else steady
+    return world.core.tick(Moment(world.ros, world.steady, simulated)) is not None
+
+
+def test_a_command_is_answered_when_it_is_due_and_no_sooner(prompt):
+    assert sent_at(prompt)
+    assert not sent_at(prompt, ros=14 * MS, steady=14 * MS)
+    assert sent_at(prompt, ros=2 * MS, steady=2 * MS)
+
+
+def test_the_timer_answers_what_is_late_by_a_quarter_and_then_each_period(prompt):
+    assert sent_at(prompt)
+    assert not timer(prompt, steady=24 * MS)
+    assert timer(prompt, steady=1 * MS)
+    assert not timer(prompt, steady=19 * MS)
+    assert timer(prompt, steady=1 * MS)
+
+
+def test_stamps_do_not_hasten_answers_but_on_simulated_time(prompt):
+    assert sent_at(prompt)
+    assert not sent_at(prompt, ros=20 * MS, steady=1 * MS)
+    assert sent_at(prompt, ros=20 * MS, steady=1 * MS, simulated=True)
+    assert timer(prompt, steady=300 * MS, simulated=True)
+    assert sent_at(prompt, ros=20 * MS, steady=1 * MS, simulated=True)  # though the timer was last
+
+
+def test_after_simulated_time_went_back_commands_are_answered_at_once_again(prompt):
+    assert sent_at(prompt, simulated=True)
+    assert sent_at(prompt, ros=-10_000 * MS, steady=1 * MS, simulated=True)
+
+
+def test_answers_at_once_ramp_by_the_time_that_has_passed(prompt):
+    speeds = []
+    for _ in range(8):
+        assert sent_at(prompt, ros=16 * MS, steady=16 * MS)
+        speeds.append(prompt.core.last.command[0])
+    assert speeds[1:] == pytest.approx([0.02 + 0.016 * k for k in range(1, 8)])

@@ -89,15 +89,32 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
         "wmr-ctrl codegen nn --out nn_c",
         "wmr-ctrl codegen mb --float32 --out mb_c",
         "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
+        "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
     ),
 )
 @click.argument("law")
 @opt.scenario_option
 @opt.set_option
 @click.option("--float32", is_flag=True, help="Single precision throughout.")
+@click.option("--ros2", is_flag=True, help="The filter as a node of ROS 2 in C, on rcl alone.")
+@click.option(
+    "--param",
+    "params",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Parameter of wmr_filter to compile into that node.  May be given several times.",
+)
 @click.option("--out", required=True, metavar="DIR", help="Folder to write into.")
 @opt.debug_option
-def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool, out: str) -> None:
+def codegen(
+    law: str,
+    scenario: str,
+    assignments: tuple[str, ...],
+    float32: bool,
+    ros2: bool,
+    params: tuple[str, ...],
+    out: str,
+) -> None:
     """Write header, source, example, test vectors and build files of one law into a folder.
 
     LAW may be `filter`: the command filter of a scenario with filter.kind = "clip",
@@ -105,10 +122,25 @@ def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool
 
     No heap, no input or output, no globals: the caller owns the law's memory.
     """
-    from wmr_ctrl.codegen.package import write_package
+    from wmr_ctrl.codegen.package import FILTER, write_package
 
     opt.check_folder(out, "--out")
-    for path in write_package(law, Path(out), opt.load(scenario, assignments), float32=float32):
+    if params and not ros2:
+        raise click.BadParameter("it is for --ros2 alone. Leave it out.", param_hint="--param")
+    case = opt.load(scenario, assignments)
+    if not ros2:
+        paths = write_package(law, Path(out), case, float32=float32)
+    elif law != FILTER or float32:
+        raise click.BadParameter(
+            "the node in C is that of the command filter, in double precision: write "
+            "`codegen filter --ros2`, without --float32.",
+            param_hint="--ros2",
+        )
+    else:
+        from wmr_ctrl.ros2.c_node import node_settings, write_node
+
+        paths = write_node(Path(out), case, node_settings(params))
+    for path in paths:
         say("wrote", str(path))
 
 

@@ -23,7 +23,7 @@ def main() -> int:
         return 2
     from wmr_ctrl.ros2.drive_node import DriveNode
     from wmr_ctrl.ros2.filter_node import FilterNode
-    from wmr_ctrl.ros2.node import spin
+    from wmr_ctrl.ros2.spin import spin
 
     return spin(FilterNode if given[0] == "filter" else DriveNode, given[1:])
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from ctypes import byref
+from dataclasses import dataclass
 
-BACK, FORTH, FROZEN = "time-back", "time-forth", "frozen"
-NS = 1e-9
-"""Second of a nanosecond."""
-SLACK = 10_000_000
-"""ROS time may go back, or fall behind, by so much [ns] without having jumped."""
-JUMP = 500_000_000
-"""ROS time that gains so much [ns] on the steady clock has jumped ahead."""
+from wmr_ctrl.ros2.native import HAPPENINGS, ClocksStruct, MomentStruct, in_ns, node_functions
+
+BACK, FORTH, FROZEN = HAPPENINGS
 
 
 @dataclass(frozen=True)
@@ -21,35 +18,40 @@ class Moment:
     steady: int
     simulated: bool = False
 
+    @property
+    def struct(self) -> MomentStruct:
+        """The same for C."""
+        return MomentStruct(self.ros, self.steady, self.simulated)
 
-@dataclass
+
 class Clocks:
-    """Looks at the time of each callback; ``longest`` [ns] is the pause that is no freeze.
+    """Looks at the time of each callback; ``longest`` [ns] is the pause that is no freeze."""
 
-    ``counts``: how often each was seen.  Simulated time may run at any rate, so only its leaps of
-    more than JUMP between two callbacks are jumps ahead.
-    """
+    def __init__(self, longest: int, struct: ClocksStruct | None = None) -> None:
+        """Begin, or look at those that C has."""
+        self.struct = struct or ClocksStruct(longest=longest)
+        self._see = node_functions()["clocks_see"]
 
-    longest: int
-    counts: dict[str, int] = field(default_factory=dict)
-    _before: Moment | None = None
+    @property
+    def counts(self) -> dict[str, int]:
+        """How often each was seen that was."""
+        listed = zip(HAPPENINGS, self.struct.counts, strict=True)
+        return {name: count for name, count in listed if count}
 
     def start(self) -> None:
         """Begin anew: no callback came before."""
-        self._before = None
+        self.struct.begun = 0
 
     def see(self, now: Moment) -> tuple[str, ...]:
         """What has happened since the last callback: "time-back", "time-forth", "frozen"."""
-        before, self._before = self._before, now
-        if before is None or before.simulated != now.simulated:
-            return ()
-        passed, steady = now.ros - before.ros, now.steady - before.steady
-        seen = [
-            (BACK, passed < -SLACK),
-            (FORTH, passed - steady > JUMP),
-            (FROZEN, steady > self.longest),
-        ]
-        happened = tuple(name for name, there in seen if there)
-        for name in happened:
-            self.counts[name] = self.counts.get(name, 0) + 1
-        return happened
+        return named_happenings(self._see(byref(self.struct), byref(now.struct)))
+
+
+def named_happenings(bits: int) -> tuple[str, ...]:
+    """Bits in words."""
+    return tuple(name for k, name in enumerate(HAPPENINGS) if bits >> k & 1)
+
+
+def longest_pause(timeout: float, period: float) -> int:
+    """Pause between callbacks [ns] that is no freeze, for a time-out and a period [s]."""
+    return in_ns(max(timeout, 2.5 * period))

@@ -71,7 +71,9 @@ class DriveNode(SafeNode[DriveCore]):
     def send(self, command: tuple[float, float]) -> None:
         """Publish velocities [m/s, rad/s], or torques [N m] in the order of ``wheels``."""
         if self.twists:
-            self.out.publish(twist_message(self, self.frame, self.stamped, command))
+            simulated = self.get_clock().ros_time_is_active
+            sample = self.core.measured.struct.stamp if self.core and simulated else 0
+            self.out.publish(twist_message(self, self.frame, self.stamped, command, sample))
             return
         torques = dict(zip(SIDES, command, strict=True))
         self.out.publish(Float64MultiArray(data=[torques[name] for name in self.wheels]))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.parameter import Parameter
 
+from wmr_ctrl.errors import WmrError
 from wmr_ctrl.filter.gate import GateSettings
 from wmr_ctrl.ros2.filter_core import FilterCore
-from wmr_ctrl.ros2.intake import is_rotation
 from wmr_ctrl.ros2.node import LATEST, SURE, SafeNode, guarded, stamp_of
-from wmr_ctrl.ros2.parameters import FILTER, SPEED_SCALE
+from wmr_ctrl.ros2.parameters import FILTER, SCALE, SPEED_SCALE, TRIGGERS
 from wmr_ctrl.ros2.twists import command_kind, twist_message
 from wmr_ctrl.scenario import Scenario
 
@@ -24,11 +24,7 @@ class FilterNode(SafeNode[FilterCore]):
     def __init__(self) -> None:
         """Declare the parameters."""
         super().__init__("wmr_filter", FILTER)
-        share = ParameterDescriptor(
-            description="share of each command that is passed on",
-            floating_point_range=[FloatingPointRange(from_value=0.0, to_value=1.0)],
-        )
-        self.declare_parameter(SPEED_SCALE, 1.0, share)
+        self.declare(SPEED_SCALE, SCALE, read_only=False)
         self.add_on_set_parameters_callback(self._on_parameters)
 
     def build(self, scenario: Scenario) -> tuple[FilterCore, float]:
@@ -40,9 +36,12 @@ class FilterNode(SafeNode[FilterCore]):
             rise=self.pair("rise"), fall=self.pair("fall"), excess=self.pair("excess"),
         )  # fmt: skip
         self.frame, self.stamped = str(self.value("base_frame")), bool(self.value("stamped"))
-        core = FilterCore(scenario, settings, self.frame)
+        trigger = str(self.value("trigger"))
+        if trigger not in TRIGGERS:
+            raise WmrError(f"trigger = {trigger!r} must be one of {', '.join(TRIGGERS)}.")
+        core = FilterCore(scenario, settings, self.frame, at_once=trigger == "command")
         core.scale = float(self.value(SPEED_SCALE))  # type: ignore[arg-type]
-        return core, core.gate.period
+        return core, core.period / 4 if core.at_once else core.period
 
     def connect(self) -> None:
         """Topics as in the page."""
@@ -71,17 +70,18 @@ class FilterNode(SafeNode[FilterCore]):
         twist = message.twist if self.stamped else message
         stamp, frame = (stamp_of(message), message.header.frame_id) if self.stamped else (0, "")
         value = twist.linear.x, twist.angular.z
-        self.refused("command", self.core.commands.take(value, stamp, frame, self.now()))
+        reason, sent = self.core.command(value, stamp, frame, self.now())
+        self.refused("command", reason)
+        if sent:
+            self.sent(sent)
 
     @guarded
     def _on_odometry(self, message: Odometry) -> None:
         assert self.core
         turn, twist = message.pose.pose.orientation, message.twist.twist
-        value = twist.linear.x, twist.angular.z
-        if not is_rotation(turn.x, turn.y, turn.z, turn.w):
-            value = float("nan"), float("nan")
-        frame, stamp = message.child_frame_id, stamp_of(message)
-        self.refused("odometry", self.core.odometry.take(value, stamp, frame, self.now()))
+        value, rotation = (twist.linear.x, twist.angular.z), (turn.x, turn.y, turn.z, turn.w)
+        stamp, frame = stamp_of(message), message.child_frame_id
+        self.refused("odometry", self.core.measure(value, rotation, stamp, frame, self.now()))
 
     def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
         for item in changed:

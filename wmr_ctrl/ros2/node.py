@@ -6,30 +6,27 @@ ends in a command that may be sent.
 
 from __future__ import annotations
 
-import signal
 import time
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.duration import Duration
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.filter.gate import Gated
-from wmr_ctrl.ros2 import diagnosis
+from wmr_ctrl.ros2 import diagnosis, graph
 from wmr_ctrl.ros2.clocks import Clocks, Moment
-from wmr_ctrl.ros2.parameters import Table
+from wmr_ctrl.ros2.parameters import Stated, Table
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -39,8 +36,8 @@ KEPT = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-LAST_ZERO = 1.0
-"""Time [s] in which whoever hears a node has to take its last zero; no longer is waited."""
+LOOK = 1.0
+"""Time [s] in which those are looked for, before a node is configured, who make it useless."""
 LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
 
 
@@ -92,13 +89,31 @@ class SafeNode(LifecycleNode, Generic[C]):
     def __init__(self, name: str, parameters: Table) -> None:
         """Declare the parameters."""
         super().__init__(name)
-        for key, (value, text) in parameters.items():
-            fixed = ParameterDescriptor(description=text, read_only=True)
-            self.declare_parameter(key, value, fixed)
+        for key, stated in parameters.items():
+            self.declare(key, stated)
         self.core: C | None = None
         self.active, self._problem = False, ""
         self._grave: tuple[str, ...] = ()
         self._passing: set[str] = set()
+
+    def declare(self, key: str, stated: Stated, *, read_only: bool = True) -> None:
+        """Declare a parameter.  Raises WmrError where what is given for it cannot be."""
+        shown = ParameterDescriptor(
+            description=stated.text, additional_constraints=stated.constraints, read_only=read_only
+        )
+        if stated.range:
+            low, high = stated.range
+            shown.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+        try:
+            self.declare_parameter(key, stated.default, shown)
+        except InvalidParameterTypeException as error:
+            kind = type(stated.default).__name__
+            raise WmrError(
+                f"the parameter {key} has a value of another type than its default "
+                f"{stated.default!r} ({kind}). Numbers need a point: 1.0, not 1."
+            ) from error
+        except InvalidParameterValueException as error:
+            raise WmrError(f"the parameter {key} is out of its range: {error}") from error
 
     # -- a node's own -------------------------------------------------------------------------
 
@@ -143,20 +158,31 @@ class SafeNode(LifecycleNode, Generic[C]):
                 )
             scenario = load_scenario(path)
             self.core, self.period = self.build(scenario)
+            self._connect()
+            self._look()
         except WmrError as error:
             self.get_logger().error(" ".join(str(error).split()))
             return TransitionCallbackReturn.FAILURE
-        self._connect()
         (v, omega), settings = scenario.limits.v_u1, scenario.filter
         self.get_logger().info(
             f"{Path(path).name}: filter {settings.kind}, guard {scenario.guard.enabled}, limits "
             f"{v:g} m/s and {omega:g} rad/s, gain {settings.gain}, push {settings.d}, "
-            f"period {self.period:g} s"
+            f"period {scenario.clock.control:g} s"
         )
         return super().on_configure(state)
 
+    def _look(self) -> None:
+        """Raise WmrError where somebody else commands the base, or nothing of a sender is heard."""
+        end = time.monotonic() + LOOK
+        while time.monotonic() < end:
+            problem = graph.useless(self, self.out, self._heard)
+            if problem:
+                self._disconnect()
+                raise WmrError(problem)
+            time.sleep(0.05)
+
     def _connect(self) -> None:
-        self._heard: list[object] = []
+        self._heard: list[Subscription] = []
         self.connect()
         self.diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.listen(Bool, "~/stop", self._on_stop, KEPT)
@@ -188,6 +214,10 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Take down what configuring made."""
+        self._disconnect()
+        return super().on_cleanup(state)
+
+    def _disconnect(self) -> None:
         for timer in self._ticks:
             self.destroy_timer(timer)
         for subscription in self._heard:
@@ -196,7 +226,6 @@ class SafeNode(LifecycleNode, Generic[C]):
         self.destroy_publisher(self.diagnostics)
         self.destroy_lifecycle_publisher(self.out)
         self.core = None
-        return super().on_cleanup(state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Send a last zero."""
@@ -267,11 +296,6 @@ class SafeNode(LifecycleNode, Generic[C]):
         self.emit((0.0, 0.0))
         self.get_logger().fatal(text)
 
-    def _listed(self, topic: str) -> list[str]:
-        """Full names of the nodes that publish on a topic, as it is called after remapping."""
-        listed = self.get_publishers_info_by_topic(topic)
-        return [f"{item.node_namespace.rstrip('/')}/{item.node_name}" for item in listed]
-
     @guarded
     def _on_second(self) -> None:
         if self.core is None:
@@ -291,53 +315,16 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     def _judged(self) -> tuple[int, str]:
         assert self.core
-        topic = self.out.topic_name
-        rival = diagnosis.rivals(self.get_fully_qualified_name(), self._listed(topic), topic)
-        if rival:
-            self.get_logger().error(rival)
-        heard = [item.topic_name for item in self._heard]  # type: ignore[attr-defined]
-        wanted = {self.resolve_topic_name(topic) for topic in self.topics_in}
-        senders = [diagnosis.two_senders(self._listed(t), t) for t in heard if t in wanted]
-        several = next(filter(None, senders), "")
+        grave = graph.useless(self, self.out, self._heard)
+        if grave:
+            self.get_logger().error(grave)
+        topics = [self.resolve_topic_name(topic) for topic in self.topics_in]
+        several = graph.doubtful(self, self.out, topics)
         flags, self._passing = {*self.core.last.flags, *self._passing}, set()
-        return diagnosis.judged(flags, self._problem, rival, several)
+        return diagnosis.judged(flags, self._problem, grave, several)
 
 
 def stamp_of(message: object) -> int:
     """Stamp of a message's header [ns]."""
     stamp = message.header.stamp  # type: ignore[attr-defined]
     return int(stamp.sec * 1_000_000_000 + stamp.nanosec)
-
-
-def _interrupt(_number: int, _frame: object) -> None:
-    raise KeyboardInterrupt
-
-
-def spin(make: Callable[[], SafeNode[Core]], arguments: list[str]) -> int:
-    """Run a node until it is interrupted; 0, or 2 where it cannot be configured at once."""
-    # ROS' own handlers end the context before a last zero can be sent.
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
-    node, code = make(), 0
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    try:
-        if node.value("autostart"):
-            configured = node.trigger_configure() == TransitionCallbackReturn.SUCCESS
-            code = 0 if configured else 2
-            if configured:
-                node.trigger_activate()
-        while code == 0 and rclpy.ok():
-            executor.spin_once(timeout_sec=0.5)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        if node.active and rclpy.ok():
-            node.trigger_deactivate()
-            # What a reader has not taken yet may go with the process: the last zero is waited for.
-            node.out.wait_for_all_acked(Duration(seconds=LAST_ZERO))
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown()
-    return code

@@ -1,40 +1,80 @@
-"""Parameters of the nodes: defaults and descriptions.  All are read-only but `SPEED_SCALE`."""
+"""Parameters of the nodes: defaults, descriptions, ranges.  All are read-only but `SPEED_SCALE`."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from wmr_ctrl.filter.gate import ODOMETRY_USES
 
 Default: TypeAlias = str | float | bool | list[float] | list[str]
-Table: TypeAlias = dict[str, tuple[Default, str]]
+
+
+@dataclass(frozen=True)
+class Stated:
+    """Default, description, constraints in words, and the range of a number."""
+
+    default: Default
+    text: str
+    constraints: str = ""
+    range: tuple[float, float] | None = None
+
+
+Table: TypeAlias = dict[str, Stated]
+POSITIVE = "two numbers above 0"
+SECONDS = (0.001, 60.0)
+"""Range of a time-out [s]."""
+TRIGGERS = ("timer", "command")
+REFERENCES = ("scenario", "path")
 
 _SHARED: Table = {
-    "odometry_timeout": (0.1, "s; older odometry is none"),
-    "rise": ([1.0, 2.0], "m/s2, rad/s2; largest change of the command away from zero"),
-    "fall": ([2.0, 4.0], "m/s2, rad/s2; largest change of the command towards zero"),
-    "excess": ([0.05, 0.1], "m/s, rad/s beyond the limits at which odometry stops the base"),
-    "base_frame": ("base_link", "child frame of odometry, frame of commands"),
-    "stamped": (True, "TwistStamped commands; false: Twist"),
-    "autostart": (True, "configure and activate at once; false: by a lifecycle manager"),
+    "odometry_timeout": Stated(0.1, "s; older odometry is none", range=SECONDS),
+    "rise": Stated([1.0, 2.0], "m/s2, rad/s2; largest change away from zero", POSITIVE),
+    "fall": Stated([2.0, 4.0], "m/s2, rad/s2; largest change towards zero", POSITIVE),
+    "excess": Stated(
+        [0.05, 0.1], "m/s, rad/s beyond the limits at which odometry stops the base", POSITIVE
+    ),
+    "base_frame": Stated("base_link", "child frame of odometry, frame of commands"),
+    "stamped": Stated(True, "TwistStamped commands; false: Twist"),
+    "autostart": Stated(True, "configure and activate at once; false: by a lifecycle manager"),
 }
 FILTER: Table = {
-    "scenario": ("", "TOML file with [limits] and [filter]: what the promise rests on; required"),
-    "command_timeout": (0.25, "s; an older command is none"),
-    "odometry": ("watched", f"one of {', '.join(ODOMETRY_USES)}"),
+    "scenario": Stated(
+        "", "TOML file with [limits] and [filter]: what the promise rests on", "required"
+    ),
+    "command_timeout": Stated(0.25, "s; an older command is none", range=SECONDS),
+    "odometry": Stated(
+        "watched", "what is done without it: brought to rest, told, nothing",
+        f"one of {', '.join(ODOMETRY_USES)}",
+    ),
+    "trigger": Stated(
+        "timer", "when a command is answered: by the timer, or at once where one is due",
+        f"one of {', '.join(TRIGGERS)}",
+    ),
     **_SHARED,
-}
+}  # fmt: skip
 """Those of ``wmr_filter``."""
 SPEED_SCALE = "speed_scale"
-"""Share of each command that ``wmr_filter`` passes on, in [0, 1]; may change while it drives."""
-REFERENCES = ("scenario", "path")
+"""Share of each command that ``wmr_filter`` passes on; may change while it drives."""
+SCALE = Stated(1.0, "share of each command that is passed on", range=(0.0, 1.0))
 DRIVE: Table = {
-    "scenario": ("", "TOML file with base, limits, guard or filter, and reference; required"),
-    "law": ("", "law that drives the base; required"),
-    "reference": ("scenario", f"one of {', '.join(REFERENCES)}: whose motion is followed"),
-    "odometry_frame": ("odom", "frame_id of odometry and of the path; never map, which jumps"),
-    "jump": ([0.1, 0.2], "m, rad; a pose that leaps farther beyond its motion stops the base"),
-    "wheels": (["left", "right"], "order of the wheels in the efforts of a base that takes them"),
+    "scenario": Stated(
+        "", "TOML file with base, limits, guard or filter, and reference", "required"
+    ),
+    "law": Stated("", "law that drives the base", "required"),
+    "reference": Stated(
+        "scenario", "whose motion is followed", f"one of {', '.join(REFERENCES)}"
+    ),
+    "odometry_frame": Stated(
+        "odom", "frame_id of odometry and of the path; never map, which jumps"
+    ),
+    "jump": Stated(
+        [0.1, 0.2], "m, rad; a pose that leaps farther beyond its motion stops the base", POSITIVE
+    ),
+    "wheels": Stated(
+        ["left", "right"], "order of the wheels in the efforts of a base that takes them",
+        "left and right, each once",
+    ),
     **_SHARED,
-}
+}  # fmt: skip
 """Those of ``wmr_drive``."""

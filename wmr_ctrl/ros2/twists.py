@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.node import Node
+from rclpy.time import Time
 
 
 def command_kind(stamped: bool) -> type[TwistStamped] | type[Twist]:
@@ -12,13 +13,17 @@ def command_kind(stamped: bool) -> type[TwistStamped] | type[Twist]:
 
 
 def twist_message(
-    node: Node, frame: str, stamped: bool, command: tuple[float, float]
+    node: Node, frame: str, stamped: bool, command: tuple[float, float], earliest: int = 0
 ) -> TwistStamped | Twist:
-    """Velocities [m/s, rad/s] of the frame, stamped with the node's time."""
+    """Velocities [m/s, rad/s] of the frame, stamped with the node's time.
+
+    A message may overtake the clock of a simulator: the stamp is not before ``earliest`` [ns].
+    """
     message = command_kind(stamped)()
     twist = message.twist if stamped else message
     twist.linear.x, twist.angular.z = command
     if stamped:
-        message.header.stamp = node.get_clock().now().to_msg()
+        now = node.get_clock().now().nanoseconds
+        message.header.stamp = Time(nanoseconds=max(now, earliest)).to_msg()
         message.header.frame_id = frame
     return message

@@ -1,0 +1,133 @@
+#include "filter_core.h"
+
+#include <string.h>
+
+#include "gate.h"
+
+/* Off the period by this much is on it. */
+#define EXACT 1000
+
+int64_t wmr_filter_core_size(void)
+{
+    return (int64_t)sizeof(wmr_filter_core);
+}
+
+void wmr_filter_core_make(wmr_filter_core *core)
+{
+    memset(core, 0, sizeof *core);
+    core->commands.timeout = WMR_COMMAND_TIMEOUT;
+    core->odometry.timeout = WMR_ODOMETRY_TIMEOUT;
+    core->clocks.longest = WMR_LONGEST;
+    core->scale = 1.0;
+    wmr_filter_core_start(core);
+}
+
+static void forget(wmr_filter_core *core)
+{
+    wmr_intake_forget(&core->commands);
+    wmr_intake_forget(&core->odometry);
+}
+
+void wmr_filter_core_start(wmr_filter_core *core)
+{
+    static const double start[] = WMR_GATE_START;
+
+    memcpy(core->gate, start, sizeof core->gate);
+    core->clocks.begun = core->reset = core->before = core->answered = core->stamp = 0;
+    forget(core);
+}
+
+int64_t wmr_filter_core_see(wmr_filter_core *core, const wmr_moment *now)
+{
+    const int64_t happened = wmr_clocks_see(&core->clocks, now);
+
+    if (happened & WMR_TIME_BACK) {
+        forget(core);
+        core->stamp = 0;
+    }
+    if (happened & WMR_FROZEN) {
+        core->commands.thawed = core->odometry.thawed = 1;
+    }
+    return happened;
+}
+
+static int64_t keep(int64_t reason, double *kept, const double *velocity)
+{
+    if (!reason) {
+        memcpy(kept, velocity, 2 * sizeof *kept);
+    }
+    return reason;
+}
+
+int64_t wmr_filter_core_command(
+    wmr_filter_core *core, const double *velocity, int64_t framed, int64_t stamp, const wmr_moment *now)
+{
+    return keep(wmr_intake_take(&core->commands, 2, velocity, framed, stamp, now), core->command, velocity);
+}
+
+int64_t wmr_filter_core_odometry(wmr_filter_core *core, const double *velocity, const double *quaternion,
+    int64_t framed, int64_t stamp, const wmr_moment *now)
+{
+    if (!wmr_is_rotation(quaternion, WMR_UNIT)) {
+        return wmr_intake_refuse(&core->odometry, WMR_NO_ROTATION);
+    }
+    return keep(wmr_intake_take(&core->odometry, 2, velocity, framed, stamp, now), core->measured, velocity);
+}
+
+/* On simulated time a simulator says how much has passed between two commands; else nobody is trusted with that but the
+   steady clock. */
+int64_t wmr_filter_core_due(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now)
+{
+    const int64_t before = now->simulated && stamp ? core->stamp : core->before;
+
+    return !before || (now->simulated && stamp ? stamp : now->steady) - before >= WMR_PERIOD / 4 * 3;
+}
+
+int64_t wmr_filter_core_overdue(const wmr_filter_core *core, const wmr_moment *now)
+{
+    const int64_t late = !core->answered ? 0 : now->simulated ? WMR_COMMAND_TIMEOUT : WMR_PERIOD / 4;
+
+    return !core->before || now->steady - core->before >= WMR_PERIOD + late;
+}
+
+/* Time since the last tick [s], for a command that is answered or a timer; 0: the period. */
+static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now)
+{
+    const int64_t stamped = now->simulated && core->answered && core->stamp && stamp;
+    const int64_t time = stamped ? stamp - core->stamp : now->steady - core->before;
+    const int64_t off = time - WMR_PERIOD;
+
+    return !core->before || (-EXACT <= off && off <= EXACT) ? 0.0 : (double)time * 1e-9;
+}
+
+void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now)
+{
+    static const double parameters[] = WMR_GATE_PARAMETERS;
+    const double u[9] = {
+        core->scale * core->command[0],
+        core->scale * core->command[1],
+        wmr_intake_age(&core->commands, now),
+        core->measured[0],
+        core->measured[1],
+        wmr_intake_age(&core->odometry, now),
+        elapsed(core, stamp, now),
+        (double)core->stop,
+        (double)core->reset,
+    };
+    double next[WMR_GATE_STATE], y[3];
+
+    wmr_gate(u, core->gate, parameters, next, y);
+    memcpy(core->gate, next, sizeof next);
+    memcpy(core->sent, y, sizeof core->sent);
+    core->flags = (int64_t)y[2];
+    core->reset = 0;
+    core->before = now->steady;
+    core->answered = answered;
+    core->stamp = answered ? stamp : core->stamp;
+}
+
+int64_t wmr_filter_core_reset(wmr_filter_core *core)
+{
+    core->reset = !core->stop;
+    return core->reset;
+}

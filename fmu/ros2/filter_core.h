@@ -1,0 +1,54 @@
+/* Decisions of wmr_filter: messages and ticks to the command that goes to the base.  gate.h is generated: the gate's
+   function, its numbers, time-outs. */
+#ifndef WMR_FILTER_CORE_H
+#define WMR_FILTER_CORE_H
+
+#include "gate_numbers.h"
+#include "node_core.h"
+
+/* ``stop`` is what the topic ~/stop says, ``scale`` the share of each command that is passed on, ``sent`` and ``flags``
+   what was sent last, ``before`` when [steady], ``answered`` whether that was a command's answer, ``stamp`` that of the
+   command that was answered last. */
+typedef struct {
+    wmr_intake commands, odometry;
+    wmr_clocks clocks;
+    int64_t stop, reset, before, answered, stamp, flags;
+    double command[2], measured[2], scale, sent[2], gate[WMR_GATE_STATE];
+} wmr_filter_core;
+
+int64_t wmr_filter_core_size(void);
+
+/* Everything at its start. */
+void wmr_filter_core_make(wmr_filter_core *core);
+
+/* Begin anew: no command, no odometry, nothing latched; counters, ~/stop and scale stay. */
+void wmr_filter_core_start(wmr_filter_core *core);
+
+/* Looks at the time; what happened to it.  After a jump back what came before counts no more.  After a freeze the gate
+   sees how old everything is, and messages without a stamp that waited are refused. */
+int64_t wmr_filter_core_see(wmr_filter_core *core, const wmr_moment *now);
+
+/* Takes a command; the reason where it is refused. */
+int64_t wmr_filter_core_command(
+    wmr_filter_core *core, const double *velocity, int64_t framed, int64_t stamp, const wmr_moment *now);
+
+/* Takes odometry: v, omega, and the quaternion of its pose. */
+int64_t wmr_filter_core_odometry(wmr_filter_core *core, const double *velocity, const double *quaternion,
+    int64_t framed, int64_t stamp, const wmr_moment *now);
+
+/* Whether a command that came now is answered at once, or leaves that to the timer: not sooner than three quarters of a
+   period after the last answer. */
+int64_t wmr_filter_core_due(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now);
+
+/* Whether the timer must answer, where commands are answered when they come: the next one may be late by a quarter of a
+   period, on simulated time, which may be slow, by the time-out. */
+int64_t wmr_filter_core_overdue(const wmr_filter_core *core, const wmr_moment *now);
+
+/* The command for the base, into ``sent`` and ``flags``; ``stamp`` is that of a command that is ``answered``, 0 where it
+   has none. */
+void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now);
+
+/* Leaves at the next tick what a stop or a base too fast has latched; 0 while ~/stop says true: then it stays. */
+int64_t wmr_filter_core_reset(wmr_filter_core *core);
+
+#endif

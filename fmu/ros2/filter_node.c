@@ -1,0 +1,480 @@
+/* wmr_filter on rcl alone: commands in, commands out that keep a base within its limits.  What it decides is in
+   filter_core.c; node_settings.h is generated.  One thread; time-outs and ticks are on the steady clock. */
+#define _GNU_SOURCE
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <time.h>
+
+#include <diagnostic_msgs/msg/diagnostic_array.h>
+#include <diagnostic_msgs/msg/diagnostic_status.h>
+#include <diagnostic_msgs/msg/key_value.h>
+#include <geometry_msgs/msg/twist.h>
+#include <geometry_msgs/msg/twist_stamped.h>
+#include <nav_msgs/msg/odometry.h>
+#include <rcl/error_handling.h>
+#include <rcl/graph.h>
+#include <rcl/logging.h>
+#include <rcl/rcl.h>
+#include <rcl_yaml_param_parser/parser.h>
+#include <rcutils/logging_macros.h>
+#include <rmw/get_topic_endpoint_info.h>
+#include <rosgraph_msgs/msg/clock.h>
+#include <rosidl_runtime_c/string_functions.h>
+#include <std_msgs/msg/bool.h>
+#include <std_srvs/srv/trigger.h>
+
+#include "filter_core.h"
+#include "node_settings.h"
+
+#define NAME "wmr_filter"
+#define SECOND INT64_C(1000000000)
+/* Time in which whoever hears the node has to take its last zero; no longer is waited. */
+#define LAST_ZERO SECOND
+#define ROOM 512
+
+#if WMR_STAMPED
+typedef geometry_msgs__msg__TwistStamped command;
+#define COMMAND_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, TwistStamped)
+#define COMMAND_MAKE geometry_msgs__msg__TwistStamped__init
+#define TWIST(message) (message).twist
+#else
+typedef geometry_msgs__msg__Twist command;
+#define COMMAND_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, Twist)
+#define COMMAND_MAKE geometry_msgs__msg__Twist__init
+#define TWIST(message) (message)
+#endif
+
+enum { COMMANDS, ODOMETRY, STOP, CLOCK, TOPICS };
+
+typedef struct {
+    rcl_context_t context;
+    rcl_node_t node;
+    rcl_publisher_t out, diagnostics;
+    rcl_subscription_t heard[TOPICS];
+    rcl_service_t reset;
+    rcl_wait_set_t waits;
+    int topics; /* without /clock where time is not simulated */
+    wmr_filter_core core;
+    command in, sent;
+    nav_msgs__msg__Odometry odometry;
+    std_msgs__msg__Bool stop;
+    rosgraph_msgs__msg__Clock clock;
+    diagnostic_msgs__msg__DiagnosticArray told;
+    int64_t simulated_now, grave, passing, refused_at;
+    size_t senders; /* on the topic of the commands that come in */
+    char rival[ROOM];
+} filter_node;
+
+static volatile sig_atomic_t ended;
+
+static void end(int number)
+{
+    (void)number;
+    ended = 1;
+}
+
+static int64_t clock_of(clockid_t id)
+{
+    struct timespec now;
+
+    clock_gettime(id, &now);
+    return now.tv_sec * SECOND + now.tv_nsec;
+}
+
+static int64_t ns_of(const builtin_interfaces__msg__Time *stamp)
+{
+    return stamp->sec * SECOND + stamp->nanosec;
+}
+
+static void stamp_it(builtin_interfaces__msg__Time *stamp, int64_t ns)
+{
+    stamp->sec = (int32_t)(ns / SECOND);
+    stamp->nanosec = (uint32_t)(ns % SECOND);
+}
+
+/* Words of the bits that are in a table. */
+static const char *named(const wmr_word *table, int count, int64_t bits, char *text)
+{
+    size_t used = 0;
+
+    text[0] = '\0';
+    for (int k = 0; k < count && used < ROOM; ++k) {
+        if (bits & table[k].bit) {
+            used += (size_t)snprintf(text + used, ROOM - used, "%s%s", used ? ", " : "", table[k].word);
+        }
+    }
+    return text;
+}
+
+static int64_t ros_time(const filter_node *n)
+{
+    return n->topics == TOPICS ? n->simulated_now : clock_of(CLOCK_REALTIME);
+}
+
+/* Both clocks; what happened to them goes into the log. */
+static wmr_moment look(filter_node *n)
+{
+    const wmr_moment now = {ros_time(n), clock_of(CLOCK_MONOTONIC), n->topics == TOPICS};
+    const int64_t happened = wmr_filter_core_see(&n->core, &now);
+    char text[ROOM];
+
+    n->passing |= happened;
+    if (happened) {
+        RCUTILS_LOG_WARN_NAMED(NAME, "clock: %s", named(wmr_happenings, WMR_HAPPENINGS, happened, text));
+    }
+    return now;
+}
+
+static void put(diagnostic_msgs__msg__KeyValue *pair, const char *key, const char *value)
+{
+    rosidl_runtime_c__String__assign(&pair->key, key);
+    rosidl_runtime_c__String__assign(&pair->value, value);
+}
+
+static void publish_diagnostics(filter_node *n)
+{
+    diagnostic_msgs__msg__DiagnosticStatus *status = n->told.status.data;
+    diagnostic_msgs__msg__KeyValue *pair = status->values.data;
+    const wmr_intake *intakes[] = {&n->core.commands, &n->core.odometry};
+    const int64_t flags = n->core.flags;
+    char text[ROOM], number[ROOM];
+
+    status->level = diagnostic_msgs__msg__DiagnosticStatus__OK;
+    strcpy(text, "driving");
+    if (n->rival[0] || flags & WMR_ERRORS) {
+        status->level = diagnostic_msgs__msg__DiagnosticStatus__ERROR;
+        n->rival[0] ? strcpy(text, n->rival) : (char *)named(wmr_flags, WMR_FLAGS, flags & WMR_ERRORS, text);
+    } else if (flags & WMR_WARNINGS || n->passing) {
+        status->level = diagnostic_msgs__msg__DiagnosticStatus__WARN;
+        flags & WMR_WARNINGS ? named(wmr_flags, WMR_FLAGS, flags & WMR_WARNINGS, text)
+                             : named(wmr_happenings, WMR_HAPPENINGS, n->passing, text);
+    } else if (n->senders > 1) {
+        status->level = diagnostic_msgs__msg__DiagnosticStatus__WARN;
+        snprintf(text, ROOM, "%zu senders on %.100s. What they send is mixed: keep one, or a multiplexer such as "
+                             "twist_mux.", n->senders, rcl_subscription_get_topic_name(&n->heard[COMMANDS]));
+    }
+    n->passing = 0;
+    rosidl_runtime_c__String__assign(&status->message, text);
+    put(pair++, "flags", named(wmr_flags, WMR_FLAGS, flags, text));
+    for (int k = 0; k < 2; ++k) {
+        snprintf(number, ROOM, "%.4f", n->core.sent[k]);
+        put(pair++, k ? "omega" : "v", number);
+    }
+    for (int k = 0; k < 2; ++k) {
+        for (int64_t reason = 0; reason < WMR_REASONS; ++reason) {
+            snprintf(text, ROOM, "%s %s", k ? "odometrys" : "commands", reason ? wmr_reason(reason) : "taken");
+            snprintf(number, ROOM, "%lld", (long long)(reason ? intakes[k]->refused[reason] : intakes[k]->taken));
+            put(pair++, text, number);
+        }
+    }
+    stamp_it(&n->told.header.stamp, ros_time(n));
+    (void)!rcl_publish(&n->diagnostics, &n->told, NULL);
+}
+
+static void publish(filter_node *n, double v, double omega)
+{
+    TWIST(n->sent).linear.x = v;
+    TWIST(n->sent).angular.z = omega;
+#if WMR_STAMPED
+    stamp_it(&n->sent.header.stamp, ros_time(n));
+#endif
+    if (rcl_publish(&n->out, &n->sent, NULL) != RCL_RET_OK) {
+        RCUTILS_LOG_ERROR_NAMED(NAME, "a command could not be sent: %s", rcl_get_error_string().str);
+        rcl_reset_error();
+    }
+}
+
+/* Sends what the core decides, and tells what is grave about it when that changes. */
+static void answer(filter_node *n, int64_t answered, int64_t stamp, const wmr_moment *now)
+{
+    int64_t grave;
+    char text[ROOM];
+
+    wmr_filter_core_tick(&n->core, answered, stamp, now);
+    publish(n, n->core.sent[0], n->core.sent[1]);
+    grave = n->core.flags & (WMR_ERRORS | WMR_WARNINGS);
+    if (grave != n->grave) {
+        n->grave = grave;
+        named(wmr_flags, WMR_FLAGS, grave, text);
+        RCUTILS_LOG_INFO_NAMED(NAME, "%s", grave ? text : "driving");
+        publish_diagnostics(n);
+    }
+}
+
+static void tell_refusal(filter_node *n, const char *what, int64_t reason, const wmr_moment *now)
+{
+    if (reason && now->steady - n->refused_at > SECOND) {
+        n->refused_at = now->steady;
+        RCUTILS_LOG_WARN_NAMED(NAME, "%s refused: %s", what, wmr_reason(reason));
+    }
+}
+
+static void on_command(filter_node *n)
+{
+    const wmr_moment now = look(n);
+    const double velocity[] = {TWIST(n->in).linear.x, TWIST(n->in).angular.z};
+#if WMR_STAMPED
+    const int64_t stamp = ns_of(&n->in.header.stamp);
+    const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, n->in.header.frame_id.data, 0);
+#else
+    const int64_t stamp = 0, framed = 1;
+#endif
+    const int64_t reason = wmr_filter_core_command(&n->core, velocity, framed, stamp, &now);
+
+    tell_refusal(n, "command", reason, &now);
+    if (WMR_AT_ONCE && !reason && wmr_filter_core_due(&n->core, stamp, &now)) {
+        answer(n, 1, stamp, &now);
+    }
+}
+
+static void on_odometry(filter_node *n)
+{
+    const wmr_moment now = look(n);
+    const geometry_msgs__msg__Twist *twist = &n->odometry.twist.twist;
+    const geometry_msgs__msg__Quaternion *turn = &n->odometry.pose.pose.orientation;
+    const double velocity[] = {twist->linear.x, twist->angular.z};
+    const double quaternion[] = {turn->x, turn->y, turn->z, turn->w};
+    const int64_t framed = wmr_frame_fits(WMR_BASE_FRAME, n->odometry.child_frame_id.data, 0);
+    const int64_t stamp = ns_of(&n->odometry.header.stamp);
+
+    tell_refusal(n, "odometry", wmr_filter_core_odometry(&n->core, velocity, quaternion, framed, stamp, &now), &now);
+}
+
+static void on_stop(filter_node *n)
+{
+    const wmr_moment now = look(n);
+
+    n->core.stop = n->stop.data;
+    if (n->core.stop) {
+        answer(n, 0, 0, &now);
+    }
+}
+
+static void on_reset(filter_node *n)
+{
+    rmw_request_id_t caller;
+    std_srvs__srv__Trigger_Request request;
+    std_srvs__srv__Trigger_Response response;
+
+    std_srvs__srv__Trigger_Request__init(&request);
+    std_srvs__srv__Trigger_Response__init(&response);
+    if (rcl_take_request(&n->reset, &caller, &request) == RCL_RET_OK) {
+        response.success = wmr_filter_core_reset(&n->core);
+        rosidl_runtime_c__String__assign(&response.message, response.success ? "" : "the topic ~/stop still says true");
+        (void)!rcl_send_response(&n->reset, &caller, &response);
+    }
+    rcl_reset_error();
+    std_srvs__srv__Trigger_Request__fini(&request);
+    std_srvs__srv__Trigger_Response__fini(&response);
+}
+
+/* Names who else publishes on the topic of the commands. */
+static void find_rivals(filter_node *n)
+{
+    rcl_allocator_t allocator = rcl_get_default_allocator();
+    rcl_topic_endpoint_info_array_t found = rmw_get_zero_initialized_topic_endpoint_info_array();
+    const char *topic = rcl_publisher_get_topic_name(&n->out);
+    size_t used = 0;
+    int own = 0;
+    char names[ROOM / 2] = "";
+
+    n->rival[0] = '\0';
+    n->senders = 0;
+    (void)!rcl_count_publishers(&n->node, rcl_subscription_get_topic_name(&n->heard[COMMANDS]), &n->senders);
+    if (rcl_get_publishers_info_by_topic(&n->node, &allocator, topic, false, &found) != RCL_RET_OK) {
+        rcl_reset_error();
+        return;
+    }
+    for (size_t k = 0; k < found.size; ++k) {
+        const char *space = found.info_array[k].node_namespace, *name = found.info_array[k].node_name;
+        const int same = !strcmp(name, rcl_node_get_name(&n->node)) && !strcmp(space, rcl_node_get_namespace(&n->node));
+
+        if ((!same || own++) && used < sizeof names) {
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s/%s", used ? ", " : "",
+                strcmp(space, "/") ? space : "", same ? "a second node of this one's own name" : name);
+        }
+    }
+    if (used) {
+        snprintf(n->rival, ROOM, "other publishers on %.100s: %.255s. The promise is void while one of them sends.",
+            topic, names);
+        RCUTILS_LOG_ERROR_NAMED(NAME, "%s", n->rival);
+    }
+    (void)!rmw_topic_endpoint_info_array_fini(&found, &allocator);
+}
+
+static void check(rcl_ret_t result, const char *what)
+{
+    if (result != RCL_RET_OK) {
+        fprintf(stderr, "error: %s: %s\n", what, rcl_get_error_string().str);
+        exit(2);
+    }
+}
+
+/* Whether time is simulated; any other parameter is a sentence, since the promise is compiled in. */
+static int reads_clock(const rcl_arguments_t *arguments)
+{
+    rcl_params_t *given = NULL;
+    int simulated = 0;
+
+    check(rcl_arguments_get_param_overrides(arguments, &given), "parameters");
+    for (size_t k = 0; given && k < given->num_nodes; ++k) {
+        for (size_t i = 0; i < given->params[k].num_params; ++i) {
+            const char *name = given->params[k].parameter_names[i];
+            const rcl_variant_t *value = &given->params[k].parameter_values[i];
+
+            if (strcmp(name, "use_sim_time") || !value->bool_value) {
+                fprintf(stderr, "error: the parameter %s cannot be set: this node has what it keeps compiled in. Write "
+                                "it again with wmr-ctrl codegen filter --ros2 --param.\n", name);
+                exit(2);
+            }
+            simulated = *value->bool_value;
+        }
+    }
+    if (given) {
+        rcl_yaml_node_struct_fini(given);
+    }
+    return simulated;
+}
+
+static void subscribe(filter_node *n, int place, const rosidl_message_type_support_t *type, const char *topic, int kept)
+{
+    rcl_subscription_options_t options = rcl_subscription_get_default_options();
+
+    options.qos = rmw_qos_profile_default;
+    options.qos.depth = 1;
+    options.qos.reliability = kept ? RMW_QOS_POLICY_RELIABILITY_RELIABLE : RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT;
+    options.qos.durability = kept ? RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL : RMW_QOS_POLICY_DURABILITY_VOLATILE;
+    n->heard[place] = rcl_get_zero_initialized_subscription();
+    check(rcl_subscription_init(&n->heard[place], &n->node, type, topic, &options), topic);
+}
+
+static void advertise(
+    filter_node *n, rcl_publisher_t *out, const rosidl_message_type_support_t *type, const char *topic, size_t depth)
+{
+    rcl_publisher_options_t options = rcl_publisher_get_default_options();
+
+    options.qos.depth = depth;
+    *out = rcl_get_zero_initialized_publisher();
+    check(rcl_publisher_init(out, &n->node, type, topic, &options), topic);
+}
+
+static void make_messages(filter_node *n)
+{
+    diagnostic_msgs__msg__DiagnosticStatus *status;
+
+    COMMAND_MAKE(&n->in);
+    COMMAND_MAKE(&n->sent);
+    nav_msgs__msg__Odometry__init(&n->odometry);
+    std_msgs__msg__Bool__init(&n->stop);
+    rosgraph_msgs__msg__Clock__init(&n->clock);
+    diagnostic_msgs__msg__DiagnosticArray__init(&n->told);
+    diagnostic_msgs__msg__DiagnosticStatus__Sequence__init(&n->told.status, 1);
+    status = n->told.status.data;
+    diagnostic_msgs__msg__KeyValue__Sequence__init(&status->values, 3 + 2 * WMR_REASONS);
+    rosidl_runtime_c__String__assign(&status->name, rcl_node_get_fully_qualified_name(&n->node));
+#if WMR_STAMPED
+    rosidl_runtime_c__String__assign(&n->sent.header.frame_id, WMR_BASE_FRAME);
+#endif
+}
+
+static void connect_node(filter_node *n, int argc, const char *const *argv)
+{
+    rcl_allocator_t allocator = rcl_get_default_allocator();
+    rcl_init_options_t options = rcl_get_zero_initialized_init_options();
+    rcl_node_options_t node_options = rcl_node_get_default_options();
+    rcl_service_options_t service_options = rcl_service_get_default_options();
+
+    check(rcl_init_options_init(&options, allocator), "options");
+    n->context = rcl_get_zero_initialized_context();
+    check(rcl_init(argc, argv, &options, &n->context), "arguments");
+    check(rcl_logging_configure(&n->context.global_arguments, &allocator), "logging");
+    n->topics = reads_clock(&n->context.global_arguments) ? TOPICS : CLOCK;
+    n->node = rcl_get_zero_initialized_node();
+    check(rcl_node_init(&n->node, NAME, "", &n->context, &node_options), "node");
+    make_messages(n);
+    advertise(n, &n->out, COMMAND_TYPE, "cmd_vel", 1);
+    advertise(n, &n->diagnostics, ROSIDL_GET_MSG_TYPE_SUPPORT(diagnostic_msgs, msg, DiagnosticArray), "/diagnostics", 10);
+    subscribe(n, COMMANDS, COMMAND_TYPE, "cmd_vel_in", 0);
+    subscribe(n, ODOMETRY, ROSIDL_GET_MSG_TYPE_SUPPORT(nav_msgs, msg, Odometry), "odom", 0);
+    subscribe(n, STOP, ROSIDL_GET_MSG_TYPE_SUPPORT(std_msgs, msg, Bool), "~/stop", 1);
+    if (n->topics == TOPICS) {
+        subscribe(n, CLOCK, ROSIDL_GET_MSG_TYPE_SUPPORT(rosgraph_msgs, msg, Clock), "/clock", 0);
+    }
+    n->reset = rcl_get_zero_initialized_service();
+    check(rcl_service_init(&n->reset, &n->node, ROSIDL_GET_SRV_TYPE_SUPPORT(std_srvs, srv, Trigger), "~/reset",
+              &service_options), "~/reset");
+    n->waits = rcl_get_zero_initialized_wait_set();
+    check(rcl_wait_set_init(&n->waits, (size_t)n->topics, 0, 0, 0, 1, 0, &n->context, allocator), "waiting");
+}
+
+/* Waits until something comes or a time [steady], and acts on it. */
+static void wait_until(filter_node *n, int64_t time)
+{
+    void *const messages[TOPICS] = {&n->in, &n->odometry, &n->stop, &n->clock};
+    const int64_t left = time - clock_of(CLOCK_MONOTONIC);
+    size_t place;
+
+    check(rcl_wait_set_clear(&n->waits), "waiting");
+    for (int k = 0; k < n->topics; ++k) {
+        check(rcl_wait_set_add_subscription(&n->waits, &n->heard[k], &place), "waiting");
+    }
+    check(rcl_wait_set_add_service(&n->waits, &n->reset, &place), "waiting");
+    (void)!rcl_wait(&n->waits, left > 0 ? left : 0);
+    rcl_reset_error();
+    for (int k = n->topics - 1; k >= 0; --k) { /* the clock first: the others are of its time */
+        if (!n->waits.subscriptions[k] || rcl_take(&n->heard[k], messages[k], NULL, NULL) != RCL_RET_OK) {
+            rcl_reset_error();
+        } else if (k == CLOCK) {
+            n->simulated_now = ns_of(&n->clock.clock);
+        } else {
+            k == COMMANDS ? on_command(n) : k == ODOMETRY ? on_odometry(n) : on_stop(n);
+        }
+    }
+    if (n->waits.services[0]) {
+        on_reset(n);
+    }
+}
+
+static void spin(filter_node *n)
+{
+    const int64_t step = WMR_AT_ONCE ? WMR_PERIOD / 4 : WMR_PERIOD;
+    int64_t tick = clock_of(CLOCK_MONOTONIC) + step, second = tick;
+
+    while (!ended) {
+        wait_until(n, tick);
+        if (clock_of(CLOCK_MONOTONIC) >= tick) {
+            const wmr_moment now = look(n);
+
+            if (!WMR_AT_ONCE || wmr_filter_core_overdue(&n->core, &now)) {
+                answer(n, 0, 0, &now);
+            }
+            tick += (now.steady - tick) / step * step + step; /* those that were missed are not made up for */
+            if (now.steady >= second) {
+                second = now.steady + SECOND;
+                find_rivals(n);
+                publish_diagnostics(n);
+            }
+        }
+    }
+}
+
+int main(int argc, char **argv)
+{
+    static filter_node n;
+    const struct sigaction action = {.sa_handler = end};
+
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    wmr_filter_core_make(&n.core);
+    connect_node(&n, argc, (const char *const *)argv);
+    (void)!mlockall(MCL_CURRENT | MCL_FUTURE); /* where it is allowed */
+    RCUTILS_LOG_INFO_NAMED(NAME, "%s", WMR_KEPT);
+    spin(&n);
+    publish(&n, 0.0, 0.0);
+    (void)!rcl_publisher_wait_for_all_acked(&n.out, LAST_ZERO);
+    (void)!rcl_shutdown(&n.context);
+    return 0;
+}

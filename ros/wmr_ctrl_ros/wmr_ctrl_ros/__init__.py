@@ -1,0 +1,1 @@
+"""The ROS 2 nodes of wmr_ctrl, found where they are installed."""

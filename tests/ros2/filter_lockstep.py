@@ -1,0 +1,120 @@
+"""The filter in a loop over DDS, from outside; run by a Python that has rclpy.
+
+``python filter_lockstep.py SCENARIO ROWS LAW [NODE]`` starts the filter (that in Python, or the
+program NODE) on simulated time, in a namespace, answering commands when they come.  Without a LAW
+the rows of ROWS (JSON: v, omega, stamp in ns) are the commands; with one they are odometry, and
+the drive node with that law stands between.  Each row is sent after the answer to the one before;
+the answers are printed as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from drive_outside import SPACE, Base
+from geometry_msgs.msg import TwistStamped
+from outside import SURE
+
+WIDE = ["rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]", "excess:=[1.0, 1.0]"]
+BEFORE = 400_000_000
+"""The clock stands this much [ns] before the first row when both sides know each other."""
+
+
+class Sender(Base):
+    """Clock, commands or odometry, and what the filter says of how many it took."""
+
+    def __init__(self, drives: bool) -> None:
+        super().__init__(efforts=False)
+        if not drives:
+            self.commands = self.node.create_publisher(TwistStamped, "/base/raw", SURE)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
+        self.taken = 0
+
+    def _told(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            values = {item.key: item.value for item in status.values}
+            self.taken = max(self.taken, int(values.get("commands taken", 0)))
+
+    def command(self, row: list[float]) -> None:
+        """The clock, then a command of its time."""
+        message = TwistStamped()
+        message.header.stamp = self.tell_time(int(row[-1]))
+        message.twist.linear.x, message.twist.angular.z = row[:2]
+        self.commands.publish(message)
+
+    def meet_all(self, first: int, step: int, drives: bool) -> None:
+        """Let time pass until the filter takes commands, from here or from the drive."""
+        for k in range(1500, 5, -1):
+            stamp = first - BEFORE - k * step
+            self.tell_time(stamp) if drives else self.command([0.0, 0.0, stamp])
+            self.answer(0.01)
+            odometry = not drives or self.odometry.get_subscription_count()
+            if self.taken and self.answers and odometry:
+                break
+        else:
+            raise SystemExit("the nodes were never heard")
+        for k in range(5, 0, -1):  # the last of these is answered at once, and not by the timer
+            stamp = first - BEFORE - k * step
+            self.tell_time(stamp) if drives else self.command([0.0, 0.0, stamp])
+            self.answer(0.5)
+        end = time.monotonic() + 0.5
+        while time.monotonic() < end:
+            self.answer(0.1)  # what is under way; the timer is silent until the time-out
+
+
+def start(scenario: str, law: str, node: str) -> list[subprocess.Popen[bytes]]:
+    """The filter, and the drive before it where a law is named."""
+
+    def run(command: list[str], settings: list[str], names: list[str]):
+        given = [part for item in settings for part in ("-p", item)]
+        remaps = [part for name in (*names, f"__ns:={SPACE}") for part in ("-r", name)]
+        return subprocess.Popen([*command, "--ros-args", *given, *remaps])
+
+    python = [sys.executable, "-m", "wmr_ctrl.ros2"]
+    ours = [f"scenario:={scenario}", "odometry:=none", "trigger:=command", *WIDE]
+    ours += ["command_timeout:=2.0"]
+    command, settings = ([node], []) if node else ([*python, "filter"], ours)
+    names = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel"]
+    nodes = [run(command, [*settings, "use_sim_time:=true"], names)]
+    if law:
+        settings = [f"scenario:={scenario}", f"law:={law}", "odometry_timeout:=2.0", *WIDE]
+        names = ["cmd_vel:=/base/raw", "odom:=/base/odom"]
+        nodes.append(run([*python, "drive"], [*settings, "use_sim_time:=true"], names))
+    return nodes
+
+
+def main(scenario: str, rows_file: str, law: str, node: str = "") -> None:
+    nodes = start(scenario, law, node)
+    rclpy.init()
+    rows = json.loads(Path(rows_file).read_text(encoding="utf-8"))
+    sender, answers = Sender(bool(law)), []
+    try:
+        sender.meet_all(int(rows[0][-1]), int(rows[1][-1] - rows[0][-1]), bool(law))
+        began = time.monotonic()
+        for row in rows:
+            sender.sample(row) if law else sender.command(row)
+            answer = sender.answer(2.0)
+            while law and not answers and answer == [0.0, 0.0]:  # sent before the first row came
+                answer = sender.answer(2.0)
+            if answer is None:
+                raise SystemExit(f"no answer to row {len(answers)}")
+            answers.append(answer)
+        seconds = time.monotonic() - began
+        for process in nodes:
+            process.send_signal(signal.SIGINT)
+        codes = [process.wait(20) for process in nodes]
+    finally:
+        for process in nodes:
+            process.kill()
+    print(json.dumps({"answers": answers, "seconds": seconds, "codes": codes}))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

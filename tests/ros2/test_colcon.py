@@ -1,0 +1,121 @@
+"""The package for colcon: built from wheels, found by the ament index, its executables run."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+import yaml
+
+from tests.ros2.conftest import OVER_DDS, ROOT
+from tests.ros2.test_node import SCENARIO
+from wmr_ctrl.ros2.parameters import DRIVE, FILTER
+
+PACKAGE = ROOT / "ros" / "wmr_ctrl_ros"
+TABLES = {"filter": FILTER, "drive": DRIVE}
+NO_DEFAULT = {"scenario", "law", "autostart"}
+
+
+@pytest.mark.parametrize("node", TABLES)
+def test_shipped_parameters_are_all_that_have_defaults_and_those(node):
+    document = yaml.safe_load((PACKAGE / "config" / f"{node}.yaml").read_text(encoding="utf-8"))
+
+    assert list(document) == ["/**"]  # a node's name would be ignored in a namespace
+    expected = {key: item.default for key, item in TABLES[node].items() if key not in NO_DEFAULT}
+    assert document["/**"]["ros__parameters"] == expected
+
+
+@pytest.mark.parametrize("node", TABLES)
+def test_launch_files_name_what_there_is(node):
+    (launched,) = ElementTree.parse(PACKAGE / "launch" / f"{node}.launch.xml").iter("node")
+
+    assert (launched.get("pkg"), launched.get("exec")) == ("wmr_ctrl_ros", node)
+    assert launched.get("name") == f"wmr_{node}"
+    named = {item.get("name") for item in launched.iter("param")} - {None}
+    assert named == NO_DEFAULT & set(TABLES[node]) - {"autostart"}
+
+
+def test_the_layout_knows_the_topics():
+    text = (PACKAGE / "foxglove" / "wmr_ctrl.json").read_text(encoding="utf-8")
+    panels = json.loads(text)["configById"]
+
+    topics = {re.match(r"/\w+", path)[0] for path in re.findall(r'"value": "(/[^"]+)"', text)}
+    assert topics == {"/cmd_vel_in", "/cmd_vel", "/odom", "/diagnostics"}
+    assert {name.partition("!")[0] for name in panels} >= {"Plot", "3D", "StateTransitions"}
+
+
+@pytest.fixture(scope="module")
+def installed(ros, tmp_path_factory):
+    """Prefix that colcon installs into; what ROS packages need stands beside it."""
+    space = tmp_path_factory.mktemp("space")
+    shutil.copytree(PACKAGE, space / "src" / PACKAGE.name)
+    paths = f"{ros.parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        [ros, "-m", "colcon", "build"],
+        cwd=space, env={**os.environ, "PATH": paths, "COLCON_LOG_PATH": str(space / "log")},
+        capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return space / "install" / PACKAGE.name
+
+
+@pytest.mark.slow
+@OVER_DDS
+def test_the_ament_index_finds_the_package(ros, installed):
+    asked = "from ament_index_python import get_package_share_directory as d; print(d('{}'))"
+    done = subprocess.run(
+        [ros, "-c", asked.format(PACKAGE.name)], env={**os.environ, "AMENT_PREFIX_PATH": installed},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    share = installed / "share" / PACKAGE.name
+    assert done.stdout.strip() == str(share)
+    assert {path.name for path in share.glob("*/*")} >= {
+        "filter.launch.xml", "drive.launch.xml", "filter.yaml", "drive.yaml", "wmr_ctrl.json",
+    }  # fmt: skip
+
+
+@pytest.mark.slow
+@OVER_DDS
+def test_an_executable_finds_the_environment_and_reads_the_parameters(
+    ros, environment, installed, tmp_path
+):
+    """In a namespace: a wrong value of the file is refused, so the file was read."""
+    shipped = (installed / "share" / PACKAGE.name / "config" / "filter.yaml").read_text("utf-8")
+    (tmp_path / "wrong.yaml").write_text(shipped.replace("watched", "maybe", 1), encoding="utf-8")
+    (tmp_path / "base.toml").write_text(SCENARIO, encoding="utf-8")
+    site = next((installed / "lib").glob("python*/site-packages"))
+    given = ["--ros-args", "--params-file", tmp_path / "wrong.yaml", "-r", "__ns:=/robot1",
+             "-p", f"scenario:={tmp_path / 'base.toml'}"]  # fmt: skip
+    program = installed / "lib" / PACKAGE.name / "filter"
+    finds = {"WMR_CTRL_PYTHON": str(ros), "PYTHONPATH": str(site)}
+    done = subprocess.run(
+        [program, *given], env={**environment, **finds},
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+
+    assert program.read_text(encoding="utf-8").startswith("#!/usr/bin/env python3")
+    assert done.returncode == 2
+    assert "odometry = 'maybe' must be one of" in done.stderr
+
+
+@pytest.mark.slow
+@OVER_DDS
+@pytest.mark.parametrize(
+    ("python", "said"), [("", "wmr_ctrl is not here"), ("/nowhere/python", "cannot be run")]
+)
+def test_without_an_environment_a_sentence_says_so(installed, python, said):
+    site = next((installed / "lib").glob("python*/site-packages"))
+    plain = {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(site), "WMR_CTRL_PYTHON": python}
+    script = "from wmr_ctrl_ros.nodes import run_drive; raise SystemExit(run_drive())"
+    done = subprocess.run(
+        ["python3", "-c", script],
+        cwd=site, env=plain, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+    assert done.returncode == 2
+    assert said in done.stderr

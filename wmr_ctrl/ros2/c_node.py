@@ -1,0 +1,171 @@
+"""``wmr_filter`` as a node in C: its sources, what it is built with, what it says of itself."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+
+from wmr_ctrl.codegen.package import text_engine
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.filter.gate import GATE_FLAGS, GateSettings
+from wmr_ctrl.results import write_all
+from wmr_ctrl.ros2.diagnosis import ERRORS, WARNINGS
+from wmr_ctrl.ros2.filter_core import core_files
+from wmr_ctrl.ros2.native import HAPPENINGS, c_text
+from wmr_ctrl.ros2.parameters import FILTER, TRIGGERS, Default
+from wmr_ctrl.scenario import Scenario
+
+LIBRARIES = ("rcl", "rcl_yaml_param_parser", "rcutils", "rmw", "rosidl_runtime_c")
+INTERFACES = (
+    "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs",
+    "std_msgs", "std_srvs",
+)  # fmt: skip
+"""ROS packages that the node is compiled against, without and with messages."""
+LINKED = (
+    *(f"-l{name}" for name in LIBRARIES),
+    *(f"-l{name}__rosidl_{kind}_c" for name in INTERFACES for kind in ("generator", "typesupport")),
+)
+"""Words for a linker, where there is no ament_cmake to find them."""
+NAME = "wmr_filter_node"
+GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
+"""Parameters of ``wmr_filter`` that are compiled into the node."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodeSettings:
+    """What is compiled into the node: its gate, ``frame`` of base and commands, kind of message.
+
+    ``at_once``: a command is answered when it comes, where one is due.
+    """
+
+    gate: GateSettings = field(default_factory=GateSettings)
+    frame: str = "base_link"
+    stamped: bool = True
+    at_once: bool = False
+
+
+def node_settings(given: Sequence[str]) -> NodeSettings:
+    """Settings from words NAME=VALUE, by the names of the parameters of ``wmr_filter``.
+
+    Raises ArgumentError for a name that is none, or a value that is not of its kind.
+    """
+    values = dict(_parsed(word) for word in given)
+    trigger = values.pop("trigger", TRIGGERS[0])
+    if trigger not in TRIGGERS:
+        raise ArgumentError(f"trigger = {trigger!r} must be one of {', '.join(TRIGGERS)}.")
+    settings = NodeSettings(at_once=trigger == "command")
+    settings = replace(
+        settings,
+        frame=str(values.pop("base_frame", settings.frame)),
+        stamped=bool(values.pop("stamped", settings.stamped)),
+    )
+    pairs = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
+    known = {item.name for item in fields(GateSettings)}
+    assert known.issuperset(pairs)
+    return replace(settings, gate=GateSettings(**pairs))  # type: ignore[arg-type]
+
+
+def _parsed(word: str) -> tuple[str, Default]:
+    name, _, text = word.partition("=")
+    if name not in GIVEN:
+        raise ArgumentError(
+            f"{name!r} is no parameter that is compiled into the node. There are: "
+            f"{', '.join(GIVEN)}."
+        )
+    default = FILTER[name].default
+    if isinstance(default, str):
+        return name, text
+    try:
+        value = json.loads(text)
+        if isinstance(default, list):
+            pair = [float(part) for part in value]
+            if len(pair) == len(default):
+                return name, pair
+        elif isinstance(default, bool) == isinstance(value, bool):
+            return name, type(default)(value)
+    except (ValueError, TypeError):
+        pass
+    raise ArgumentError(f"{name} = {text!r} must be like its default: {json.dumps(default)}.")
+
+
+def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
+    """File name to text: sources, CMakeLists.txt, package.xml, README.md.
+
+    Raises ScenarioError where the filter is not set, or cannot be met.
+    """
+    engine, context = text_engine(Path(__file__).parent / "templates"), {
+        "name": NAME, "packages": (*LIBRARIES, *INTERFACES), "kept": kept(scenario, settings),
+        "kind": "TwistStamped" if settings.stamped else "Twist", "libraries": " ".join(LINKED),
+    }  # fmt: skip
+    written = ("CMakeLists.txt", "package.xml", "README.md")
+    return {
+        **core_files(scenario, settings.gate),
+        "filter_node.c": c_text("filter_node.c"),
+        "node_settings.h": _header(scenario, settings),
+        **{name: engine.get_template(f"{name}.j2").render(context) for name in written},
+    }
+
+
+def write_node(
+    out: Path, scenario: Scenario, settings: NodeSettings | None = None
+) -> tuple[Path, ...]:
+    """Write the node into the folder ``out`` (made if need be) and return the files' paths.
+
+    All appear, or none where one of them cannot be written: it raises ResultFileError.
+    """
+    return tuple(write_all(node_files(scenario, settings or NodeSettings()), out))
+
+
+def kept(scenario: Scenario, settings: NodeSettings) -> str:
+    """What a node keeps, in one line."""
+    (v, omega), own, gate = scenario.limits.v_u1, scenario.filter, settings.gate
+    return (
+        f"{scenario.name}: filter {own.kind}, limits {v:g} m/s and {omega:g} rad/s, period "
+        f"{scenario.clock.control:g} s, command_timeout {gate.command_timeout:g} s, odometry "
+        f"{gate.odometry}, odometry_timeout {gate.odometry_timeout:g} s"
+    )
+
+
+def _header(scenario: Scenario, settings: NodeSettings) -> str:
+    def masked(words: set[str]) -> int:
+        return sum(bit for bit, word in GATE_FLAGS.items() if word in words)
+
+    defined: Mapping[str, object] = {
+        "WMR_STAMPED": int(settings.stamped),
+        "WMR_AT_ONCE": int(settings.at_once),
+        "WMR_BASE_FRAME": _quoted(settings.frame),
+        "WMR_KEPT": _quoted(kept(scenario, settings)),
+        "WMR_FLAGS": len(GATE_FLAGS),
+        "WMR_ERRORS": masked(ERRORS),
+        "WMR_WARNINGS": masked(WARNINGS),
+    }
+    lines = [f"#define {name} {value}" for name, value in defined.items()]
+    return "\n".join([
+        "/* Generated by wmr_ctrl: what is compiled into the node; do not edit. */",
+        *lines,
+        "",
+        "typedef struct {",
+        "    int64_t bit;",
+        "    const char *word;",
+        "} wmr_word;",
+        "",
+        _table("wmr_flags", GATE_FLAGS),
+        _table("wmr_happenings", {1 << k: word for k, word in enumerate(HAPPENINGS)}),
+        "",
+    ])  # fmt: skip
+
+
+def _table(name: str, words: Mapping[int, str]) -> str:
+    rows = ", ".join(f"{{{bit}, {_quoted(word)}}}" for bit, word in words.items())
+    return f"static const wmr_word {name}[] = {{{rows}}};"
+
+
+def _quoted(text: str) -> str:
+    """A text as C writes it: what is not plain ASCII in octal."""
+    plain = "".join(
+        chr(byte) if 32 <= byte < 127 and byte not in b'"\\?' else f"\\{byte:03o}"
+        for byte in text.encode()
+    )
+    return f'"{plain}"'

@@ -1,0 +1,95 @@
+"""The nodes' decisions in C (`fmu/ros2`): its structs, its library, its sources."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from functools import cache
+from typing import TypeAlias
+
+from wmr_ctrl.codegen.resources import fmu_dir
+from wmr_ctrl.codegen.toolchain import build_library
+from wmr_ctrl.ros2.compiled_system import VISIBLE
+
+NS = 1e-9
+"""Second of a nanosecond."""
+HAPPENINGS = ("time-back", "time-forth", "frozen")
+"""What can happen to time, in the order of its bits."""
+REASONS = 9
+"""Number of words of ``wmr_reason``."""
+NODE_CORE = ("node_core.h", "node_core.c")
+
+
+def c_text(name: str) -> str:
+    """Text of a file of `fmu/ros2`."""
+    return (fmu_dir() / "ros2" / name).read_text(encoding="utf-8")
+
+
+def in_ns(seconds: float) -> int:
+    """A time in nanoseconds."""
+    return round(seconds / NS)
+
+
+class MomentStruct(ctypes.Structure):
+    """``wmr_moment``."""
+
+    _fields_ = [(name, ctypes.c_int64) for name in ("ros", "steady", "simulated")]
+
+
+class ClocksStruct(ctypes.Structure):
+    """``wmr_clocks``."""
+
+    _fields_ = [
+        ("longest", ctypes.c_int64),
+        ("begun", ctypes.c_int64),
+        ("before", MomentStruct),
+        ("counts", ctypes.c_int64 * len(HAPPENINGS)),
+    ]
+
+
+class IntakeStruct(ctypes.Structure):
+    """``wmr_intake``."""
+
+    _fields_ = [
+        *((name, ctypes.c_int64) for name in (
+            "timeout", "stamp", "stamped", "arrived", "there", "late", "thawed", "taken")),
+        ("refused", ctypes.c_int64 * REASONS),
+    ]  # fmt: skip
+
+
+Functions: TypeAlias = "dict[str, ctypes._NamedFuncPointer]"
+_RETURNS: dict[str, type | None] = {
+    "clocks_see": ctypes.c_int64,
+    "intake_take": ctypes.c_int64,
+    "intake_refuse": ctypes.c_int64,
+    "intake_age": ctypes.c_double,
+    "intake_forget": None,
+    "frame_fits": ctypes.c_int64,
+    "is_rotation": ctypes.c_int64,
+    "reason": ctypes.c_char_p,
+}
+
+
+@cache
+def node_functions() -> Functions:
+    """Functions that both nodes share, by their names without wmr_.  Raises CompilerError."""
+    files = {name: c_text(name) for name in NODE_CORE}
+    path = build_library(files, name="node_core", flags=VISIBLE)
+    return functions_of(ctypes.CDLL(str(path)), _RETURNS)
+
+
+def functions_of(
+    library: ctypes.CDLL, returns: Mapping[str, type | None], prefix: str = "wmr_"
+) -> Functions:
+    """Functions of a library by name, with the types of what they return."""
+    functions = {name: library[prefix + name] for name in returns}
+    for name, function in functions.items():
+        function.restype = returns[name]
+    return functions
+
+
+@cache
+def reason_words() -> tuple[str, ...]:
+    """Why messages do not count, in the order of the C; the first is none."""
+    tell = node_functions()["reason"]
+    return tuple(tell(ctypes.c_int64(k)).decode() for k in range(REASONS))
