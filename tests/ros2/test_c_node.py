@@ -1,0 +1,82 @@
+"""The filter as a node in C, as text: its settings, and what cannot be compiled in."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from click.testing import CliRunner
+
+from wmr_ctrl.cli.root import root
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.ros2.c_node import GIVEN, NodeSettings, node_files, node_settings
+from wmr_ctrl.ros2.parameters import FILTER
+from wmr_ctrl.scenario import load_scenario
+
+STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
+WORDS = {"stamped": "true", "odometry": "watched", "base_frame": "base_link", "trigger": "timer"}
+
+
+def word(name):
+    """NAME=VALUE of a parameter's default."""
+    value = WORDS.get(name) or re.sub(r"\(|\)", "", str(FILTER[name].default))
+    return f"{name}={value}"
+
+
+def test_defaults_are_those_of_the_node_in_python():
+    assert node_settings([word(name) for name in GIVEN]) == node_settings([]) == NodeSettings()
+
+
+def test_settings_are_compiled_in():
+    given = ["odometry=required", "stamped=false", "base_frame=base", "trigger=command",
+             "command_timeout=0.5", "rise=[0.5, 1]"]  # fmt: skip
+    files = node_files(load_scenario("paper-simulation", STATED), node_settings(given))
+
+    assert "#define WMR_COMMAND_TIMEOUT INT64_C(500000000)" in files["gate_numbers.h"]
+    for line in ('WMR_BASE_FRAME "base"', "WMR_STAMPED 0", "WMR_AT_ONCE 1"):
+        assert f"#define {line}\n" in files["node_settings.h"]
+    assert {"filter_node.c", "package.xml", "CMakeLists.txt", "README.md"} <= set(files)
+
+
+def test_a_frame_is_a_text_of_c_whatever_is_in_it():
+    frame = 'a"b\\c?\u00e9'
+    files = node_files(load_scenario("paper-simulation", STATED), NodeSettings(frame=frame))
+    (text,) = re.findall(r'WMR_BASE_FRAME "(.*)"', files["node_settings.h"])
+
+    parts = re.findall(r"\\(\d{3})|(.)", text)
+    assert bytes(int(octal, 8) if octal else ord(plain) for octal, plain in parts) == frame.encode()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("speed=1", "no parameter that is compiled"),
+        ("scenario=mine.toml", "no parameter that is compiled"),
+        ("rise=[1.0]", "must be like its default"),
+        ("rise=fast", "must be like its default"),
+        ("command_timeout=[1.0]", "must be like its default"),
+        ("stamped=1", "must be like its default"),
+        ("command_timeout=-1", "must be positive"),
+        ("odometry=maybe", "must be one of"),
+        ("trigger=never", "must be one of"),
+    ],
+)
+def test_what_cannot_be_compiled_in_is_a_sentence(given, said):
+    with pytest.raises(ArgumentError, match=said):
+        node_settings([given])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nn", "--ros2"], "command filter"),
+        (["filter", "--ros2", "--float32"], "double precision"),
+        (["filter", "--param", "stamped=false"], "for --ros2 alone"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(tmp_path, words, said):
+    done = CliRunner().invoke(root, ["codegen", *words, "--out", str(tmp_path / "out")])
+
+    assert done.exit_code == 2
+    assert said in " ".join(done.output.split())
+    assert not (tmp_path / "out").exists()
