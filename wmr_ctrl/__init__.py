@@ -34,7 +34,7 @@ if TYPE_CHECKING:  # said without the module typing, which costs more than all e
     from wmr_ctrl.identification import identify
     from wmr_ctrl.tuning import tune
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "Run",
