@@ -12,7 +12,7 @@ from wmr_ctrl.guard import guard
 from wmr_ctrl.laws import prox
 from wmr_ctrl.proofs.alterations import altered
 from wmr_ctrl.proofs.claim import CLAIMED
-from wmr_ctrl.proofs.claims import all_claims, effect_bounds
+from wmr_ctrl.proofs.claims import all_claims, drive_bounds
 from wmr_ctrl.proofs.claims.guard_exported import Assembled
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.graph import graph_of
@@ -100,7 +100,7 @@ def whole_shares(context):
     [
         ("world.noise.thrust", torque_noise, "noise_at_most", capped),
         ("guard.assembled.guard.linear-first-late", applied.Applied, "following", kept_late),
-        ("world.lag.applied", effect_bounds, "followed", held_mean),
+        ("world.lag.applied", drive_bounds, "followed", held_mean),
         ("prox.assembled", prox, "_shares", whole_shares),
     ],
 )
@@ -109,7 +109,7 @@ def test_what_feeds_guard_and_law_is_in_an_entry(monkeypatch, key, place, name, 
 
 
 def test_a_number_that_leaks_out_of_a_bound_is_found():
-    graph = EffectGraph(slope.SLOPE, (("slope.angle", 0.1), ("guard.M_max", [60.0, 20.0])), "guard")
+    graph = EffectGraph(slope.SLOPE, (("slope.angle", 0.1), ("guard.M_max", [60.0, 20.0])), "robot")
     with pytest.raises(ValueError, match="holds a number that is no symbol"):
         graph.bound("dbar")
 

@@ -44,7 +44,7 @@ def assert_as_due(claim: Claim, entry: Entry) -> None:
         assert entry.verdict == "REFUTED"
         assert entry.counterexample
     else:
-        assert entry.verdict == ("PROVED" if entry.functions else "LEMMA")
+        assert entry.verdict == ("PROVED" if entry.altered else "LEMMA")
         assert entry.mutation_refuted
 
 

@@ -28,6 +28,7 @@ def written(mutation: Mutation, strict: bool = False) -> Statement:
 
 
 PLAIN = Z3()
+ENTRY = Entry("own", (), "claim", "ours", PROVED)
 
 
 def claim_of(statement, method: Method = PLAIN):
@@ -85,47 +86,50 @@ def test_which_engine_is_asked_first_does_not_matter() -> None:
 def test_what_calls_no_function_is_a_lemma_whatever_the_record_says() -> None:
     claim = claim_of(written)
     found = check(claim)
-    forged = replace(found, verdict=PROVED, functions=("wmr_ctrl.guard.guard:floor",))
+    forged = replace(found, verdict=PROVED, altered={"wmr_ctrl.guard.guard:floor": REFUTED})
 
     assert found.verdict == LEMMA
     assert check(claim, forged).verdict == LEMMA
-    assert check(claim, forged).functions == ()
+    assert check(claim, forged).altered == {}
 
 
-KNOWN = {"tried": 4, "caught": 3, "open": 1}
+KNOWN = {"wmr_ctrl.laws.prediction:acts_for": REFUTED}
+
+
+UNTRIED = dict.fromkeys(KNOWN, "")
 
 
 @pytest.fixture(scope="module")
 def known() -> Entry:
     """An entry of today with words that a record would hold."""
-    return replace(check(CLAIMED["prediction.order"]), alterations=KNOWN, confirmed_by=("cvc5",))
+    return replace(check(CLAIMED["prediction.order"]), altered=KNOWN, confirmed_by=("cvc5",))
 
 
 @pytest.mark.parametrize(
     ("change", "confirmed", "altered"),
     [
         ({}, ("cvc5",), KNOWN),
-        ({"graph_hash": "00"}, (), None),
-        ({"versions": {"z3": "0.0", "flint": "0.0"}}, (), None),
-        ({"functions": ("wmr_ctrl.guard.guard:floor",)}, ("cvc5",), None),
+        ({"graph_hash": "00"}, (), UNTRIED),
+        ({"versions": {"z3": "0.0", "flint": "0.0"}}, (), UNTRIED),
+        ({"altered": {"wmr_ctrl.guard.guard:floor": REFUTED}}, ("cvc5",), UNTRIED),
     ],
 )
 def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, altered) -> None:
     found = check(CLAIMED["prediction.order"], replace(known, **change))
 
-    assert (found.confirmed_by, found.alterations) == (confirmed, altered)
-    assert found.functions == known.functions
+    assert (found.confirmed_by, found.altered) == (confirmed, altered)
+    assert found.functions == (tuple(KNOWN) if altered == KNOWN else ())
     assert found.verdict == PROVED
 
 
 def test_what_was_taken_is_said() -> None:
-    entry = replace(check(claim_of(written)), alterations=KNOWN, confirmed_by=("cvc5",))
-    given = load().by_id()["lemma.log"]
+    entry = replace(check(claim_of(written)), altered=KNOWN, confirmed_by=("cvc5",))
+    given = load().by_id()["lemma.integration"]
 
     said = provenance(Ledger((entry, given)), anew=False)
     assert said.startswith("1 checked now")
     assert "1 given" in said
-    assert "1 counts of alterations and 1 words of cvc5" in said
+    assert "1 entries' alterations and 1 words of cvc5" in said
     assert "From the record: nothing." in provenance(Ledger((entry, given)), anew=True)
 
 
@@ -138,19 +142,29 @@ def test_entries_of_another_claim_are_not_kept() -> None:
 
 
 @pytest.mark.parametrize(
-    ("quick", "fails", "verdict"),
+    ("answers", "closes", "verdict"),
     [
-        ([OPEN, REFUTED], [True], REFUTED),
-        ([OPEN, PROVED], [True], OPEN),
-        ([PROVED, PROVED], [False], PROVED),
+        ([OPEN, REFUTED], False, REFUTED),
+        ([PROVED, OPEN] + [PROVED] * 3, True, OPEN),
+        ([PROVED, OPEN] + [PROVED] * 3, False, ""),
+        ([PROVED] * 5, True, PROVED),
     ],
 )
-def test_what_is_left_open_is_not_caught(monkeypatch, quick, fails, verdict) -> None:
-    claim, answers, failing = CLAIMED["guard.anchor"], iter(quick * 5), iter(fails * 5)
-    monkeypatch.setattr(alterations, "_verdict", lambda *_: next(answers))
-    monkeypatch.setattr(alterations, "fails", lambda *_: next(failing))
+def test_what_is_left_open_is_not_caught(monkeypatch, answers, closes, verdict) -> None:
+    claim, said, name = CLAIMED["guard.anchor"], iter(answers), "wmr_ctrl.guard.guard:clipped"
+    monkeypatch.setattr(alterations, "_verdict", lambda *_: next(said))
+    monkeypatch.setattr(alterations, "proves_quickly", lambda _: closes)
 
-    assert alterations.after_alteration(claim, "wmr_ctrl.guard.guard:clipped") == verdict
-    monkeypatch.setattr(alterations, "after_alteration", lambda *_: verdict)
-    counts = alterations.tried(claim, ("a", "b"))
-    assert counts == {"tried": 2, "caught": 2 * (verdict == REFUTED), "open": 2 * (verdict == OPEN)}
+    assert alterations.after_alteration(claim, name) == verdict
+
+
+def test_a_function_is_named_where_its_alteration_is_noticed(monkeypatch) -> None:
+    said = iter((REFUTED, OPEN, PROVED, ""))
+    monkeypatch.setattr(alterations, "after_alteration", lambda *_: next(said))
+    altered = alterations.tried(CLAIMED["guard.anchor"], "abcde", {"e": REFUTED})
+    entry = replace(ENTRY, altered=altered)
+
+    assert entry.functions == ("a", "b", "e")
+    assert entry.alterations == {"tried": 4, "caught": 2, "open": 1}
+    spent = alterations.tried(CLAIMED["guard.anchor"], "ab", {}, patience=0)
+    assert replace(ENTRY, altered=spent).alterations is None

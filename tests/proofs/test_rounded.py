@@ -6,7 +6,7 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.proofs.ledger import PROVED, REFUTED
+from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import UNIT, Statement, above, at_least, equal, symbols
 from wmr_ctrl.scenario import load_scenario, preset_names
@@ -60,3 +60,13 @@ def test_presets_lie_in_the_range_of_the_promise(name: str) -> None:
 
     assert 1 / 22 <= ratio <= 22
     assert guard.alpha * scenario.clock.control <= 1 + 2.0**-50
+
+
+def test_what_is_not_defined_behind_a_rounding_is_left_open() -> None:
+    t = symbols("x y hat")
+    share = ca.fmin(ca.fmax(t["y"] / t["x"], -1), 1)
+
+    assert verdict(share, at_least(1, t["hat"]), t) == OPEN
+    assert verdict(share, at_least(1, t["hat"]), t, (above(t["x"]),)) == PROVED
+    guarded = ca.if_else(t["x"] > 0, ca.fmin(ca.sqrt(t["x"]), 1), 0)
+    assert verdict(guarded, at_least(1, t["hat"]), t) == PROVED

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from hashlib import sha256
 from importlib.util import find_spec
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 from wmr_ctrl.proofs.alterations import functions_of
@@ -46,18 +46,18 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     absent = missing(claim.method)
     if absent:
         return _entry(claim, NOT_CHECKED, method=f"needs {', '.join(absent)}")
-    started, method = perf_counter(), claim.method
+    started, method = process_time(), claim.method
     if known is not None and isinstance(method, Z3):  # what closed it before first: saves time
         method = replace(method, first=tuple(known.evidence.get("engines", ())))
     finding, mutated = method.decide(claim.statement(CLAIMED)), None
     if finding.verdict == PROVED:
         mutated = _quick(method).decide(claim.statement(MUTATED)).verdict == REFUTED
-    seconds = round(perf_counter() - started, 2)
+    seconds = round(process_time() - started, 2)
     entered, now = graph_hash(claim), versions(claim.method)
     decided = {name: known.versions.get(name) for name in now} if known else {}
     same = known if known and (known.graph_hash, decided) == (entered, now) else None
-    functions = functions_of(claim, known.functions if known else ())
-    held = known is not None and set(known.functions) == set(functions)  # called in any order
+    functions = functions_of(claim, tuple(known.altered) if known else ())
+    then = same.altered if same and set(same.altered) == set(functions) else {}
     verdict, reason = _guarded(finding, mutated, functions)
     told = finding.evidence
     counts = [f"{told[key]} {key}" for key in ("cases", "boxes") if key in told]
@@ -72,8 +72,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         seconds=seconds,
         graph_hash=entered,
         versions=now,
-        functions=functions,
-        alterations=same.alterations if same and held else None,
+        altered={name: then.get(name, "") for name in functions},
         confirmed_by=same.confirmed_by if same else (),
         evidence={**told, **reason},
     )

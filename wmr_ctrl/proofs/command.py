@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 
-from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, differences, exit_code, load
+from wmr_ctrl.proofs.ledger import COMMITTED, PROVED, Entry, Ledger, differences, exit_code, load
 from wmr_ctrl.proofs.runner import Progress, prove, selected
 from wmr_ctrl.results import atomic_text, write_all
 
@@ -76,6 +76,8 @@ def described(entry: Entry) -> str:
         "rests on": ", ".join(entry.premises),
         "counterexample": point,
         "functions": ", ".join(entry.functions),
+        "not noticed": ", ".join(name for name, said in entry.altered.items() if said == PROVED),
+        "not tried": ", ".join(name for name, said in entry.altered.items() if not said),
         "altered": ", ".join(f"{n} {ALTERED[key]}" for key, n in (entry.alterations or {}).items()),
         "confirmed by": ", ".join(entry.confirmed_by),
         "versions": ", ".join(f"{name} {number}" for name, number in entry.versions.items()),
@@ -91,7 +93,7 @@ def provenance(ledger: Ledger, anew: bool) -> str:
     altered = sum(1 for entry in checked if entry.alterations)
     confirmed = sum(1 for entry in checked if entry.confirmed_by)
     taken = (
-        f"{altered} counts of alterations and {confirmed} words of cvc5, where claim, method and "
+        f"{altered} entries' alterations and {confirmed} words of cvc5, where claim, method and "
         "versions are the same"
     )
     return (

@@ -18,9 +18,11 @@ HAND, OPEN, NOT_CHECKED = "HAND", "OPEN", "NOT_CHECKED"
 VERDICTS = (PROVED, REFUTED, LEMMA, DEFINITION, HAND, OPEN, NOT_CHECKED)
 PUBLIC_KEYS = (
     "id", "equations", "claim", "form", "verdict", "method", "trusted", "mutation_refuted",
-    "functions", "premises", "alterations", "confirmed_by", "counterexample", "seconds",
+    "functions", "premises", "altered", "alterations", "confirmed_by", "counterexample", "seconds",
     "graph_hash", "versions",
 )  # fmt: skip
+NOTICED = (REFUTED, OPEN)
+"""Verdicts of an altered claim by which an entry notices the alteration."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +35,11 @@ class Entry:
     altered claim, ``satisfied_at`` is a point that meets the hypotheses.  ``graph_hash`` holds the
     graphs of claim and altered claim, which outputs are hypotheses and by which relations, and the
     method with its regions and boxes; it is empty where no graph is behind the entry.
-    ``versions`` are those of the packages that decided.  ``functions`` are those of the product
-    that the graph holds, as ``module:function``; ``alterations`` how many of them were altered, one
-    at a time (tried), and after how many of these the entry was REFUTED (caught) or neither REFUTED
-    nor PROVED (open).  ``premises`` are entries that the claim rests on, ``confirmed_by`` further
-    solvers that agree.
+    ``versions`` are those of the packages that decided.  ``altered`` has the product's functions
+    that the graph holds, as ``module:function``, each with the entry's verdict where the function
+    is altered: REFUTED, OPEN, PROVED if nothing is noticed, empty if that is still to be tried.
+    ``premises`` are entries that the claim rests on, ``confirmed_by`` further solvers that agree.
+    ``seconds`` are the processor's.
     """
 
     id: str
@@ -56,15 +58,26 @@ class Entry:
     evidence: Mapping[str, Any] = field(default_factory=dict)
     satisfied_at: Mapping[str, str] | None = None
     premises: tuple[str, ...] = ()
-    functions: tuple[str, ...] = ()
-    alterations: Mapping[str, int] | None = None
+    altered: Mapping[str, str] = field(default_factory=dict)
     confirmed_by: tuple[str, ...] = ()
     theme: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """The product's functions of which the entry says something: it notices an alteration."""
+        return tuple(name for name, verdict in self.altered.items() if verdict in NOTICED)
+
+    @property
+    def alterations(self) -> dict[str, int] | None:
+        """Numbers of functions altered, of REFUTED then (caught) and of OPEN; None if not tried."""
+        verdicts = [verdict for verdict in self.altered.values() if verdict]
+        counts = {"caught": verdicts.count(REFUTED), "open": verdicts.count(OPEN)}
+        return {"tried": len(verdicts), **counts} if verdicts else None
+
     def public(self) -> dict[str, Any]:
         """The entry as `wmr-ctrl prove --json` writes it."""
-        every = asdict(self)
+        every = asdict(self) | {"functions": self.functions, "alterations": self.alterations}
         return {key: every[key] for key in PUBLIC_KEYS}
 
 
@@ -102,7 +115,7 @@ def load(path: Path = COMMITTED) -> Ledger:
 
 
 def _entry(row: Mapping[str, Any]) -> Entry:
-    lists = ("equations", "trusted", "premises", "functions", "confirmed_by")
+    lists = ("equations", "trusted", "premises", "confirmed_by")
     made: dict[str, Any] = {k: tuple(v) if k in lists else v for k, v in row.items()}
     return Entry(**made)
 

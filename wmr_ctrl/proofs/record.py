@@ -51,12 +51,10 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
 
 def examined(entry: Entry) -> Entry:
     """An entry with what altering its functions does, and with the solvers that agree."""
-    claim, alterations = _claim_of(entry), None
-    functions = functions_of(claim)
-    if entry.verdict == "PROVED":
-        alterations = tried(claim, functions)
-        sys.stderr.write(f"{entry.id}: {alterations}\n")
-    return confirmed(replace(entry, functions=functions, alterations=alterations))
+    altered = tried(claim := _claim_of(entry), functions_of(claim), entry.altered)
+    found = replace(entry, altered=altered)
+    sys.stderr.write(f"{entry.id}: {found.alterations}\n")
+    return confirmed(found)
 
 
 def confirmed(entry: Entry) -> Entry:
@@ -95,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if given.words:
         checked = Ledger(())
     elif given.examine:
-        entries = (entry for entry in _backed(given.ids) if given.ids or not entry.alterations)
+        entries = (entry for entry in _backed(given.ids) if "" in entry.altered.values())
         checked = Ledger(tuple(map(examined, entries)))
     elif given.confirm:
         checked = Ledger(tuple(map(confirmed, _backed(given.ids))))

@@ -21,6 +21,7 @@ from wmr_ctrl.proofs.graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
 UNIT = 2.0**-53
 """Largest relative error of one operation in double precision."""
 
+COMPUTED = "rounded "
 EXACT = LOGICAL | {"const", "input", "neg", "fabs", "fmin", "fmax", "choose", "twice", "sign"}
 ROUNDED = frozenset({"add", "sub", "mul", "div", "inv", "sq", "sqrt"})
 
@@ -57,13 +58,21 @@ def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
             continue
         if node.op not in ROUNDED:
             raise ValueError(f"how far {node.op} is rounded is not known")
-        found = put(ProvedNode("input", name=f"rounded {len(bounds) // 2 + 1}"))
+        found = put(ProvedNode("input", name=f"{COMPUTED}{len(bounds) // 2 + 1}"))
         share = put(ProvedNode("mul", (put(ProvedNode("const", value=unit)),
                                        put(ProvedNode("fabs", (exact,))))))  # fmt: skip
         for pair in ((found, exact), (exact, found)):
             bounds.append(put(ProvedNode("sub", (share, put(ProvedNode("sub", pair))))))
         place.append(found)
     return RoundedGraph(tuple(nodes), tuple(place[k] for k in graph.outputs), tuple(bounds))
+
+
+def behind(graph: ProvedGraph, k: int) -> tuple[int, ...]:
+    """The exact operation whose computed result an input stands for: `rounded` has it just before.
+
+    A result that is read has to be defined, although the graph goes no further than this input.
+    """
+    return (k - 1,) if graph.nodes[k].name.startswith(COMPUTED) else ()
 
 
 def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> ProvedGraph:

@@ -7,11 +7,16 @@ has what each comparison found on it.
 
 from __future__ import annotations
 
+import math
 import operator
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, field
+from functools import reduce
 from math import isfinite, isinf
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -83,6 +88,52 @@ for _name in ("add", "sub", "mul", "truediv"):
     setattr(Traced, f"__r{_name}__", _reckoned(getattr(operator, _name), True))
 for _name in NEGATED:
     setattr(Traced, f"__{_name}__", _compared(_name))
+
+
+def _kept(name: str) -> Callable[[float], float]:
+    """A function of ``math`` that keeps its argument's expression."""
+
+    def call(x: float) -> float:
+        value: float = getattr(math, name)(x)
+        if isinstance(x, Traced):
+            return Traced(value, getattr(ca, name)(x.expr), x.trace)
+        return value
+
+    return call
+
+
+def _least(*values: float) -> float:
+    """The least number; of traced ones the expression holds all, whichever is the least now."""
+    given = [item for item in values if not isinf(item)]
+    known = [item.trace for item in given if isinstance(item, Traced)]
+    if not known:
+        return min(values)
+    return Traced(min(map(float, values)), reduce(ca.fmin, map(expression, given)), known[0])
+
+
+@contextmanager
+def functions_for_traced(package: str, but: str) -> Iterator[None]:
+    """For a time the modules of a package have sin, expm1, min and float that keep expressions.
+
+    Their other functions of ``math`` see a traced number as the float that it is, and so do all of
+    the module ``but``, which looks at results alone.
+    """
+    maths = SimpleNamespace(**{**vars(math), **{name: _kept(name) for name in ("sin", "expm1")}})
+    given = {"math": maths, "min": _least, "float": lambda x: x if type(x) is Traced else float(x)}
+    named = (name for name in sys.modules if name.startswith(f"{package}.") and name != but)
+    spaces = [vars(sys.modules[name]) for name in named]
+    before = [{name: space[name] for name in given if name in space} for space in spaces]
+    for space in spaces:
+        space.update(
+            {name: made for name, made in given.items() if name != "math" or name in space}
+        )
+    try:
+        yield
+    finally:
+        for space, names in zip(spaces, before, strict=True):
+            for name in given:
+                space.pop(name, None)
+            space.update(names)
 
 
 def traced(

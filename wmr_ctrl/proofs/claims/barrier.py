@@ -17,6 +17,7 @@ ONE, TWO = "1", "2"
 PAIRS = paired_cases(ONE, TWO)
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)
 FAR = tuple(c for c in target_cases(edges=False) if "far" in c.label)
+NEAR = tuple(c for c in all_cases() if c.label.startswith(("v_c0 near", "v_c0 zero")))
 IN_R2 = (at(c=3, u1=1, u2="4/5"),)
 claim = Claims(by=Ring(open_cases()), form=PRINTED, given=ALL_LIMITS)
 
@@ -199,3 +200,19 @@ def lower_bound(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     return a.states(at_least(a.V, mutation(0.5, 0.6) * a.w**2))
+
+
+@claim(
+    "thm1.velocity",
+    (30,),
+    given=f"{ALL_LIMITS}; |v_c0| < v_u2",
+    by=Ring(NEAR, log_lemma=True),
+    premises="eq30 eq81",
+)
+def near_target(mutation: Mutation) -> Statement:
+    """(Theorem 1) z -> 0 where |v_c0i| < v_u2i: z^2 <= 2 V1i, and V1i falls by exp(-rho t) (eq30).
+
+    True under the same hypotheses.
+    """
+    a, v, c, _, _ = barrier_axis()
+    return a.states(at_least(2 * a.V, mutation(1, 1.2) * (v - c) ** 2))

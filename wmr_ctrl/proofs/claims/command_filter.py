@@ -94,8 +94,7 @@ def inside(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "filter.clip",
-    given=f"{INTERVALS}; v <= V; kappa = 0, u <= hi; mean <= drive(u), 0 <= E <= 1",
+    "filter.clip", given=f"{INTERVALS}; v <= V; kappa = 0, u <= hi; mean <= drive(u), 0 <= E <= 1"
 )
 def clip(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= V, whatever share E of the way is left.

@@ -21,23 +21,12 @@ from wmr_ctrl.filter.band import (
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    stacked,
-    symbols,
-    within,
-)
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, stacked, symbols, within
 from wmr_ctrl.scenario import load_scenario
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
 claim = Claims(by=Z3(effort=100))
-WAYS = (
-    {"word": "over", "sign": "", "way": 1},
-    {"word": "under", "sign": "-", "way": -1},
-)
+WAYS = ({"word": "over", "sign": "", "way": 1}, {"word": "under", "sign": "-", "way": -1})
 
 
 @dataclass(frozen=True)
@@ -104,10 +93,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     return Statement(s, (goal,), tuple(given))
 
 
-@claim(
-    "filter.band.mirrored",
-    given=f"{TABLES}",
-)
+@claim("filter.band.mirrored", given=f"{TABLES}")
 def mirrored(mutation: Mutation) -> Statement:
     """the changed forecast of -v is that of v with over and under exchanged.
 

@@ -9,21 +9,11 @@ from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Statement,
-    above,
-    at_least,
-    symbols,
-    within,
-)
+from wmr_ctrl.proofs.statement import Statement, above, at_least, symbols, within
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=60))
-LINEAR = {
-    "filter.kind": "clip",
-    "filter.loop": "second-order",
-    "filter.damping": (0.5, 1.0),
-}
+LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0)}
 """Settings for the structure of the clip of linear loops; its numbers are symbols."""
 
 

@@ -93,12 +93,7 @@ def solver(effort: int = 150) -> Z3:
 claim = Claims(by=solver)
 
 
-@claim(
-    "guard.{at}feasible",
-    given="{enough}{steady}",
-    premises="{rests}",
-    over=on(*KINDS),
-)
+@claim("guard.{at}feasible", given="{enough}{steady}", premises="{rests}", over=on(*KINDS))
 def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
     """lo(y) <= hi(y) for every y, whatever was sent.
 

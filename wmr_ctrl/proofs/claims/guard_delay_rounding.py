@@ -20,7 +20,6 @@ from wmr_ctrl.proofs.claims import guard_delay_sums as sums
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED
 from wmr_ctrl.proofs.claims.guard_delay_sums import ROUNDS
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
-from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least
 
@@ -72,10 +71,15 @@ class QueuedAxis(RoundedAxis):
         return (
             *positive, *(at_least(item) for item in counted), at_least(b.M_max, b.M_min),
             at_least(1 + DOUBLE.quicker, b.alpha * b.period),
-            at_least(self.held_back, 1024 * UNIT), at_least(2.0**-20, self.held_back),
+            *self.sized,
             at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
             at_least(self.reach, self.net), at_least(self.reach, -self.net),
         )  # fmt: skip
+
+    @property
+    def sized(self) -> tuple[Relation, Relation]:
+        """kept is that of one command or more, and small."""
+        return at_least(self.held_back, 1024 * UNIT), at_least(2.0**-20, self.held_back)
 
     @property
     def counts(self) -> Relation:
@@ -305,7 +309,7 @@ WHEELS_ENTRIES = "guard.rounding.linear-first guard.rounding.rotation-first guar
     "guard.delay.rounding",
     given=f"{RANGE}; F <= the larger of two forces that are safe as in "
     f"guard.delay.rounding.force-*, to {SPARE}; no overflow, no underflow",
-    premises=f"{PARTS} {WHEELS_ENTRIES} guard.axes guard.lemma",
+    premises=f"{PARTS} guard.delay.rounding.kept {WHEELS_ENTRIES} guard.axes guard.lemma",
 )
 def together(mutation: Mutation) -> Statement:
     """v+ + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the torques that the
@@ -325,21 +329,3 @@ def together(mutation: Mutation) -> Statement:
         a.safe(1, a["asked"]), a.safe(1, a["most"]),
     )  # fmt: skip
     return Statement(a.symbols, (at_least(a["u1"], end),), given)
-
-
-@claim(
-    "guard.delay.rounding.lemma",
-    given=f"{RANGE}; {MET}; both axes; sum tau_j T <= delay (1 + 2^-51); G1 + G2/l <= {SPREAD} "
-    f"K1/max(1, alpha1 delay), l G1 + G2 <= {SPREAD} K2/max(1, alpha2 delay), G the bounds of "
-    "guard.delay.rounding.size; brakes1 + brakes2/l <= (2 tau_max/r) (1 + 2^-51); no overflow, no "
-    "underflow",
-    by=HAND,
-    premises="guard.delay.rounding guard.delay.lemma",
-)
-def lemma() -> None:
-    """behind a constant delay the exact robot, pushed by the double-precision torques of the
-    compiled text, keeps |v| <= u1 at every instant, from every start that guard.delay.lemma allows.
-
-    guard.delay.lemma with computed numbers: the parts above, summed over the queue and put
-    together; induction over the samples.
-    """

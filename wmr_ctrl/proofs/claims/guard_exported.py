@@ -47,11 +47,11 @@ UNDER_WAY = (
 claim = Claims(by=solver)
 
 
-def _setup(kind: str, delay: int) -> Setup:
-    """A guarded loop with this map onto the wheels, behind a delay of so many periods."""
+def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
+    """A loop with this map onto the wheels, behind a delay of so many periods."""
     stated: dict[str, object] = {
-        "guard.enabled": True, "guard.map": kind, "clock.control": PERIOD,
-        "actuator.delay": PERIOD * delay,
+        "guard.enabled": guarded, "guard.map": kind, "clock.control": PERIOD,
+        "actuator.delay": PERIOD * delay, **more,
     }  # fmt: skip
     return settle(load_scenario(PRESET, stated), "pid")
 
@@ -63,11 +63,12 @@ class Assembled:
     assemble: Callable[[Setup], System]
     kind: str
     delay: int
+    guarded: bool = True
 
     @cached_property
     def system(self) -> System:
         """The exported graph."""
-        return self.assemble(_setup(self.kind, self.delay))
+        return self.assemble(setup(self.kind, self.delay, self.guarded))
 
     @cached_property
     def p(self) -> dict[str, ca.SX]:
@@ -122,6 +123,42 @@ class Assembled:
             found.append((y, b, in_flight(before, axis, b) if before else None))
         return tuple(found)
 
+    @cached_property
+    def later(self) -> dict[str, ca.SX]:
+        """The state one sample later, by name."""
+        ends = accumulate((port.sym.numel() for port in self.system.state), initial=0)
+        names = [port.signal.name for port in self.system.state]
+        return dict(zip(names, ca.vertsplit(self.system.update, [*ends]), strict=True))
+
+    def consists(self, torque: ca.SX) -> Statement:
+        """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
+        return Statement(self.symbols, tuple(self._parts(torque)), self.signs, self.cuts)
+
+    def _parts(self, torque: ca.SX) -> Iterator[Relation]:
+        bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
+        flags = [feasible(b) for b in bounds]
+        flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
+        if self.delay:
+            flags.append(self.p["actuator.delay"] <= self.delay * self.p["clock.control"])
+        yield from (at_least(flag, self.told["feasible"]) for flag in flags)
+        yield from every(self.torque, torque)
+        for age, now in enumerate((self.torque, *self.sent[:-1])[: self.delay], 1):
+            yield from every(self.later[f"tau_sent{age}"], now)
+        yield from every(self.later["tau_applied"], (self.torque, *self.sent)[self.delay])
+        yield from every(self.later["guard_v"], ca.vertcat(*(y for y, _, _ in self.axes)))
+        acted = wheel_to_force(*self.wheels, self.p["tau_applied"])
+        for axis, (y, b, _) in enumerate(self.axes):
+            least = least_push(y, self.p["guard_v"][axis], acted[axis], b)
+            known = ca.if_else(self.p["guard_started"] > 0, least, 0)
+            yield equal(self.told["d_least"][axis], known)
+
+    @property
+    def signs(self) -> tuple[Relation, ...]:
+        """What is divided by is positive."""
+        bounds = [b for _, b, _ in self.axes]
+        masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
+        return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
+
     @property
     def symbols(self) -> dict[str, ca.SX]:
         """Every scalar of the graph by name."""
@@ -170,28 +207,7 @@ def assembled(
         ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
         for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
     )
-    bounds = [b for _, b, _ in e.axes]
-    torque = force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe))
-    flags = [feasible(b) for b in bounds]
-    flags.append(bounds[0].braking + bounds[1].braking / half <= e.phi)
-    if delay:
-        flags.append(e.p["actuator.delay"] <= delay * e.p["clock.control"])
-    goals = [at_least(flag, e.told["feasible"]) for flag in flags]
-    goals += every(e.torque, mutation * torque)
-    ends = accumulate((port.sym.numel() for port in e.system.state), initial=0)
-    names = [port.signal.name for port in e.system.state]
-    later = dict(zip(names, ca.vertsplit(e.system.update, [*ends]), strict=True))
-    for age, now in enumerate((e.torque, *e.sent[:-1])[:delay], 1):
-        goals += every(later[f"tau_sent{age}"], now)
-    goals += every(later["tau_applied"], (e.torque, *e.sent)[delay])
-    goals += every(later["guard_v"], ca.vertcat(*(y for y, _, _ in e.axes)))
-    acted, old = wheel_to_force(r, half, e.p["tau_applied"]), ca.vertsplit(e.p["guard_v"])
-    for axis, (y, b, _) in enumerate(e.axes):
-        known = ca.if_else(e.p["guard_started"] > 0, least_push(y, old[axis], acted[axis], b), 0)
-        goals.append(equal(e.told["d_least"][axis], known))
-    masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
-    given = positive(r, half, bounds[0].period, bounds[0].alpha, *masses)
-    return Statement(e.symbols, tuple(goals), given, e.cuts)
+    return e.consists(mutation * force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe)))
 
 
 def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:

@@ -117,10 +117,7 @@ def braking(mutation: Mutation, n: int) -> Statement:
     goals = [
         goal
         for name, b in zip(free, e.both, strict=True)
-        for goal in (
-            *within(free[name] - b.braking, share * size(b)),
-            *within(b.braking, size(b)),
-        )
+        for goal in (*within(free[name] - b.braking, share * size(b)), *within(b.braking, size(b)))
     ]
     given = [item for b in e.both for item in (e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed))]
     given += [at_least(b.brake + NEAR * ca.fabs(b.net), b.net) for b in e.both]

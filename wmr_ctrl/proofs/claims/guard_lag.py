@@ -151,12 +151,7 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (at_least(larger(*cores), need),), rules, a.cuts)
 
 
-@claim(
-    "guard.{at}left",
-    given=f"{MORE}{{steady}}",
-    premises="guard.varying.more",
-    over=on(*LAGS),
-)
+@claim("guard.{at}left", given=f"{MORE}{{steady}}", premises="guard.varying.more", over=on(*LAGS))
 def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S.
 

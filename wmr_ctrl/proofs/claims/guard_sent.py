@@ -205,11 +205,7 @@ def _spared(a: GuardAxis, ahead: ca.SX, back: ca.SX, more: float = 1) -> Relatio
     return at_least(ca.fmax(one - more * again, two - 2 * more * again))
 
 
-@claim(
-    "guard.late.spare",
-    given=f"{COUNTED}; {CAPS}",
-    premises="guard.late.caps guard.late.piece",
-)
+@claim("guard.late.spare", given=f"{COUNTED}; {CAPS}", premises="guard.late.caps guard.late.piece")
 def late_spare(mutation: Mutation) -> Statement:
     """M_min times what is left when the new command may first take over, ahead or behind, is at
     least max(brakes + net, 0)/alpha + J S, or both together that + 2 J S, S = largest + net.

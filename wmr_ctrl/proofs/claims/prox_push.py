@@ -5,10 +5,7 @@ v+, friction and the observer's force stand as free numbers with what other entr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 
@@ -25,6 +22,7 @@ from wmr_ctrl.proofs.statement import (
     equal,
     every,
     symbols,
+    within,
 )
 
 AXES = ({"of": "", "where": "linear", "axis": 0}, {"of": "-angular", "where": "angular", "axis": 1})
@@ -178,6 +176,90 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
 
 
 @claim(
+    "prox.limit{of}",
+    given="T, M > 0; |v+| <= v_u1 - m (prox.margin), |T (f + d)/M| <= m, F1(v+) as believed",
+    premises="prox.margin prox.margin-smooth transport.inside transport.inside-smooth "
+    "lemma.sampling",
+    over=AXES,
+)
+def limit(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, mass right, no guard, torque not limited: from |v| <= v_u1, |c+| <= C to
+    |v| <= v_u1 at the next sample, {where} axis.
+
+    What the law keeps by itself; the guard keeps it for more.
+    """
+    s, t = Sampled(axis), symbols("d m")
+    u1 = s.law.symbols[f"limits.v_u1[{axis + 1}]"]
+    end = s.v + s.period * (s.force - s.force_cuts["friction"] + t["d"]) / s.mass
+    given = (
+        above(s.period), above(s.mass), at_least(u1 - t["m"], ca.fabs(s.free["next"])),
+        at_least(t["m"], ca.fabs(s.period * (s.free["f"] + t["d"]) / s.mass)),
+    )  # fmt: skip
+    return s.states((at_least(mutation(1, 0.9) * u1, ca.fabs(end)),), given, s.force_cuts, t)
+
+
+def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
+    """What a size is beyond ``to`` is at most a share of what it was."""
+    return at_least(share * ca.fmax(before - to, 0), ca.fmax(after - to, 0))
+
+
+@claim(
+    "prox.gain.step{of}",
+    given="T, M > 0, 0 < E < 1; |v+ - x+| <= E (|w| + r) (prox.contracts), |f + d| <= p, the "
+    "target's next value off by at most eps; W (1 - E) = T p/M + eps + E r",
+    premises="prox.contracts prox.contracts-smooth",
+    over=AXES,
+)
+def gain_step(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph: max(|w+| - W, 0) <= E max(|w| - W, 0), {where} axis.
+
+    One term of the series that prox.gain sums up.
+    """
+    s, t = Sampled(axis), symbols("d w way x_next x_real eps E p W")
+    end = s.v + s.period * (s.force - s.force_cuts["friction"] + t["d"]) / s.mass
+    whole = s.period * t["p"] / s.mass + t["eps"] + t["E"] * t["way"]
+    given = (
+        above(s.period), above(s.mass), above(t["E"]), above(1, t["E"]), at_least(t["w"]),
+        at_least(t["E"] * (t["w"] + t["way"]), ca.fabs(s.free["next"] - t["x_next"])),
+        *within(t["x_real"] - t["x_next"], t["eps"]), *within(s.free["f"] + t["d"], t["p"]),
+        equal(t["W"] * (1 - t["E"]), mutation(1, 0.9) * whole),
+    )  # fmt: skip
+    goal = falls(ca.fabs(end - t["x_real"]), t["w"], t["W"], t["E"])
+    return s.states((goal,), given, s.force_cuts, t)
+
+
+@claim("prox.gain.observer{of}", given="as prox.observer; |d - d_old| <= L P", over=AXES)
+def gain_observer(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, L = 1 - exp(-wo T): max(|f + d| - P, 0) <= (1 - L) max(|f_old + d_old| -
+    P, 0), {where} axis.
+
+    One term of the observer's series in prox.gain.
+    """
+    s, t = Sampled(axis), symbols("d d_old P")
+    given = (
+        *s.observed, s.gained(t["d_old"]),
+        *within(t["d"] - t["d_old"], mutation(1, 1.1) * -s.free["fall"] * t["P"]),
+    )  # fmt: skip
+    new, old = s.law.system.update[axis] + t["d"], s.f_old + t["d_old"]
+    goal = falls(ca.fabs(new), ca.fabs(old), t["P"], 1 + s.free["fall"])
+    return s.states((goal,), given, s.observer_cuts, t)
+
+
+@claim("prox.observer-first", given="the state that the law starts from; any first sample")
+def observer_first(mutation: Mutation) -> Statement:
+    """on the law's graph f = 0 at the first sample, and its velocity is the old one of the next,
+    when the observer has begun; both axes.
+
+    From there on prox.observer holds; a first command makes up for nothing.
+    """
+    law = LawGraph("prox")
+    later = ca.substitute(law.system.update, law.system.x, ca.DM(law.system.x0))
+    v = ca.vertcat(*(law.symbols[name] for name in VELOCITY_NAMES))
+    goals = every(later[:5], ca.vertcat(0, 0, v, mutation(1, 0)))
+    return Statement(law.symbols, goals)
+
+
+@claim(
     "prox.observer{of}",
     given="after the first sample; M (v - v_old)/T = F_applied - F1 + d_old with the believed M "
     "and F1 at the middle velocity; d acts from now on",
@@ -206,140 +288,12 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     share, f = -s.free["fall"], s.law.system.update[axis]
     old, new = s.f_old + t["d_old"], f + t["d"]
     tight = mutation(1, 0.9)
-    within = ca.logic_and(ca.fabs(t["d_old"]) <= t["most"], ca.fabs(s.f_old) <= t["most"])
+    sizes = ca.logic_and(ca.fabs(t["d_old"]) <= t["most"], ca.fabs(s.f_old) <= t["most"])
     slow = ca.logic_and(
         ca.fabs(t["d"] - t["d_old"]) <= t["change"], share * ca.fabs(old) <= t["change"]
     )
     goals = (
-        Relation(ca.if_else(within, tight * t["most"] - ca.fabs(f), 0), ">="),
+        Relation(ca.if_else(sizes, tight * t["most"] - ca.fabs(f), 0), ">="),
         Relation(ca.if_else(slow, tight * t["change"] - share * ca.fabs(new), 0), ">="),
     )
     return s.states(goals, (*s.observed, s.gained(t["d_old"])), s.observer_cuts, t)
-
-
-def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
-    """The loop of (w, T f/M^)."""
-    return ca.vertcat(ca.horzcat(1 - mu * a, mu), ca.horzcat(-share * a * (1 - mu), 1 - share * mu))
-
-
-FAST = {"L": "0.3", "least": "1/4", "p": "1/6", "s": "53/5", "g": "0.93"}
-GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
-MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
-LOOP = "prox.loop-force prox.loop-force-angular prox.loop-observer prox.loop-observer-angular"
-BELIEFS: tuple[dict[str, Any], ...] = (
-    {"key": "", "numbers": FAST},
-    {"key": "-gentle", "numbers": GENTLE},
-)
-wrong_mass_claim = Claims(by=Z3(effort=150))
-
-
-@wrong_mass_claim(
-    "prox.loop-force{of}",
-    given="T, M^ > 0; target held, v+ = v - a w; no disturbance, F1(v+) compensated",
-    over=AXES,
-)
-def loop_force(mutation: Mutation, axis: int) -> Statement:
-    """on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, {where} axis.
-
-    What a wrong mass makes of the step.
-    """
-    s, t = Sampled(axis), symbols("mu a x")
-    w, q = s.v - t["x"], s.period * s.free["f"] / s.mass
-    moves = s.period * t["mu"] * (s.force - s.force_cuts["friction"]) / s.mass
-    goal = equal(w + moves, (1 - t["mu"] * t["a"]) * w + mutation * t["mu"] * q)
-    given = (above(s.period), above(s.mass), equal(s.free["next"], s.v - t["a"] * w))
-    return s.states((goal,), given, s.force_cuts, t)
-
-
-@wrong_mass_claim(
-    "prox.loop-observer{of}",
-    given="as prox.loop-force, one sample later; F1 between the samples compensated",
-    over=AXES,
-)
-def loop_observer(mutation: Mutation, axis: int) -> Statement:
-    """on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis.
-
-    What a wrong mass makes of the observer.
-    """
-    s, t = Sampled(axis), symbols("mu a w")
-    share, q = -s.free["fall"], s.period * s.f_old / s.mass
-    asked = s.mass * (-t["a"] * t["w"]) / s.period + s.f_old
-    given = (
-        equal(s.applied - s.observer_cuts["drag"], asked),
-        equal(s.mass * (s.v - s.old), t["mu"] * s.period * asked),
-    )
-    left = (1 - share * t["mu"]) * q - mutation * share * t["a"] * (1 - t["mu"]) * t["w"]
-    goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
-    return s.states((goal,), (*s.observed, *given), s.observer_cuts, t)
-
-
-@wrong_mass_claim(
-    "prox.jury",
-    given="mu = M^/M, L = 1 - exp(-wo T), v+ = v - a w: a = 1 - E below v_u2 with the target "
-    "held; c held",
-    premises=LOOP,
-)
-def jury(mutation: Mutation) -> Statement:
-    """velocity loop with observer: 1 + tr + det = 4 - mu (2 (a + L) - a L), 1 - tr + det = mu a L.
-
-    The two numbers that decide the sampled loop's stability.
-    """
-    t = symbols("mu a L")
-    loop = _matrix(t["mu"], t["a"], t["L"])
-    trace, det = loop[0, 0] + loop[1, 1], loop[0, 0] * loop[1, 1] - loop[0, 1] * loop[1, 0]
-    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - mutation * t["a"] * t["L"])
-    return Statement(
-        t, (equal(1 + trace + det, edge), equal(1 - trace + det, t["mu"] * t["a"] * t["L"]))
-    )
-
-
-@wrong_mass_claim("prox.light-model", given="0 < a, L < 1", premises="prox.jury")
-def light_model(mutation: Mutation) -> Statement:
-    """M^ <= (4/3) M makes the velocity loop stable for every rho, T and wo.
-
-    Believe a mass that is rather too small. This is about a target that is held: the tracking loop
-    makes a larger (a = (1 - E)(1 + T k1) on the linear axis), and `check` has its limits.
-    """
-    t = symbols("mu a L")
-    given = [part for name in ("a", "L") for part in (above(t[name]), above(ca.SX(1), t[name]))]
-    share = mutation(4 / ca.SX(3), ca.SX(1.5))
-    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - t["a"] * t["L"])
-    det = 1 - t["mu"] * (t["a"] + t["L"]) + t["mu"] * t["a"] * t["L"]
-    return Statement(
-        t, (above(edge), above(ca.SX(1), det)), (*given, above(t["mu"]), at_least(share, t["mu"]))
-    )
-
-
-@wrong_mass_claim(
-    "prox.any-mass.step{key}",
-    given=f"{MASSES}; no disturbance",
-    premises=LOOP,
-    wording="w^2 + 2 p w q + s q^2 falls by g^2 in a sample for every mu in [5/8, 5/3] and every a "
-    "in [{numbers[least]}, 1], and is at least (w^2 + q^2)/2; L, p, s and g as in "
-    "prox.wrong-mass{key}",
-    over=tuple(table | {"corners": False} for table in BELIEFS),
-)
-@wrong_mass_claim(
-    "prox.wrong-mass{key}",
-    given=f"{MASSES}: at its corners; no disturbance",
-    premises=LOOP,
-    over=BELIEFS,
-)
-def wrong_mass(mutation: Mutation, numbers: Mapping[str, str], corners: bool = True) -> Statement:
-    """w^2 + 2 p w q + s q^2 falls by g^2 in a sample at the four corners mu in {{5/8, 5/3}}, a in
-    {{{numbers[least]}, 1}}: L = {numbers[L]}, p = {numbers[p]}, s = {numbers[s]}, g = {numbers[g]}.
-
-    A mass believed wrong by that much makes nothing grow.
-    """
-    t = symbols("w q mu a " + " ".join(numbers))
-    p, s = t["p"], t["s"]
-    w, q = ca.vertsplit(_matrix(t["mu"], t["a"], t["L"]) @ ca.vertcat(t["w"], t["q"]))
-    form = t["w"] ** 2 + 2 * p * t["w"] * t["q"] + s * t["q"] ** 2
-    left = t["g"] ** 2 * form
-    shares = {name: Fraction(value) for name, value in numbers.items()}
-    exact = [equal(x.denominator * t[name], x.numerator) for name, x in shares.items()]
-    sides = (8 * t["mu"] - 5) * (3 * t["mu"] - 5), (t["a"] - t["least"]) * (t["a"] - 1)
-    within = [equal(side) if corners else at_least(-side) for side in sides]
-    goal = at_least(mutation(1, 0.9) * left, w**2 + 2 * p * w * q + s * q**2)
-    positive = () if corners else (at_least(form, 0.5 * (t["w"] ** 2 + t["q"] ** 2)),)
-    return Statement(t, (goal, *positive), (*exact, *within))

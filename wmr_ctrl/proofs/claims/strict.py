@@ -13,7 +13,6 @@ from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import Tracking
-from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
@@ -57,6 +56,7 @@ START = {
 }
 NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
 TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
+FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
 claim = Claims(by=Z3(effort=150))
 
 
@@ -194,18 +194,32 @@ def level_set(mutation: Mutation) -> Statement:
 @claim(
     "level.invariant",
     (31,),
-    given="level.pull with y = k1 e1 and y = k3 sin e3, level.rate, level.inside",
-    by=HAND,
-    premises="level.pull level.rate level.argument level.inside",
+    given="k2 > 0; level.pull with y = k1 e1 and y = k3 sin e3, where level.inside has |p1| <= "
+    "v_u21, |p2| <= v_u22; k1, k3 > 0",
+    by=Z3(effort=150, points=(FACING,)),
+    premises="level.pull level.rate level.argument level.inside lemma.integration",
 )
-def level_invariant() -> None:
+def level_invariant(mutation: Mutation) -> Statement:
     """with v = v_c1 (velocities at their limited targets) the set {V2 < min(2/k2, ((v_u22 -
-    |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it.
+    |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it, and V2 >= 2/k2 where |e3| = pi.
 
     The paper proves tracking only while no limit is touched, and never shows that the robot gets
     there. This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is
     saturated.
     """
+    t = Tracking()
+    names = {**t.names, **symbols("x1 x2")}
+    e, k, x = t.e, t.k, ca.vertcat(names["x1"], names["x2"])
+    p = ca.vertcat(t.v_d[0] * ca.cos(e[2]), t.v_d[1] + k[1] * t.v_d[0] * e[1])
+    pulls = e[0], ca.sin(e[2])
+    given = (
+        *(above(k[i]) for i in range(3)),
+        *(at_least((x[i] - p[i]) * k[2 * i] * pulls[i]) for i in (0, 1)),
+    )
+    behind = ca.if_else(ca.cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
+    rate = analysis.position_rate(e, x, t.v_d, k[1])
+    goals = at_least(0, mutation * rate), at_least(behind)
+    return Statement(names, goals, given)
 
 
 @claim(

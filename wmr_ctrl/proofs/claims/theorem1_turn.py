@@ -12,15 +12,7 @@ from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.theorem1 import conditions
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    equal,
-    positive,
-    symbols,
-)
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, positive, symbols
 
 BARELY_PAST = tuple(
     at(e3=angle, z1=0, z2=0, k1=1, k2=1, k3=1, root="0.1", eps1="0.01", x="0.1")

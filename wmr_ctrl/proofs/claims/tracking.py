@@ -10,7 +10,6 @@ from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.statement import (
     Relation,
@@ -67,6 +66,7 @@ SIGNED = Case(
 GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 ANY = "any e, z, v_d and k2 != 0"
 PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
+QUARTER = at(e3="3/2", share="13/20", x="37/50")
 SLIGHT = at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", **PAPER, eps0="1/2", root="1/2")
 claim = Claims(by=Ring(GAINS), form=PRINTED)
 
@@ -188,12 +188,19 @@ def twice_threshold(_: Mutation) -> Statement:
     "eq39.corrected",
     (39,),
     form=CORRECTED,
-    given="x < pi/4; |sin t| >= (2/pi) |t| for |t| <= pi/2",
-    by=HAND,
+    given="x >= 0; |sin e3| >= share |e3| for |e3| <= pi/2, share = 2/pi > 7/11",
+    by=Z3(points=(QUARTER,)),
     premises="eq39.threshold lemma.sine",
 )
-def eq39_corrected() -> None:
+def quarter_turn(mutation: Mutation) -> Statement:
     """|e3| > 2 x and |e3| <= pi/2 make |sin e3| > x, x the bracket.
 
     Within a quarter turn the argument is right.
     """
+    t = symbols("e3 share x")
+    angle, share, x = t.values()
+    given = (
+        at_least(x), above(ca.fabs(angle), 2 * x), above(11 * share, 7),
+        at_least(ca.fabs(ca.sin(angle)), share * ca.fabs(angle)),
+    )  # fmt: skip
+    return Statement(t, (above(ca.fabs(ca.sin(angle)), mutation(1, 2) * x),), given)

@@ -13,7 +13,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
-from wmr_ctrl.proofs.traced import Tracing, expression, traced
+from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
 from wmr_ctrl.world.effect import Bound, Effect
@@ -37,10 +37,11 @@ class EffectGraph:
     def _bounded(self, share: float) -> tuple[Bound, Tracing]:
         scenario, trace = traced(self.scenario, self.tables, share)
         assert self.effect.bound is not None
-        return self.effect.bound(scenario), trace
+        with functions_for_traced("wmr_ctrl.world", but="wmr_ctrl.world.effect"):
+            return self.effect.bound(scenario), trace
 
     def bound(self, name: str) -> list[ca.SX]:
-        """The pair ``name`` of the effect's Bound, for the symbols of its graph.
+        """The pair or number ``name`` of the effect's Bound, for the symbols of its graph.
 
         What it asks of its numbers on the way becomes part of what is claimed (`states`).
         ValueError where it hangs on a number that is no symbol.
@@ -48,22 +49,26 @@ class EffectGraph:
         pairs = []
         for told, trace in ((self.told, self.trace), self._bounded(1.25)):
             names = ca.vertcat(*(self.symbols[key] for key in trace.symbols))
-            found = ca.vertcat(*map(expression, vars(told)[name]), *trace.met)
+            value = vars(told)[name]
+            pair = value if isinstance(value, tuple) else (value,)
+            found = ca.vertcat(*map(expression, pair), *trace.met)
             pairs.append(ca.substitute(found, ca.vertcat(*trace.symbols.values()), names))
         if not ca.is_equal(pairs[0], pairs[1], 100):
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
-        first, second, *met = ca.vertsplit(pairs[0])
-        self.way = tuple(at_least(item, 1) for item in met)
-        return [first, second]
+        parts = ca.vertsplit(pairs[0])
+        self.way = tuple(at_least(item, 1) for item in parts[len(pair) :])
+        return parts[: len(pair)]
 
     def states(
         self,
         goals: Iterable[Relation],
         given: Iterable[Relation],
         cuts: Mapping[str, ca.SX] | None = None,
+        more: Mapping[str, ca.SX] | None = None,
     ) -> Statement:
-        """The statement about this effect."""
-        return Statement(self.symbols, (*goals, *self.way), tuple(given), cuts or {})
+        """The statement about this effect, and ``more`` symbols."""
+        table = {**self.symbols, **(more or {})}
+        return Statement(table, (*goals, *self.way), tuple(given), cuts or {})
 
     @cached_property
     def system(self) -> System:
@@ -114,7 +119,7 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
 
     What an encoder adds to nbar beside the window.
     """
-    g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),))
+    g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),), "robot clock")
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
     now = encoder.turned(scenario, g.parameters, g["path"], skidded)
     turn = symbols("old_right old_left")
@@ -127,16 +132,13 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
         for item in (at_least(real[i], part[i]), above(1, real[i] - part[i]))
     ]
     exact = encoder.velocity_of((now - old) / g["clock.control"], g.parameters)
-    believed = (g["robot.r"], g["robot.l"])
-    bound = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
+    bound = g.bound("nbar")[axis]
     off = g.system.outputs[axis].expr - exact[axis]
     most = mutation(bound, 0.9 * bound)
     sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
     cuts = {"turn_right": now[0], "turn_left": now[1]}
-    return Statement(
-        {**g.symbols, **turn}, (above(most, off), above(off, -most)), (*sides, *given),
-        {**cuts, **{"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}},
-    )  # fmt: skip
+    cuts |= {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
+    return g.states((above(most, off), above(off, -most)), (*sides, *given), cuts, turn)
 
 
 @claim.also(
@@ -152,22 +154,22 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
 
     What wrong radii add to nbar of an encoder.
     """
-    g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0), *WHEELS))
-    t = symbols("v omega u1 u2")
+    numbers = (("encoder.counts", 64.0), *WHEELS)
+    g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
     turn = encoder.turned(g.scenario, g.parameters, t["v"], t["omega"])
     shown = encoder.velocity_of(turn, g.parameters)[axis]
-    radius = (g["wheels.radius[1]"], g["wheels.radius[2]"])
-    bounds = wheels.misread_by(radius, g["wheels.track"], g["robot.l"], (t["u1"], t["u2"]))
+    u1, u2 = (g[f"limits.v_u1[{i}]"] for i in (1, 2))
+    counted = encoder.rounded_by(
+        (g["robot.r"], g["robot.l"]), g["encoder.counts"], g["clock.control"]
+    )
+    most = g.bound("nbar")[axis] - counted[axis]
     off = shown - (t["v"] if axis == 0 else t["omega"])
     given = (
-        *positive(g, "robot.r", "robot.l", "encoder.counts"),
+        *positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
-        *within(t["v"], t["u1"]),
-        *within(t["omega"], t["u2"]),
-        above(t["u1"]),
-        above(t["u2"]),
-    )
-    return Statement({**g.symbols, **t}, within(off, bounds[axis] * mutation(1, 0.9)), given)
+        *within(t["v"], u1), *within(t["omega"], u2), above(u1), above(u2),
+    )  # fmt: skip
+    return g.states(within(off, most * mutation(1, 0.9)), given, None, t)
 
 
 @claim.also(

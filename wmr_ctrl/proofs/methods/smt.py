@@ -22,7 +22,7 @@ from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
 from wmr_ctrl.proofs.methods.spec import Z3, Finding, Point
-from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
+from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement, behind
 from wmr_ctrl.proofs.walk import ARITHMETIC, Arithmetic, UndecidedError, Walk
 
 
@@ -297,9 +297,10 @@ def _guards(walk: Walk, goals: int) -> dict[int, Any]:
     for k in range(len(walk.graph.nodes) - 1, -1, -1):
         if k not in guards:
             continue
-        args = walk.graph.nodes[k].args
+        node = walk.graph.nodes[k]
+        args = node.args if node.op != "input" else behind(walk.graph, k)
         conditions = [guards[k]] * len(args)
-        if walk.graph.nodes[k].op == "choose":
+        if node.op == "choose":
             truth = walk.truth(args[0])
             conditions[1:] = z3.And(guards[k], truth), z3.And(guards[k], z3.Not(truth))
         for arg, condition in zip(args, conditions, strict=True):
