@@ -33,7 +33,6 @@ _SLOPE: Mapping[str, Overrides] = {
     "mujoco": {"body.slope": _STEEP},
 }
 
-
 AS_PRINTED, LIMITED = "no torque limit, as printed", "torque limit 10 N m"
 ENCODERS = "encoders of 4096 counts, no torque limit"
 GUARDED, SLOPED = (

@@ -45,7 +45,6 @@ Columns: TypeAlias = dict[str, np.ndarray]
 P = ParamSpec("P")
 T = TypeVar("T")
 
-
 MOST_LOOPS = 16
 """Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 

@@ -27,7 +27,6 @@ from wmr_ctrl.sim.batch import check_jobs
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""
 
-
 MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 """Outcome and figures of a chunk's runs on so many threads; what executors run."""
 

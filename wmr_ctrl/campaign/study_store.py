@@ -38,6 +38,7 @@ REFUSAL = "refusal"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 """A number within the words of a refusal; the one in ``v_u1`` is none."""
 FORMAT = "wmr_ctrl study, version 1"
+TEXTS, COUNTS = ("law", "outcome", "refusal"), ("index", "seed")
 
 
 class StudyFolder:
@@ -211,9 +212,6 @@ def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:
             f"{str(folder)!r} was begun with other code ({listed}), whose results may differ. Name "
             "another folder, or go on with that version."
         )
-
-
-TEXTS, COUNTS = ("law", "outcome", "refusal"), ("index", "seed")
 
 
 def write_columns(folder: str | Path) -> Path:

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 TEXT = "scenario_toml"
 """Provenance key of a run's scenario."""
+IN_PART = ("assumption-void", "exact-pose")
+"""Remarks that narrow what a run shows, and blame it for nothing."""
 
 
 @dataclass(frozen=True)
@@ -108,10 +110,6 @@ class CheckVerdict(StrEnum):
     HOLDS = "holds"
     IN_PART = "holds-in-part"
     OBJECTED = "objected"
-
-
-IN_PART = ("assumption-void", "exact-pose")
-"""Remarks that narrow what a run shows, and blame it for nothing."""
 
 
 def verdict(warnings: Sequence[Warning], run: Run | None) -> CheckVerdict:

@@ -27,6 +27,8 @@ MARGIN = 1e-9
 """A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
 RTOL = 1e-7
 """Of an edge of stability; four digits of it are printed."""
+STRETCHES = 16
+"""Into so many stretches of constant velocity the period of a reference is divided."""
 
 
 def largest_radius(
@@ -104,10 +106,6 @@ def _of_product(matrices: Sequence[Floats], counts: NDArray[np.intp]) -> float:
         total, scale = total / norm, scale + count * math.log(size) + math.log(norm)
     own = radius(total)
     return math.exp((math.log(own) + scale) / int(counts.sum())) if own > 0 else 0.0
-
-
-STRETCHES = 16
-"""Into so many stretches of constant velocity the period of a reference is divided."""
 
 
 @lru_cache(maxsize=64)

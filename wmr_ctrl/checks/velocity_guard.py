@@ -22,7 +22,6 @@ AGAINST, BRAKES = ("against friction ", ""), ("friction + ", "")
 MOTIONLESS = ("no motion at all", "no turn at all")
 """Words for the way ahead, and for a turn, which no friction brakes."""
 
-
 SHAKEN = 0.25
 """Share of the wheels' torque limit that is a violent swing; without limit friction's torque is."""
 

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
-
 NOT_THE_PATH = "how well the path is followed is not"
 
 

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 
 SCENARIO = "paper-simulation"
 F = TypeVar("F", bound=Callable[..., object])
+FILE_SUFFIXES = (
+    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", ".csv", ".npz", ".parquet", ".mcap",
+    ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
+)  # fmt: skip
+"""Ends of names that are a file's: whoever asks for a folder of such a name means a file."""
 
 
 def _remember_debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:
@@ -133,13 +138,6 @@ def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None
             f"{option} {path!r} must end in {' or '.join(suffixes)}: the suffix chooses the format."
         )
     check_writable(path)
-
-
-FILE_SUFFIXES = (
-    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", ".csv", ".npz", ".parquet", ".mcap",
-    ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
-)  # fmt: skip
-"""Ends of names that are a file's: whoever asks for a folder of such a name means a file."""
 
 
 def check_folder(path: str, option: str) -> None:

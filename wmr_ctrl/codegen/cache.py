@@ -44,6 +44,9 @@ _STAMP = "stamp.json"
 _UNFINISHED = "building-"
 _DAY = 86400.0
 _checked: set[tuple[str, int]] = set()
+_ELF = {1: ("IIIIHHHHHH", "I", 4, 16), 2: ("QQQIHHHHHH", "Q", 8, 32)}
+"""By an ELF file's class, 32 or 64 bits: formats of the header from byte 24 on and of a segment's
+numbers, and the places of a segment's offset and size in its row."""
 
 
 def build_cached(
@@ -214,11 +217,6 @@ def _sweep(parent: Path) -> None:
                     shutil.rmtree(folder, ignore_errors=True)
         except (OSError, Timeout):
             continue  # it is being built, or another process removed it meanwhile
-
-
-_ELF = {1: ("IIIIHHHHHH", "I", 4, 16), 2: ("QQQIHHHHHH", "Q", 8, 32)}
-"""By an ELF file's class, 32 or 64 bits: formats of the header from byte 24 on and of a segment's
-numbers, and the places of a segment's offset and size in its row."""
 
 
 def is_complete(library: Path) -> bool:

@@ -36,7 +36,6 @@ QUALIFIERS = """\
 """
 """C lines before the first prototype: what stands before functions and beside their pointers."""
 
-
 PREPARED = "c"
 """Name of the vector of prepared values."""
 

@@ -33,7 +33,6 @@ PERIODS = {
 """Control periods [s] at which a law, guarded or not, kept the limit in simulation wherever double
 precision did; the tests of the boards repeat it."""
 
-
 BAND_MARGIN = 2.0**-12
 """The same for the command filter's band, whose forecasts are sums over up to 128 commands: each
 adds three roundings of at most four times the limit, and its tables are rounded, too."""

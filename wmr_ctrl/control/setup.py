@@ -41,6 +41,7 @@ KINEMATICS = "kinematics"
 GUARD_ALONE = "guard"
 """Name of a setup without a law."""
 S = TypeVar("S", bound=Section)
+_FINITE: dict[tuple[object, ...], None] = {}
 
 
 @dataclass(frozen=True)
@@ -316,9 +317,6 @@ def one_period_later(scenario: Scenario) -> Scenario:
     """
     delay = scenario.actuator.delay + scenario.clock.control
     return override(scenario, {"actuator.delay": delay})
-
-
-_FINITE: dict[tuple[object, ...], None] = {}
 
 
 def _finite_reference(scenario: Scenario) -> None:

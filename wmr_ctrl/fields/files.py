@@ -16,6 +16,8 @@ from wmr_ctrl.fields.problems import printable
 LARGEST_FILE = 1_000_000
 """Bytes; a scenario is far smaller."""
 TOML = (".toml",)
+EXCERPT = 72
+"""Characters of a line that are shown at most, around the column."""
 
 
 def read_text(
@@ -88,10 +90,6 @@ def _place(problem: str, text: str) -> tuple[str, int, int]:
     reason, line, column = place.groups() if place else (problem, len(lines), len(lines[-1]) + 1)
     reason = reason.removesuffix(" (at end of document)")[:200]
     return printable(reason[:1].lower() + reason[1:]), int(line), int(column)
-
-
-EXCERPT = 72
-"""Characters of a line that are shown at most, around the column."""
 
 
 def excerpt(text: str, line: int, column: int) -> str:

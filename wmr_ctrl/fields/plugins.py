@@ -11,6 +11,7 @@ from wmr_ctrl.errors import ArgumentError, WmrError
 from wmr_ctrl.fields.problems import show
 
 T = TypeVar("T")
+_REMEDY = "Mend or uninstall the package that has it."
 
 
 @contextmanager
@@ -52,9 +53,6 @@ def loaded(group: str, kind: type[T]) -> tuple[T, ...]:
             )
         values.append(value)
     return tuple(values)
-
-
-_REMEDY = "Mend or uninstall the package that has it."
 
 
 def _named(point: EntryPoint, group: str) -> str:

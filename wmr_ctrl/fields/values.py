@@ -18,7 +18,6 @@ LARGEST = 1e12
 LONGEST = 1_000_000
 """Elements of an array; a path has some thousand points."""
 
-
 V = TypeVar("V")
 
 

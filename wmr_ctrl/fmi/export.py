@@ -29,6 +29,8 @@ TOOL = f"wmr_ctrl {__version__}"
 VERSIONS = {"2": (2,), "3": (3,), "both": (2, 3)}
 
 Progress = Callable[[str], None]
+_MAGIC = 0xCAFEBABE
+_ALIGNMENT = 14  # of each slice, as a power of two: 16 KiB pages
 
 
 def export_fmu(
@@ -168,10 +170,6 @@ def binaries(model: FmuModel, version: int, built: Mapping[str, bytes]) -> dict[
     if version == 2 and both:
         packed[f"binaries/darwin64/{model.identifier}.dylib"] = joined(both)
     return packed
-
-
-_MAGIC = 0xCAFEBABE
-_ALIGNMENT = 14  # of each slice, as a power of two: 16 KiB pages
 
 
 def joined(libraries: Sequence[bytes]) -> bytes:

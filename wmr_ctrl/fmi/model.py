@@ -17,6 +17,8 @@ RUNTIME = {
     "loop": ("loop.c", "loop.h", "noise.c", "noise.h", "seed.c", "seed.h"),
 }
 """Files of fmu/runtime that a kind of model needs besides arithmetic.h."""
+ORDERS = {("limits.v_u2", "limits.v_u1"): True, MASS_KEYS: False}
+"""Parameters of which the first must be below the second in each element, or (False) not above."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,6 @@ class FmuModel:
     def row(self, name: str) -> int:
         """Row of the variable called ``name``."""
         return next(i for i, item in enumerate(self.variables) if item.name == name)
-
-
-ORDERS = {("limits.v_u2", "limits.v_u1"): True, MASS_KEYS: False}
-"""Parameters of which the first must be below the second in each element, or (False) not above."""
 
 
 def orders(model: FmuModel) -> list[tuple[int, int, bool]]:

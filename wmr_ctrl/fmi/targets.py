@@ -22,6 +22,14 @@ from wmr_ctrl.fmi.sources import Sources
 
 VARIABLE = "WMR_CTRL_FMU_CC"
 """Environment variable that names the C compiler of FMUs for this machine."""
+_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
+HEAVY = {
+    "kernels.c": ("kernels.c", "kernels.h", HEADER),
+    "jacobian.c": ("jacobian.c", "jacobian.h", HEADER),
+}
+"""Units that take long to compile, with all that they read: models share them across scenarios."""
+LIGHT = "light.c"
+"""All other units as one, which takes a third of the time; the FMU itself carries each."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +50,6 @@ TARGETS = (
     Target("aarch64-darwin", "aarch64-darwin", "aarch64-macos", ".dylib"),
 )
 """Linux binaries need glibc 2.17 or later."""
-_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 
 
 def host() -> str:
@@ -61,17 +68,6 @@ def targets_of(name: str) -> tuple[Target, ...]:
     if not chosen:
         raise UnknownNameError("target", wanted, ("host", "all", *(t.name for t in TARGETS)))
     return chosen
-
-
-HEAVY = {
-    "kernels.c": ("kernels.c", "kernels.h", HEADER),
-    "jacobian.c": ("jacobian.c", "jacobian.h", HEADER),
-}
-"""Units that take long to compile, with all that they read: models share them across scenarios."""
-
-
-LIGHT = "light.c"
-"""All other units as one, which takes a third of the time; the FMU itself carries each."""
 
 
 class PartlyBuiltError(CompilerError):

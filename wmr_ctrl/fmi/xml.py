@@ -36,6 +36,11 @@ _CAUSALITY = {
     Role.FIXED: "parameter",
     Role.TUNABLE: "parameter",
 }
+SECTIONS = {
+    2: ("Outputs", "Derivatives", "InitialUnknowns"),
+    3: ("Output", "ContinuousStateDerivative", "InitialUnknown"),
+}
+"""Names of ModelStructure's sections, by version of FMI."""
 
 
 def description(
@@ -190,13 +195,6 @@ def _fmi3_variable(model: FmuModel, row: int, v: Variable, arrays: bool) -> dict
     attributes += [("start", start)] if start else []
     kind, dimensions = "Int64" if v.integer else "Float64", [size] if whole else []
     return {"type": kind, "attributes": attributes, "dimensions": dimensions}
-
-
-SECTIONS = {
-    2: ("Outputs", "Derivatives", "InitialUnknowns"),
-    3: ("Output", "ContinuousStateDerivative", "InitialUnknown"),
-}
-"""Names of ModelStructure's sections, by version of FMI."""
 
 
 def _structure(model: FmuModel, version: int, arrays: bool) -> list[dict[str, Any]]:

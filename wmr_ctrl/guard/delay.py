@@ -46,7 +46,6 @@ if TYPE_CHECKING:
 Sent = Sequence[tuple[ca.SX, ca.SX | float]]
 """Forces (2, n) of which any may act [N, N m], with the periods for which they count."""
 
-
 Number = float | ca.SX
 Both = tuple[ca.SX, ca.SX]
 """Ahead and back."""

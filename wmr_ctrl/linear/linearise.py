@@ -17,6 +17,8 @@ from wmr_ctrl.model.system import System
 from wmr_ctrl.signals import FORCE, TRACKING_ERROR, VELOCITY, Signal
 
 Floats = NDArray[np.float64]
+MARGINAL = 1e-7
+"""Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
 
 
 def element_names(signals: Iterable[Signal]) -> list[str]:
@@ -37,10 +39,6 @@ STATES = element_names((TRACKING_ERROR, *VELOCITY))
 def column(value: ArrayLike) -> Floats:
     """A CasADi column as a flat array."""
     return np.asarray(value, dtype=float).ravel()
-
-
-MARGINAL = 1e-7
-"""Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
 
 
 def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:

@@ -25,6 +25,8 @@ from wmr_ctrl.scenario import Model, Scenario
 LOWEST, POINTS = 1e-3, 1000
 HIGHEST = 1e5
 """Frequencies of the search [rad/s]; sampled loops end at the Nyquist frequency."""
+FACTORS = (0.5, 1.5)
+PARAMETERS = ("m", "I", "mu")
 
 
 @dataclass(frozen=True)
@@ -168,10 +170,6 @@ def _roots(of: Callable[[float], float], grid: Floats, values: Floats) -> list[f
     signs = np.signbit(values)
     pairs = [pair for k, pair in enumerate(pairwise(grid)) if signs[k] != signs[k + 1]]
     return [float(brentq(of, low, high, rtol=1e-12)) for low, high in pairs]
-
-
-FACTORS = (0.5, 1.5)
-PARAMETERS = ("m", "I", "mu")
 
 
 @dataclass(frozen=True)

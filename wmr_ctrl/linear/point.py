@@ -20,6 +20,12 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS
 from wmr_ctrl.world.references import sample
 
+INSTANTS = 257
+"""Times of a reference among which the fastest is looked for."""
+CLIP_ACTIVE = GUARD_DIAGNOSTICS[0]
+SAMPLES = 200
+"""Samples after which what guard and law remember of a point is taken as settled."""
+
 
 def law_loop(scenario: Scenario, law: str) -> Loop:
     """``law`` on ``scenario`` as the checks see it, built once."""
@@ -36,10 +42,6 @@ def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
     """Desired velocity (2) and its rate (2) at time ``t`` [s]."""
     desired = sample(scenario, np.array([t]))[0]
     return desired[3:5], desired[5:7]
-
-
-INSTANTS = 257
-"""Times of a reference among which the fastest is looked for."""
 
 
 def instant(scenario: Scenario, at: float | None) -> float:
@@ -128,11 +130,6 @@ def learned_point(scenario: Scenario, law: str, t: float = 0.0) -> Point | None:
         return resting_point(scenario, law, t)
     except ArgumentError:
         return on_reference(scenario, law, t)
-
-
-CLIP_ACTIVE = GUARD_DIAGNOSTICS[0]
-SAMPLES = 200
-"""Samples after which what guard and law remember of a point is taken as settled."""
 
 
 def check_inactive(scenario: Scenario, law: str, t: float) -> None:

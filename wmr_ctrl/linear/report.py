@@ -45,6 +45,8 @@ AXES = (0, 1)
 _MARGIN_NAMES = tuple(field.name for field in fields(Margins))
 FASTEST = 8
 """Poles of the adaptive loop that are listed: the rightmost ones; the rest are the leak's."""
+SLOW_PARTS = 8
+"""Parts of a report that take their time."""
 
 
 @dataclass(frozen=True)
@@ -166,10 +168,6 @@ class _Steps:
         if self._progress:
             self._progress(min(1.0, self._done / self._count))
         return value
-
-
-SLOW_PARTS = 8
-"""Parts of a report that take their time."""
 
 
 def report_linear(

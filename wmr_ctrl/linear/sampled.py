@@ -34,6 +34,7 @@ from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.scenario import Scenario
 
 LAW = "nn"
+SPEEDS = 400
 
 
 def spectral_radius(
@@ -97,9 +98,6 @@ def _for_own_period(loop: Loop, limit: Callable[[float], Floats]) -> Floats:
         return lambda period: period / float(limit(period)[axis])
 
     return np.array([supremum(share(axis), shortest=1e-3, ratio=2.0) for axis in (0, 1)])
-
-
-SPEEDS = 400
 
 
 def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) -> Floats | None:

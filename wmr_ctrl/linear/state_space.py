@@ -23,6 +23,10 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
 MEMORY = ("frozen", "learning")
+GONE = 1e-6
+"""Sampled poles up to this size are gone within a sample: what is only passed on."""
+STILL = 1e-12
+"""Variation of the desired velocity [m/s, rad/s] that counts as none."""
 
 
 def is_learning(memory: str) -> bool:
@@ -117,10 +121,6 @@ def closed_loop(
     )
 
 
-GONE = 1e-6
-"""Sampled poles up to this size are gone within a sample: what is only passed on."""
-
-
 def poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") -> Floats:
     """Poles [1/s], those furthest right first; ln z / T of the sampled loop where it is late."""
     if not late(scenario):
@@ -134,10 +134,6 @@ def poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") ->
 def _sorted(poles: ArrayLike) -> Floats:
     values = np.asarray(poles, dtype=complex)
     return values[np.lexsort((values.imag, -values.real))]
-
-
-STILL = 1e-12
-"""Variation of the desired velocity [m/s, rad/s] that counts as none."""
 
 
 @dataclass(frozen=True)

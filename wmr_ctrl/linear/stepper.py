@@ -29,6 +29,11 @@ from wmr_ctrl.scenario import Scenario
 
 LONGEST_STEP = 2e-3
 """Runge-Kutta steps [s] are at most this long where the control period is not a multiple of dt."""
+SETTLE, MEASURE = 4, 4
+"""Periods that are waited, and then measured, at least."""
+LEVELS = (0.01, 0.1, 1.0)
+"""Deviations of interest: 1, 10 and 100 %."""
+FORWARD, SIDEWAYS = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -130,10 +135,6 @@ def _one_period(scenario: Scenario, law: str, at: Point, period: float, memory: 
     return ca.Function("period", [start, push], [after, force])
 
 
-SETTLE, MEASURE = 4, 4
-"""Periods that are waited, and then measured, at least."""
-
-
 def sweep(
     loop: Stepper,
     axis: int,
@@ -172,12 +173,6 @@ def linear_gain(loop: ct.StateSpace, axis: int, frequencies: Floats, output: int
     """The same gain of a linear sampled loop from `wmr_ctrl.linear.closed_loop`."""
     points = np.exp(1j * np.asarray(frequencies) * loop.dt)
     return np.array([np.atleast_2d(loop(point))[output, axis] for point in points])
-
-
-LEVELS = (0.01, 0.1, 1.0)
-"""Deviations of interest: 1, 10 and 100 %."""
-
-FORWARD, SIDEWAYS = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True)

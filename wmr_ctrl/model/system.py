@@ -16,6 +16,8 @@ from wmr_ctrl.symbolic import ca
 
 Number = TypeVar("Number", float, "ca.SX")
 """A formula's quantity: a number, or a symbol for a graph or a proof of it."""
+UNIFORM, NORMAL = "uniform", "normal"
+"""Kinds of draws."""
 
 
 @dataclass(frozen=True)
@@ -163,10 +165,6 @@ def port(signal: Signal, value: Iterable[float] | float = 0.0) -> Port:
     if len(numbers) != signal.size:
         raise ValueError(f"{signal.name} needs {signal.size} values, got {len(numbers)}")
     return Port(signal, ca.SX.sym(signal.name, signal.size), numbers)
-
-
-UNIFORM, NORMAL = "uniform", "normal"
-"""Kinds of draws."""
 
 
 def draw(

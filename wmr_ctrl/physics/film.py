@@ -32,6 +32,7 @@ _DISTANCE, _AZIMUTH, _ELEVATION = 2.6, 60.0, -22.0
 """The camera's distance from the robot [m], its direction and its height [degrees]."""
 _TRAIL, _GOAL = (0.10, 0.35, 0.75, 1.0), (0.85, 0.33, 0.10, 0.8)
 _DOTS = 400
+_EMPTY = f"""<mujoco><worldbody><geom name="{CHASSIS}" size="1"/></worldbody></mujoco>"""
 
 
 @dataclass(frozen=True)
@@ -110,9 +111,6 @@ def _painter() -> Worker:
         "extra physics, which brings PyOpenGL, and EGL or OSMesa (apt install libegl1 libosmesa6), "
         f"or set {CHOICE} to what is there; --animate draws the run without either."
     )
-
-
-_EMPTY = f"""<mujoco><worldbody><geom name="{CHASSIS}" size="1"/></worldbody></mujoco>"""
 
 
 def paint(

@@ -27,6 +27,7 @@ Progress: TypeAlias = Callable[[float], None]
 T = TypeVar("T")
 _BEGIN = f"from {__name__} import serve; serve()"
 _ROOT = str(Path(__file__).parents[2])
+ResultsOf: TypeAlias = Callable[[Sequence[tuple[RunnableLoop, int]]], Iterator[T]]
 
 
 def make_each(
@@ -51,9 +52,6 @@ def make_each(
             if progress is not None:
                 progress(len(results) / len(runs))
     return results
-
-
-ResultsOf: TypeAlias = Callable[[Sequence[tuple[RunnableLoop, int]]], Iterator[T]]
 
 
 @contextmanager

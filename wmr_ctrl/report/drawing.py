@@ -20,6 +20,11 @@ from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_styl
 from wmr_ctrl.results import FloatArray, atomic_path, check_writable
 
 SUFFIXES = (".svg", ".png")
+Place: TypeAlias = Figure | SubFigure
+"""Target of a panel: a figure of its own, or a part of a sheet."""
+_SWITCH: Dash = (0, (2, 2))
+POINTS = 1500
+"""Points of a drawn trace; more cannot be told apart on a page."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +80,6 @@ def target_of(
     if write:
         check_writable(target)
     return target
-
-
-Place: TypeAlias = Figure | SubFigure
-"""Target of a panel: a figure of its own, or a part of a sheet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,9 +197,6 @@ def shade_limits(axes: Axes, limit: float) -> None:
     axes.set_ylim(low, high)
 
 
-_SWITCH: Dash = (0, (2, 2))
-
-
 def switch_handles(time: float | None) -> list[Line2D]:
     """Legend's entries for :func:`mark_switch`: one, or none."""
     return [] if time is None else [line_handle(f"new parameters, {time:g} s", MUTED, 0.9, _SWITCH)]
@@ -249,10 +247,6 @@ def rows_of(axes: Axes, labels: Sequence[str]) -> None:
 def law_rows(axes: Axes, laws: Iterable[str]) -> None:
     """One row per law."""
     rows_of(axes, [look(law).label for law in laws])
-
-
-POINTS = 1500
-"""Points of a drawn trace; more cannot be told apart on a page."""
 
 
 def thin(t: FloatArray, y: FloatArray, points: int = POINTS) -> tuple[FloatArray, FloatArray]:

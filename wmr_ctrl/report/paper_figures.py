@@ -39,6 +39,12 @@ Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""
 
 Draw: TypeAlias = Callable[[Place, Group, Padding], None]
+WIDTHS = (1.0, 1.75)
+GAP = 0.42
+START = 3.0
+"""Length of the beginning that is shown enlarged [s]."""
+PANEL_SIZE = (4.7, 2.9)
+SHEET_SIZE = (11.7, 15.6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +77,6 @@ def scenario_behind(run: Run) -> Scenario | None:
     """The scenario that the run says it was made from, if it says so."""
     text = run.provenance.get("scenario_toml")
     return loads_scenario(text) if text else None
-
-
-WIDTHS = (1.0, 1.75)
-GAP = 0.42
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,10 +154,6 @@ class WholeTrace:
         mark_switch(axes, switch_time(run))
 
 
-START = 3.0
-"""Length of the beginning that is shown enlarged [s]."""
-
-
 def draw_trajectory(place: Place, group: Group, padding: Padding) -> None:
     """Paths of all laws with their reference; on the right the first seconds; equal scales."""
     whole, start = row_of_axes(place, padding, (1.0, 1.0), 0.6)
@@ -228,9 +226,6 @@ PANELS = (
 )
 """Panels (a) to (l)."""
 
-
-PANEL_SIZE = (4.7, 2.9)
-SHEET_SIZE = (11.7, 15.6)
 _SHEET_PADDING = Padding(left=0.60, right=0.20, bottom=0.46, top=0.36)
 
 

@@ -56,6 +56,17 @@ SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75
 MARGINS = Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
+MOST_WAYPOINTS = 60
+"""More would hide the path that they are on."""
+SMALL = 100.0
+"""Errors that come farther [mm, mrad] are drawn on a scale that is logarithmic beyond NARROW."""
+NARROW = 10.0
+START = 2.0
+"""Transient [s] that may leave the view."""
+MEAN_TIME = 0.25
+"""Torques and V1 are drawn as means over so long [s], with their samples faint behind."""
+NEAR = 3.0
+"""A torque limit is drawn if it is at most so many times the largest torque after the start."""
 
 
 def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -98,10 +109,6 @@ def _draw(figure: Figure, run: Run) -> None:
     _errors(parts[5], run, "Orientation error e₃ [mrad]", {"e₃": "e[3]"}, tube)
     _torques(parts[6], run)
     _barrier(parts[7], run)
-
-
-MOST_WAYPOINTS = 60
-"""More would hide the path that they are on."""
 
 
 def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
@@ -193,11 +200,6 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     shade_limits(axes, limit)
 
 
-SMALL = 100.0
-"""Errors that come farther [mm, mrad] are drawn on a scale that is logarithmic beyond NARROW."""
-NARROW = 10.0
-
-
 def _errors(
     part: SubFigure, run: Run, title: str, columns: dict[str, str], tube: Corridor | None
 ) -> None:
@@ -233,14 +235,6 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float =
                   label=label if alpha == 1 else None)  # fmt: skip
     if len(rows) > 1 and alpha == 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
-
-
-START = 2.0
-"""Transient [s] that may leave the view."""
-MEAN_TIME = 0.25
-"""Torques and V1 are drawn as means over so long [s], with their samples faint behind."""
-NEAR = 3.0
-"""A torque limit is drawn if it is at most so many times the largest torque after the start."""
 
 
 def _torques(part: SubFigure, run: Run) -> None:

@@ -20,6 +20,9 @@ from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
 ISE = "ise_total"
+FRAMES = 6
+_BACK = 1.0
+"""Time from the film's start to the fall [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,11 +154,6 @@ def _draw_fall(figure: Figure, runs: dict[str, Run]) -> None:
     slip.set(xlabel="t [s]", ylabel="tread over ground [m/s]")
     tilt.set(xlabel="t [s]", ylabel="lean [degrees]")
     heading(figure, "Spin and fall of the laws as printed, on tyres", law_handles(runs), 0.26)
-
-
-FRAMES = 6
-_BACK = 1.0
-"""Time from the film's start to the fall [s]."""
 
 
 def _draw_film(figure: Figure, run: Run) -> None:

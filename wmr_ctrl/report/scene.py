@@ -37,6 +37,14 @@ WHEEL = (0.2, 0.05)
 
 TRACK = 0.25
 """Axle's midpoint to a wheel [m]."""
+_POSE, _TARGET, _V = ("x", "y", "theta"), ("x_d", "y_d", "theta_d"), ("v1", "omega")
+_SAME = 1e-6
+"""References this near [m, rad] are one: runs of other periods sample them at other times."""
+_DPI = 100
+_SIZE = (5.6, 6.2)
+"""Width and height [inch]; both an even number of pixels, as films want them."""
+Picture: TypeAlias = NDArray[np.uint8]
+"""Rows, columns, colours."""
 
 
 @dataclass(frozen=True)
@@ -103,11 +111,6 @@ def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Sc
     return Scene(title, tuple(actors), t, target, longest.settings.v_u1, view)
 
 
-_POSE, _TARGET, _V = ("x", "y", "theta"), ("x_d", "y_d", "theta_d"), ("v1", "omega")
-_SAME = 1e-6
-"""References this near [m, rad] are one: runs of other periods sample them at other times."""
-
-
 def _columns(run: Run, rows: NDArray[np.intp], *names: str) -> FloatArray:
     frames = run.settings.frames
     columns = (run[name] for name in names)
@@ -140,13 +143,8 @@ def outline(pose: FloatArray, length: float, width: float, aside: float = 0.0) -
     return np.asarray(centre + signs[:, :1] * length * ahead + signs[:, 1:] * width * right)
 
 
-_DPI = 100
-_SIZE = (5.6, 6.2)
-"""Width and height [inch]; both an even number of pixels, as films want them."""
 FRAME = (round(_SIZE[0] * _DPI), round(_SIZE[1] * _DPI))
 """The same in pixels."""
-Picture: TypeAlias = NDArray[np.uint8]
-"""Rows, columns, colours."""
 
 
 def frames(scene: Scene) -> Iterator[Picture]:

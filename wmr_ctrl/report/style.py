@@ -39,9 +39,12 @@ DASHED = (0, (5, 1.6))
 DASH_DOT = (0, (6, 1.5, 1.2, 1.5))
 DOTTED = (0, (1.2, 1.4))
 
-
 Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 """A line's dash pattern, as matplotlib takes it."""
+_SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
+_SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
+          "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip
+ABSENT = "–"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +67,6 @@ _LOOKS = {
     "pursuit": Look("pursuit", "#8a5a2b", DASH_DOT, "X"),
 }
 """The paper's laws, from light to dark, so that they stay apart without colour; ours; the peers."""
-
-_SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
 
 AFTER_DARK: Mapping[str, str] = MappingProxyType(
     {
@@ -169,10 +170,6 @@ def house_style() -> Iterator[None]:
         yield
 
 
-_SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
-          "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip
-
-
 def unit_text(unit: str) -> str:
     """A unit as readers write it (``N.m`` -> ``N m``, ``m2.s + rad2.s`` -> ``m² s + rad² s``)."""
     return " + ".join(_SIGNS.get(part, part) for part in unit.split(" + "))
@@ -182,9 +179,6 @@ def with_unit(text: str, unit: str) -> str:
     """An axis label: the quantity, and its unit in brackets if it has one."""
     shown = unit_text(unit)
     return f"{text} [{shown}]" if shown else text
-
-
-ABSENT = "–"
 
 
 def shown(value: float | None, digits: int = 3) -> str:

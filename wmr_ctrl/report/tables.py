@@ -17,6 +17,8 @@ from wmr_ctrl.results.table import RunTable, Spread
 from wmr_ctrl.results.windows import LATE, WINDOWS, named, seconds, windows_of
 
 T = TypeVar("T")
+_KILO = {"m": "mm", "rad": "mrad"}
+"""Units in which errors are short to read; the files keep metres and radians."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,10 +72,6 @@ def ranged(values: Spread, factor: float = 1.0, digits: int = 3) -> str:
     numbers = (factor * number for number in (values.median, values.min, values.max))
     middle, low, high = (shown(number, digits) for number in numbers)
     return middle if low == high else f"{middle} ({low} … {high})"
-
-
-_KILO = {"m": "mm", "rad": "mrad"}
-"""Units in which errors are short to read; the files keep metres and radians."""
 
 
 @dataclass(frozen=True, slots=True)

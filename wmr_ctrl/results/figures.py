@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 GROUP = "wmr_ctrl.figures"
 Take = Callable[["Run"], float | None]
+STATE = (("x", "m"), ("y", "m"), ("theta", "rad"), ("v1", "m/s"), ("omega", "rad/s"))
+SHARES = ("violated", "tracked")
+"""Figures that are 0 or 1 a run: their mean is a share of the runs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,12 +187,6 @@ def _over(span: Span, name: str, text: str, of: Callable[[Run, Span], float | No
     return Figure(f"{name}_{named(span)}", "m", meaning, lambda run: of(run, span))
 
 
-STATE = (("x", "m"), ("y", "m"), ("theta", "rad"), ("v1", "m/s"), ("omega", "rad/s"))
-
-
-SHARES = ("violated", "tracked")
-"""Figures that are 0 or 1 a run: their mean is a share of the runs."""
-
 SUMMED: tuple[Figure, ...] = (
     _reading("violations", "1", "plant steps beyond a velocity limit"),
     _position("", "all", "from the desired position, whole run"),
@@ -233,7 +230,6 @@ RIGID: tuple[Figure, ...] = tuple(
     )
 )
 """Figures that runs on the rigid body have besides."""
-
 
 _LOGGED: tuple[Figure, ...] = (
     Figure("d_start", "m", "distance from the reference at the start", measures.distance_at_start),

@@ -21,6 +21,15 @@ DIVERGENCE = 1e3
 """A run ends where |v1| [m/s] or |omega| [rad/s] reaches this."""
 
 STOP_REASONS = ("", "diverged", "non-finite")
+_AXES = {1: ("linear velocity v1", "m/s"), 2: ("angular velocity omega", "rad/s")}
+TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
+"""Remedy where a guard holds back more than it must."""
+_GUARDED = (
+    "The velocity limit was broken although the guard was on, first by the {violation}; {steps} "
+    "beyond a limit ({extremes}). The run started outside the limits, or left what the guard "
+    "assumes: compare guard.dbar, M_min, M_max and nbar with the robot, state the drives' delay "
+    "in full, and give them no lag."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,9 +116,6 @@ def _event(name: str, value: Event | None) -> Event | None:
     return float(time), operator.index(axis)
 
 
-_AXES = {1: ("linear velocity v1", "m/s"), 2: ("angular velocity omega", "rad/s")}
-
-
 class Outcome(StrEnum):
     """End of a run.  The value is the word that files and ``--json`` show."""
 
@@ -143,8 +149,6 @@ class Outcome(StrEnum):
         )
 
 
-TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
-"""Remedy where a guard holds back more than it must."""
 _SENTENCES = {
     Outcome.COMPLETED: (
         "The run completed and both velocities stayed within their limits ({extremes})."
@@ -181,13 +185,6 @@ _SENTENCES = {
     ),
     Outcome.FAILED: "The run ended early: {failure}",
 }
-
-_GUARDED = (
-    "The velocity limit was broken although the guard was on, first by the {violation}; {steps} "
-    "beyond a limit ({extremes}). The run started outside the limits, or left what the guard "
-    "assumes: compare guard.dbar, M_min, M_max and nbar with the robot, state the drives' delay "
-    "in full, and give them no lag."
-)
 
 
 def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:

@@ -58,6 +58,7 @@ SHORT = {
     "assumption-void": "an assumption of the guarantee is void",
 }
 """Remarks in a few words, by key; the other keys are what the outcome says."""
+CALMER = "Lower the law's gains, or shorten clock.control and the drives' delay."
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,9 +199,6 @@ def _oscillates(run: Run) -> Iterator[Remark]:
                 f"than {percent(SWAY)}: this is no steady drive. {CALMER}",
             )
             return
-
-
-CALMER = "Lower the law's gains, or shorten clock.control and the drives' delay."
 
 
 def _chatters(run: Run) -> Iterator[Remark]:

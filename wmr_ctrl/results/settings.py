@@ -23,9 +23,10 @@ _GRID = 1e-6
 PLANTS = ("ode", "mujoco")
 """The plane model, and the rigid body on tyres."""
 
-
 COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
 """Numbers of Settings and Assumptions that a guard counts on."""
+ROUNDING = 1e-6
+"""Share of the largest force that may be an error of integration and rounding."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,10 +122,6 @@ class Settings(CountedNumbers):
 
 def _message(name: str, value: object, wanted: str) -> str:
     return f"settings.{name} = {value!r} must be {wanted}. Correct it where the run is built."
-
-
-ROUNDING = 1e-6
-"""Share of the largest force that may be an error of integration and rounding."""
 
 
 def stopping_force(mass: Pair, limit: Pair, period: float) -> Pair:

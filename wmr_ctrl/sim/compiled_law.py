@@ -16,6 +16,10 @@ from wmr_ctrl.signals import LARGEST
 from wmr_ctrl.sim.memory import opened
 
 Floats = NDArray[np.float64]
+START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
+"""A sample near the paper's start: reference, pose, velocity."""
+ROUNDS = 9
+"""Repetitions: the least time is the one that nothing else delayed."""
 
 
 class Call(ct.Structure):
@@ -74,13 +78,6 @@ class CompiledLaw:
             f"{LARGEST:g} in size. The torques are 0 and the law's memory is as it was; check "
             "what was written into u and parameters."
         )
-
-
-START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
-"""A sample near the paper's start: reference, pose, velocity."""
-
-ROUNDS = 9
-"""Repetitions: the least time is the one that nothing else delayed."""
 
 
 def seconds_of(law: CompiledLaw, count: int = EVALUATIONS) -> float:

@@ -23,7 +23,6 @@ EVENTS = ("first_axis", "stop", "stop_axis", "samples", "bounds_axis")
 """Numbers of a run beside its figures: axes of its events (1, 2), ``stop`` (index into
 STOP_REASONS), and the number of samples made."""
 
-
 CHANGED = ("guard_share1", "guard_share2", "filter_share1", "filter_share2")
 """Shares of samples in which guard or filter changed what the law asked for."""
 COLUMNS = (*(figure.name for figure in SUMMED), *EVENTS)

@@ -15,6 +15,11 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
 SIGMAS = 3.0
 """Bound of noise without truncation, in standard deviations: it holds with a probability only."""
 NUMBERS = Signal("torque", "1", "standard normal numbers (right, left)", 2)
+_UNBOUNDED = (
+    "disturbance.truncate = inf: the torque noise is unbounded, and the guard counts on a bounded "
+    "one, of 3 std unless guard.dbar says otherwise, so it keeps the limit with that probability "
+    "only."
+)
 
 
 class TorqueNoise(Section, key="disturbance"):
@@ -50,13 +55,6 @@ def build(scenario: Scenario) -> System:
 def acts(scenario: Scenario) -> bool:
     """True where there is noise."""
     return scenario.section(TorqueNoise).std > 0
-
-
-_UNBOUNDED = (
-    "disturbance.truncate = inf: the torque noise is unbounded, and the guard counts on a bounded "
-    "one, of 3 std unless guard.dbar says otherwise, so it keeps the limit with that probability "
-    "only."
-)
 
 
 def bound(scenario: Scenario) -> Bound:

@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 Numbers: TypeAlias = tuple[tuple[Signal, tuple[float, ...]], ...]
 """Signals of a reference's parameters, each with its values; their names begin with ``ref_``."""
 Raw: TypeAlias = dict[str, object]
+Trajectory: TypeAlias = "Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX]"
+"""From time [s] and the parameters' symbols by name to the reference (7, 1)."""
 
 
 class Reference(Section, key="reference"):
@@ -51,10 +53,6 @@ class Reference(Section, key="reference"):
     def arrival(self) -> float | None:
         """Time at which the desired motion comes to rest for good [s]; None if it never does."""
         return None
-
-
-Trajectory: TypeAlias = "Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX]"
-"""From time [s] and the parameters' symbols by name to the reference (7, 1)."""
 
 
 def field_numbers(reference: Reference) -> Numbers:

@@ -27,6 +27,7 @@ ROUNDS = 6
 SAMPLES = 64
 """Samples on each segment that find its orientation; even, so that one is in the middle."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+TERMS = DEGREE + 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +132,6 @@ def headings(table: Array) -> Array:
     theta = np.unwrap(psi.ravel()) - math.pi / 2
     theta -= 2 * math.pi * math.ceil((theta[0] - math.pi) / (2 * math.pi))
     return theta.reshape(-1, SAMPLES + 1)
-
-
-TERMS = DEGREE + 1
 
 
 def path_numbers(path: SplinePath) -> Numbers:

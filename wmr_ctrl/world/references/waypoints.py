@@ -54,6 +54,12 @@ tolerance = 0.2
 at_end = "stop"
 """
 STOP, CONTINUE, LOOP = "stop", "continue", "loop"
+_ROWS = (
+    ("ref_start", "s", "times at which the speed's rows begin"),
+    ("ref_place", "m", "way at the start of each row"),
+    ("ref_rate", "m/s", "rate of the way at the start of each row"),
+    ("ref_acceleration", "m/s2", "its constant rate in each row"),
+)
 
 
 class Waypoints(Reference):
@@ -213,14 +219,6 @@ def _check_forward(path: SplinePath, points: Array) -> None:
             f"reference.points[{point}]: the path turns almost on the spot near this point, which "
             "a robot that drives forwards cannot follow. Add points that round the turn."
         )
-
-
-_ROWS = (
-    ("ref_start", "s", "times at which the speed's rows begin"),
-    ("ref_place", "m", "way at the start of each row"),
-    ("ref_rate", "m/s", "rate of the way at the start of each row"),
-    ("ref_acceleration", "m/s2", "its constant rate in each row"),
-)
 
 
 def numbers(reference: Waypoints) -> Numbers:
