@@ -349,7 +349,7 @@ def test_rows_are_the_runs_that_they_name(tmp_path):
 def test_a_column_has_the_corridor_of_each_case(tmp_path):
     pytest.importorskip("flint")
     plan = {
-        "scenario": "safe-simulation", "laws": ["prox", "mb"], "seeds": 2,
+        "scenario": "safe-simulation", "laws": ["prox", "smc"], "seeds": 2,
         "set": {"clock.duration": 1.0, "changes": []}, "grid": {"disturbance.std": [0.5, 1.0]},
         "figures": ["corridor", "violated"],
     }  # fmt: skip
@@ -362,7 +362,7 @@ def test_a_column_has_the_corridor_of_each_case(tmp_path):
     for row in rows:
         changes = {**plan["set"], "disturbance.std": float(row["disturbance.std"])}
         tube = find_corridor(load_scenario("safe-simulation", changes), row["law"])
-        assert row["corridor"] == ("" if row["law"] == "mb" else repr(tube.position))
+        assert row["corridor"] == ("" if row["law"] == "smc" else repr(tube.position))
     with pytest.raises(UnknownNameError, match="corridor"):
         plan_of({**plan, "plant": "mujoco"})
 

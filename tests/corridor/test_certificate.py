@@ -26,6 +26,7 @@ QUICK = {
 }  # fmt: skip
 CASES = {
     "prox, 10 ms": ("safe-simulation", "prox", {}, 300, 1.3),
+    "mb, 10 ms": ("safe-simulation", "mb", {}, 300, 1.3),
     "kanayama, 10 ms": ("safe-simulation", "kanayama", {}, 400, 1.3),
     "prox, 20 ms": ("safe-simulation", "prox", {"clock.control": 0.02}, 150, 1.3),
     "prox, 50 ms": ("safe-experiment", "prox", QUICK, 150, 1.3),
@@ -161,7 +162,7 @@ REFUSED = {
         "prox",
     ),
     "circles and lines alone": ("safe-simulation", {"reference.kind": "lemniscate"}, "prox"),
-    "away from their limits": ("safe-simulation", {}, "mb"),
+    "away from their limits": ("safe-simulation", {}, "smc"),
     "the effect encoder": ("robot-10ms", {}, "prox"),
     "counts late commands": ("safe-simulation", {"actuator.delay": 0.005}, "prox"),
     "unstable": ("safe-simulation", {"clock.control": 0.1, "guard.enabled": False}, "prox"),

@@ -96,7 +96,7 @@ def test_what_has_no_certificate_costs_more_than_any_that_has_one_and_slopes():
 
     assert first.position is None
     assert 1.0 < first.merit < second.merit < 1.1
-    assert find_corridor(load_scenario("safe-simulation"), "mb").merit == math.inf
+    assert find_corridor(load_scenario("safe-simulation"), "smc").merit == math.inf
 
 
 def test_a_merit_that_nothing_is_known_of_is_refused(tmp_path):

@@ -15,7 +15,7 @@ import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.laws.law import BarrierChoice, Law, Traits
+from wmr_ctrl.laws.law import BarrierChoice, Inside, Law, Traits
 from wmr_ctrl.model.system import System
 
 
@@ -32,10 +32,17 @@ class ModelBasedGains(BarrierChoice, key="gains.mb"):
 
 def build(context: LawContext) -> System:
     """F = M1 (-rho V1/A + q vc0') + F1, Eq. (9)."""
-    command = (
-        -decay_rate(context) * context.per_axis("V1_over_A")
-        + context.per_axis("q") * context.v_c0_dot
-    )
+    return _driving(context, context.per_axis("V1_over_A"), context.per_axis("q"))
+
+
+def inside(context: LawContext) -> Inside:
+    """The law where the barrier adds nothing: V1/A = (v - v_c0)/2, q = 1 (ledger: corridor.mb)."""
+    within = {"v": (context.v, context.u2), "v_c0": (context.v_c0, context.u2)}
+    return Inside(_driving(context, (context.v - context.v_c0) / 2, ca.SX(1)), within)
+
+
+def _driving(context: LawContext, V1_over_A: ca.SX, q: ca.SX) -> System:
+    command = -decay_rate(context) * V1_over_A + q * context.v_c0_dot
     return context.system("model-based (MB)", context.mass * command + context.friction)
 
 
@@ -48,4 +55,4 @@ def decay_rate(context: LawContext) -> ca.SX:
 
 
 TRAITS = Traits(auxiliary=True, barrier=True, model=True, theorem=1)
-LAW = Law("mb", ModelBasedGains, build, TRAITS, __doc__, tuned=("rho",))
+LAW = Law("mb", ModelBasedGains, build, TRAITS, __doc__, tuned=("rho",), inside=inside)

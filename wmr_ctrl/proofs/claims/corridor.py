@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import casadi as ca
 
+from wmr_ctrl.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.guard.guard import MAPS, Bounds, guarded
 from wmr_ctrl.laws.prox import carried_plainly, mixture
 from wmr_ctrl.laws.velocity_loop import cut
@@ -40,6 +41,23 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
         *(at_least(t["u2"], way * after) for way in (1, -1)),
     )  # fmt: skip
     return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
+
+
+@claim("corridor.mb{key}", given="0 < v_u2 < v_u1", over=FORMS)
+def mb(mutation: Mutation, smooth: bool) -> Statement:
+    """|v|, |v_c0| <= v_u2 imply that V1/A = (v - v_c0)/2 and q = 1 ({words}).
+
+    Away from the limits the barrier adds nothing to the model-based law.
+    """
+    t = symbols("v c u1 u2", "u1 u2")
+    barrier = (smooth_barrier if smooth else stable_barrier)(t["c"], t["v"], t["u1"], t["u2"])
+    given = (
+        above(t["u2"]), above(t["u1"], t["u2"]), above(1e100, t["u2"]),
+        *(at_least(mutation(1, 2) * t["u2"], ca.fabs(t[name])) for name in ("v", "c")),
+    )  # fmt: skip
+    return Statement(
+        t, (equal(2 * barrier.V1_over_A, t["v"] - t["c"]), equal(barrier.q, ca.SX(1))), given
+    )
 
 
 @claim("corridor.kanayama", given="every limit >= 0")
