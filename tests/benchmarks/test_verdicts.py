@@ -47,8 +47,8 @@ def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
 
 @pytest.mark.slow
 def test_misses_and_false_alarms_are_few() -> None:
-    """In the first third of the table that the benchmark prints."""
-    misses, alarms = shares(list(judged(REPORTED_ON, 100)))
+    """In the first sixth of the table that the benchmark prints."""
+    misses, alarms = shares(list(judged(REPORTED_ON, 50)))
 
     assert misses <= 0.02
     assert alarms <= 0.05

@@ -99,7 +99,7 @@ def test_what_is_no_log_of_such_a_base_is_refused_by_name():
 def test_an_acceleration_limit_is_told_apart_from_a_time_constant():
     base = {"tau": [0.1, 0.1], "gain": [1.0, 1.0], "delay": 0.02, "accel": [0.8, 2.0]}
 
-    found = identify(steps(base), base="velocity")
+    found = identify(steps(base, 16.0), base="velocity")
 
     for axis in (1, 2):
         assert near(found.parameters[f"accel{axis}"], base["accel"][axis - 1])
@@ -113,7 +113,7 @@ def test_a_pi_loop_of_a_run_gives_its_peak_gain_back(tmp_path):
     m, inertia, half = 50.0, 5.4, 0.25
     made = simulate("paper-simulation-noise-free", "kanayama", overrides={
         "changes": [], "base": {"kind": "velocity", **PI}, "clock.control": 0.02,
-        "clock.duration": 30.0, "reference.kind": "stop-and-go", "encoder.counts": 4096,
+        "clock.duration": 20.0, "reference.kind": "stop-and-go", "encoder.counts": 4096,
         "robot.mu": 0.0, "disturbance.std": 0.2,
     })  # fmt: skip
     path = tmp_path / "run.npz"

@@ -273,7 +273,7 @@ def test_unknown_vector_set_is_named() -> None:
 @pytest.mark.usefixtures("every_set_of_instructions")
 def test_one_library_holds_every_set_and_offers_what_the_processor_has() -> None:
     """The best first; which one runs is no part of how the library was built."""
-    library = tasks_of("paper-simulation", "mb", range(1), SHORT)[0].loop.compiled.library
+    library = tasks_of("paper-simulation", "nn", range(1), SHORT)[0].loop.compiled.library
     names = names_of(library)
     known = [item.name for item in vector_sets()]
 
