@@ -42,7 +42,8 @@ class CompiledLoop:
 
     ``parameters`` has a row for each phase, which begins at plant step ``phase_start``; ``start``
     is the whole state at t = 0; ``delay_steps`` is how many plant steps a command is under way.
-    ``digest`` is the hash of the sources; ``structure`` tells loops that can run side by side.
+    ``digest`` is the hash of the sources; loops of one ``structure`` can
+    run side by side.
     """
 
     library: str

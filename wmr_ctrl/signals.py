@@ -68,9 +68,7 @@ SAMPLE = Signal("sample", "1", "number of the control sample, from 0")
 STEP = Signal("step", "1", "number of the plant step, from 0")
 TRAVEL = Signal("travel", "m, rad", "way and turn since the previous sample", 2)
 PATH = Signal("path", "m", "way since the start, backwards counted negative")
-SKID = Signal(
-    "skid", "rad", "turn since the start as the wheels' rolling tells it, less the body's"
-)
+SKID = Signal("skid", "rad", "turn since the start by the wheels' rolling, less the body's")
 """Zero on a plant whose wheels only roll."""
 
 REFERENCE = (

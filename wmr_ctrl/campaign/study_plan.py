@@ -138,7 +138,7 @@ def _check_places(tables: Mapping[str, Iterable[str]]) -> None:
         double = sorted({*tables[one]} & {*tables[two]})
         if double:
             raise ArgumentError(
-                f"{', '.join(double)}: it stands in [{one}] and in [{two}]. Give it in one, "
+                f"{', '.join(double)}: it is in both [{one}] and [{two}]. Give it in one, "
                 "not both: [set] is for what all runs share, [grid] and [sample] for what differs."
             )
 
@@ -148,7 +148,7 @@ def _check_guard(tables: Mapping[str, Iterable[str]]) -> None:
     for name, keys in tables.items():
         if ENABLED in keys:
             raise ArgumentError(
-                f"{ENABLED} stands in [{name}]; in a plan `guard` at the top says which runs have "
+                f"{ENABLED} is in [{name}]; in a plan `guard` at the top says which runs have "
                 "it, such as guard = [false, true]."
             )
 

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 )
 @click.option("--plot", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 @click.option("--report", metavar="FILE", help="One page with all of it: .html.")
-@click.option("--propose", metavar="FILE", help="A drive that tells more, as t, v, omega: .csv.")
+@click.option("--propose", metavar="FILE", help="A more informative drive, as t, v, omega: .csv.")
 @click.option(
     "--floor",
     default=4.0,

@@ -77,7 +77,7 @@ PLACES = {
 
 @dataclass(frozen=True)
 class Identification(BaseIdentification):
-    """What a log told of a base that takes torques.
+    """What a log shows of a base that takes torques.
 
     ``fit`` is the one that is reported, ``white`` the one whose residuals the bounds are made of.
     """
@@ -198,7 +198,7 @@ def _samples(
         scenario = _by_poses(raw, scenario, missing, remarks, commands)
     samples = motion_of(raw, scenario, source, commands)
     if source not in (COUNTS.name, "wheel_speed"):
-        remarks.append(f"the motion is read from {source}; encoder counts tell more.")
+        remarks.append(f"the motion is read from {source}; encoder counts are more precise.")
     return samples, scenario
 
 
@@ -260,7 +260,7 @@ def _of_torques(
         )
     if all(estimates[key].verdict == NOT_TOLD for key in ("m", "I")):
         raise LogError(
-            f"{name}: the log tells neither mass nor inertia: {' '.join(remarks)} Drive with "
+            f"{name}: the log determines neither mass nor inertia: {' '.join(remarks)} Drive with "
             "changing speeds of both wheels, apart from each other."
         )
     bounds = guard_bounds(white, widths, _clocked(scenario, log), colour)
@@ -324,7 +324,7 @@ def _scenario(
         remarks.append(
             f"the guard is off: the delay is known to lie between {1e3 * low:.3g} and "
             f"{1e3 * high:.3g} ms alone, and a guard counts on a range of one control period, "
-            f"{1e3 * base.clock.control:.3g} ms, at most. A better drive tells it."
+            f"{1e3 * base.clock.control:.3g} ms, at most. A better drive determines it."
         )
         return result
     try:

@@ -337,5 +337,5 @@ def check_log(log: Log, commands: tuple[str, ...] = TORQUES) -> None:
     check_counters(log)
     if log.has(commands) and not any(np.ptp(log.columns[name]) > 0 for name in commands):
         raise LogError(
-            f"{log.name}: {' and '.join(commands)} are constant, so nothing can be told."
+            f"{log.name}: {' and '.join(commands)} are constant, so nothing can be identified."
         )

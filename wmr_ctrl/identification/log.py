@@ -249,7 +249,7 @@ def with_torques(log: Log, constant: float | None) -> Log:
     if constant is None:
         if log.has(CURRENT) and not log.has(TORQUES):
             raise LogError(
-                f"{log.name} has motor currents and no torques. Currents tell masses and frictions "
+                f"{log.name} has motor currents and no torques. Currents give masses and frictions "
                 "over the torque that an ampere makes alone; delay and lag need no torque. Give "
                 "that torque at the wheel, gear included, as in --torque-constant 0.6; with 1 for "
                 "it, m, I and frictions come out over it, and no scenario of that is to be run."
@@ -307,7 +307,7 @@ def seen_by(log: Log) -> str:
         if log.has(pair):
             return pair[0]
     raise LogError(
-        f"{log.name}: no column tells the motion. It needs {' and '.join(COUNTS.elements)} "
+        f"{log.name}: no column has the motion. It needs {' and '.join(COUNTS.elements)} "
         f"(encoder counts), {' and '.join(WHEEL_SPEED)}, {' and '.join(SPEEDS[0])} or "
         f"{' and '.join(SPEEDS[1])}; poses alone are not enough."
     )

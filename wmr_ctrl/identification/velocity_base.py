@@ -50,7 +50,7 @@ PLACES = {
 
 @dataclass(frozen=True)
 class VelocityIdentification(BaseIdentification):
-    """What a log told of a base that takes velocities; ``fits``: of v and omega, if driven."""
+    """What a log shows of a base that takes velocities; ``fits``: of v and omega, if driven."""
 
     bounds: FilterBounds
     fits: tuple[LoopFit | None, LoopFit | None]
@@ -64,7 +64,7 @@ def of_velocities(
     remarks: list[str],
     progress: Callable[[float], None],
 ) -> VelocityIdentification:
-    """The base of a log; raises LogError where it tells nothing."""
+    """The base of a log; raises LogError where it determines nothing."""
     done = [0]
 
     def tell() -> None:

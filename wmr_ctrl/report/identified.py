@@ -107,7 +107,7 @@ def _parameters(result: Identification) -> TextTable:
         when = f"{item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
         label = f"{name}: {with_unit(words, unit)}"
         rows.append((label, shown(item.value, 4), interval, item.verdict, when))
-    head = ("", "value", "95 % interval", "could the log tell?", "half of it came from")
+    head = ("", "value", "95 % interval", "does the log determine it?", "half of it came from")
     return TextTable(head, tuple(rows))
 
 

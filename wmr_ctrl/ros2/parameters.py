@@ -44,7 +44,7 @@ FILTER: Table = {
     ),
     "command_timeout": Stated(0.25, "s; an older command is none", range=SECONDS),
     "odometry": Stated(
-        "watched", "what is done without it: brought to rest, told, nothing",
+        "watched", "what is done without it: brought to rest, reported, nothing",
         f"one of {', '.join(ODOMETRY_USES)}",
     ),
     "trigger": Stated(

@@ -20,7 +20,7 @@ class Filter(Section, key="filter"):
     The base follows its command by a first-order lag: tau v' = K u + d - v, whose time constant,
     gain and push are anywhere within their intervals and may vary.  Samples are clock.control
     apart.  ``clip`` needs the upper end of ``gain`` and ``d`` alone, and holds for every base that
-    never overshoots; ``governor`` needs all of them, and spends on speed what odometry tells.
+    never overshoots; ``governor`` needs all of them, and uses odometry to allow more speed.
     """
 
     kind: str = quantity("none", unit="1", doc="how commands are limited", options=FILTERS)

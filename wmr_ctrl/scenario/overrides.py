@@ -156,7 +156,7 @@ def _list_at(place: object, step: Step, is_table: bool, fresh: object, key: str)
 
 def _no_place(place: object, step: Step, key: str) -> ScenarioError:
     if isinstance(step, str):
-        return ScenarioError(f"{key} does not exist: {step} has nothing to stand in.")
+        return ScenarioError(f"{key} does not exist: there is no table or array for {step} here.")
     size = len(place) if isinstance(place, list) else 0
     return ScenarioError(
         f"{key} does not exist: index {step + 1} is outside an array of {size} "

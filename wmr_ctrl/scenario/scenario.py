@@ -298,7 +298,7 @@ def _changes(changes: tuple[Change, ...], duration: float) -> None:
         if change.t <= before:
             raise ScenarioError(
                 f"changes[{i}].t = {change.t!r} s must be later than changes[{i - 1}].t = "
-                f"{before!r} s: changes stand in the order of time. Sort or merge them."
+                f"{before!r} s: changes are listed in the order of time. Sort or merge them."
             )
         if change.t >= duration:
             raise ScenarioError(

@@ -123,7 +123,7 @@ def bound(scenario: Scenario) -> Bound:
     pair = [lost + min(item, most) for item in sums]
     if math.isinf(pair[0]):
         return Bound(
-            void=f"motor.stall = {motor.stall:g} N m: the motors are told torques without limit "
+            void=f"motor.stall = {motor.stall:g} N m: the motors get torques without limit "
             "(actuator.tau_max = inf), so nothing bounds what they fall short by."
         )
     return Bound(dbar=(pair[0] / robot.r, pair[1] / robot.r * robot.l))

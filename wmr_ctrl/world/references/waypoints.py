@@ -1,6 +1,6 @@
 """Path through given points, driven as fast as stated limits admit, with a rest at its end.
 
-In place of ``points`` may stand ``file = "way.csv"`` (x,y, a point a row, in m or in the unit that
+``file = "way.csv"`` may replace ``points`` (x,y, a point a row, in m or in the unit that
 its header states, such as ``x [mm]``; columns also by semicolons or tabs) or ``"way.yaml"`` (a path
 message: ``poses`` with ``position``).  The smooth path through the points has four
 continuous derivatives; with ``tolerance`` it is straight lines whose corners are rounded, and of
