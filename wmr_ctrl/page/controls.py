@@ -27,23 +27,23 @@ class Group:
 
 
 GROUPS = (
-    Group("limits", "Limits", "The threshold v_u2 goes along with its limit.", ("limits.v_u",)),
+    Group("limits", "Limits", "The threshold v_u2 moves with its limit.", ("limits.v_u",)),
     Group(
-        "robot", "Robot", "What it is. What the laws believe stays; see below.",
+        "robot", "Robot", "The true robot. What the laws believe is set below.",
         ("robot.m", "robot.I", "robot.mu", "actuator.tau_max"),
     ),
     Group(
-        "base", "Speed loop of the base", "What it is, which nobody knows for sure.", ("base.",)
+        "base", "Speed loop of the base", "The true base, which nobody knows exactly.", ("base.",)
     ),
     Group(
         "filter", "What the filter counts on", "Its promise holds for bases within these bounds.",
         ("filter.tau", "filter.gain", "filter.d", "filter.odometry"),
     ),
     Group(
-        "world", "Noise and pushes", "A push always goes on in the direction of motion.",
+        "world", "Noise and pushes", "A push always acts in the direction of motion.",
         ("disturbance.", "sensor."),
     ),
-    Group("believed", "What the laws believe", "The guard does not read it.", ("model.",)),
+    Group("believed", "What the laws believe", "The guard does not use it.", ("model.",)),
     Group("gains", "Gains", "Of the laws that are shown.", ("gains.",)),
     Group(
         "guard", "What the guard counts on",
