@@ -43,7 +43,7 @@ int64_t wmr_filter_core_see(wmr_filter_core *core, const wmr_moment *now)
 
     if (happened & WMR_TIME_BACK) {
         forget(core);
-        core->stamp = 0;
+        core->answered = 0;
     }
     if (happened & WMR_FROZEN) {
         core->commands.thawed = core->odometry.thawed = 1;
@@ -78,9 +78,10 @@ int64_t wmr_filter_core_odometry(wmr_filter_core *core, const double *velocity, 
    steady clock. */
 int64_t wmr_filter_core_due(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now)
 {
-    const int64_t before = now->simulated && stamp ? core->stamp : core->before;
+    const int64_t stamped = now->simulated && core->stamp && stamp;
+    const int64_t passed = stamped ? stamp - core->stamp : now->steady - core->before;
 
-    return !before || (now->simulated && stamp ? stamp : now->steady) - before >= WMR_PERIOD / 4 * 3;
+    return !core->answered || passed >= WMR_PERIOD / 4 * 3;
 }
 
 int64_t wmr_filter_core_overdue(const wmr_filter_core *core, const wmr_moment *now)

@@ -37,7 +37,7 @@ int64_t wmr_filter_core_odometry(wmr_filter_core *core, const double *velocity, 
     int64_t framed, int64_t stamp, const wmr_moment *now);
 
 /* Whether a command that came now is answered at once, or leaves that to the timer: not sooner than three quarters of a
-   period after the last answer. */
+   period after a command that was answered, at once after the timer, so that answers find back to their commands. */
 int64_t wmr_filter_core_due(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now);
 
 /* Whether the timer must answer, where commands are answered when they come: the next one may be late by a quarter of a

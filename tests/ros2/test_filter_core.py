@@ -214,6 +214,13 @@ def test_the_timer_answers_what_is_late_by_a_quarter_and_then_each_period(prompt
     assert timer(prompt, steady=1 * MS)
 
 
+def test_after_the_timer_a_command_is_answered_at_once(prompt):
+    assert sent_at(prompt)
+    assert timer(prompt, steady=25 * MS)
+    assert sent_at(prompt, ros=1 * MS, steady=1 * MS)
+    assert not sent_at(prompt, ros=1 * MS, steady=1 * MS)
+
+
 def test_stamps_do_not_hasten_answers_but_on_simulated_time(prompt):
     assert sent_at(prompt)
     assert not sent_at(prompt, ros=20 * MS, steady=1 * MS)

@@ -1,0 +1,114 @@
+"""Kinds of messages and of odometry around the filter, over DDS; run by a Python that has rclpy.
+
+``python filter_kinds.py SCENARIO KIND [NODE]``: KIND "twist" sends commands without stamps by a
+process of its own, which is killed; "watched" takes odometry away; "governor" tells what the filter
+says of odometry that is there, and of none.  What was seen is printed as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from itertools import pairwise
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist
+from outside import SURE, World, start
+
+SENDER = """
+import time, rclpy
+from geometry_msgs.msg import Twist
+rclpy.init()
+node = rclpy.create_node("controller")
+publisher = node.create_publisher(Twist, "cmd_vel_in", 1)
+message = Twist()
+message.linear.x, message.angular.z = 0.5, 0.3
+while True:
+    publisher.publish(message)
+    time.sleep(0.02)
+"""
+
+
+class Teller(World):
+    """A world that keeps the flags of each diagnostic message."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        super().__init__(process)
+        self.flags: list[list[str]] = []
+
+    def _told(self, message: DiagnosticArray) -> None:
+        super()._told(message)
+        for status in message.status:
+            told = {value.key: value.value for value in status.values}["flags"]
+            self.flags.append(told.split(", "))
+
+
+def unstamped(process: subprocess.Popen[bytes]) -> dict[str, object]:
+    """Twist in and out, and a controller that is killed."""
+    node, seen = rclpy.create_node("base"), []
+
+    def came(message: Twist) -> None:
+        seen.append((time.monotonic(), message.linear.x, message.angular.z))
+
+    node.create_subscription(Twist, "cmd_vel", came, SURE)
+
+    def go(seconds: float, wanted: float) -> bool:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end and not (seen and seen[-1][1] == wanted):
+            rclpy.spin_once(node, timeout_sec=0.02)
+        return bool(seen and seen[-1][1] == wanted)
+
+    with subprocess.Popen([sys.executable, "-c", SENDER]) as sender:
+        drives, driven = go(60.0, 0.5), seen[-1][1:]
+        sender.kill()
+        killed = time.monotonic()
+        seen.clear()
+        rests = go(20.0, 0.0)
+    times = [killed, *(t for t, _, _ in seen)]
+    silence = max((b - a for a, b in pairwise(times)), default=0.0)
+    zero = seen[-1][0] - killed
+    return {"driven": driven, "drives": drives, "rests": rests, "zero": zero, "silence": silence}
+
+
+def watched(process: subprocess.Popen[bytes]) -> dict[str, object]:
+    """Odometry that goes away and is only watched."""
+    world = Teller(process)
+    world.drive()
+    return world.fault(1.5, measure=False)
+
+
+def governed(process: subprocess.Popen[bytes]) -> dict[str, object]:
+    """Flags of four messages or more while the base drives with odometry and without."""
+    world, found = Teller(process), {}
+    for name, measure in (("with", None), ("without", False)):
+        world.go(30.0, measure=measure, until=lambda: world.speed[0] > 0.49)
+        world.go(1.0, measure=measure)  # what is told from now on is of this odometry
+        world.flags.clear()
+        world.go(30.0, measure=measure, until=lambda: len(world.flags) >= 4)
+        found[name] = list(world.flags)
+    return found
+
+
+KINDS = {"twist": unstamped, "watched": watched, "governor": governed}
+SETTINGS = {
+    "twist": ["stamped:=false", "odometry:=none"],
+    "watched": ["odometry:=watched"],
+    "governor": ["odometry:=watched"],
+}
+
+
+def main(scenario: str, kind: str, node: str = "") -> None:
+    given = [] if node else [part for item in SETTINGS[kind] for part in ("-p", item)]
+    process = start(scenario, node, *given)
+    rclpy.init()
+    try:
+        print(json.dumps(KINDS[kind](process)))
+    finally:
+        process.kill()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
