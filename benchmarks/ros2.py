@@ -2,7 +2,8 @@
 
 Runs in a Python that has rclpy.  Odometry is sent at 100 Hz, each message when the answer to the
 one before has come or PATIENCE is over, and the time from sending to the command's arrival is
-taken: through ``wmr_drive`` alone, through it and ``wmr_filter`` in Python, and through it and the
+taken (what comes early by more than a quarter of a period is no sample, and is not answered):
+through ``wmr_drive`` alone, through it and ``wmr_filter`` in Python, and through it and the
 program that ``wmr-ctrl codegen filter --ros2 --param trigger=command`` was compiled to.  Each at
 ordinary priority and by SCHED_FIFO, where that is allowed, as the machine is and with busy loops
 beside.
@@ -11,6 +12,7 @@ beside.
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import signal
 import subprocess
@@ -71,8 +73,8 @@ class Base:
         found, following = [], time.monotonic()
         for _ in range(count):
             found.append(self.latency())
-            now = time.monotonic()
-            following = max(following + PERIOD, now - (now - following) % PERIOD)
+            late = time.monotonic() - following
+            following += PERIOD * max(1, math.ceil(late / PERIOD))
             while time.monotonic() < following:  # what comes late is no answer to the next
                 left = following - time.monotonic()
                 rclpy.spin_once(self.node, timeout_sec=max(0.0, left))
