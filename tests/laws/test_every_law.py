@@ -173,3 +173,19 @@ def test_network_is_linear_in_its_weights() -> None:
     jacobian = ca.jacobian(system.y, system.x)
 
     assert not ca.depends_on(jacobian, system.x)
+
+
+def test_the_semi_implicit_step_leaks_at_its_end() -> None:
+    """(W+ - W)/T = -Gamma (S w + sigma W+): the explicit step but for its leak."""
+    leaking = {"gains.nn.sigma": [20.0, 30.0], "gains.nn.Gamma": [2.0, 3.0]}
+    explicit, implicit = (
+        law_graph(settle(load_scenario("paper-simulation", {**leaking, **more}), "nn"))
+        for more in ({}, {"gains.nn.integrator": "semi-implicit"})
+    )
+    draw = np.random.default_rng(3)
+    old = draw.normal(size=len(explicit.x0))
+    u, T = inputs(draw), SCENARIO.clock.control
+    now, then = (sample(system, u, old)[0] for system in (explicit, implicit))
+    leak = np.repeat(T * np.array([20.0, 30.0]) * [2.0, 3.0], len(old) // 2)
+
+    assert then * (1 + leak) == pytest.approx(now + leak * old, rel=1e-12)

@@ -112,6 +112,7 @@ def test_limit_cycles_are_told_on_short_runs_too(
 
 @pytest.mark.parametrize(("decay", "periods", "told"), [
     (0.0, 40, True), (0.0, 5, True), (0.0, 2.5, False), (0.5, 40, False), (-0.3, 40, True),
+    (0.12, 40, False), (0.05, 40, True),
 ])  # fmt: skip
 def test_a_cycle_has_periods_and_does_not_decay(
     make_run: MakeRun, decay: float, periods: float, told: bool

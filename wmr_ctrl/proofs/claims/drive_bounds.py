@@ -84,13 +84,14 @@ TIMES = (
 
 @claim("world.lag.bound", given=f"{TIMES}: larger where lag' is smaller, exp(x) - 1 >= x")
 def lag_bound(mutation: Mutation) -> Statement:
-    """each time constant lag (1 + spread x), |x| <= 1, of the drives' own graph is at most the
-    upper one that their bound tells, and h/(exp(h/tau) - 1) of it at least the lower one.
+    """the drives' own graph lets exp(-h/tau) of what acted be left in a step, tau = lag (1 + spread
+    x), |x| <= 1, which is at most the upper time constant that their bound tells, and h/(exp(h/tau)
+    - 1) of it at least the lower one.
 
     What drives of a lag that varies add to the guard's numbers (world.lag.stepped has the rest).
     """
     numbers = (("actuator.lag", 0.02), ("actuator.lag_spread", 0.2))
-    g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth")
+    g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth decay")
     h, time = g["clock.plant"], g["actuator.lag"]
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
     fast, slow = g.bound("lag")
@@ -102,8 +103,14 @@ def lag_bound(mutation: Mutation) -> Statement:
         at_least(t["most_growth"], t["growth"]),
     )  # fmt: skip
     least = lag.equivalent_lag(h, t["growth"])
-    goals = (at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast))
-    return g.states(goals, given, {"most_growth": ca.expm1(h / (time * (1 - spread)))}, t)
+    wanted = ca.vertcat(g["tau_right"], g["tau_left"])
+    acting = ca.vertcat(*(g[f"{lag.ACTING.name}[{i}]"] for i in (1, 2)))
+    goals = (
+        at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast),
+        *every(g.system.update, wanted + t["decay"] * (acting - wanted)),
+    )  # fmt: skip
+    cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
+    return g.states(goals, given, cuts, t)
 
 
 @claim("world.delay.bound", given="any delay and unmodelled delay")
