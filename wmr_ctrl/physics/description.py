@@ -86,7 +86,8 @@ def description(scenario: Scenario) -> str:
         raise ScenarioError(
             f"slope.angle = {steep:g} rad is a pull on the plane model; under the rigid body the "
             "ground itself is inclined. State body.slope instead, and body.uphill, which is "
-            "slope.direction - pi/2, and leave slope.angle at 0."
+            'slope.direction - pi/2 (slope.direction itself with frames = "rep103"), and leave '
+            "slope.angle at 0."
         )
     if scenario.clock.plant > _STEP_MAX:
         raise ScenarioError(
