@@ -1,6 +1,6 @@
 """The log of the tutorial "from a log to a guarded robot", and further drives of that robot.
 
-    python -m benchmarks.robot_log OUT.csv [--drive DRIVE.csv] [--seed N]
+    python -m benchmarks.robot_log OUT.csv [--drive DRIVE.csv | --circle] [--seed N]
 
 The robot is that of `benchmarks/own_plant.py` with numbers of its own; the model of `identify`
 lacks its gusts, its wheels of two sizes and its creeping tyres.  DRIVE.csv has columns t, v, omega.
@@ -59,9 +59,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out")
     parser.add_argument("--drive")
+    parser.add_argument("--circle", action="store_true")
     parser.add_argument("--seed", type=int, default=SEED)
     given = parser.parse_args()
-    write(given.out, columns_of(drive_of(given.drive) if given.drive else None, given.seed))
+    drive = drive_of(given.drive) if given.drive else Drives("circle") if given.circle else None
+    write(given.out, columns_of(drive, given.seed))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from wmr_ctrl import identify, simulate
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter import command_filter
 from wmr_ctrl.identification.log import LogError
+from wmr_ctrl.identification.propose import propose
+from wmr_ctrl.report.identified import write_identification
 from wmr_ctrl.scenario import loads_scenario
 
 FIRST = {"tau": [0.25, 0.15], "gain": [0.95, 1.05], "delay": 0.03}
@@ -78,6 +80,34 @@ def test_the_scenario_runs_behind_its_filter(found):
     assert run.monitor.violations == 0
     # The peak gain of a family of first-order loops is its largest gain.
     assert found.bounds.peak_gain[0] == scenario.filter.gain[1]
+
+
+def test_the_picture_and_the_page_are_those_of_a_base(found, tmp_path):
+    traces = found.traces()
+    surfaces = found.surfaces()
+    write_identification(found, tmp_path / "fit.html", tmp_path / "fit.svg")
+
+    assert [surface.names for surface in surfaces] == [("delay1", "tau1"), ("delay2", "tau2")]
+    for surface in surfaces:
+        i, j = np.unravel_index(surface.values.argmax(), surface.values.shape)
+        for name, at, values in zip(surface.names, (i, j), (surface.x, surface.y), strict=True):
+            assert abs(values[at] - found.parameters[name].value) <= np.diff(values).max()
+    assert np.nanmax(np.abs(traces.residual), axis=0) == pytest.approx(found.bounds.d)
+    text = (tmp_path / "fit.html").read_text()
+    assert "first-order" in text
+    assert found.bounds.sentence in text
+
+
+def test_a_proposed_drive_keeps_limits_and_floor_and_would_tell(found):
+    drive = propose(found, 3.0)
+
+    assert np.hypot(*drive.path[:, :2].T).max() <= drive.farthest <= 1.5
+    for speed, limit, fastest in zip(
+        (drive.v, drive.omega), found.scenario.limits.v_u1, drive.fastest, strict=True
+    ):
+        assert np.abs(speed).max() <= limit
+        assert fastest <= limit
+    assert {drive.expected[f"tau{axis}"] for axis in (1, 2)} == {"told"}
 
 
 def test_what_is_no_log_of_such_a_base_is_refused_by_name():

@@ -92,10 +92,6 @@ def identify(
     check_output(plot, (".png", ".svg", ".pdf"), "--plot")
     check_output(report, (".html",), "--report")
     check_output(propose, (".csv",), "--propose")
-    for key, path in (("--plot", plot), ("--report", report), ("--propose", propose)):
-        if path and base == "velocity":
-            raise ArgumentError(f"{key} is for --base torque. Take --out or --json here.")
-    from wmr_ctrl.identification import Identification
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.scenario import parse_assignments
@@ -114,19 +110,20 @@ def identify(
         with atomic_text(out) as file:
             file.write(result.to_toml())
         say("wrote", out)
-    if isinstance(result, Identification) and (plot or report):
-        from wmr_ctrl.report.identified import write_identification
-
-        write_identification(result, report, plot)
-        for path in filter(None, (plot, report)):
-            say("wrote", path)
-    if isinstance(result, Identification) and propose:
+    drive = None
+    if propose:
         from wmr_ctrl.identification.propose import propose as propose_drive
 
         drive = propose_drive(result, floor)
         with atomic_text(propose) as file:
             file.write(drive.to_csv())
         say("wrote", propose)
+    if plot or report:
+        from wmr_ctrl.report.identified import write_identification
+
+        write_identification(result, report, plot, drive)
+        for path in filter(None, (plot, report)):
+            say("wrote", path)
     if as_json:
         print_json(result.to_json())
     else:
@@ -143,7 +140,6 @@ def _roles(text: str | None) -> dict[str, str]:
 
 def _text(result: BaseIdentification) -> str:
     """Parameters, the guard's numbers and the score."""
-    from wmr_ctrl.identification.bounds import FilterBounds
     from wmr_ctrl.identification.estimate import UNITS
 
     half_of_it = {
@@ -158,11 +154,10 @@ def _text(result: BaseIdentification) -> str:
     ]  # fmt: skip
     head = ("", "value", "95 % interval", "unit", "", "")
     lines = [table(rows, head), ""]
-    limited = "filter" if isinstance(result.bounds, FilterBounds) else "guard"
-    for name, value in result.bounds.to_json().items():
-        if isinstance(value, list):
-            label = "peak gain" if name == "peak_gain" else f"{limited}.{name}"
-            lines.append(f"{label} = [{value[0]:.4g}, {value[1]:.4g}]")
+    limited = result.bounds.section
+    for name, (value, _) in result.bounds.pairs().items():
+        label = "peak gain" if name == "peak_gain" else f"{limited}.{name}"
+        lines.append(f"{label} = [{value[0]:.4g}, {value[1]:.4g}]")
     lines.append(
         wrapped(f"{'dbar' if limited == 'guard' else 'd'}: {result.bounds.sentence}.", hang="  ")
     )
@@ -177,5 +172,14 @@ def _text(result: BaseIdentification) -> str:
             hang="  ",
         )
     )
+    if result.score.usable_speed is not None and result.score.one_newton_more is not None:
+        now, more = result.score.usable_speed, result.score.one_newton_more
+        lines.append(
+            wrapped(
+                f"usable speed with these numbers: {now:.3g} m/s; one newton more of dbar costs "
+                f"{1e3 * more:.2g} mm/s",
+                hang="  ",
+            )
+        )
     lines += [wrapped(f"- {text}", hang="  ") for text in result.remarks]
     return "\n".join(lines)

@@ -10,23 +10,26 @@ The ramp is that of `world.command_ramp`.
 
 from __future__ import annotations
 
+import ctypes as ct
 from dataclasses import dataclass, replace
 from functools import cache
 
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.identification.fit import DELAY_MOST
 from wmr_ctrl.identification.lint import LONGEST_SHIFT
 from wmr_ctrl.identification.log import LogError, unit_of
-from wmr_ctrl.identification.reading import Floats, Samples
+from wmr_ctrl.identification.reading import Floats, Samples, lanes_library
 from wmr_ctrl.model.dynamics import rk4_step
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.command_ramp import moved
 
 STEP = 0.01
-CHUNK = 500
+ENOUGH_ROWS = 20_000
+"""Rows of a log that tell by how much a speed is later than its command."""
 COUNTED_FROM = 1.0
 """Time at the start of each stretch that does not count [s]."""
 
@@ -91,8 +94,8 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
 
 
 @cache
-def _stepped(loop: str, count: int) -> ca.Function:
-    """CHUNK steps of (ramped, v, second state) of ``count`` robots: states (3, count CHUNK)."""
+def _follower(loop: str) -> ct._NamedFuncPointer:
+    """Compiled steps of (ramped, v, second state), for many sets of parameters."""
     u, v, inner, p = (
         port(Signal(name, "1", name, size))
         for name, size in (("u", 1), ("v", 1), ("inner", 1), ("p", 3))
@@ -120,8 +123,14 @@ def _stepped(loop: str, count: int) -> ca.Function:
         ca.vertcat(u.sym, system.x, system.p),
         ca.vertcat(acting, x[1:], numbers[:3]),
     )
-    step = ca.Function("step", [x, sent, h, numbers], [ca.vertcat(ramped, after)])
-    return step.map(count).mapaccum(CHUNK)
+    step = kernel(
+        "step",
+        "State after a piece of time in which two commands act, one after the other.",
+        {"x": x, "sent": sent, "h": h, "p": numbers},
+        {"next": ca.vertcat(ramped, after)},
+    )
+    sizes = {"STATE": 3, "SENT": 3, "NUMBERS": 4, "SPEED": 1}
+    return ct.CDLL(lanes_library("follow_loop.c", sizes, [step])).wmr_follow_loop
 
 
 def _ramped(now: ca.SX, wanted: ca.SX, most: ca.SX) -> ca.SX:
@@ -145,28 +154,21 @@ def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
     piece = np.repeat(np.arange(len(parts)), parts)
     h = gap[piece] / parts[piece]
     begin = log.t[piece] - h * (ends[piece] - np.arange(len(piece)))
-    command = log.commands(begin, h, sets[:, 4])
-    step, result = _stepped(loop, count), np.empty((len(log.t), count))
+    delays, late = np.unique(sets[:, 4], return_inverse=True)
+    command = np.ascontiguousarray(log.commands(begin, h, delays).swapaxes(0, 1))
+    late, numbers = late.astype(np.int32), np.ascontiguousarray(sets[:, :4].T)
+    result = np.empty((len(log.t), count))
     for low, high in zip(log.first, [*log.first[1:], len(log.t)], strict=True):
         first, last = ends[low], ends[high - 1]
-        x = np.zeros((3, count))
-        x[0], x[1] = (
-            log.speed[min(low + 1, high - 1)] / sets[:, 0],
-            log.speed[min(low + 1, high - 1)],
+        begun = log.speed[min(low + 1, high - 1)]
+        x = np.stack((begun / sets[:, 0], np.full(count, begun), np.zeros(count)))
+        path = np.empty((last - first + 1, count))
+        path[0] = begun
+        arrays = (h[first:], command[first:], late, numbers, x, path[1:])
+        _follower(loop)(
+            *map(ct.c_int64, (last - first, count, len(delays))),
+            *(ct.c_void_p(item.ctypes.data) for item in arrays),
         )
-        speeds = [x[1][None]]
-        for at in range(first, last, CHUNK):
-            own = slice(at, min(at + CHUNK, last))
-            some = own.stop - own.start
-            u, length = np.zeros((3, CHUNK, count)), np.full(CHUNK, 1e-3)
-            u[:, :some], length[:some] = command[:, own], h[own]
-            whole = step(
-                x, u.reshape(3, -1), np.repeat(length, count)[None], np.tile(sets[:, :4].T, CHUNK)
-            )
-            states = np.asarray(whole).reshape(3, CHUNK, count)
-            speeds.append(states[1, :some])
-            x = states[:, some - 1]
-        path = np.concatenate(speeds)
         place = ends[low:high] - first
         if log.of_way:
             mean = (path[1:] + path[:-1]) / 2 * h[first:last, None]
@@ -182,10 +184,11 @@ def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
 def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
     """Gain, the shift [s] at which the command explains most of the speed, and that share."""
     shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
-    step = np.full(len(log.t), log.period)
-    before, after, share = log.commands(log.t - log.period, step, shifts)
-    u = (share * before + (1 - share) * after)[log.counted]
-    v = log.speed[log.counted][:, None]
+    some = np.flatnonzero(log.counted)
+    some = some[:: max(1, len(some) // ENOUGH_ROWS)]
+    step = np.full(len(some), log.period)
+    before, after, share = log.commands(log.t[some] - log.period, step, shifts)
+    u, v = share * before + (1 - share) * after, log.speed[some][:, None]
     gains = np.sum(u * v, axis=0) / np.maximum(np.sum(u * u, axis=0), 1e-300)
     shares = 1 - np.sum((v - gains * u) ** 2, axis=0) / max(float(np.sum(v * v)), 1e-300)
     k = int(np.argmax(shares))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import ClassVar
@@ -15,8 +16,8 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import pair_of
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.identification.estimate import UNITS, WORDS, Estimate, Score
-from wmr_ctrl.identification.fit import Fit
-from wmr_ctrl.identification.reading import BLOCKS, COUNTED
+from wmr_ctrl.identification.fit import LAG_LEAST, Fit
+from wmr_ctrl.identification.reading import BLOCKS, COUNTED, Floats
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.world.encoder import rounded_by
 
@@ -30,13 +31,47 @@ WILKS_BLOCKS = 59
 BLOCK_TIMES = 5.0
 """Length of a block, in time constants of a coloured push: shorter ones are not independent."""
 
+GRID_POINTS, SPREAD = 13, 3.5
+"""Of the likelihood's picture: points either way, and half its width in standard errors."""
+LEAST_LATE = {"delay": 0.0, "lag": LAG_LEAST}
+
+
+@dataclass(frozen=True)
+class Traces:
+    """What is drawn of a fit, over t (N,) [s]: speeds (N, 2) as they were read and as a fit of what
+    lies before ``held_out_from`` [s] foretells them; residuals (N, 2), as forces q z [N, N m] of
+    which dbar is made, or as speeds [m/s, rad/s] of which filter.d is.  NaN where nothing counts.
+    """
+
+    t: Floats
+    measured: Floats
+    foretold: Floats
+    residual: Floats
+    held_out_from: float
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Log-likelihood (X, Y) less that of the fit, over values of two parameters, x (X,), y (Y,)."""
+
+    names: tuple[str, str]
+    x: Floats
+    y: Floats
+    values: Floats
+
+
+def grid_about(value: float, error: float, least: float) -> Floats:
+    """Values about an estimate, ``SPREAD`` standard errors either way."""
+    return np.linspace(max(value - SPREAD * error, least), value + SPREAD * error, GRID_POINTS)
+
 
 @dataclass(frozen=True)
 class GuardBounds:
     """Numbers for [guard] in SI units, per axis or from least to most, and where they come from.
 
-    ``largest`` is the largest |z| of both axes, ``q`` the rms force noise a control period; the
-    sentence is what may be said of dbar; ``wide``: the delay is known too badly for any guard.
+    ``q``: rms force noise a control period; the sentence is what may be said of dbar; ``wide``:
+    delay or masses are known too badly for a guard; ``refuted``: what the held-out third has
+    against bounds that the rest of the log gives.
     """
 
     M_min: tuple[float, float]
@@ -48,11 +83,23 @@ class GuardBounds:
     q: tuple[float, float]
     sentence: str
     wide: bool = False
+    refuted: tuple[str, ...] = ()
+
+    section: ClassVar[str] = "guard"
+
+    def pairs(self) -> dict[str, tuple[tuple[float, float], str]]:
+        """Numbers by key of [guard], with their unit."""
+        axes, masses = "N, N m", "kg, kg m²"
+        return {
+            "M_min": (self.M_min, masses), "M_max": (self.M_max, masses),
+            "dbar": (self.dbar, axes), "nbar": (self.nbar, "m/s, rad/s"),
+            "delay": (self.delay, "s"), "lag": (self.lag, "s"),
+        }  # fmt: skip
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        names = ("M_min", "M_max", "dbar", "nbar", "delay", "lag")
-        return {**{name: list(getattr(self, name)) for name in names}, "sentence": self.sentence}
+        numbers = {name: list(pair) for name, (pair, _) in self.pairs().items()}
+        return {**numbers, "refuted": list(self.refuted), "sentence": self.sentence}
 
 
 @dataclass(frozen=True)
@@ -70,14 +117,21 @@ class FilterBounds:
     delay: tuple[float, float]
     sentence: str
 
+    section: ClassVar[str] = "filter"
+
+    def pairs(self) -> dict[str, tuple[tuple[float, float], str]]:
+        """Numbers by key of [filter], and the peak gain, with their unit."""
+        return {"peak_gain": (self.peak_gain, "1"), "d": (self.d, "m/s, rad/s"),
+                "delay": (self.delay, "s")}  # fmt: skip
+
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        numbers = {name: list(getattr(self, name)) for name in ("peak_gain", "d", "delay")}
+        numbers = {name: list(pair) for name, (pair, _) in self.pairs().items()}
         return {"loop": self.loop, **numbers, "sentence": self.sentence}
 
 
 @dataclass(frozen=True)
-class BaseIdentification:
+class BaseIdentification(ABC):
     """What a log told of a robot.
 
     ``parameters`` maps a name to (value, low, high, told, seconds), SI units; ``bounds`` are the
@@ -104,6 +158,14 @@ class BaseIdentification:
             "score": asdict(self.score),
         }
 
+    @abstractmethod
+    def traces(self) -> Traces:
+        """Measured and foretold speeds, and residuals."""
+
+    @abstractmethod
+    def surfaces(self) -> tuple[Surface, ...]:
+        """Likelihood over pairs of parameters that may stand for each other."""
+
     def described(self) -> dict[str, tuple[str, str]]:
         """Words and unit of each parameter."""
         return {name: (WORDS[name], UNITS[name]) for name in self.parameters}
@@ -122,7 +184,7 @@ class BaseIdentification:
                 continue
             entry = document[table][field]
             entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
-        limit = "guard.dbar" if isinstance(self.bounds, GuardBounds) else "filter.d"
+        limit = {"guard": "guard.dbar", "filter": "filter.d"}[self.bounds.section]
         head = [
             f"from the log {self.name} by wmr-ctrl identify; 95 % intervals stand beside values",
             f"{limit}: {self.bounds.sentence}",

@@ -6,14 +6,17 @@ Could the log tell?  Each parameter gets a verdict, mixtures get words, and seco
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from wmr_ctrl.identification import lint
 from wmr_ctrl.identification.fit import (
+    ACCEPTED,
+    LAG_LEAST,
     Fit,
     LogProblem,
     first_guess,
@@ -30,6 +33,8 @@ START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
 SPLITS = (0.2, 0.5, 0.8)
 """Shares of delay in the time from command to force that fits are started from."""
+LATENESS, SURE_PASSES = (0.03, 0.1, 0.3), 12
+"""Delay and lag together [s] that further fits start from where a log tells little."""
 LOW_SPEED, LOW_FADING, LOW_FACTOR = 0.06, 0.1, 10.0
 """Speed of a wheel below which the force noise counts LOW_FACTOR times [m/s], fading over [s]."""
 MOVED = 3.5
@@ -67,6 +72,8 @@ BECAUSE = {
     frozenset({"m", "delay"}): "the robot hardly accelerated",
     frozenset({"m", "lag"}): "the robot hardly accelerated",
     frozenset({"I", "delay"}): "the robot hardly turned faster or slower",
+    frozenset({"tau1", "delay1"}): "v_command changed too slowly or too little",
+    frozenset({"tau2", "delay2"}): "omega_command changed too slowly or too little",
 }
 """Pairs that cannot be told apart, and what the log lacks then."""
 SMALL, PART = 0.03, 0.35
@@ -111,23 +118,8 @@ class Score:
     one_newton_more: float | None = None
 
 
-@dataclass(frozen=True)
-class Traces:
-    """What is drawn of a fit, over t (N,) [s]: speeds (N, 2) as the filter reads them and as free
-    runs of a second foretell them by a fit of what lies before ``held_out_from`` [s]; the force
-    (N, 2) [N, N m] that each residual amounts to, q z, as dbar is made of it.  NaN where a stretch
-    begins, of which nothing counts.
-    """
-
-    t: Floats
-    measured: Floats
-    foretold: Floats
-    force: Floats
-    held_out_from: float
-
-
 def verdict(half: float, size: float) -> str:
-    """PassResult, roughly or not told, of a half-width and the size that it is compared with."""
+    """Told, roughly or not told, of a half-width and the size that it is compared with."""
     share = half / max(size, 1e-300)
     return TOLD if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else NOT_TOLD
 
@@ -146,10 +138,8 @@ def sizes(values: Mapping[str, float], speed: Floats, period: float) -> dict[str
     return {name: max(abs(value), least.get(name, 0.0)) for name, value in values.items()}
 
 
-def seconds_that_told(fit: Fit, place: int) -> tuple[float, float]:
-    """Shortest stretch [s] that has half of the information on one parameter."""
-    t = fit.problem.log.t
-    share = fit.last.fisher[:, place, place]
+def seconds_that_told(t: Floats, share: Floats) -> tuple[float, float]:
+    """Shortest stretch [s] that has half of the information ``share`` (B,) on one parameter."""
     total, edges = share.sum(), np.linspace(t[0], t[-1], BLOCKS + 1)
     for length in range(1, BLOCKS + 1):
         sums = np.convolve(share, np.ones(length), "valid")
@@ -159,18 +149,15 @@ def seconds_that_told(fit: Fit, place: int) -> tuple[float, float]:
     return float(t[0]), float(t[-1])
 
 
-def mixtures(fit: Fit, vague: set[str]) -> Iterator[str]:
+def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iterator[str]:
     """Sentences on parameters that the log cannot tell apart, those among ``vague``.
 
-    From the small eigenvalues of the Fisher information with unit diagonal.
+    From the small eigenvalues of the Fisher information (n, n) with unit diagonal.
     """
-    names = fit.problem.filter.graph.names
-    places = [k for k, name in enumerate(names) if fit.free[k] and name in WORDS]
-    whole = fit.last.fisher.sum(axis=0)[np.ix_(places, places)]
-    scale = np.sqrt(np.maximum(np.diag(whole), 1e-300))
-    values, vectors = np.linalg.eigh(whole / np.outer(scale, scale))
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
     for value, vector in zip(values, vectors.T, strict=True):
-        mixed = [names[places[k]] for k in np.argsort(-np.abs(vector)) if abs(vector[k]) > PART]
+        mixed = [names[k] for k in np.argsort(-np.abs(vector)) if abs(vector[k]) > PART]
         if value > SMALL or len(mixed) < 2 or not set(mixed) & vague:
             continue
         why = next((text for pair, text in BECAUSE.items() if pair <= set(mixed)), "")
@@ -204,6 +191,21 @@ def started(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -
         start |= {"delay": late * split, "lag": max(late * (1 - split), 1e-3)}
         tried.append(scored(piece, searched(start, names), free_of(problem, False), 8, tell))
     return min(tried, key=lambda item: item.nll).theta
+
+
+def white_fit(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -> Fit:
+    """The fit with white force noise; where delay or lag is at an end also from its other split."""
+    names, free = problem.filter.graph.names, free_of(problem, False)
+    fit = scored(problem, started(problem, scenario, tell), free, tell=tell)
+    late = [names.index("delay"), names.index("lag")]
+    delay, lag = fit.theta[late]
+    if delay > 0 and lag > LAG_LEAST:
+        return fit
+    start = fit.theta.copy()
+    share = SPLITS[-1] if delay <= 0 else SPLITS[0]
+    start[late] = share * (delay + lag), (1 - share) * (delay + lag)
+    other = scored(problem, start, free, tell=tell)
+    return min(fit, other, key=lambda item: item.nll)
 
 
 def coloured_if_likelier(white: Fit, tell: Callable[[], None]) -> tuple[Fit, float | None]:
@@ -259,7 +261,31 @@ def distrusting_low_speeds(
     return replace(again, least=least), [*remarks, said]
 
 
-def intervals_of(fit: Fit, scenario: Scenario) -> dict[str, tuple[float, float, float]]:
+def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
+    """The likeliest of several fits where this one knows delay or mass badly, else ``fit``.
+
+    Maxima as high as a profile's interval reaches widen the intervals: none of them is refuted.
+    """
+    names, half = fit.problem.filter.graph.names, half_widths(fit)
+    m, inertia, delay, lag = (names.index(name) for name in ("m", "I", "delay", "lag"))
+    if half[delay] <= fit.problem.log.period and half[m] <= SHARES[0]:
+        return fit
+    fits = [fit]
+    for late, (share, lighter) in product(LATENESS, ((SPLITS[0], 0.0), (SPLITS[-1], 0.7))):
+        start = fit.theta.copy()
+        start[[delay, lag]] = share * late, (1 - share) * late
+        start[[m, inertia]] -= lighter
+        fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, tell))
+    best = min(fits, key=lambda item: item.nll)
+    near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
+    places = [k for k, name in enumerate(names) if name in PHYSICAL]
+    least = {
+        k: max(fit.least.get(k, 0.0), *(abs(x[k] - best.theta[k]) for x in near)) for k in places
+    }
+    return replace(best, least=least)
+
+
+def intervals_of(fit: Fit) -> dict[str, tuple[float, float, float]]:
     """Value, low and high of each physical parameter, in SI units."""
     half, names = half_widths(fit), fit.problem.filter.graph.names
     step = plant_step(fit.problem.log.period)
@@ -282,14 +308,24 @@ def plant_step(period: float) -> float:
     return period / math.ceil(period / 1e-3 - 1e-9)
 
 
-def score_of(white: Fit, tell: Callable[[], None]) -> Score:
+def parted(fit: Fit, passes: int, tell: Callable[[], None]) -> tuple[Fit, Fit, float]:
+    """The fit of what lies before the last third, that of the last third, and its begin [s]."""
+    problem = fit.problem
+    t, boost = problem.log.t, problem.boost
+    cut = float(t[-1] - HELD_OUT * (t[-1] - t[0]))
+    fits, theta = [], fit.theta
+    for begin, end in ((-np.inf, cut), (cut, np.inf)):
+        own = None if boost is None else boost[(t >= begin) & (t < end)]
+        part = replace(problem, log=problem.log.until(end, begin), boost=own)
+        fits.append(replace(scored(part, theta, fit.free, passes, tell), least=fit.least))
+        theta = fits[0].theta
+    return fits[0], fits[1], cut
+
+
+def score_of(white: Fit, trained: Fit, cut: float) -> Score:
     """How well the last third is foretold by a fit of the rest, in free runs of a second."""
     problem = white.problem
-    log = problem.log
-    cut = log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0])
-    part = replace(problem, log=log.until(cut))
-    trained = scored(part, white.theta, white.free, 6, tell)
-    rest = log.until(np.inf, cut)
+    rest = problem.log.until(np.inf, cut)
     result = replace(problem, log=rest).read(trained.theta, slopes=False)
     foretold, held = free_runs(problem, rest, trained.theta, result.mean)
     seen = result.mean[:, 2:4]
@@ -297,7 +333,7 @@ def score_of(white: Fit, tell: Callable[[], None]) -> Score:
     shares = [1 - np.sum((item - seen) ** 2, axis=0) / np.maximum(total, 1e-12)
               for item in (foretold, held)]  # fmt: skip
     ours, constant = ((float(item[0]), float(item[1])) for item in shares)
-    return Score(ours, constant, float(cut))
+    return Score(ours, constant, cut)
 
 
 def free_runs(
@@ -310,4 +346,5 @@ def free_runs(
     fresh[log.first] = True
     first = np.flatnonzero(fresh)
     begin = first[np.searchsorted(first, index, "right") - 1]
-    return problem.foretold(replace(log, first=first), theta, mean[first]), mean[begin, 2:4]
+    foretold = problem.foretold(replace(log, first=first), theta, mean[first])
+    return foretold[:, 2:4], mean[begin, 2:4]

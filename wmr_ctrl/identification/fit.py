@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -26,10 +27,14 @@ SKIPPED_TIME = 0.3
 """Time at the start of each stretch that does not count [s]: commands before are not known."""
 DELAY_MOST, LAG_LEAST, LAG_MOST = 0.6, 5e-4, 2.0
 PASSES = 40
+ENOUGH = 1e-4
+"""Gain in log-likelihood below which scoring ends."""
+ACCEPTED = 1.92
+"""Fall of the log-likelihood at the end of an interval by the likelihood."""
 FLOOR = 2e-3
 """Least relative half-width of an interval."""
-NEVER = -np.inf
-"""Logarithm of a noise that is not there."""
+FINEST = 3e-4
+"""Least noise of force and speed, over how much these vary."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +62,12 @@ class LogProblem:
         return self.filter(self.events(theta), parameters, self._covariance(), slopes)
 
     def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
-        """Speeds (N, 2) that follow from means (F, state) at the start of each stretch alone."""
+        """Means (N, state) that follow from those (F, state) at the start of each stretch alone."""
         kinds = np.full(len(log.t), WATCHED, np.int32)
         delay = theta[self.filter.graph.names.index("delay")]
         events = events_of(log, delay, start, self.filter.wide, None, kinds)
         parameters = np.concatenate((theta, self.known))
-        return self.filter(events, parameters, self._covariance(), slopes=False).mean[:, 2:4]
+        return self.filter(events, parameters, self._covariance(), slopes=False).mean
 
     def counted(self) -> int:
         """Number of measurements that count."""
@@ -121,9 +126,13 @@ class Fit:
         """Minus the log of the likelihood, less a constant."""
         return float(self.last.nll.sum())
 
-    def bic(self) -> float:
-        """The criterion of Schwarz."""
-        return 2 * self.nll + self.free.sum() * np.log(2 * self.problem.counted())
+    @property
+    def inside(self) -> np.ndarray:
+        """Which are free (n,), less noises at an end, whose slopes would move the others."""
+        least, most = ends(self.problem, self.free)
+        names = self.problem.filter.graph.names
+        noise = np.array([name[0] in "qsn" or name == "time" for name in names])
+        return self.free & ~(noise & ((self.theta <= least) | (self.theta >= most)))
 
     def information(self) -> Floats:
         """Fisher information of the free parameters."""
@@ -138,21 +147,24 @@ def scored(
     tell: Callable[[], None] = lambda: None,
 ) -> Fit:
     """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood."""
-    names = problem.filter.graph.names
-    theta = bounded(theta, names)
+    least, most = ends(problem, free)
+    theta = np.clip(theta, least, most)
     result, damping = problem.read(theta), 1e-3
     for _ in range(passes):
         tell()
-        gradient = result.gradient.sum(axis=0)[free]
-        fisher = result.fisher.sum(axis=0)[np.ix_(free, free)]
+        gradient = result.gradient.sum(axis=0)
+        # What lies at an end and would go beyond stays there, so that the others move as they are.
+        held = ((theta <= least) & (gradient > 0)) | ((theta >= most) & (gradient < 0))
+        moving = free & ~held
+        fisher = result.fisher.sum(axis=0)[np.ix_(moving, moving)]
         scale = np.diag(fisher) + 1e-12
         better = False
         for _ in range(12):
-            step = -np.linalg.solve(fisher + damping * np.diag(scale), gradient)
+            step = -np.linalg.solve(fisher + damping * np.diag(scale), gradient[moving])
             step = np.clip(step, -1.5, 1.5) if np.abs(step).max() > 50 else step
             trial = theta.copy()
-            trial[free] += step
-            trial = bounded(trial, names, theta)
+            trial[moving] += step
+            trial = np.clip(trusted(trial, theta, problem), least, most)
             after = problem.read(trial)
             if np.isfinite(after.nll.sum()) and after.nll.sum() <= result.nll.sum():
                 better, damping = True, max(damping / 10, 1e-9)
@@ -162,27 +174,40 @@ def scored(
             break
         gained = result.nll.sum() - after.nll.sum()
         theta, result = trial, after
-        if gained < 1e-4:
+        if gained < ENOUGH:
             break
     return Fit(problem, theta, free, result)
 
 
-def bounded(theta: Floats, names: tuple[str, ...], before: Floats | None = None) -> Floats:
-    """Parameters within what can be meant, and no further from ``before`` than can be trusted."""
-    new = theta.copy()
-    for i, name in enumerate(names):
-        if before is not None and name in LOGARITHMIC and np.isfinite(before[i]):
-            new[i] = np.clip(new[i], before[i] - 1.5, before[i] + 1.5)
-        if name == "delay":
-            new[i] = np.clip(new[i], 0.0, DELAY_MOST)
-        if name == "lag":
-            new[i] = np.clip(new[i], LAG_LEAST, LAG_MOST)
-        if name == "time":
-            new[i] = np.clip(new[i], np.log(0.02), np.log(60.0))
-        if name in ("n1", "n2"):
-            new[i] = max(new[i], np.log(1e-7))
-        if name[0] in "qs" and np.isfinite(new[i]):
-            new[i] = np.clip(new[i], np.log(1e-7), np.log(1e6))
+def ends(problem: LogProblem, free: np.ndarray) -> tuple[Floats, Floats]:
+    """Least and largest (n,) of what is searched: no model is truer than FINEST of what it moves.
+
+    Integration, rounding and effects without a name are in the cleanest of logs.
+    """
+    log, names = problem.log, problem.filter.graph.names
+    r, half_track = problem.known[:2]
+    right, left = log.command.T
+    force = np.std([right + left, half_track * (right - left)], axis=1) / r
+    speed = np.std(log.seen, axis=0) if log.of_speed else np.ones(2)
+    noise = np.log(np.maximum(FINEST * np.concatenate((force, speed)), 1e-9)).tolist()
+    least = dict(zip(("q1", "q2", "n1", "n2"), noise, strict=True))
+    least |= {"s1": math.log(1e-7), "s2": math.log(1e-7), "time": math.log(0.02)}
+    least |= {"delay": 0.0, "lag": LAG_LEAST}
+    most = dict.fromkeys(("q1", "q2", "s1", "s2"), math.log(1e6))
+    most |= {"time": math.log(60.0), "delay": DELAY_MOST, "lag": LAG_MOST}
+    low, high = (
+        np.where(free, [side.get(name, other) for name in names], other)
+        for side, other in ((least, -np.inf), (most, np.inf))
+    )
+    return low, high
+
+
+def trusted(trial: Floats, before: Floats, problem: LogProblem) -> Floats:
+    """Logarithms no further from ``before`` than scoring can be trusted."""
+    near = np.array([name in LOGARITHMIC for name in problem.filter.graph.names])
+    near &= np.isfinite(before)
+    new = trial.copy()
+    new[near] = np.clip(trial[near], before[near] - 1.5, before[near] + 1.5)
     return new
 
 
@@ -191,7 +216,7 @@ def standard_errors(fit: Fit) -> tuple[Floats, Floats]:
 
     Zero where a parameter is not free.
     """
-    return _two_errors(fit.last.gradient, fit.last.fisher, fit.free)
+    return _two_errors(fit.last.gradient, fit.last.fisher, fit.inside)
 
 
 def _two_errors(gradient: Floats, fisher: Floats, free: np.ndarray) -> tuple[Floats, Floats]:
@@ -225,7 +250,7 @@ def errors_of(gradient: Floats, fisher: Floats, free: np.ndarray) -> Floats:
 
 def half_widths(fit: Fit) -> Floats:
     """Half-widths (n,) of 95 % intervals: the larger of both errors', and of the floor."""
-    half = errors_of(fit.last.gradient, fit.last.fisher, fit.free)
+    half = errors_of(fit.last.gradient, fit.last.fisher, fit.inside)
     for place, least in fit.least.items():
         half[place] = max(half[place], least)
     return half

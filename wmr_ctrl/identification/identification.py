@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,8 +14,12 @@ from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.identification import lint
 from wmr_ctrl.identification.bounds import (
+    LEAST_LATE,
     BaseIdentification,
     GuardBounds,
+    Surface,
+    Traces,
+    grid_about,
     guard_bounds,
     usable_speeds,
 )
@@ -25,10 +29,8 @@ from wmr_ctrl.identification.estimate import (
     NOT_TOLD,
     TOLD,
     Estimate,
-    Traces,
     coloured_if_likelier,
     distrusting_low_speeds,
-    free_of,
     free_runs,
     intervals_of,
     mixtures,
@@ -36,10 +38,11 @@ from wmr_ctrl.identification.estimate import (
     score_of,
     seconds_that_told,
     sizes,
-    started,
+    surest,
     verdict,
+    white_fit,
 )
-from wmr_ctrl.identification.fit import Fit, LogProblem, scored, standard_errors
+from wmr_ctrl.identification.fit import Fit, LogProblem, standard_errors
 from wmr_ctrl.identification.graph import torque_graph
 from wmr_ctrl.identification.log import (
     COMMAND,
@@ -54,7 +57,8 @@ from wmr_ctrl.identification.log import (
     with_torques,
 )
 from wmr_ctrl.identification.reading import COUNTED as MEASURED
-from wmr_ctrl.identification.reading import CompiledFilter, Floats, Samples, motion_of
+from wmr_ctrl.identification.reading import CompiledFilter, Samples, motion_of
+from wmr_ctrl.identification.refuted import explaining, held_out
 from wmr_ctrl.identification.velocity_base import of_velocities
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS, Encoder
@@ -63,7 +67,6 @@ from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 Progress = Callable[[float], None]
 USUAL_PASSES = 60
 """Passes through the filter that a log usually takes, for the progress that is told."""
-TRACE_PASSES = 6
 ROBOT = ("robot.r", "robot.l")
 COUNTED = "encoder.counts"
 
@@ -79,19 +82,20 @@ PLACES = {
 class Identification(BaseIdentification):
     """What a log shows of a base that takes torques.
 
-    ``fit`` is the one that is reported, ``white`` the one whose residuals the bounds are made of.
+    ``fit`` is the one that is reported, ``white`` the one whose residuals the bounds are made of,
+    ``trained`` that of the first two thirds alone.
     """
 
     bounds: GuardBounds
     fit: Fit
     white: Fit
+    trained: Fit
     places = PLACES
 
     def traces(self) -> Traces:
         """Measured and foretold speeds, and residuals; takes some passes through the log."""
         problem, names = self.white.problem, self.white.problem.filter.graph.names
-        part = replace(problem, log=problem.log.until(self.score.held_out_from))
-        trained = scored(part, self.white.theta, self.white.free, TRACE_PASSES).theta
+        trained = self.trained.theta
         mean = problem.read(trained, slopes=False).mean
         foretold, _ = free_runs(problem, problem.log, trained, mean)
         q = np.exp(self.white.theta[[names.index("q1"), names.index("q2")]])
@@ -101,20 +105,17 @@ class Identification(BaseIdentification):
         foretold[began] = np.nan
         return Traces(problem.log.t, mean[:, 2:4], foretold, force, self.score.held_out_from)
 
-    def likelihood(self, delays: Sequence[float], lags: Sequence[float]) -> Floats:
-        """Log-likelihood less its largest (len(delays), len(lags)), all else as it was fitted."""
+    def surfaces(self) -> tuple[Surface]:
+        """Likelihood over delay and lag, all else as it was fitted."""
         names, theta = self.fit.problem.filter.graph.names, self.fit.theta.copy()
-        values = np.empty((len(delays), len(lags)))
-        for i, delay in enumerate(delays):
-            for j, lag in enumerate(lags):
-                theta[[names.index("delay"), names.index("lag")]] = delay, lag
-                values[i, j] = -self.fit.problem.read(theta, slopes=False).nll.sum()
-        return np.asarray(values - max(values.max(), -self.fit.nll))
-
-    def standard_errors(self) -> dict[str, float]:
-        """Of what is searched, by the Fisher information."""
-        errors, _ = standard_errors(self.fit)
-        return dict(zip(self.fit.problem.filter.graph.names, errors.tolist(), strict=True))
+        errors = dict(zip(names, standard_errors(self.fit)[0].tolist(), strict=True))
+        pair = "delay", "lag"
+        x, y = (grid_about(self.parameters[n].value, errors[n], LEAST_LATE[n]) for n in pair)
+        values = np.empty((len(x), len(y)))
+        for i, j in np.ndindex(values.shape):
+            theta[[names.index(name) for name in pair]] = x[i], y[j]
+            values[i, j] = -self.fit.problem.read(theta, slopes=False).nll.sum()
+        return (Surface(pair, x, y, np.asarray(values + self.fit.nll)),)
 
 
 @checks_arguments
@@ -238,39 +239,49 @@ def _of_torques(
     filter_ = CompiledFilter(torque_graph(scenario))
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
     problem = LogProblem(log, filter_, known)
-    white = scored(problem, started(problem, scenario, tell), free_of(problem, False), tell=tell)
+    white = white_fit(problem, scenario, tell)
     fit, colour = coloured_if_likelier(white, tell)
     fit, remarks = distrusting_low_speeds(fit, remarks, tell)
-    widths, estimates = intervals_of(fit, scenario), {}
+    fit = surest(fit, tell)
+    widths, estimates = intervals_of(fit), {}
     speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))
     values = {key: item[0] for key, item in widths.items()}
     scale = sizes(values, speed, log.period)
     names = filter_.graph.names
     for key, (value, low, high) in widths.items():
-        seconds = seconds_that_told(fit, names.index(key))
+        place = names.index(key)
+        seconds = seconds_that_told(log.t, fit.last.fisher[:, place, place])
         half = (high - low) / 2
         word = verdict(half, scale[key])
         estimates[key] = Estimate(value, low, high, word, seconds, half / scale[key])
     vague = {key for key, item in estimates.items() if item.verdict != TOLD}
-    remarks += list(mixtures(fit, vague))
+    places = [k for k, name in enumerate(names) if fit.free[k] and name in estimates]
+    information = fit.last.fisher.sum(axis=0)[np.ix_(places, places)]
+    remarks += list(mixtures([names[k] for k in places], information, vague))
     if widths["Fv"][2] < 0:
         remarks.append(
             "friction falls with speed (Fv < 0), as stiction makes it: Coulomb friction and Fv are "
             "not covered by their intervals."
         )
-    if all(estimates[key].verdict == NOT_TOLD for key in ("m", "I")):
+    if all(item.verdict == NOT_TOLD for item in estimates.values()):
         raise LogError(
-            f"{name}: the log determines neither mass nor inertia: {' '.join(remarks)} Drive with "
+            f"{name}: the log determines nothing of the robot: {' '.join(remarks)} Drive with "
             "changing speeds of both wheels, apart from each other."
         )
-    bounds = guard_bounds(white, widths, _clocked(scenario, log), colour)
-    identified = _scenario(name, scenario, log, values, bounds, remarks)
-    score = score_of(white, tell)
+    unknown = all(estimates[key].verdict == NOT_TOLD for key in ("m", "I"))
+    clocked = _clocked(scenario, log)
+    bounds = guard_bounds(white, widths, clocked, colour)
+    end = held_out(white, fit, clocked, colour, tell)
+    bounds = replace(explaining(white, bounds), refuted=end.refuted, wide=bounds.wide or unknown)
+    identified = _scenario(name, clocked, values, bounds, remarks)
+    score = score_of(white, end.trained, end.cut)
     price = usable_speeds(override(identified, {"guard.enabled": True}))
     if price:
         score = replace(score, usable_speed=price[0], one_newton_more=price[1])
     progress(1.0)
-    return Identification(name, estimates, bounds, tuple(remarks), score, identified, fit, white)
+    return Identification(
+        name, estimates, bounds, tuple(remarks), score, identified, fit, white, end.trained
+    )
 
 
 def _period(log: Samples) -> float:
@@ -294,14 +305,12 @@ def _clocked(scenario: Scenario, log: Samples) -> Scenario:
 
 def _scenario(
     name: str,
-    scenario: Scenario,
-    log: Samples,
+    base: Scenario,
     values: Mapping[str, float],
     bounds: GuardBounds,
     remarks: list[str],
 ) -> Scenario:
-    """The scenario of the robot, whose guard is on where its numbers can be met."""
-    base = _clocked(scenario, log)
+    """The scenario of the robot, whose guard is on where its numbers hold and can be met."""
     r, half_track, step = base.robot.r, base.robot.l, base.clock.plant
     weight = values["m"] * base.robot.g
     std = max(bounds.q[0], bounds.q[1] / half_track) * r / math.sqrt(2)
@@ -319,12 +328,19 @@ def _scenario(
         "guard.dbar": list(bounds.dbar), "guard.nbar": list(bounds.nbar),
         "guard.delay": None if bounds.wide else list(bounds.delay), "guard.lag": list(bounds.lag),
     })  # fmt: skip
-    if bounds.wide:
-        low, high = bounds.delay
+    if bounds.refuted:
         remarks.append(
-            f"the guard is off: the delay is known to lie between {1e3 * low:.3g} and "
-            f"{1e3 * high:.3g} ms alone, and a guard counts on a range of one control period, "
-            f"{1e3 * base.clock.control:.3g} ms, at most. A better drive determines it."
+            "the guard is off: the last third of the log contradicts bounds that the rest of it "
+            f"gives. {'; '.join(bounds.refuted).capitalize()}. Robot, load, floor or lateness "
+            "changed: take a log of each, or state bounds for all."
+        )
+        return result
+    if bounds.wide:
+        (low, high), least, most = bounds.delay, bounds.M_min[0], bounds.M_max[0]
+        remarks.append(
+            "the guard is off: it takes a delay known to a control period, and a mass or inertia "
+            f"that is told; the delay is known to lie between {1e3 * low:.3g} and {1e3 * high:.3g} "
+            f"ms alone, m between {least:.3g} and {most:.3g} kg. A better drive determines them."
         )
         return result
     try:

@@ -193,7 +193,7 @@ def _check_clocks(
         raise LogError(
             f"{name}: from torque to motion it takes {late[0]:.2f}, {late[1]:.2f} and "
             f"{late[2]:.2f} s in the three thirds of the log: the clocks of commands and sensors "
-            "drift apart. Take both times from one clock."
+            "drift apart, or the delay itself changed. Take both times from one clock."
         )
 
 

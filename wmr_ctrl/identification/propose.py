@@ -1,26 +1,30 @@
 """A drive that would tell what a log could not, inside limits and floor.
 
 Tones and random steps of both speeds are simulated at corners of the intervals, with the plant's
-graph and a plain loop; of those that keep limits and floor the one of most Fisher information is
-proposed, with what it would tell.
+graph and a plain loop, or with the base's own loop; of those that keep limits and floor the one of
+most Fisher information is proposed, with what it would tell.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import casadi as ca
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.identification.axis import AxisLog
+from wmr_ctrl.identification.bounds import BaseIdentification
 from wmr_ctrl.identification.estimate import PHYSICAL, sizes, verdict
 from wmr_ctrl.identification.fit import Fit, LogProblem
 from wmr_ctrl.identification.graph import LOGARITHMIC, stepped
 from wmr_ctrl.identification.identification import Identification
 from wmr_ctrl.identification.reading import Floats, Samples
+from wmr_ctrl.identification.speed_loop import LoopFit, followed_by, information_of
+from wmr_ctrl.identification.velocity_base import VelocityIdentification
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.lag import followed
@@ -76,10 +80,11 @@ class ProposedDrive:
         return "\n".join([*lines, *(",".join(f"{x:.6g}" for x in row) for row in table), ""])
 
 
-def propose(result: Identification, floor: float = 4.0) -> ProposedDrive:
+def propose(result: BaseIdentification, floor: float = 4.0) -> ProposedDrive:
     """A drive inside the scenario's limits and ``floor`` metres across, the start in its middle.
 
-    Raises ArgumentError where no drive fits.
+    Of a base that takes velocities it is what is to be commanded.  Raises ArgumentError where no
+    drive fits.
     """
     if not floor > 0:
         raise ArgumentError(f"floor = {floor:g} m must be above 0.")
@@ -94,32 +99,113 @@ def propose(result: Identification, floor: float = 4.0) -> ProposedDrive:
     return max(fitting, key=lambda item: item[0])[1]
 
 
+@dataclass(frozen=True)
+class Simulated:
+    """What a drive comes to: the path (N, 3) of the robot as estimated; of all corners the farthest
+    way from the start [m], the largest speeds, the share of samples at a limit of torque; the
+    logarithm of the information's determinant, and the verdicts that it would earn.
+    """
+
+    path: Floats
+    farthest: float
+    fastest: tuple[float, float]
+    saturated: float
+    information: float
+    expected: Mapping[str, str]
+
+
+def _simulated(result: BaseIdentification, t: Floats, wanted: Floats) -> Simulated:
+    if isinstance(result, VelocityIdentification):
+        return _commanded(result, t, wanted)
+    assert isinstance(result, Identification)
+    limit = result.scenario.actuator.tau_max
+    motion, torque = _followed_drive(result.scenario, _corners(result), wanted)
+    share = float(np.mean(np.abs(torque) >= limit)) if math.isfinite(limit) else 0.0
+    path = np.column_stack((motion[0, :, 4:6], motion[0, :, 1]))
+    farthest = float(np.hypot(motion[:, :, 4], motion[:, :, 5]).max())
+    speed = np.abs(motion[:, :, 2:4]).max(axis=(0, 1)).tolist()
+    verdicts = _expected(result, motion[0], torque[0])
+    return Simulated(path, farthest, (speed[0], speed[1]), share, *verdicts)
+
+
 def _fitted(
-    result: Identification, t: Floats, shapes: Floats, floor: float
+    result: BaseIdentification, t: Floats, shapes: Floats, floor: float
 ) -> tuple[float, ProposedDrive] | None:
     """Information and drive of a kind, as large as limits and floor admit at all corners."""
-    scenario, robots = result.scenario, _corners(result)
-    limits, limit = np.array(scenario.limits.v_u1), scenario.actuator.tau_max
+    limits = np.array(result.scenario.limits.v_u1)
     most = SHARE * limits
     for _ in range(TRIALS):
         # Kinematics alone choose among the draws; the corners judge the choice.
         wanted = shapes * most
-        strays = [_strays(item, scenario.clock.control) for item in wanted]
+        strays = [_strays(item, t) for item in wanted]
         wanted = wanted[int(np.argmin(strays))]
-        motion, torque = _followed_drive(scenario, robots, wanted)
-        # A better loop than the one here follows exactly.
-        distance = max(min(strays), float(np.hypot(motion[:, :, 4], motion[:, :, 5]).max()))
-        speed = np.abs(motion[:, :, 2:4]).max(axis=(0, 1))
-        if distance <= floor / 2 and (speed <= limits).all():
-            share = float(np.mean(np.abs(torque) >= limit)) if math.isfinite(limit) else 0.0
-            information, expected = _expected(result, motion[0], torque[0])
-            path = np.column_stack((motion[0, :, 4:6], motion[0, :, 1]))
-            fastest = float(speed[0]), float(speed[1])
-            v, omega = wanted.T
-            drive = ProposedDrive(t, v, omega, path, distance, fastest, share, expected)
-            return information, drive
+        if min(strays) <= floor / 2:
+            seen = _simulated(result, t, wanted)
+            # A better loop than the one here follows exactly.
+            farthest = max(min(strays), seen.farthest)
+            if farthest <= floor / 2 and (np.array(seen.fastest) <= limits).all():
+                numbers = farthest, seen.fastest, seen.saturated, seen.expected
+                drive = ProposedDrive(t, wanted[:, 0], wanted[:, 1], seen.path, *numbers)
+                return seen.information, drive
         most = SMALLER * most
     return None
+
+
+def _commanded(result: VelocityIdentification, t: Floats, wanted: Floats) -> Simulated:
+    """A base that is sent a drive: every corner of v's numbers with every one of omega's."""
+    speeds: list[Floats] = []
+    information, expected = 0.0, dict[str, str]()
+    for axis, fit in enumerate(result.fits):
+        known = fit or next(item for item in result.fits if item is not None)
+        log = _sent(known.log, t, wanted[:, axis])
+        corners = [list(known.values.values())]
+        if fit is not None:
+            ends = (_ends(result, f"{n}{axis + 1}", x) for n, x in fit.values.items())
+            corners += [list(item) for item in product(*ends)]
+        values = dict(zip(known.names, np.array(corners).T, strict=True))
+        speeds.append(followed_by(log, known.loop, values))
+        if fit is not None:
+            own, verdicts = _told_by(fit, replace(log, speed=speeds[-1][:, 0]), axis)
+            information, expected = information + own, expected | verdicts
+    fastest = (float(np.abs(speeds[0]).max()), float(np.abs(speeds[1]).max()))
+    ways = [[_path(t, v, omega) for omega in speeds[1].T] for v in speeds[0].T]
+    farthest = max(float(np.hypot(*way[:, :2].T).max()) for row in ways for way in row)
+    return Simulated(ways[0][0], farthest, fastest, 0.0, information, expected)
+
+
+def _ends(result: BaseIdentification, name: str, value: float) -> tuple[float, float]:
+    """Ends of an interval, each no farther from the estimate than by FARTHEST."""
+    item = result.parameters[name]
+    least = 0.0 if name.startswith("delay") else value / FARTHEST
+    size = max(value, result.scenario.clock.control)
+    return max(item.low, least), max(min(item.high, FARTHEST * size), least)
+
+
+def _sent(log: AxisLog, t: Floats, sent: Floats) -> AxisLog:
+    """A log of commands alone, from rest."""
+    rest = np.zeros(len(t))
+    return AxisLog(t, rest, rest == 0, t, sent, np.array([0]), log.of_way, float(t[1] - t[0]))
+
+
+def _told_by(fit: LoopFit, log: AxisLog, axis: int) -> tuple[float, dict[str, str]]:
+    """Information of a drive on one axis in the noise of the log, and verdicts it would earn."""
+    whole = information_of(fit, log)
+    half = NORMAL * np.sqrt(np.diag(np.linalg.pinv(whole)))
+    size = {"delay": max(fit.values["delay"], log.period)}
+    verdicts = {
+        f"{name}{axis + 1}": verdict(float(h), size.get(name, 1.0))
+        for name, h in zip(fit.names, half, strict=True)
+    }
+    return float(np.linalg.slogdet(whole)[1]), verdicts
+
+
+def _path(t: Floats, v: Floats, omega: Floats) -> Floats:
+    """Path (N, 3) x, y, theta of speeds (N,)."""
+    step = np.diff(t, append=2 * t[-1] - t[-2])
+    turn = np.cumsum(omega * step) - omega * step
+    middle = turn + omega * step / 2
+    x, y = np.cumsum(-np.sin(middle) * v * step), np.cumsum(np.cos(middle) * v * step)
+    return np.column_stack((x, y, turn))
 
 
 def _corners(result: Identification) -> list[dict[str, float]]:
@@ -150,11 +236,9 @@ def _shapes(period: float) -> tuple[Floats, list[Floats]]:
     return t, [item / np.abs(item).max(axis=1, keepdims=True) for item in drives]
 
 
-def _strays(wanted: Floats, period: float) -> float:
+def _strays(wanted: Floats, t: Floats) -> float:
     """Largest distance from the start [m] of a drive that is followed exactly."""
-    theta = np.cumsum(wanted[:, 1]) * period
-    way = wanted[:, 0] * period
-    return float(np.hypot(np.cumsum(-np.sin(theta) * way), np.cumsum(np.cos(theta) * way)).max())
+    return float(np.hypot(*_path(t, *wanted.T)[:, :2].T).max())
 
 
 def _followed_drive(

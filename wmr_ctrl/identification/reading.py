@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes as ct
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.codegen.dialect import LANES
+from wmr_ctrl.codegen.emit import Kernel
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
@@ -212,7 +214,7 @@ class CompiledFilter:
 
 @cache
 def _library(graph: FilterGraph) -> str:
-    """Path of the compiled filter, for this processor where the compiler can do that."""
+    """Path of the compiled filter."""
     sizes = {
         "NAMES": len(graph.names),
         "KNOWN": len(graph.known),
@@ -221,14 +223,18 @@ def _library(graph: FilterGraph) -> str:
         "OUTPUTS": graph.outputs,
         "WIDE": max(graph.state, len(PIECE)),
     }
-    generated = sources(sizes, graph.kernels, LANES)
+    return lanes_library("read_log.c", sizes, graph.kernels)
+
+
+def lanes_library(driver: str, sizes: Mapping[str, int], kernels: Sequence[Kernel]) -> str:
+    """Path of kernels compiled in lanes with the runtime's ``driver``, for this processor where
+    the compiler can do that.  Raises CompilerError.
+    """
+    generated = sources(sizes, kernels, LANES)
     generated.pop("exports.h")
-    runtime = {
-        name: (runtime_dir() / name).read_text("utf-8") for name in ("arithmetic.h", "export.h")
-    }
-    own = (runtime_dir() / "read_log.c").read_text("utf-8")
-    included = {name.replace(".c", ".inc"): text for name, text in generated.items()}
-    files = {**runtime, **included, "read_log.c": own}
+    names = ("arithmetic.h", "export.h", driver)
+    runtime = {name: (runtime_dir() / name).read_text("utf-8") for name in names}
+    files = {name.replace(".c", ".inc"): text for name, text in generated.items()} | runtime
     toolchain = find_toolchain()
     try:
         return str(build_library(files, find_toolchain(native=not toolchain.misaligns_vectors)))

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from wmr_ctrl.identification.axis import AxisLog, foretold, shifted_gain
-from wmr_ctrl.identification.fit import DELAY_MOST, FLOOR, errors_of
+from wmr_ctrl.identification.fit import ACCEPTED, DELAY_MOST, FINEST, FLOOR, errors_of
 from wmr_ctrl.identification.reading import BLOCKS, Floats
 
 LOOPS: Mapping[str, tuple[str, ...]] = {
@@ -23,6 +23,8 @@ LOOPS: Mapping[str, tuple[str, ...]] = {
     "second-order": ("gain", "wn", "zeta", "delay"),
 }
 """Parameters of each loop; all but the delay are searched as logarithms."""
+PLACE = {"gain": 0, "tau": 1, "wn": 1, "zeta": 2, "accel": 3, "delay": 4}
+"""Columns of a set of parameters."""
 ORDER = 6
 """Order of the autoregression."""
 SPEEDS = (0.03, 0.1, 0.3)
@@ -37,8 +39,11 @@ ENOUGH = 0.01
 MOST_VAGUE = 0.5
 """Half-width of a logarithm from which on a number is no reason for a richer loop."""
 SCREEN_SECONDS = 30.0
-ACCEPTED = 1.92
-"""Fall of the log-likelihood at the end of a one-sided interval by the likelihood."""
+SMOOTHED = 0.1
+"""Time over which deviations are averaged before the largest counts as a push [s]: shorter ones
+are the sensors'."""
+AT_ONCE = 16
+"""Sets of parameters that are followed at once through a whole log."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,16 @@ class LoopFit:
         half = self.half_widths(0.0)
         return any(h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n != "delay")
 
+    def deviation(self) -> Floats:
+        """Speed less what was foretold (N,), averaged over SMOOTHED; 0 where nothing counts."""
+        wide = max(round(SMOOTHED / self.log.period), 1)
+        left = np.where(self.log.counted, self.left, 0.0)
+        return np.convolve(left, np.ones(wide) / wide, "same")
+
+    def standard_errors(self) -> Floats:
+        """Standard errors (n,) of what is searched, by the Fisher information."""
+        return np.sqrt(np.diag(np.linalg.pinv(self.fisher.sum(axis=0))))
+
     def half_widths(self, least_delay: float) -> Floats:
         """Half-widths (n,) of 95 % intervals of what is searched."""
         shown = np.diag(self.fisher.sum(axis=0)) > 0
@@ -105,12 +120,18 @@ def _whitener(
     behind = np.column_stack([np.roll(left, k) for k in range(1, order + 1)])
     whole = counted & np.all([np.roll(counted, k) for k in range(1, order + 1)], axis=0)
     whole[:order] = False
-    a = np.linalg.lstsq(behind[whole], left[whole], rcond=None)[0]
+    near = behind[whole]
+    a = np.linalg.lstsq(near.T @ near, near.T @ left[whole], rcond=None)[0]
 
     def whiten(x: Floats) -> Floats:
         return np.asarray(x - sum(a[k] * np.roll(x, k + 1, axis=0) for k in range(order)))
 
     return whiten, whole
+
+
+def finest(log: AxisLog) -> float:
+    """Least noise of an axis [m/s or rad/s]: no model is truer."""
+    return FINEST * max(float(np.std(log.speed)), 1e-9)
 
 
 def fitted(
@@ -128,7 +149,6 @@ def fitted(
     damping, done = 1e-3, False
     edges = np.linspace(log.t[0], log.t[-1] + 1e-9, BLOCKS + 1)
     block = np.searchsorted(edges, log.t, "right") - 1
-    least = 1e-6 * max(float(np.std(log.speed)), 1e-9)
 
     def deviation(many: list[Floats]) -> Floats:
         return log.speed[:, None] - foretold(log, loop, np.array([_set(names, x) for x in many]))
@@ -144,7 +164,7 @@ def fitted(
         ])  # fmt: skip
         whiten, whole = _whitener(left, log.counted, ORDER if turn >= plain else 0)
         white, along = whiten(left)[whole], whiten(slope)[whole]
-        sigma = math.hypot(float(np.std(white)), least)
+        sigma = math.hypot(float(np.std(white)), finest(log))
         nll = whole.sum() * math.log(sigma)
         place = block[whole]
         gradient = np.array([
@@ -209,6 +229,22 @@ def best_loop(
     return best
 
 
+def same_loop(
+    axes: list[AxisLog], driven: list[bool], tell: Callable[[], None]
+) -> tuple[LoopFit | None, LoopFit | None]:
+    """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
+    first, second = (
+        best_loop(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
+    )
+    if first is None or second is None or first.loop == second.loop:
+        return first, second
+    others = (
+        (first, best_loop(axes[1], tell, (first.loop,))),
+        (best_loop(axes[0], tell, (second.loop,)), second),
+    )
+    return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
 def _starts(log: AxisLog, names: tuple[str, ...], steepest: float) -> list[Floats]:
     gain = max(shifted_gain(log)[0], RANGES["gain"][0])
     grid = {
@@ -224,16 +260,47 @@ def _starts(log: AxisLog, names: tuple[str, ...], steepest: float) -> list[Float
 
 def least_acceleration(fit: LoopFit) -> float:
     """Lower end of the limit's interval where no ramp shows [m/s2 or rad/s2]: by the likelihood."""
-    log = fit.log
-    whiten, whole = _whitener(fit.left, log.counted)
     limits = np.geomspace(*RANGES["accel"], 60)
-    sets = np.tile(_set(fit.names, fit.theta), (len(limits), 1))
-    sets[:, 3] = limits
-    left = whiten(log.speed[:, None] - foretold(log, fit.loop, sets))[whole]
-    now = float(np.mean(whiten(fit.left)[whole] ** 2))
-    fall = (np.mean(left**2, axis=0) / max(now, 1e-300) - 1) * whole.sum() / 2
+    fall = -likelihoods(fit, {"accel": limits})
     fine = np.flatnonzero(fall > ACCEPTED)
     return float(limits[min(fine[-1] + 1, len(limits) - 1)]) if fine.size else float(limits[0])
+
+
+def likelihoods(fit: LoopFit, changes: Mapping[str, Floats]) -> Floats:
+    """Log-likelihoods (K,) less that of the fit, of parameters that take other values (K,).
+
+    Parameters are in SI units; what is left over is whitened as that of the fit is.
+    """
+    whiten, whole = _whitener(fit.left, fit.log.counted)
+    now = max(float(np.mean(whiten(fit.left)[whole] ** 2)), finest(fit.log) ** 2)
+    count = len(next(iter(changes.values())))
+    falls = []
+    for part in np.array_split(np.arange(count), math.ceil(count / AT_ONCE)):
+        sets = np.tile(_set(fit.names, fit.theta), (len(part), 1))
+        for name, values in changes.items():
+            sets[:, PLACE[name]] = values[part]
+        left = whiten(fit.log.speed[:, None] - foretold(fit.log, fit.loop, sets))[whole]
+        falls.append((np.mean(left**2, axis=0) / now - 1) * whole.sum() / 2)
+    return -np.concatenate(falls)
+
+
+def followed_by(log: AxisLog, loop: str, values: Mapping[str, Floats]) -> Floats:
+    """Speeds (N, K) that follow from a log's commands for parameters (K,) in SI units."""
+    sets = np.tile([1.0, 1.0, 1.0, math.inf, 0.0], (len(next(iter(values.values()))), 1))
+    for name, column in values.items():
+        sets[:, PLACE[name]] = column
+    return foretold(log, loop, sets)
+
+
+def information_of(fit: LoopFit, log: AxisLog) -> Floats:
+    """Fisher information (n, n) that another log would have of what was fitted, in this noise."""
+    whiten, whole = _whitener(fit.left, fit.log.counted)
+    sigma = math.hypot(float(np.std(whiten(fit.left)[whole])), finest(fit.log))
+    steps = np.diag([1e-4 if name == "delay" else 1e-3 for name in fit.names])
+    sets = np.array([_set(fit.names, fit.theta + s) for s in (0 * steps[0], *steps)])
+    apart = foretold(log, fit.loop, sets)
+    slope = whiten((apart[:, 1:] - apart[:, :1]) / np.diag(steps))[ORDER:] / sigma
+    return np.asarray(slope.T @ slope)
 
 
 def forecast(fit: LoopFit, log: AxisLog) -> Floats:

@@ -12,34 +12,43 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
 from wmr_ctrl.identification.axis import AxisLog, axis_log, check_following, shifted_gain
-from wmr_ctrl.identification.bounds import BaseIdentification, FilterBounds
+from wmr_ctrl.identification.bounds import (
+    BaseIdentification,
+    FilterBounds,
+    Surface,
+    Traces,
+    grid_about,
+)
 from wmr_ctrl.identification.estimate import (
     AFFECTED,
     FREE_RUN,
     HELD_OUT,
     NOT_TOLD,
+    TOLD,
     Estimate,
     Score,
+    mixtures,
     plant_step,
+    seconds_that_told,
     verdict,
 )
 from wmr_ctrl.identification.log import COMMAND, LogError
 from wmr_ctrl.identification.reading import Samples
 from wmr_ctrl.identification.speed_loop import (
+    SMOOTHED,
     LoopFit,
-    best_loop,
     fitted,
     forecast,
     least_acceleration,
+    likelihoods,
+    same_loop,
 )
 from wmr_ctrl.scenario import Scenario, override
 
 AXES = (1, 2)
-SMOOTHED = 0.1
-"""Time over which deviations are averaged before the largest counts as a push [s]: shorter ones
-are the sensors'."""
+Fits = tuple[LoopFit | None, LoopFit | None]
 LEAST_DRIVEN = 1e-3
-USUAL_STEPS = 18
+USUAL_STEPS, TRAINED = 18, 4
 PLACES = {
     "base.tau": ("tau1", "tau2"), "base.gain": ("gain1", "gain2"),
     "base.kp": ("wn1", "zeta1", "wn2", "zeta2"), "base.delay": ("delay1", "delay2"),
@@ -50,11 +59,41 @@ PLACES = {
 
 @dataclass(frozen=True)
 class VelocityIdentification(BaseIdentification):
-    """What a log shows of a base that takes velocities; ``fits``: of v and omega, if driven."""
+    """What a log shows of a base that takes velocities.
+
+    ``fits``: of v and omega, if driven; ``trained``: those of the first two thirds alone.
+    """
 
     bounds: FilterBounds
-    fits: tuple[LoopFit | None, LoopFit | None]
+    fits: Fits
+    trained: Fits
     places = PLACES
+
+    def traces(self) -> Traces:
+        """Measured and foretold speeds, and deviations as filter.d has them."""
+        log = next(fit.log for fit in self.fits if fit is not None)
+        seen, foretold, left = (np.full((len(log.t), 2), np.nan) for _ in range(3))
+        for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):
+            if fit is not None and trained is not None:
+                seen[:, axis], left[:, axis] = fit.log.speed, fit.deviation()
+                foretold[:, axis] = np.where(log.counted, forecast(trained, fit.log), np.nan)
+        return Traces(log.t, seen, foretold, left, self.score.held_out_from)
+
+    def surfaces(self) -> tuple[Surface, ...]:
+        """Likelihood over each axis' delay and time constant, or frequency."""
+        surfaces = []
+        for axis, fit in zip(AXES, self.fits, strict=True):
+            if fit is not None:
+                pair = "delay", "tau" if "tau" in fit.names else "wn"
+                errors = dict(zip(fit.names, fit.standard_errors().tolist(), strict=True))
+                value = fit.values[pair[1]]
+                x = grid_about(fit.values["delay"], errors["delay"], 0.0)
+                y = grid_about(value, value * errors[pair[1]], value / 9)
+                places = np.stack(np.meshgrid(x, y, indexing="ij")).reshape(2, -1)
+                fall = likelihoods(fit, dict(zip(pair, places, strict=True)))
+                names = f"{pair[0]}{axis}", f"{pair[1]}{axis}"
+                surfaces.append(Surface(names, x, y, fall.reshape(len(x), len(y))))
+        return tuple(surfaces)
 
 
 def of_velocities(
@@ -78,7 +117,7 @@ def of_velocities(
     for axis, drives, column in zip(axes, driven, COMMAND, strict=True):
         if drives:
             check_following(name, column, *shifted_gain(axis), log.period)
-    fits = _same_loop(axes, driven, tell)
+    fits = same_loop(axes, driven, tell)
     estimates = _estimates(fits, log.period)
     if all(item.verdict == NOT_TOLD for item in estimates.values()):
         raise LogError(
@@ -87,28 +126,17 @@ def of_velocities(
         )
     remarks += _remarks(fits, estimates)
     bounds, identified = _scenario(name, scenario, log, fits, estimates, remarks)
-    score = _score(axes, fits, tell)
-    progress(1.0)
-    return VelocityIdentification(name, estimates, bounds, tuple(remarks), score, identified, fits)
-
-
-def _same_loop(
-    axes: list[AxisLog], driven: list[bool], tell: Callable[[], None]
-) -> tuple[LoopFit | None, LoopFit | None]:
-    """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
+    cut = float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
     first, second = (
-        best_loop(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
+        fit and fitted(fit.log.until(cut), fit.loop, fit.names, fit.theta, TRAINED) for fit in fits
     )
-    if first is None or second is None or first.loop == second.loop:
-        return first, second
-    others = (
-        (first, best_loop(axes[1], tell, (first.loop,))),
-        (best_loop(axes[0], tell, (second.loop,)), second),
-    )
-    return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+    trained, said = (first, second), tuple(remarks)
+    score = _score(axes, cut, trained)
+    progress(1.0)
+    return VelocityIdentification(name, estimates, bounds, said, score, identified, fits, trained)
 
 
-def _estimates(fits: tuple[LoopFit | None, LoopFit | None], period: float) -> dict[str, Estimate]:
+def _estimates(fits: Fits, period: float) -> dict[str, Estimate]:
     """Value, interval and verdict of each parameter of both axes."""
     estimates = {}
     for axis, fit in zip(AXES, fits, strict=True):
@@ -122,7 +150,9 @@ def _estimates(fits: tuple[LoopFit | None, LoopFit | None], period: float) -> di
                 half = min(half, 50.0)
                 low, high = value * math.exp(-half), value * math.exp(half)
                 share = half
-            item = Estimate(value, low, high, verdict(share, 1.0), share=share)
+            shares = fit.fisher[:, fit.names.index(name), fit.names.index(name)]
+            seconds = seconds_that_told(fit.log.t, shares)
+            item = Estimate(value, low, high, verdict(share, 1.0), seconds, share)
             estimates[f"{name}{axis}"] = item
         if "accel" not in fit.names:
             least = least_acceleration(fit)
@@ -130,9 +160,7 @@ def _estimates(fits: tuple[LoopFit | None, LoopFit | None], period: float) -> di
     return estimates
 
 
-def _remarks(
-    fits: tuple[LoopFit | None, LoopFit | None], estimates: Mapping[str, Estimate]
-) -> list[str]:
+def _remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
     remarks = [
         "gains are against the log's own measured speeds: what is off in a wheel's radius or "
         "track is in both, and no log of wheels tells it. Add it to filter.gain."
@@ -146,6 +174,11 @@ def _remarks(
                 f"no acceleration limit shows in {column}: if there is one, it is above "
                 f"{estimates[f'accel{axis}'].low:.3g} {unit}."
             )
+    for axis, fit in zip(AXES, fits, strict=True):
+        if fit is not None:
+            names = [f"{name}{axis}" for name in fit.names]
+            unsure = {name for name in names if estimates[name].verdict != TOLD}
+            remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
     vague = [name for name, item in estimates.items() if item.verdict == NOT_TOLD and
              not name.startswith("accel")]  # fmt: skip
     if vague:
@@ -160,7 +193,7 @@ def _scenario(
     name: str,
     scenario: Scenario,
     log: Samples,
-    fits: tuple[LoopFit | None, LoopFit | None],
+    fits: Fits,
     estimates: Mapping[str, Estimate],
     remarks: list[str],
 ) -> tuple[FilterBounds, Scenario]:
@@ -177,7 +210,7 @@ def _scenario(
         effects={k: v for k, v in scenario.effects.items() if k not in AFFECTED},
     )
     seen = [fit for fit in fits if fit is not None]
-    d1, d2 = (0.0 if fit is None else _largest(fit) for fit in fits)
+    d1, d2 = (0.0 if fit is None else float(np.abs(fit.deviation()).max()) for fit in fits)
     both = [fit or seen[0] for fit in fits]
     values = [fit.values for fit in both]
     delays = [estimates[key] for key in ("delay1", "delay2") if key in estimates]
@@ -235,13 +268,6 @@ def _said_of(loop: str, m: float) -> list[str]:
     return [said[loop]] if loop in said else []
 
 
-def _largest(fit: LoopFit) -> float:
-    """Largest deviation of the speed from what was foretold, averaged over SMOOTHED."""
-    wide = max(round(SMOOTHED / fit.log.period), 1)
-    left = np.where(fit.log.counted, fit.left, 0.0)
-    return float(np.abs(np.convolve(left, np.ones(wide) / wide, "valid")).max())
-
-
 def _hulls(estimates: Mapping[str, Estimate]) -> dict[str, tuple[float, float]]:
     """Intervals of each kind of parameter that hold those of both axes."""
     names = {name[:-1] for name in estimates}
@@ -297,29 +323,19 @@ def _of_pi(
     return override(result, {"filter.push": pushes})
 
 
-def _score(
-    axes: list[AxisLog],
-    fits: tuple[LoopFit | None, LoopFit | None],
-    tell: Callable[[], None],
-) -> Score:
+def _score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
     """How well the last third is foretold from commands alone by a fit of the rest."""
-    t = axes[0].t
-    cut = float(t[-1] - HELD_OUT * (t[-1] - t[0]))
-    shares = []
-    for axis, fit in zip(axes, fits, strict=True):
+    t, shares = axes[0].t, []
+    for axis, fit in zip(axes, trained, strict=True):
         if fit is None:
             shares.append((math.nan, math.nan))
             continue
-        trained = fitted(axis.until(cut), fit.loop, fit.names, fit.theta, 4)
-        tell()
         rest = (t >= cut) & axis.counted
         seen = axis.speed
         turn = np.floor((t - t[0]) / FREE_RUN)
         held = seen[np.searchsorted(turn, turn)]
         total = max(float(np.sum((seen - seen[rest].mean())[rest] ** 2)), 1e-12)
-        apart = [
-            float(np.sum((item - seen)[rest] ** 2)) for item in (forecast(trained, axis), held)
-        ]
+        apart = [float(np.sum((item - seen)[rest] ** 2)) for item in (forecast(fit, axis), held)]
         shares.append((1 - apart[0] / total, 1 - apart[1] / total))
     ours, constant = zip(*shares, strict=True)
     return Score((ours[0], ours[1]), (constant[0], constant[1]), cut)

@@ -39,51 +39,55 @@ from wmr_ctrl.report.tables import TextTable
 from wmr_ctrl.results import atomic_text
 
 if TYPE_CHECKING:
-    from wmr_ctrl.identification import Identification
-    from wmr_ctrl.identification.estimate import Traces
+    from wmr_ctrl.identification import BaseIdentification
+    from wmr_ctrl.identification.bounds import Surface, Traces
+    from wmr_ctrl.identification.propose import ProposedDrive
 
 SUFFIXES = (".png", ".svg", ".pdf")
 BLUE = "#1f77c9"
-GRID_POINTS = 13
-SPREAD = 3.5
-"""Half of the likelihood's grid, in standard errors by the Fisher information."""
 LEVELS = {3.0: "95 %", 4.61: "99 %"}
 """Falls of the log-likelihood that bound regions of two numbers at these confidences."""
 _MARGINS = Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
 _AXES = (("v", "m/s", "thrust", "N"), ("omega", "rad/s", "moment", "N m"))
+FORETOLD = {"guard": "foretold from a second before at most", "filter": "foretold from commands"}
 
 
 def write_identification(
-    result: Identification,
+    result: BaseIdentification,
     page: str | os.PathLike[str] | None = None,
     plot: str | os.PathLike[str] | None = None,
+    drive: ProposedDrive | None = None,
 ) -> None:
     """Write one page of HTML that needs nothing but itself, or the picture in it, or both.
 
-    Speeds with what was foretold, residuals with dbar, intervals, likelihood over delay and lag.
-    Each file whole or not at all.  Raises ResultFileError for another suffix or where a file cannot
-    be written.
+    Speeds with what was foretold, residuals with dbar or d, intervals, likelihood over delay and
+    lag; on the page a ``drive`` that was proposed, too.  Each file whole or not at all.  Raises
+    ResultFileError for another suffix or where a file cannot be written.
     """
     known = f"an identification is drawn as {', '.join(SUFFIXES)}"
     target = None if plot is None else target_of(plot, SUFFIXES, known)
+    traces = result.traces()
     with house_style(), tempfile.TemporaryDirectory() as folder:
-        figure = drawing_of(result).figure()
+        figure = drawing_of(result, traces).figure()
         if target is not None:
             save_figure(figure, target)
         if page is not None:
             drawn = Path(folder, "fit.svg")
             save_figure(figure, drawn)
-            text = _page(result, picture(drawn))
+            text = _page(result, traces, picture(drawn), drive)
             with atomic_text(target_of(page, (".html",), "the page is .html")) as file:
                 file.write(text)
 
 
-def drawing_of(result: Identification) -> Drawing:
+def drawing_of(result: BaseIdentification, traces: Traces) -> Drawing:
     """The picture."""
-    return Drawing("fit", (8.3, 9.4), partial(_draw, result=result))
+    size = (8.3, 9.4) if result.bounds.section == "guard" else (8.3, 11.8)
+    return Drawing("fit", size, partial(_draw, result=result, traces=traces))
 
 
-def _page(result: Identification, image: str) -> str:
+def _page(
+    result: BaseIdentification, traces: Traces, image: str, drive: ProposedDrive | None
+) -> str:
     environment = page_environment()
     environment.filters["shown"] = shown
     return environment.get_template("identified.html.j2").render(
@@ -92,54 +96,77 @@ def _page(result: Identification, image: str) -> str:
         parameters=_parameters(result),
         bounds=_bounds(result),
         verdicts=Counter(item.verdict for item in result.parameters.values()),
-        visited=np.abs(result.white.last.mean[:, 2:4]).max(axis=0).tolist(),
-        seconds=float(np.ptp(result.white.problem.log.t)),
-        coloured=result.fit.free.sum() > result.white.free.sum(),
+        visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
+        seconds=float(np.ptp(traces.t)),
         picture=lambda name: image,
+        guarded=result.bounds.section == "guard",
+        section=result.bounds.section,
+        next_drive=_next_drive(drive),
     )
 
 
-def _parameters(result: Identification) -> TextTable:
+def _parameters(result: BaseIdentification) -> TextTable:
     rows = []
     for name, (words, unit) in result.described().items():
         item = result.parameters[name]
-        interval = f"{shown(item.low, 4)} to {shown(item.high, 4)}"
-        when = f"{item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
+        open_ended = not np.isfinite(item.high)
+        end = "" if open_ended else f" to {shown(item.high, 4)}"
+        interval = f"{'above ' * open_ended}{shown(item.low, 4)}{end}"
+        value = "" if open_ended else shown(item.value, 4)
+        when = f"{item.seconds[0]:.3g} to {item.seconds[1]:.3g} s" if item.seconds[1] else ""
         label = f"{name}: {with_unit(words, unit)}"
-        rows.append((label, shown(item.value, 4), interval, item.verdict, when))
+        rows.append((label, value, interval, item.verdict, when))
     head = ("", "value", "95 % interval", "does the log determine it?", "half of it came from")
     return TextTable(head, tuple(rows))
 
 
-def _bounds(result: Identification) -> TextTable:
-    bounds = result.bounds
-    per_axis = {"M_min [kg, kg m²]": bounds.M_min, "M_max [kg, kg m²]": bounds.M_max,
-                "dbar [N, N m]": bounds.dbar, "nbar [m/s, rad/s]": bounds.nbar}  # fmt: skip
-    ranges = {"delay [s]": bounds.delay, "lag [s]": bounds.lag}
+def _bounds(result: BaseIdentification) -> TextTable:
     rows = [
-        (f"guard.{name}", *(shown(part, 4) for part in pair))
-        for name, pair in (per_axis | ranges).items()
+        (with_unit(_label(result, name), unit), *(shown(part, 4) for part in pair))
+        for name, (pair, unit) in result.bounds.pairs().items()
     ]
     return TextTable(("", "of v, or least", "of omega, or most"), tuple(rows))
 
 
-def _draw(figure: Figure, result: Identification) -> None:
-    traces = result.traces()
-    grid = figure.add_gridspec(4, 2, height_ratios=(1, 1, 0.9, 1.25), hspace=0.0, wspace=0.0)
+def _label(result: BaseIdentification, name: str) -> str:
+    return "peak gain" if name == "peak_gain" else f"{result.bounds.section}.{name}"
+
+
+def _next_drive(drive: ProposedDrive | None) -> str:
+    if drive is None:
+        return "None was asked for: --propose drive.csv writes one, inside limits and floor."
+    expected = Counter(drive.expected.values())
+    counts = ", ".join(f"{expected[word]} {word}" for word in ("told", "roughly", "not told"))
+    return (
+        f"{np.ptp(drive.t):.3g} s, simulated at the corners of the intervals: at most "
+        f"{drive.farthest:.3g} m from the start, {drive.fastest[0]:.3g} m/s and "
+        f"{drive.fastest[1]:.3g} rad/s. By the Fisher information alone it would tell: {counts}."
+    )
+
+
+def _draw(figure: Figure, result: BaseIdentification, traces: Traces) -> None:
+    surfaces = result.surfaces()
+    rows = (1, 1, 0.9, 1.25) if len(surfaces) < 2 else (1, 1, 0.9, 1.25, 1.25)
+    grid = figure.add_gridspec(len(rows), 2, height_ratios=rows, hspace=0.0, wspace=0.0)
     for axis in (0, 1):
-        _speeds(figure.add_subfigure(grid[axis, :]), traces, axis)
-        _residuals(figure.add_subfigure(grid[2, axis]), traces, result.bounds.dbar, axis)
-    _intervals(figure.add_subfigure(grid[3, 0]), result)
-    if {"delay", "lag"} <= set(result.parameters):
-        _likelihood(figure.add_subfigure(grid[3, 1]), result)
+        _speeds(figure.add_subfigure(grid[axis, :]), result, traces, axis)
+        _residuals(figure.add_subfigure(grid[2, axis]), result, traces, axis)
+    if len(surfaces) < 2:
+        _intervals(figure.add_subfigure(grid[3, 0]), result)
+        for surface in surfaces:
+            _likelihood(figure.add_subfigure(grid[3, 1]), result, surface)
+        return
+    _intervals(figure.add_subfigure(grid[3, :]), result)
+    for axis, surface in enumerate(surfaces):
+        _likelihood(figure.add_subfigure(grid[4, axis]), result, surface)
 
 
-def _speeds(part: SubFigure, traces: Traces, axis: int) -> None:
+def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: int) -> None:
     """Measured and foretold speed; the held-out part is shaded."""
     name, unit, _, _ = _AXES[axis]
     handles = [
         line_handle("as measured", INK, 0.9),
-        line_handle("foretold from a second before at most", BLUE),
+        line_handle(FORETOLD[result.bounds.section], BLUE),
     ]
     heading(part, f"{name} [{unit}]; shaded: held out of the fit that foretells", handles)
     axes = one_axes(part, _MARGINS)
@@ -149,21 +176,26 @@ def _speeds(part: SubFigure, traces: Traces, axis: int) -> None:
     axes.set(xlabel="t [s]", xlim=(traces.t[0], traces.t[-1]))
 
 
-def _residuals(part: SubFigure, traces: Traces, dbar: tuple[float, float], axis: int) -> None:
-    _, _, name, unit = _AXES[axis]
-    handles = [line_handle("q z", BLUE), line_handle("dbar", LIMIT)]
-    heading(part, f"Residual as a {name} [{unit}]", handles)
+def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis: int) -> None:
+    """Residuals, with the bound that is made of them."""
+    speed, speed_unit, force, force_unit = _AXES[axis]
+    forces = result.bounds.section == "guard"
+    bound, what = ("dbar", "q z") if forces else ("d", f"off in {speed}")
+    handles = [line_handle(what, BLUE), line_handle(bound, LIMIT)]
+    words = f"Residual as a {force} [{force_unit}]" if forces else f"Deviation [{speed_unit}]"
+    heading(part, words, handles)
     axes = one_axes(part, _MARGINS)
-    axes.plot(*thin(traces.t, traces.force[:, axis]), color=BLUE, lw=0.6)
-    for level in (-dbar[axis], dbar[axis]):
+    axes.plot(*thin(traces.t, traces.residual[:, axis]), color=BLUE, lw=0.6)
+    largest = result.bounds.pairs()[bound][0][axis]
+    for level in (-largest, largest):
         axes.axhline(level, color=LIMIT, lw=1.0)
-    include(axes, (-1.15 * dbar[axis], 1.15 * dbar[axis]))
+    include(axes, (-1.15 * largest, 1.15 * largest))
     axes.set(xlabel="t [s]", xlim=(traces.t[0], traces.t[-1]))
 
 
-def _intervals(part: SubFigure, result: Identification) -> None:
+def _intervals(part: SubFigure, result: BaseIdentification) -> None:
     """Half-widths over what the verdicts compare them with, on a logarithmic scale."""
-    items = result.parameters
+    items = {k: v for k, v in result.parameters.items() if np.isfinite(v.value)}
     heading(part, "Half-width of the interval [%]", below=0.22)
     axes = one_axes(part, Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
     shares = [max(100 * item.share, 0.05) for item in items.values()]
@@ -181,28 +213,24 @@ def _intervals(part: SubFigure, result: Identification) -> None:
     rows_of(axes, list(items))
 
 
-def _likelihood(part: SubFigure, result: Identification) -> None:
-    """Regions of delay and lag by the fall of the likelihood, with the intervals."""
-    heading(part, "Delay and lag [ms]: likelihood, and the intervals as a cross", below=0.22)
+def _likelihood(part: SubFigure, result: BaseIdentification, surface: Surface) -> None:
+    """Regions of two parameters by the fall of the likelihood, with the intervals."""
+    names = surface.names
+    units = [result.described()[name][1] for name in names]
+    scales = [1e3 if unit == "s" else 1.0 for unit in units]
+    labels = [f"{n} [{'ms' if u == 's' else u}]" for n, u in zip(names, units, strict=True)]
+    title = f"{names[0]} and {names[1]}: likelihood, and the intervals as a cross"
+    heading(part, title, below=0.22)
     axes = one_axes(part, Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
-    delay, lag = result.parameters["delay"], result.parameters["lag"]
-    errors = result.standard_errors()
-    x, y = (
-        np.linspace(
-            max(item.value - SPREAD * errors[name], least),
-            item.value + SPREAD * errors[name],
-            GRID_POINTS,
-        )
-        for name, item, least in (("delay", delay, 0.0), ("lag", lag, 5e-4))
-    )
-    fall = -result.likelihood(x.tolist(), y.tolist())
-    lines = axes.contour(
-        1e3 * x, 1e3 * y, fall.T, levels=list(LEVELS), colors=[BLUE], linewidths=(1.3, 0.8)
-    )
-    axes.clabel(lines, fmt=LEVELS, fontsize=6.5)
-    axes.plot(
-        1e3 * np.array([delay.low, delay.high]), 1e3 * np.full(2, lag.value), color=INK, lw=0.9
-    )
-    axes.plot(1e3 * np.full(2, delay.value), 1e3 * np.array([lag.low, lag.high]), color=INK, lw=0.9)
-    axes.plot(1e3 * delay.value, 1e3 * lag.value, "o", color=INK, ms=3.5)
-    axes.set(xlabel="delay [ms]", ylabel="lag [ms]")
+    x, y = scales[0] * surface.x, scales[1] * surface.y
+    fall = -surface.values.T
+    levels = [level for level in LEVELS if fall.min() < level < fall.max()]
+    if levels:
+        lines = axes.contour(x, y, fall, levels=levels, colors=[BLUE], linewidths=(1.3, 0.8))
+        axes.clabel(lines, fmt=LEVELS, fontsize=6.5)
+    first, second = (result.parameters[name] for name in names)
+    a, b = scales
+    axes.plot([a * first.low, a * first.high], [b * second.value] * 2, color=INK, lw=0.9)
+    axes.plot([a * first.value] * 2, [b * second.low, b * second.high], color=INK, lw=0.9)
+    axes.plot(a * first.value, b * second.value, "o", color=INK, ms=3.5)
+    axes.set(xlabel=labels[0], ylabel=labels[1])

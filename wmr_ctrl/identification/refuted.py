@@ -1,0 +1,251 @@
+"""What the last third of a log has against the bounds that the rest of it gives.
+
+Motion that they do not explain, by the guard's own monitor, and numbers that have changed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.guard.guard import Bounds
+from wmr_ctrl.guard.monitor import least_push
+from wmr_ctrl.identification.bounds import GuardBounds, guard_bounds
+from wmr_ctrl.identification.estimate import UNITS, intervals_of, parted
+from wmr_ctrl.identification.fit import LAG_LEAST, Fit
+from wmr_ctrl.identification.reading import Floats, Samples
+from wmr_ctrl.scenario import Scenario
+
+SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
+"""Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""
+LATE_POINTS = 5, 3
+"""Delays and lags in their intervals for which the force that acted is worked out."""
+PASSES = 12
+"""Passes of the fits of either part."""
+APART = 1.5
+"""Sums of half-widths by which two parts of a log are apart where something changed."""
+WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
+"""Factors on the range of masses that are tried where a motion is not explained."""
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """The white fit of the first two thirds, where the last begins [s], and what that has against
+    the bounds that the first two give.
+    """
+
+    trained: Fit
+    cut: float
+    refuted: tuple[str, ...]
+
+
+def held_out(
+    white: Fit, fit: Fit, scenario: Scenario, colour: float | None, tell: Callable[[], None]
+) -> HeldOut:
+    """Bounds of a log's first two thirds, made as those of the whole log are, against its last.
+
+    ``white`` and ``fit`` as for `guard_bounds`, of the whole log; ``scenario`` has its clock.
+    """
+    trained, rest, cut = parted(white, PASSES, tell)
+    before = trained
+    if fit is not white:
+        before, rest, _ = parted(fit, PASSES, tell)
+    earlier, later = intervals_of(before), intervals_of(rest)
+    bounds = guard_bounds(trained, earlier, scenario, colour)
+    moved = [item.against(bounds) for item in contradictions(white, bounds, cut)]
+    period = white.problem.log.period
+    return HeldOut(trained, cut, (*moved, *outside(bounds, earlier, later, period)))
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """Motion that bounds do not explain: of an axis (0, 1), seen at ``t`` over ``window`` [s].
+
+    ``push`` [N, N m] is what dbar would have to be at least, ``masses`` a range that would do in
+    its place; None where none within a factor of 3 does.
+    """
+
+    axis: int
+    t: float
+    window: float
+    push: float
+    masses: tuple[float, float] | None
+
+    def against(self, bounds: GuardBounds) -> str:
+        """The motion and the bounds that it contradicts, in a sentence."""
+        speed, unit, mass = (("v1", "N", "kg"), ("omega", "N m", "kg m2"))[self.axis]
+        number = self.axis + 1
+        instead = ""
+        if self.masses is not None:
+            low, high = self.masses
+            instead = (
+                f", or guard.M_min[{number}] = {low:.3g} and M_max[{number}] = {high:.3g} {mass}"
+            )
+        return (
+            f"at {self.t:.4g} s {speed} changed over {self.window:.2g} s as no push of "
+            f"guard.dbar[{number}] = {bounds.dbar[self.axis]:.3g} {unit} explains with these "
+            f"masses, this delay and this lag; it takes {self.push:.3g} {unit}{instead}"
+        )
+
+
+def contradictions(
+    white: Fit, bounds: GuardBounds, begin: float = -np.inf
+) -> tuple[Unexplained, ...]:
+    """Per axis the largest motion from ``begin`` [s] on that these bounds do not explain, if any.
+
+    The guard's monitor (`guard.monitor.least_push`) over windows in the place of its period: mean
+    velocities of neighbouring halves, and those that the commands alone would have given a mass of
+    1 without friction, for delays and lags in their intervals.  Friction explains no gain while
+    an axis goes one way.
+    """
+    log, largest = white.problem.log.until(np.inf, begin), []
+    forced = list(_unit_motions(white, bounds, log))
+    for axis in (0, 1):
+        windows = [_windows(log, span, axis, bounds, forced) for span in SPANS]
+        pushes = [item.least((bounds.M_min[axis], bounds.M_max[axis])) for item in windows]
+        most = [float(item.max(initial=0.0)) for item in pushes]
+        k = int(np.argmax(most))
+        if most[k] <= bounds.dbar[axis]:
+            continue
+        ranges = [(bounds.M_min[axis] / f, bounds.M_max[axis] * f) for f in WIDENED]
+        enough = (
+            item
+            for item in ranges
+            if all((window.least(item) <= bounds.dbar[axis]).all() for window in windows)
+        )
+        at = int(np.argmax(pushes[k]))
+        length = 2 * float(windows[k].period[at])
+        largest.append(
+            Unexplained(axis, float(windows[k].t[at]), length, most[k], next(enough, None))
+        )
+    return tuple(largest)
+
+
+def outside(
+    bounds: GuardBounds,
+    before: Mapping[str, tuple[float, float, float]],
+    rest: Mapping[str, tuple[float, float, float]],
+    period: float,
+) -> Iterator[str]:
+    """Sentences on bounds of a log's first part that a fit of its rest lies outside of.
+
+    Values are apart by APART times both half-widths and by what matters: a twentieth of a mass, a
+    control period [s] of the delay.
+    """
+    ranges = {"m": (bounds.M_min[0], bounds.M_max[0]), "I": (bounds.M_min[1], bounds.M_max[1]),
+              "delay": bounds.delay}  # fmt: skip
+    keys = {"m": "guard.M_min[1] to M_max[1]", "I": "guard.M_min[2] to M_max[2]",
+            "delay": "guard.delay"}  # fmt: skip
+    for name, (least, most) in ranges.items():
+        (value, low, high), (own, own_low, own_high) = before[name], rest[name]
+        apart = max(own - value, value - own)
+        both = (high - low + own_high - own_low) / 2
+        matters = period if name == "delay" else value / 20
+        if apart > max(APART * both, matters) and not least <= own <= most:
+            unit = UNITS[name]
+            yield (
+                f"of that third alone {name} is {own:.3g} {unit} "
+                f"({own_low:.3g} to {own_high:.3g}), outside of {keys[name]}, "
+                f"{least:.3g} to {most:.3g} {unit}"
+            )
+
+
+def explaining(white: Fit, bounds: GuardBounds) -> GuardBounds:
+    """The bounds, with dbar as large as the guard's monitor needs it to be over the whole log."""
+    dbar = list(bounds.dbar)
+    for item in contradictions(white, bounds):
+        dbar[item.axis] = item.push * (1 + 1e-9)
+    return replace(bounds, dbar=(dbar[0], dbar[1]))
+
+
+def _unit_motions(white: Fit, bounds: GuardBounds, log: Samples) -> Iterator[Floats]:
+    """Ways and speeds (N, 4) of a mass and inertia of 1 without friction, under the commands alone.
+
+    What they gain is the force that acted, by the filter's own graph, for a delay and a lag each.
+    """
+    problem, names = white.problem, white.problem.filter.graph.names
+    start = np.zeros((len(log.first), problem.filter.graph.state))
+    sent = np.searchsorted(log.command_t, log.t[log.first], "right") - 1
+    start[:, 6:8] = log.command[np.maximum(sent, 0)]
+    free = dict.fromkeys(("m", "I", "Fc", "Fv", "c", "Mv"), 0.0)
+    lags = max(bounds.lag[0], LAG_LEAST), max(bounds.lag[1], LAG_LEAST)
+    for delay in np.linspace(*bounds.delay, LATE_POINTS[0]).tolist():
+        for lag in np.linspace(*lags, LATE_POINTS[1]).tolist():
+            values = free | {"delay": delay, "lag": lag}
+            theta = np.array([values.get(n, x) for n, x in zip(names, white.theta, strict=True)])
+            yield problem.foretold(log, theta, start)[:, :4]
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of one axis that end at t (K,) [s]: velocities (2, K) before and after, mean forces
+    (K, F) that may have acted; period and nbar (K,) as the guard's monitor takes them.
+    """
+
+    t: Floats
+    speeds: Floats
+    forces: Floats
+    period: Floats
+    nbar: Floats
+
+    def least(self, masses: tuple[float, float]) -> Floats:
+        """Least push (K,) that explains the motion, for masses from least to most."""
+        count, several = self.forces.shape
+        if not count:
+            return np.zeros(0)
+        each = np.stack((*self.speeds, self.period, self.nbar)).repeat(several, axis=1)
+        old, new, period, nbar = each[:, None]
+        push = _monitor()(new, old, self.forces.reshape(1, -1), period, nbar, *masses)
+        return np.asarray(push).reshape(count, several).min(axis=1)
+
+
+def _windows(
+    log: Samples, span: float, axis: int, bounds: GuardBounds, forced: Sequence[Floats]
+) -> Windows:
+    """Windows of two halves of ``span`` [s] each, in which an axis goes one way all the time.
+
+    Of measured speeds their change over one such half.
+    """
+    n = max(1, round(span / float(np.median(np.diff(log.t)))))
+    reach = n if log.of_speed else 2 * n
+    rows = np.diff(log.first, append=len(log.t))
+    index = np.arange(len(log.t))
+    i = index[np.repeat(log.first + rows, rows) - 1 - index >= reach][:: max(1, n // 4)]
+    seen, middle, last = log.seen[:, axis], i + n, i + reach
+    before, after = log.t[middle] - log.t[i], log.t[last] - log.t[middle]
+    if log.of_speed:
+        period, nbar = before, np.full(len(i), bounds.nbar[axis])
+        ways = np.sign(seen) * (np.abs(seen) > bounds.nbar[axis])
+    else:
+        # Each wheel's reading is off by less than a count, so both sums are by less than `count`.
+        count = math.sqrt(24 * log.variance[axis])
+        period, nbar = (before + after) / 2, count * (1 / before + 1 / after) / 2
+        moved = np.diff(seen, prepend=seen[0])
+        ways = np.sign(moved) * (np.abs(moved) > count)
+
+    def velocities(way: Floats, speed: Floats) -> Floats:
+        if log.of_speed:
+            return np.stack((speed[i], speed[last]))
+        return np.stack(((way[middle] - way[i]) / before, (way[last] - way[middle]) / after))
+
+    sums = np.concatenate(([0.0], np.cumsum(ways)))
+    first = i if log.of_speed else i + 1
+    ok = np.abs(sums[last + 1] - sums[first]) == last + 1 - first
+    gains = [np.diff(velocities(m[:, axis], m[:, 2 + axis]), axis=0)[0] / period for m in forced]
+    speeds = velocities(seen, seen)
+    return Windows(log.t[last][ok], speeds[:, ok], np.column_stack(gains)[ok], period[ok], nbar[ok])
+
+
+@cache
+def _monitor() -> ca.Function:
+    """The guard's monitor of one axis: new, old velocity, force, period, nbar, masses."""
+    v, old, force, period, nbar, least, most = (ca.SX.sym(name) for name in "vofTnab")
+    none = ca.SX(0)
+    b = Bounds(none, period, least, most, none, nbar, none, none, none, none)
+    args = [v, old, force, period, nbar, least, most]
+    return ca.Function("least", args, [least_push(v, old, force, b)])
