@@ -269,6 +269,7 @@ def anchor(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.delay.rounding.force-{word}",
+    by=Z3(effort=100, first=("Brown's order",)),
     given=f"{RANGE}; {CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max({{sign}}v, f_speed) + "
     f"(1 + kept/64) {{word}} + u1 kept/8 and v+ <= u1{{known}}{ROUNDS}",
     premises="assumption.libm guard.delay.rounding.caps{premises}",

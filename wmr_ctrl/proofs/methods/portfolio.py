@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from math import inf
 from time import monotonic
 from typing import Any
 
@@ -44,26 +45,28 @@ class Answer:
 
 def ask(terms: list[Any], method: Z3) -> Answer:
     """Answer of one of z3's engines within the method's effort."""
-    left = list(ENGINES)
+    tried = dict.fromkeys(ENGINES, 0.0)
     for engine, patience in _attempts(method):
-        if engine not in left:
+        if patience <= tried[engine]:
             continue
-        started = monotonic()
+        tried[engine], started = patience, monotonic()
         answer, model = attempt(engine, terms, method.effort, patience)
         if answer != z3.unknown:
             easy = engine == next(iter(ENGINES)) and patience == PATIENCE[0]
             return Answer(str(answer), model, "" if easy else engine)
         if monotonic() - started < 0.9 * patience:  # it has no more to try, or no more effort
-            left.remove(engine)
+            tried[engine] = inf
     return Answer("unknown")
 
 
 def _attempts(method: Z3) -> Iterator[tuple[str, float]]:
-    """Engines and seconds in their order: what closed it before, then all, ever longer."""
+    """Engines and seconds: all, ever longer; those that closed it before are a step ahead."""
     longest = [patience for patience in PATIENCE if patience <= method.seconds]
-    if longest:
-        yield from ((engine, longest[:2][-1]) for engine in method.first if engine in ENGINES)
-    yield from ((engine, patience) for patience in longest for engine in ENGINES)
+    known = [engine for engine in method.first if engine in ENGINES]
+    for k, patience in enumerate(longest):
+        if k == 0 or k + 1 < len(longest):
+            yield from ((engine, longest[min(k + 1, len(longest) - 1)]) for engine in known)
+        yield from ((engine, patience) for engine in ENGINES)
 
 
 def other_models(terms: list[Any], method: Z3) -> Iterator[Any]:
