@@ -186,3 +186,26 @@ def test_the_corner_is_enclosed_as_balls_of_200_bits_have_it():
         push = flint.arb(LOOP.peak(PUSH).push)
         assert push >= delta
         assert push - delta < delta * flint.arb(2) ** -44
+
+
+@pytest.mark.parametrize(
+    ("name", "stated"),
+    [
+        ("damping", {"loop": "second-order", "damping": (1e-4, 1.0), "push": (0.0, 0.0)}),
+        ("kp", {"kp": (0.1, 165.0), "push": (0.0, 0.0)}),
+    ],
+)
+def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(name, stated):
+    with pytest.raises(ScenarioError, match=r"N <= 100 filter.gain\[2\] must hold") as error:
+        command_filter(scenario(**stated))
+    least = float(str(error.value).split(f"filter.{name}[1] of at least ")[1].split(",")[0])
+    advised = scenario(**stated | {name: (least, stated[name][1])})
+    assert command_filter(advised).step((1.0, 0.0)).command[0] > 0
+    assert 90 < peak_gains(advised)[0].gain <= 100
+
+
+def test_a_push_beyond_the_limit_is_told_with_the_largest_that_is_below():
+    with pytest.raises(ScenarioError, match=r"State a push below \S+, or a limit above") as error:
+        command_filter(scenario(push=(500.0, 0.0)))
+    most = float(str(error.value).split("push below ")[1].split(",")[0])
+    assert command_filter(scenario(push=(0.98 * most, 0.0))).step((1.0, 0.0)).command[0] > 0

@@ -25,8 +25,8 @@ from wmr_ctrl.signals import LARGEST, Signal
 AXES = (0, 1)
 WAYS = (1, -1)
 ROUNDING = 2.0**-26
-"""Share of V that the filter stays away from the limit: some hundred roundings of doubles, and
-times that are taken for the same (1e-9 of a period), are far below it."""
+"""Share of V that the filter stays away from the limit: roundings (`filter.rounding.*`), and times
+that are taken for the same (1e-9 of a period), are far below it."""
 TINY = 1e-30
 """Room of a limit that is used up [m/s], so that no share is 0/0."""
 

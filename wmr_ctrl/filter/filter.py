@@ -6,6 +6,7 @@ both axes scaled by one factor, so that the path keeps its curvature, or each by
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,11 +19,20 @@ from wmr_ctrl.filter.band import BandGovernor
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.filter.governor_step import Governor
-from wmr_ctrl.filter.peak_gain import peak_gains
+from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.scenario.command_filter import Filter
 from wmr_ctrl.signals import Signal
+
+
+def _damped(scenario: Scenario, axis: int) -> str:
+    """A change by which a loop's peak gain is at most LARGEST_PEAK, hardly larger than needed."""
+    fades = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi
+    if scenario.filter.loop == "second-order":
+        return f"State filter.damping[1] of at least {fades:.3g}"
+    loop = pi_loop(scenario, axis)
+    return f"State filter.kp[1] of at least {2 * fades * math.sqrt(loop.ki[1] * loop.M[1]):.3g}"
 
 
 def check_filter(scenario: Scenario) -> None:
@@ -33,15 +43,22 @@ def check_filter(scenario: Scenario) -> None:
             'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip", '
             '"governor" or "band".'
         )
-    linear = settings.loop != "first-order"
-    reached = [item.push for item in peak_gains(scenario)] if linear else settings.d
+    peaks = peak_gains(scenario) if settings.loop != "first-order" else None
+    reached = [item.push for item in peaks] if peaks else settings.d
     name, stated = ("push", settings.push) if settings.loop == "pi" else ("d", settings.d)
     for i in AXES:
+        if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]:
+            raise ScenarioError(
+                f"filter.loop: commands within 1 drive the base to {peaks[i].gain:.3g}, its peak "
+                f"gain N, and N <= {LARGEST_PEAK:g} filter.gain[2] must hold: a loop that hardly "
+                f"damps has no such limit. {_damped(scenario, i)}, if the base damps that much."
+            )
         if reached[i] >= limits[i] * (1 - ROUNDING):
+            least = f"{stated[i] * limits[i] / reached[i]:.3g}"
             raise ScenarioError(
                 f"filter.{name}[{i + 1}] = {stated[i]:g} alone drives the base to {reached[i]:g}, "
                 f"which must be below limits.v_u1[{i + 1}] = {limits[i]:g}: no command is safe. "
-                "State a smaller push, or a higher limit."
+                f"State a push below {least}, or a limit above {reached[i]:.3g}."
             )
     rim, apart = reached[0] + scenario.robot.l * reached[1], settings.channels == "wheels"
     tops = [settings.wheel_speed] if settings.wheel_speed is not None else []
@@ -53,6 +70,9 @@ def check_filter(scenario: Scenario) -> None:
             "limits it: no command is safe. State a smaller push, or a higher limit."
         )
 
+
+LARGEST_PEAK = 100.0
+"""Largest peak gain of a filter: beyond it less than a per cent of the limit is left."""
 
 BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
     "clip": Clip,

@@ -28,8 +28,9 @@ class Filter(Section, key="filter"):
         "first-order", unit="1", doc="how the base follows its command", options=LOOPS
     )
     tau: tuple[float, float] | None = quantity(
-        None, unit="s", doc="bounds of the speed loop's time constant", above=0, size=2
-    )
+        None, unit="s", doc="bounds of the speed loop's time constant", above=0, size=2,
+        usual=(1e-3, 20),
+    )  # fmt: skip
     gain: tuple[float, float] = quantity(
         (1.0, 1.0), unit="1", doc="bounds of speed over command at rest", above=0
     )
