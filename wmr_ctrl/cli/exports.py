@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -71,6 +72,8 @@ def export(
     given |= {"scenario": opt.load(scenario, assignments), "out": out}
     for path in api.export_fmu(what, **cast("ExportOptions", given)):
         say("wrote", str(path))
+    if "arrays" in read_by(what) and not find_spec("fmpy"):
+        say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")
 
 
 def _refuse_unread(what: str, names: Collection[str]) -> None:

@@ -17,7 +17,16 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import filter_model, guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.extra import EXTRA, GRAPH, NOTE, RESULT, plain_code, reference_result, references
+from wmr_ctrl.fmi.extra import (
+    EXTRA,
+    GRAPH,
+    NOTE,
+    RESULT,
+    plain_code,
+    reference_result,
+    references,
+    steps_fmus,
+)
 from wmr_ctrl.fmi.files import write_archive
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.sources import sources_of
@@ -124,8 +133,8 @@ def write_fmu(
     arrays: bool = True,
     result: bool = True,
 ) -> Path:
-    """Build and pack one file; ``result``: with a reference result, which takes a simulation,
-    and of a law its plain C.
+    """Build and pack one file; ``result``: with a reference result, where FMPy is installed, and
+    of a law its plain C.
 
     Raises PartlyBuiltError, with the file written, where some of several platforms failed.
     """
@@ -144,7 +153,7 @@ def write_fmu(
     packed = {name: text.encode() for name, text in files.items()}
     built, failed = build_for(targets, sources, model.identifier)
     packed |= binaries(model, version, built)
-    if result and host() in built:
+    if result and host() in built and steps_fmus():
         packed[RESULT] = reference_result(model, packed)
         packed |= {name: text.encode() for name, text in references(model, TOOL).items()}
     write_archive(path, packed)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
 from wmr_ctrl.codegen.package import FILTER, c_name, package_files
@@ -96,6 +97,11 @@ def _starts_of(model: FmuModel) -> dict[str, float]:
 
 def _seconds(model: FmuModel) -> float:
     return min(SECONDS, model.scenario.clock.duration)
+
+
+def steps_fmus() -> bool:
+    """Whether FMPy is installed, which reference results are made with."""
+    return find_spec("fmpy") is not None
 
 
 def reference_result(model: FmuModel, files: Mapping[str, bytes]) -> bytes:
