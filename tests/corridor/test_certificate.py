@@ -89,6 +89,31 @@ def test_so_do_errors_of_measurements_and_none_within_it(kind, noise):
     assert tube.position / 1.2 < within <= tube.position < beyond
 
 
+def test_a_first_velocity_that_is_off_is_counted_though_the_observer_knows_of_none_before():
+    """The worst errors of 44 samples behind a first one, for which alone the answer is another."""
+    size, samples, first = 1e-4, 44, 2
+    changes = {
+        "sensor.velocity_noise": [size, 0.0], "gains.prox.wo": 10.0, "disturbance.std": 0.0,
+        "gains.kinematics.k": [5.0, 196.0, 5.6], "guard.enabled": False,
+    }  # fmt: skip
+    scenario = override(load_scenario("safe-simulation"), changes)
+    steps, push = scenario.clock.substeps, np.zeros((samples + first + 2, 2))
+
+    def ahead(errors):
+        return attack(scenario, "prox", push, velocity=errors).e[steps - 1 :: steps, 0]
+
+    rest, errors = ahead(push), np.zeros_like(push)
+    single = [np.zeros_like(push) for _ in range(2)]
+    single[0][0, 0] = single[1][first, 0] = size
+    at_first, later = (ahead(item) - rest for item in single)
+    errors[0, 0] = np.sign(at_first[samples])
+    errors[1 : samples + 1, 0] = np.sign(later[first : first + samples][::-1])
+    reached = attack(scenario, "prox", push, velocity=size * errors).position
+    tube = find_corridor(scenario, "prox")
+
+    assert tube.position_late < reached <= tube.position < 1.15 * reached
+
+
 def test_every_peak_holds_for_every_error_at_every_plant_step():
     """Not the distance alone: each component of the box, under pushes for any direction."""
     scenario = load_scenario("safe-simulation")

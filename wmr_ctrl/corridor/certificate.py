@@ -102,7 +102,7 @@ class Certifier:
         self.step_rest = np.array([upper(a - x) for a, x in zip(moved, loop.step.at, strict=False)])
         self.by_body = np.array([[upper(x) for x in row[-COMMAND:]] for row in loop.step.slopes()])
         self.step_rest[:2] += reference_gap(v_d, setup.scenario.clock.plant)
-        self.begun = self._reckoning_gap()
+        self.begun, self.old = self._reckoning_gap(), self._old_velocity()
 
     def _reckoning_gap(self) -> float:
         """Distance [m] by which dead reckoning over a sample misses the reference."""
@@ -114,6 +114,33 @@ class Certifier:
         gap = reference_gap(loop.step.at[3:ROBOT], period)
         self.law_rest[place : place + 2] += gap
         return float(self.law_rest[place : place + 2].sum() / (1 - share) * UP)
+
+    def _old_velocity(self) -> tuple[Floats, Floats]:
+        """Errors (2) of the velocity that an observer remembers by which it observes no force.
+
+        Where the measured one is off by 1, and where it would observe 1 of its own.
+        """
+        if self.loop.observed is None:
+            return np.zeros(COMMAND), np.zeros(COMMAND)
+        force, old = self.loop.observed
+        slopes = self.loop.law.slopes()
+        rows = [(slopes[COMMAND + force + i], i) for i in range(COMMAND)]
+        measured = np.array([upper(row[ROBOT - COMMAND + i]) for row, i in rows])
+        own = [float(abs(row[ROBOT + old + i]).lower()) * (1 - 2**-50) for row, i in rows]
+        share = np.array([1 / item * UP if item > 0 else 0.0 for item in own])
+        return measured * share * UP, share
+
+    def _before(self, inputs: Inputs, law: Floats) -> Floats:
+        """How far off the velocity (2) is that an observer remembers at a start, in effect.
+
+        It observes no force at its first sample, however far off the measured velocity is.
+        """
+        if self.loop.observed is None or not inputs.velocity.any():
+            return np.zeros(COMMAND)
+        by_measured, by_force = self.old
+        place = COMMAND + self.loop.observed[0]
+        rest = law[place : place + COMMAND]
+        return np.asarray((by_measured * inputs.velocity + by_force * rest) * UP)
 
     def tube(self, inputs: Inputs) -> Tube:
         """The closed box for some inputs; NoCorridorError where none closes or something cuts."""
@@ -160,7 +187,8 @@ class Certifier:
         if not self.image(inputs, grown).within(grown):
             raise NoCorridorError(self._blamed(inputs, first))
         late = grown
-        off = self.gains.fast.start.any() or self.gains.fast.misled.any()
+        starts = self.gains.fast.start, self.gains.fast.misled, inputs.velocity
+        off = any(part.any() for part in starts)
         for _ in range(SETTLING if off else 0):
             late = self.image(inputs, late, started=False)
         return replace(self._tube(grown), position_late=self.position(late))
@@ -244,11 +272,11 @@ class Certifier:
         return loop.step.remainders(by_step * UP), loop.law.remainders(by_law * UP)
 
     def _peaks(self, inputs: Inputs, step: Floats, law: Floats, started: bool = True) -> Peaks:
-        given = self._given(inputs, law)
+        given, before = self._given(inputs, law), self._before(inputs, law)
 
         def of(gains: Gains) -> Floats:
             forced = gains.by @ given + gains.steps @ step
-            start = gains.start + gains.misled * (inputs.pose + self.begun)
+            start = gains.start + gains.misled * (inputs.pose + self.begun) + gains.before @ before
             return np.asarray((forced + started * start) * UP)
 
         return Peaks(*map(of, self._three))

@@ -49,7 +49,8 @@ class Gains:
     errors of e3, v1 and omega as measured.
     ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
     after a start whose e is off by up to what was asked for, and nothing else is; ``misled``: after
-    one whose estimated position is off by 1 m in any direction, alone.  ``first``: the
+    one whose estimated position is off by 1 m in any direction, alone; ``before`` (2 columns):
+    after one at which an observer remembers a velocity that is off by 1, alone.  ``first``: the
     same within one sample, by the state at its begin and then as ``by`` and ``steps``.  ``left``:
     what is left after ``samples``, by the state's largest deviation in units of ``scale``.
     """
@@ -58,6 +59,7 @@ class Gains:
     steps: Floats
     start: Floats
     misled: Floats
+    before: Floats
     first: tuple[Floats, Floats, Floats]
     left: Floats
 
@@ -201,7 +203,8 @@ def _summed(sample: _Sample, loop: SampledLoop, samples: int, start: Floats) -> 
     steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
     whole = np.abs(np.array(powers)).sum(axis=0)
     estimate = n - sample.acting - loop.filter if loop.filter else None
-    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps, start, estimate)
+    old = nz + COMMAND * loop.queue + loop.observed[1] if loop.observed else None
+    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps, start, estimate, old)
     within = [sums.gains(sample.rows_within(s, picked)) for s in range(loop.steps)]
     shown = _doubles(sample.law)
     count = len(shown)
@@ -228,6 +231,7 @@ class _Sums:
     steps: Floats
     start: Floats
     estimate: int | None
+    old: int | None
 
     @cached_property
     def norms(self) -> Floats:
@@ -245,7 +249,7 @@ class _Sums:
         e = slice(len(self.start))
         rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
         start = ((seen[..., e] @ self.start).max(axis=0) + rest @ self.start) * UP
-        misled = self._misled(seen, slack, reach)
+        misled, before = self._misled(seen, slack, reach), self._before(seen, slack, reach)
         direct = np.hstack([rows.push, rows.law, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
         for part in (seen, direct):
@@ -259,7 +263,7 @@ class _Sums:
         held = (np.abs(rows.picked @ rows.state) + ROUNDING * size + FLOOR) * UP
         first = held, direct, rows.steps
         left = reach * self.damping * UP
-        return Gains((every[:, n:] + direct) * UP, steps, start, misled, first, left)
+        return Gains((every[:, n:] + direct) * UP, steps, start, misled, before, first, left)
 
     def _misled(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
         """Largest values after a start whose estimated position alone is off."""
@@ -269,6 +273,14 @@ class _Sums:
         rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
         size = np.hypot(seen[..., self.estimate], seen[..., self.estimate + 1]).max(axis=0)
         return np.asarray((size + rest.sum(axis=1)) * UP)
+
+    def _before(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
+        """Largest values after a start at which one remembered velocity is off (2 columns)."""
+        if self.old is None:
+            return np.zeros((len(reach), COMMAND))
+        v = slice(self.old, self.old + COMMAND)
+        rest = slack[:, v] + np.outer(reach, self.norms[:, v].max(axis=0)) * self.damping
+        return np.asarray((np.abs(seen[..., v]).max(axis=0) + rest) * UP)
 
 
 def _fast_rows(nz: int, ratios: Floats) -> Floats:
@@ -289,14 +301,14 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
 
 def _largest(each: list[Gains]) -> Gains:
     """Entry by entry."""
-    by, steps, start, misled, left = (
+    by, steps, start, misled, before, left = (
         np.max([getattr(item, name) for item in each], axis=0)
-        for name in ("by", "steps", "start", "misled", "left")
+        for name in ("by", "steps", "start", "misled", "before", "left")
     )
     held, direct, own = (
         np.max(parts, axis=0) for parts in zip(*(item.first for item in each), strict=True)
     )
-    return Gains(by, steps, start, misled, (held, direct, own), left)
+    return Gains(by, steps, start, misled, before, (held, direct, own), left)
 
 
 def _powers(matrix: BallArray, count: int) -> list[BallArray]:

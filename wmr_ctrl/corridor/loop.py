@@ -25,6 +25,7 @@ from wmr_ctrl.control.applied import followed, remembered
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import Balls, Enclosure, upper
 from wmr_ctrl.laws.context import LawContext
+from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.kinematics import error_rotation, tracking_error
 from wmr_ctrl.model.system import System, port, stack
@@ -102,7 +103,8 @@ class SampledLoop:
     values; ``step``: of the fast state, command, push and BODY the fast state a plant step later.
     ``conditions`` in the order of those values; ``late`` the plant steps until a command acts.
     Where poses are corrected in part, the last ``filter`` numbers of the memory are the estimated
-    pose's error and the velocity that it was reckoned with.
+    pose's error and the velocity that it was reckoned with.  ``observed``: where in the memory an
+    observer's force and the velocity that it remembers begin, None without one.
     """
 
     def __init__(self, setup: Setup, v_d: Floats, asked: Asked) -> None:
@@ -159,6 +161,11 @@ class SampledLoop:
         self.count = len(self.conditions)
         law_memory = len(memory) - 2 * self.count
         memory = memory[:law_memory]
+        places, place = dict[Signal, int](), 0
+        for item in core.state:
+            places[item.signal], place = place, place + item.signal.size
+        observes = OLD_VELOCITY in places
+        self.observed = (places[FORCE_HAT], places[OLD_VELOCITY]) if observes else None
         v_d = ca.DM(self.step.at[3:ROBOT])
         filtered = scenario.sensor.correction < 1
         self.filter = ROBOT if filtered else 0
