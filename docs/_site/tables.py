@@ -263,7 +263,7 @@ RESULTS = (
     "wmr_ctrl.identification.bounds.BaseIdentification",
     "wmr_ctrl.identification.estimate.Estimate",
     "wmr_ctrl.identification.estimate.Score",
-    "wmr_ctrl.identification.estimate.Traces",
+    "wmr_ctrl.identification.bounds.Traces",
     "wmr_ctrl.identification.propose.ProposedDrive",
     "wmr_ctrl.identification.identification.Identification",
     "wmr_ctrl.identification.velocity_base.VelocityIdentification",
