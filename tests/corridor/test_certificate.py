@@ -125,6 +125,16 @@ def test_every_peak_holds_for_every_error_at_every_plant_step():
     assert (np.max(each, axis=0)[:2] >= 0.75 * box[:2]).all()
 
 
+def test_late_drives_start_with_the_torque_that_friction_takes_and_the_words_say_so():
+    changes = {"guard.enabled": False, "disturbance.std": 0.05}
+    scenario = override(load_scenario("safe-simulation"), changes)
+    late = override(scenario, {"actuator.delay": 0.01})
+    words = "at its speed, with the torque that friction takes in its drives,"
+
+    assert words in find_corridor(late, "prox").sentence
+    assert words not in find_corridor(scenario, "prox").sentence
+
+
 def test_errors_of_the_position_are_counted():
     scenario = override(load_scenario("safe-simulation"), {"sensor.pose_noise": 1e-3})
     tube, samples, rng = find_corridor(scenario, "prox"), 200, np.random.default_rng(1)

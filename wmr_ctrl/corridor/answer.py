@@ -27,6 +27,7 @@ class Corridor:
     ``refused`` says why there is none; ``closes``: share of push and errors with which there is.
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
+    ``late``: drives have delay or lag, and have to give friction's torque at the start already.
     ``clearance``: what is left to the scenario's obstacles, None without any.
     """
 
@@ -47,6 +48,7 @@ class Corridor:
     masses: tuple[tuple[float, float], ...] | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_late: float | None = None
+    late: bool = False
 
     @property
     def merit(self) -> float:
@@ -68,10 +70,11 @@ class Corridor:
         if self.position is None:
             closes = "" if self.closes is None else f"; it closes {self._while(self.closes)}"
             return f"no corridor: {self.refused}{closes}"
+        loaded = ", with the torque that friction takes in its drives" if self.late else ""
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
         return (
             f"corridor: within {length(self.position)} and {self.heading:.2g} rad of its place "
-            f"on the path, from a start {self._from} at its speed, {self._while(1.0)} and "
+            f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
             f"{self._mass}{lasts}; no limit and no guard acts there (most used: "
             f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
         )

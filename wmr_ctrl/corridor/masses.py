@@ -28,7 +28,12 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
     ``closing``: where there is none, search for the share of inputs with which there is one.
     """
     until = min((item.t for item in setup.scenario.changes), default=None)
-    known = Corridor(setup.name, until=until, mass=setup.scenario.robot.m)
+    known = Corridor(
+        setup.name,
+        until=until,
+        mass=setup.scenario.robot.m,
+        late=not setup.scenario.actuator.ideal,
+    )
     tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
     try:
         for cell, widths in cells:
