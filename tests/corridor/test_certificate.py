@@ -162,6 +162,7 @@ def test_a_robot_that_is_displaced_within_the_start_stays_within_the_corridor():
     ]
 
     assert max(reached) <= tube.position
+    assert "on it, or moved there by up to 2 mm ahead" in tube.sentence
     assert tube.position_late == pytest.approx(alone.position, rel=1e-4)
     assert tube.position_late < tube.position
 

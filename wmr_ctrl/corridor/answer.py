@@ -82,10 +82,10 @@ class Corridor:
     @property
     def _from(self) -> str:
         ahead, aside, turn = self.start
-        place = f"within {length(ahead)} ahead, {length(aside)} aside and {turn:g} rad of it"
+        moved = f"{length(ahead)} ahead, {length(aside)} aside and {turn:g} rad"
         late, begun = length(self.position_late or 0.0), length(self.position or 0.0)
         more = f" (in the long run within {late})" if any(self.start) or late != begun else ""
-        return (place if any(self.start) else "on it") + more
+        return (f"on it, or moved there by up to {moved}" if any(self.start) else "on it") + more
 
     @property
     def _mass(self) -> str:
