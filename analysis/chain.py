@@ -104,7 +104,11 @@ CHAINS: dict[str, tuple[Link, ...]] = {
             "In the ROS 2 node: whatever leaves it is within the clip.",
             ("gate.*",),
         ),
-        Link("Rounding stays below the 2^-26 of the limit that are kept back."),
+        Link(
+            "Rounding stays below the 2^-26 of the limit that are kept back, without delay, losses "
+            "and jitter.",
+            ("filter.rounding.*",),
+        ),
         Link("Compiler, C library and processor do what they should."),
     ),
 }  # fmt: skip
