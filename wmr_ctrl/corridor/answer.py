@@ -134,8 +134,8 @@ class CorridorLeft:
             f"At t = {self.time:.4g} s the robot was {length(self.distance)} from its place on the "
             f"path. From t = {self.since:.4g} s on it was settled there, and no more than "
             f"{length(self.most)} are possible while {self.counted}: one of these was not so, or "
-            "the plane model is none of this robot. Look for what pushes it, or state larger "
-            "bounds."
+            "inertia, friction or drives are not those of the scenario, or the robot does what the "
+            "plane model cannot, such as slip. Look for what pushes it, or state larger bounds."
         )
 
 

@@ -97,6 +97,12 @@ class Certifier:
         shown, moved = loop.law.value(), loop.step.value()
         self.level = np.array([upper(item) for item in shown[-loop.count :]])
         self.most = np.array([float(item.lower()) * (1 - 2**-50) for item in loop.most])
+        for place, item in enumerate(loop.conditions):
+            off = 0.0 if item.measured is None else float(self.inputs.velocity[item.measured])
+            if off >= self.most[place]:
+                most = f"{item.name} may be {self.most[place]:.3g} at most"
+                raise NoCorridorError(f"{most}, and the measured velocity is off by {off:.3g}")
+            self.most[place] = (self.most[place] - off * UP) * (1 - 2**-50)
         stays = [(a - x) for a, x in zip(shown, loop.remains, strict=False)]
         self.law_rest = np.array([*map(upper, stays), *np.zeros(loop.count)])
         self.step_rest = np.array([upper(a - x) for a, x in zip(moved, loop.step.at, strict=False)])

@@ -41,11 +41,15 @@ BODY = ("robot.m", "robot.I")
 
 @dataclass(frozen=True)
 class Condition:
-    """Something of which |value| <= most keeps the loop's graphs what they are."""
+    """Something of which |value| <= most keeps the loop's graphs what they are.
+
+    ``measured``: the axis whose error of the measured velocity a first sample adds to the value.
+    """
 
     name: str
     value: ca.SX
     most: ca.SX
+    measured: int | None = None
 
 
 Asked = Callable[[ca.SX, ca.SX], list[Condition]]
@@ -145,7 +149,9 @@ class SampledLoop:
         assert inside is not None
         law = inside(context)
         self.conditions = self._asked(law.system.outputs[0].expr, context.v) + [
-            Condition(f"{name} ({axis})", value[i], most[i])
+            Condition(
+                f"{name} ({axis})", value[i], most[i], i if name in law.from_measured else None
+            )
             for name, (value, most) in law.within.items()
             for i, axis in enumerate(AXES)
         ]

@@ -18,7 +18,7 @@ import casadi as ca
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Inside, Law, Traits
-from wmr_ctrl.laws.velocity_loop import VelocityLoopGains, with_command, with_torque
+from wmr_ctrl.laws.velocity_loop import CHANGE, VelocityLoopGains, with_command, with_torque
 from wmr_ctrl.model.system import System
 
 TITLE = "kinematic tracking with limited commands (kanayama)"
@@ -45,7 +45,8 @@ def inside(context: LawContext) -> Inside:
         within[name] = values, most
         return values
 
-    return Inside(with_torque(context, TITLE, wanted_velocity, whole), within)
+    law = with_torque(context, TITLE, wanted_velocity, whole)
+    return Inside(law, within, from_measured=frozenset({CHANGE}))
 
 
 def build_command(context: LawContext) -> System:

@@ -43,11 +43,13 @@ class Inside:
     """A law's System where none of its limits cuts, and what that takes.
 
     ``within``: by name an expression (2,) in the System's symbols and the size (2,) that it must
-    not exceed on either axis for the law to be this System.
+    not exceed on either axis for the law to be this System.  ``from_measured`` names those that a
+    first sample counts from the measured velocity, and later ones from the law's memory.
     """
 
     system: System
     within: Mapping[str, tuple[ca.SX, ca.SX]]
+    from_measured: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,8 @@ Limiting = Callable[[str, ca.SX, ca.SX], ca.SX]
 """Limits values (2,) to a size (2,) that is called by a name."""
 Wanting = Callable[[LawContext], ca.SX]
 """Velocity (2,) [m/s, rad/s] that a law wants, before any limit."""
+CHANGE = "the command's change"
+"""Name of what is limited last: a first command's is counted from the measured velocity."""
 
 
 class VelocityLoopGains(Predicting, key="gains"):
@@ -105,4 +107,4 @@ def with_command(context: LawContext, title: str, wanting: Wanting) -> System:
 def _commanded(context: LawContext, start: ca.SX, wanting: Wanting, limited: Limiting) -> ca.SX:
     top, most = largest_command(context), context.gain("a_max") * context.period
     wanted = limited("the command", wanting(context), top)
-    return start + limited("the command's change", wanted - start, most)
+    return start + limited(CHANGE, wanted - start, most)
