@@ -31,7 +31,13 @@ def test_a_place_that_cannot_be_written_to(tmp_path: Path) -> None:
         wmr_ctrl.write_page(tmp_path)
 
 
-def test_without_zig_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_zig_it_says_what_to_install_before_anything_is_worked_out(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    shares: list[float] = []
     monkeypatch.setattr(module, "zig_command", tuple)
+    with pytest.raises(CompilerError, match="pip install ziglang"):
+        wmr_ctrl.write_page(tmp_path / "robot.html", progress=shares.append)
+    assert shares == []
     with pytest.raises(CompilerError, match="pip install ziglang"):
         module.build_module([], module.Room(1, 0), print)

@@ -84,7 +84,7 @@ def build_module(loops: Sequence[PageLoop], room: Room, progress: Callable[[floa
     fails.
     """
     most = (f"-DWMR_PHASES_MOST={room.phases}", f"-DWMR_DELAY_MOST={room.delay_steps}")
-    chain = _toolchain().with_flags(*most)
+    chain = toolchain().with_flags(*most)
     with ThreadPoolExecutor(WORKERS) as pool:
         jobs = [pool.submit(_object, chain, loop) for loop in loops]
         try:
@@ -98,7 +98,8 @@ def build_module(loops: Sequence[PageLoop], room: Room, progress: Callable[[floa
     return _linked(chain, objects).read_bytes()
 
 
-def _toolchain() -> Toolchain:
+def toolchain() -> Toolchain:
+    """The compiler of modules; CompilerError without zig."""
     command = zig_command()
     if not command:
         raise CompilerError(

@@ -13,7 +13,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.content import Content, content_of
 from wmr_ctrl.page.members import SENDING
-from wmr_ctrl.page.module import build_module
+from wmr_ctrl.page.module import build_module, toolchain
 from wmr_ctrl.page.scenes import scenes
 from wmr_ctrl.report.style import page_environment
 from wmr_ctrl.results.files import atomic_text, check_writable
@@ -64,6 +64,7 @@ def write_page(
         if progress:
             progress(done + part * share)
 
+    toolchain()  # what is missing is said before anything is worked out
     first, second = partial(advance, 0.0, SETTLING), partial(advance, SETTLING, 1 - SETTLING)
     content = content_of(scenes(scenario, chosen), chosen, seed, first)
     module = build_module(content.loops, content.room, second)
