@@ -41,7 +41,8 @@ nitpick_ignore_regex = [
     ("py:class", r"wmr_ctrl\.(scenario|world|compiled|barrier)\..*"),
     (
         "py:class",
-        r"wmr_ctrl\..*\.(Fit|KeyedNumbers|LawNumbers|LoopFit|ModelError|RigidMonitor|Spread|TuningPlan)",
+        r"wmr_ctrl\..*\.(Fit|KeyedNumbers|LawNumbers|LoopFit|ModelError|RigidMonitor|Spread|"
+        r"Surface|TuningPlan)",
     ),
     # The same, of functions whose arguments are checked: a decorator resolves them.
     ("py:class", r"wmr_ctrl\.(api_types|campaign|checks|linear)\..*"),

@@ -165,10 +165,10 @@ def _text(result: BaseIdentification) -> str:
     held = result.score.constant_velocity
     lines.append(
         wrapped(
-            f"the last third, foretold {'over 1 s each' if limited == 'guard' else 'by commands'} "
-            f"by a fit of the rest: {100 * ahead:.1f} % of "
-            f"v1's variance and {100 * around:.1f} % of omega's (by a constant velocity "
-            f"{100 * held[0]:.1f} and {100 * held[1]:.1f} %)",
+            "the last third, predicted "
+            f"{'over 1 s each' if limited == 'guard' else 'from commands'} by a fit of the rest: "
+            f"{100 * ahead:.1f} % of v1's variance and {100 * around:.1f} % of omega's "
+            f"(by a constant velocity {100 * held[0]:.1f} and {100 * held[1]:.1f} %)",
             hang="  ",
         )
     )

@@ -49,7 +49,7 @@ LEVELS = {3.0: "95 %", 4.61: "99 %"}
 """Falls of the log-likelihood that bound regions of two numbers at these confidences."""
 _MARGINS = Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
 _AXES = (("v", "m/s", "thrust", "N"), ("omega", "rad/s", "moment", "N m"))
-FORETOLD = {"guard": "foretold from a second before at most", "filter": "foretold from commands"}
+FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from commands"}
 
 
 def write_identification(
@@ -60,7 +60,7 @@ def write_identification(
 ) -> None:
     """Write one page of HTML that needs nothing but itself, or the picture in it, or both.
 
-    Speeds with what was foretold, residuals with dbar or d, intervals, likelihood over delay and
+    Speeds as measured and predicted, residuals with dbar or d, intervals, likelihood over delay and
     lag; on the page a ``drive`` that was proposed, too.  Each file whole or not at all.  Raises
     ResultFileError for another suffix or where a file cannot be written.
     """
@@ -116,7 +116,13 @@ def _parameters(result: BaseIdentification) -> TextTable:
         when = f"{item.seconds[0]:.3g} to {item.seconds[1]:.3g} s" if item.seconds[1] else ""
         label = f"{name}: {with_unit(words, unit)}"
         rows.append((label, value, interval, item.verdict, when))
-    head = ("", "value", "95 % interval", "does the log determine it?", "half of it came from")
+    head = (
+        "",
+        "value",
+        "95 % interval",
+        "does the log determine it?",
+        "half of the information came from",
+    )
     return TextTable(head, tuple(rows))
 
 
@@ -125,7 +131,7 @@ def _bounds(result: BaseIdentification) -> TextTable:
         (with_unit(_label(result, name), unit), *(shown(part, 4) for part in pair))
         for name, (pair, unit) in result.bounds.pairs().items()
     ]
-    return TextTable(("", "of v, or least", "of omega, or most"), tuple(rows))
+    return TextTable(("", "for v, or lower end", "for omega, or upper end"), tuple(rows))
 
 
 def _label(result: BaseIdentification, name: str) -> str:
@@ -134,13 +140,15 @@ def _label(result: BaseIdentification, name: str) -> str:
 
 def _next_drive(drive: ProposedDrive | None) -> str:
     if drive is None:
-        return "None was asked for: --propose drive.csv writes one, inside limits and floor."
+        return (
+            "None was asked for: --propose drive.csv writes one, within the limits and the floor."
+        )
     expected = Counter(drive.expected.values())
     counts = ", ".join(f"{expected[word]} {word}" for word in ("told", "roughly", "not told"))
     return (
         f"{np.ptp(drive.t):.3g} s, simulated at the corners of the intervals: at most "
         f"{drive.farthest:.3g} m from the start, {drive.fastest[0]:.3g} m/s and "
-        f"{drive.fastest[1]:.3g} rad/s. By the Fisher information alone it would tell: {counts}."
+        f"{drive.fastest[1]:.3g} rad/s. Parameters by the Fisher information alone: {counts}."
     )
 
 
@@ -162,13 +170,13 @@ def _draw(figure: Figure, result: BaseIdentification, traces: Traces) -> None:
 
 
 def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: int) -> None:
-    """Measured and foretold speed; the held-out part is shaded."""
+    """Measured and predicted speed; the held-out part is shaded."""
     name, unit, _, _ = _AXES[axis]
     handles = [
         line_handle("as measured", INK, 0.9),
         line_handle(FORETOLD[result.bounds.section], BLUE),
     ]
-    heading(part, f"{name} [{unit}]; shaded: held out of the fit that foretells", handles)
+    heading(part, f"{name} [{unit}]; shaded: not used by the fit that predicts", handles)
     axes = one_axes(part, _MARGINS)
     axes.plot(*thin(traces.t, traces.measured[:, axis]), color=INK, lw=0.9)
     axes.plot(*thin(traces.t, traces.foretold[:, axis]), color=BLUE, lw=1.1, alpha=0.85)

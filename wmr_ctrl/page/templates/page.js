@@ -48,12 +48,13 @@ class Page {
   findLook() {
     const style = getComputedStyle(document.documentElement), read = (name) => style.getPropertyValue(`--${name}`).trim();
     const family = getComputedStyle(document.body).fontFamily;
+    const dark = this.dark.matches && !document.documentElement.classList.contains("printing");
     this.look = {
       ...Object.fromEntries(["ink", "muted", "paper", "grid", "limit", "beyond"].map((name) => [name, read(name)])),
       small: `11px ${family}`,
       bold: `600 13px ${family}`,
       laws: Object.fromEntries(this.told.laws.map((law) => [
-        law.name, { label: law.label, colour: this.dark.matches ? law.dark : law.colour, dash: law.dash.map((item) => 1.7 * item) },
+        law.name, { label: law.label, colour: dark ? law.dark : law.colour, dash: law.dash.map((item) => 1.7 * item) },
       ])),
     };
     for (const law of this.told.laws) document.documentElement.style.setProperty(`--law-${law.name}`, this.look.laws[law.name].colour);
@@ -174,6 +175,8 @@ class Page {
     window.addEventListener("resize", () => this.fit());
     new ResizeObserver(() => this.fit()).observe(byId("plane"));
     this.dark.addEventListener("change", () => { this.findLook(); this.dirty = true; });
+    window.addEventListener("beforeprint", () => this.print(true));
+    window.addEventListener("afterprint", () => this.print(false));
     this.listenToPlane(byId("plane"));
   }
 
@@ -279,6 +282,14 @@ class Page {
   fit() {
     for (const sheet of [this.plane, ...this.charts]) sheet.fit();
     this.dirty = true;
+  }
+
+  // Paper is light, whatever the screen is.
+  print(begins) {
+    document.documentElement.classList.toggle("printing", begins);
+    this.findLook();
+    this.dirty = true;
+    this.draw();
   }
 
   frame(now) {
