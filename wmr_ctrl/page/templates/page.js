@@ -284,11 +284,12 @@ class Page {
     this.dirty = true;
   }
 
-  // Paper is light, whatever the screen is.
+  // Paper is light and narrow, whatever the screen is; pictures are drawn anew for it.
   print(begins) {
     document.documentElement.classList.toggle("printing", begins);
     this.findLook();
-    this.dirty = true;
+    this.fit();
+    this.plane.view = null;
     this.draw();
   }
 
