@@ -20,17 +20,19 @@ from wmr_ctrl.ros2.compiled_gate import NONE, PAIR, Gate
 from wmr_ctrl.ros2.drive_law import DesiredMotion, DriveLaw, check_follows, path_motion
 from wmr_ctrl.ros2.intake import Intake, is_rotation
 from wmr_ctrl.ros2.native import NS, in_ns
+from wmr_ctrl.ros2.pace import Pace
 
 CALM = 3
 """Messages that must agree with each other before the law acts again."""
-EARLY = 0.25
-"""Share of a period by which a message may be early and count as its sample."""
+OFF = 0.75
+"""Periods by which samples may be off the law's time and count on one by one."""
 EXACT = 1_000
 """Off the grid of samples by this much [ns] is on it."""
 LATEST = 1.5
 """Periods after which a torque has acted for too long."""
 NO_ODOMETRY, JUMPED, STOPPED, NOT_FINITE = "no-odometry", "pose-jump", "stopped", "law-not-finite"
-NO_PATH, NEW_PATH, ARRIVED, MISSED = "no-path", "new-path", "arrived", "period-missed"
+NO_PATH, NEW_PATH, ARRIVED = "no-path", "new-path", "arrived"
+MISSED, DOUBLED, BETWEEN = "period-missed", "period-doubled", "between-samples"
 Message = tuple[float, float, float, float, float, float, float, float]
 NOTHING: Message = (0.0,) * 8
 
@@ -75,6 +77,7 @@ class DriveCore:
         frames = f"{settings.odometry_frame} -> {settings.base_frame}"
         self.measured = Intake(in_ns(timeout), NOTHING, frames, named=True)
         self.clocks = Clocks(longest_pause(timeout, self.period))
+        self._pace = Pace(in_ns(self.period))
         self.counts: dict[str, int] = {}
         self.oldest = 0.0
         self.stop, self._under_way = False, _under_way(setup)
@@ -83,6 +86,7 @@ class DriveCore:
     def start(self) -> None:
         """Begin anew: the reference at its start, no message, latched where ~/stop says so."""
         self.measured.forget()
+        self._pace.forget()
         self.clocks.start()
         if self._gate:
             self._gate.start()
@@ -109,6 +113,7 @@ class DriveCore:
         happened = self.clocks.see(now)
         if BACK in happened:
             self.measured.forget()
+            self._pace.forget()
             self._seen = None
             self._hold(BACK)
         return happened
@@ -179,7 +184,10 @@ class DriveCore:
     def _hold(self, reason: str) -> None:
         """Bring the base to rest; the law begins anew when it is over."""
         self.held, self._calm, self._origin = reason, max(CALM, self._under_way), None
-        self.counts[reason] = self.counts.get(reason, 0) + 1
+        self._count(reason)
+
+    def _count(self, what: str, times: int = 1) -> None:
+        self.counts[what] = self.counts.get(what, 0) + times
 
     def _compare(self, stamp: int, message: Message) -> None:
         """Hold where a message does not follow from the one before."""
@@ -203,13 +211,19 @@ class DriveCore:
         return way > most + 2 * speed * passed or turn > turned + 2 * turning * passed
 
     def _place(self, stamp: int) -> tuple[int, float] | None:
-        """Number of a message's sample and time after it [s]; None where it comes between."""
+        """Number of the law's period and time after it [s]; None where no sample is due."""
+        following = self._sample + 1
         if self._origin is None:
-            self._origin = stamp - in_ns((self._sample + 1) * self.period)
-        since = stamp - self._origin
-        sample = math.floor(since * NS / self.period + EARLY)
-        if sample <= self._sample:
+            self._origin = stamp - in_ns(following * self.period)
+            self._pace.restart()
+        if not self._pace.due(stamp):
+            self._count(BETWEEN)
             return None
+        since = stamp - self._origin
+        if abs(since - in_ns(following * self.period)) * NS <= OFF * self.period:
+            sample = following
+        else:
+            sample = max(self._sample, math.floor(since * NS / self.period + 0.5))
         rest = since - in_ns(sample * self.period)
         return sample, 0.0 if abs(rest) <= EXACT else rest * NS
 
@@ -249,8 +263,8 @@ class DriveCore:
             return self._rest(now)
         self._near, self.e = wish.theta, wish.e
         self.oldest = max(self.oldest, self.measured.age(now))
-        flags = [MISSED] if missed else []
-        self.counts[MISSED] = self.counts.get(MISSED, 0) + missed
+        flags = [MISSED] if missed > 0 else []
+        self._count(MISSED if missed > 0 else DOUBLED, abs(missed))
         if motion.arrival is not None and sample * self.period + rest >= motion.arrival:
             flags.append(ARRIVED)
         gated = Gated(wish.command, ())

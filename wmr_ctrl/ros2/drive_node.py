@@ -88,7 +88,7 @@ class DriveNode(SafeNode[DriveCore]):
         shown |= {f"e{i + 1}": f"{part:.4f}" for i, part in enumerate(self.core.e)}
         shown |= {"odometry taken": str(self.core.measured.taken)}
         shown |= {f"odometry {why}": str(n) for why, n in self.core.measured.refused.items()}
-        shown |= {f"held {why}": str(n) for why, n in self.core.counts.items() if n}
+        shown |= {f"times {why}": str(n) for why, n in self.core.counts.items() if n}
         shown |= {"oldest odometry [ms]": f"{1e3 * self.core.oldest:.2f}"}
         self.core.oldest = 0.0
         return shown | ({"path": self.core.problem} if self.core.problem else {})
