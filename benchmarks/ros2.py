@@ -2,8 +2,7 @@
 
 Runs in a Python that has rclpy.  Odometry is sent at 100 Hz, each message when the answer to the
 one before has come or PATIENCE is over, and the time from sending to the command's arrival is
-taken (what comes early by more than a quarter of a period is no sample, and is not answered):
-through ``wmr_drive`` alone, through it and ``wmr_filter`` in Python, and through it and the
+taken: through ``wmr_drive`` alone, through it and ``wmr_filter`` in Python, and through it and the
 program that ``wmr-ctrl codegen filter --ros2 --param trigger=command`` was compiled to.  Each at
 ordinary priority and by SCHED_FIFO, where that is allowed, as the machine is and with busy loops
 beside.

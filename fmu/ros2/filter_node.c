@@ -1,72 +1,32 @@
 /* wmr_filter on rcl alone: commands in, commands out that keep a base within its limits.  What it decides is in
-   filter_core.c; node_settings.h is generated.  One thread; time-outs and ticks are on the steady clock. */
+   filter_core.c, how it is connected in filter_connect.c.  One thread; time-outs and ticks are on the steady clock. */
 #define _GNU_SOURCE
+#include "filter_node.h"
+
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <time.h>
 
-#include <diagnostic_msgs/msg/diagnostic_array.h>
 #include <diagnostic_msgs/msg/diagnostic_status.h>
 #include <diagnostic_msgs/msg/key_value.h>
-#include <geometry_msgs/msg/twist.h>
-#include <geometry_msgs/msg/twist_stamped.h>
-#include <nav_msgs/msg/odometry.h>
 #include <rcl/error_handling.h>
 #include <rcl/graph.h>
-#include <rcl/logging.h>
-#include <rcl/rcl.h>
-#include <rcl_yaml_param_parser/parser.h>
 #include <rcutils/logging_macros.h>
 #include <rmw/get_topic_endpoint_info.h>
-#include <rosgraph_msgs/msg/clock.h>
 #include <rosidl_runtime_c/string_functions.h>
-#include <std_msgs/msg/bool.h>
 #include <std_srvs/srv/trigger.h>
 
-#include "filter_core.h"
-#include "node_settings.h"
-
-#define NAME "wmr_filter"
 #define SECOND INT64_C(1000000000)
 /* Time in which whoever hears the node has to take its last zero; no longer is waited. */
 #define LAST_ZERO SECOND
-#define ROOM 512
 
 #if WMR_STAMPED
-typedef geometry_msgs__msg__TwistStamped command;
-#define COMMAND_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, TwistStamped)
-#define COMMAND_MAKE geometry_msgs__msg__TwistStamped__init
 #define TWIST(message) (message).twist
 #else
-typedef geometry_msgs__msg__Twist command;
-#define COMMAND_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, Twist)
-#define COMMAND_MAKE geometry_msgs__msg__Twist__init
 #define TWIST(message) (message)
 #endif
-
-enum { COMMANDS, ODOMETRY, STOP, CLOCK, TOPICS };
-
-typedef struct {
-    rcl_context_t context;
-    rcl_node_t node;
-    rcl_publisher_t out, diagnostics;
-    rcl_subscription_t heard[TOPICS];
-    rcl_service_t reset;
-    rcl_wait_set_t waits;
-    int topics; /* without /clock where time is not simulated */
-    wmr_filter_core core;
-    command in, sent;
-    nav_msgs__msg__Odometry odometry;
-    std_msgs__msg__Bool stop;
-    rosgraph_msgs__msg__Clock clock;
-    diagnostic_msgs__msg__DiagnosticArray told;
-    int64_t simulated_now, grave, passing, refused_at;
-    size_t senders; /* on the topic of the commands that come in */
-    char rival[ROOM];
-} filter_node;
 
 static volatile sig_atomic_t ended;
 
@@ -305,111 +265,6 @@ static void find_rivals(filter_node *n)
     (void)!rmw_topic_endpoint_info_array_fini(&found, &allocator);
 }
 
-static void check(rcl_ret_t result, const char *what)
-{
-    if (result != RCL_RET_OK) {
-        fprintf(stderr, "error: %s: %s\n", what, rcl_get_error_string().str);
-        exit(2);
-    }
-}
-
-/* Whether time is simulated; any other parameter is a sentence, since the promise is compiled in. */
-static int reads_clock(const rcl_arguments_t *arguments)
-{
-    rcl_params_t *given = NULL;
-    int simulated = 0;
-
-    check(rcl_arguments_get_param_overrides(arguments, &given), "parameters");
-    for (size_t k = 0; given && k < given->num_nodes; ++k) {
-        for (size_t i = 0; i < given->params[k].num_params; ++i) {
-            const char *name = given->params[k].parameter_names[i];
-            const rcl_variant_t *value = &given->params[k].parameter_values[i];
-
-            if (strcmp(name, "use_sim_time") || !value->bool_value) {
-                fprintf(stderr, "error: the parameter %s cannot be set: this node has what it keeps compiled in. Write "
-                                "it again with wmr-ctrl codegen filter --ros2 --param.\n", name);
-                exit(2);
-            }
-            simulated = *value->bool_value;
-        }
-    }
-    if (given) {
-        rcl_yaml_node_struct_fini(given);
-    }
-    return simulated;
-}
-
-static void subscribe(filter_node *n, int place, const rosidl_message_type_support_t *type, const char *topic, int kept)
-{
-    rcl_subscription_options_t options = rcl_subscription_get_default_options();
-
-    options.qos = rmw_qos_profile_default;
-    options.qos.depth = 1;
-    options.qos.reliability = kept ? RMW_QOS_POLICY_RELIABILITY_RELIABLE : RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT;
-    options.qos.durability = kept ? RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL : RMW_QOS_POLICY_DURABILITY_VOLATILE;
-    n->heard[place] = rcl_get_zero_initialized_subscription();
-    check(rcl_subscription_init(&n->heard[place], &n->node, type, topic, &options), topic);
-}
-
-static void advertise(
-    filter_node *n, rcl_publisher_t *out, const rosidl_message_type_support_t *type, const char *topic, size_t depth)
-{
-    rcl_publisher_options_t options = rcl_publisher_get_default_options();
-
-    options.qos.depth = depth;
-    *out = rcl_get_zero_initialized_publisher();
-    check(rcl_publisher_init(out, &n->node, type, topic, &options), topic);
-}
-
-static void make_messages(filter_node *n)
-{
-    diagnostic_msgs__msg__DiagnosticStatus *status;
-
-    COMMAND_MAKE(&n->in);
-    COMMAND_MAKE(&n->sent);
-    nav_msgs__msg__Odometry__init(&n->odometry);
-    std_msgs__msg__Bool__init(&n->stop);
-    rosgraph_msgs__msg__Clock__init(&n->clock);
-    diagnostic_msgs__msg__DiagnosticArray__init(&n->told);
-    diagnostic_msgs__msg__DiagnosticStatus__Sequence__init(&n->told.status, 1);
-    status = n->told.status.data;
-    diagnostic_msgs__msg__KeyValue__Sequence__init(&status->values, 3 + 2 * WMR_REASONS);
-    rosidl_runtime_c__String__assign(&status->name, rcl_node_get_fully_qualified_name(&n->node));
-#if WMR_STAMPED
-    rosidl_runtime_c__String__assign(&n->sent.header.frame_id, WMR_BASE_FRAME);
-#endif
-}
-
-static void connect_node(filter_node *n, int argc, const char *const *argv)
-{
-    rcl_allocator_t allocator = rcl_get_default_allocator();
-    rcl_init_options_t options = rcl_get_zero_initialized_init_options();
-    rcl_node_options_t node_options = rcl_node_get_default_options();
-    rcl_service_options_t service_options = rcl_service_get_default_options();
-
-    check(rcl_init_options_init(&options, allocator), "options");
-    n->context = rcl_get_zero_initialized_context();
-    check(rcl_init(argc, argv, &options, &n->context), "arguments");
-    check(rcl_logging_configure(&n->context.global_arguments, &allocator), "logging");
-    n->topics = reads_clock(&n->context.global_arguments) ? TOPICS : CLOCK;
-    n->node = rcl_get_zero_initialized_node();
-    check(rcl_node_init(&n->node, NAME, "", &n->context, &node_options), "node");
-    make_messages(n);
-    advertise(n, &n->out, COMMAND_TYPE, "cmd_vel", 1);
-    advertise(n, &n->diagnostics, ROSIDL_GET_MSG_TYPE_SUPPORT(diagnostic_msgs, msg, DiagnosticArray), "/diagnostics", 10);
-    subscribe(n, COMMANDS, COMMAND_TYPE, "cmd_vel_in", 0);
-    subscribe(n, ODOMETRY, ROSIDL_GET_MSG_TYPE_SUPPORT(nav_msgs, msg, Odometry), "odom", 0);
-    subscribe(n, STOP, ROSIDL_GET_MSG_TYPE_SUPPORT(std_msgs, msg, Bool), "~/stop", 1);
-    if (n->topics == TOPICS) {
-        subscribe(n, CLOCK, ROSIDL_GET_MSG_TYPE_SUPPORT(rosgraph_msgs, msg, Clock), "/clock", 0);
-    }
-    n->reset = rcl_get_zero_initialized_service();
-    check(rcl_service_init(&n->reset, &n->node, ROSIDL_GET_SRV_TYPE_SUPPORT(std_srvs, srv, Trigger), "~/reset",
-              &service_options), "~/reset");
-    n->waits = rcl_get_zero_initialized_wait_set();
-    check(rcl_wait_set_init(&n->waits, (size_t)n->topics, 0, 0, 0, 1, 0, &n->context, allocator), "waiting");
-}
-
 /* Waits until something comes or a time [steady], and acts on it. */
 static void wait_until(filter_node *n, int64_t time)
 {
@@ -417,11 +272,11 @@ static void wait_until(filter_node *n, int64_t time)
     const int64_t left = time - clock_of(CLOCK_MONOTONIC);
     size_t place;
 
-    check(rcl_wait_set_clear(&n->waits), "waiting");
+    wmr_check(rcl_wait_set_clear(&n->waits), "waiting");
     for (int k = 0; k < n->topics; ++k) {
-        check(rcl_wait_set_add_subscription(&n->waits, &n->heard[k], &place), "waiting");
+        wmr_check(rcl_wait_set_add_subscription(&n->waits, &n->heard[k], &place), "waiting");
     }
-    check(rcl_wait_set_add_service(&n->waits, &n->reset, &place), "waiting");
+    wmr_check(rcl_wait_set_add_service(&n->waits, &n->reset, &place), "waiting");
     (void)!rcl_wait(&n->waits, left > 0 ? left : 0);
     rcl_reset_error();
     for (int k = n->topics - 1; k >= 0; --k) { /* the clock first: the others are of its time */
@@ -469,7 +324,7 @@ int main(int argc, char **argv)
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     wmr_filter_core_make(&n.core);
-    connect_node(&n, argc, (const char *const *)argv);
+    wmr_connect(&n, argc, (const char *const *)argv);
     (void)!mlockall(MCL_CURRENT | MCL_FUTURE); /* where it is allowed */
     RCUTILS_LOG_INFO_NAMED(NAME, "%s", WMR_KEPT);
     spin(&n);

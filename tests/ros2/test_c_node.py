@@ -35,7 +35,16 @@ def test_settings_are_compiled_in():
     assert "#define WMR_COMMAND_TIMEOUT INT64_C(500000000)" in files["gate_numbers.h"]
     for line in ('WMR_BASE_FRAME "base"', "WMR_STAMPED 0", "WMR_AT_ONCE 1"):
         assert f"#define {line}\n" in files["node_settings.h"]
-    assert {"filter_node.c", "package.xml", "CMakeLists.txt", "README.md"} <= set(files)
+    assert {"package.xml", "CMakeLists.txt", "README.md"} <= set(files)
+
+
+@pytest.mark.parametrize("how", ["CMakeLists.txt", "README.md"])
+def test_each_source_is_compiled(how):
+    files = node_files(load_scenario("paper-simulation", STATED), NodeSettings())
+
+    assert {name for name in files if name.endswith(".c")} == set(
+        re.findall(r"(?<= )\w+\.c(?=[ )])", files[how])
+    )
 
 
 def test_a_frame_is_a_text_of_c_whatever_is_in_it():

@@ -28,6 +28,7 @@ LINKED = (
     *(f"-l{name}__rosidl_{kind}_c" for name in INTERFACES for kind in ("generator", "typesupport")),
 )
 """Words for a linker, where there is no ament_cmake to find them."""
+SOURCES = ("filter_node.h", "filter_node.c", "filter_connect.c")
 NAME = "wmr_filter_node"
 GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
 """Parameters of ``wmr_filter`` that are compiled into the node."""
@@ -102,7 +103,7 @@ def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
     written = ("CMakeLists.txt", "package.xml", "README.md")
     return {
         **core_files(scenario, settings.gate),
-        "filter_node.c": c_text("filter_node.c"),
+        **{name: c_text(name) for name in SOURCES},
         "node_settings.h": _header(scenario, settings),
         **{name: engine.get_template(f"{name}.j2").render(context) for name in written},
     }

@@ -257,12 +257,16 @@ class SafeNode(LifecycleNode, Generic[C]):
         if sent:
             self.sent(sent)
 
-    @guarded
     def _on_reset(self, _request: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+        answer.message = "it failed: see the log"  # a service without an answer ends the node
+        self._reset(answer)
+        return answer
+
+    @guarded
+    def _reset(self, answer: Trigger.Response) -> None:
         assert self.core
         answer.success = self.core.reset()
         answer.message = "" if answer.success else "the topic ~/stop still says true"
-        return answer
 
     @guarded
     def _on_tick(self) -> None:
@@ -275,7 +279,6 @@ class SafeNode(LifecycleNode, Generic[C]):
         """Send what the core decided, and tell what is grave about it when that changes."""
         if not self.active:
             return
-        self._problem = ""
         self._passing |= diagnosis.PASSING & set(gated.flags)
         self.emit(gated.command)
         grave = diagnosis.grave(gated.flags)
@@ -291,9 +294,12 @@ class SafeNode(LifecycleNode, Generic[C]):
             self.send(command)
 
     def fail(self, text: str) -> None:
-        """Stop the base after an exception, and tell it."""
+        """Stop the base after an exception, and tell it, also where nothing can be sent."""
+        try:
+            self.emit((0.0, 0.0))
+        except Exception as error:  # then silence is all that is left, and the base's time-out
+            text = f"{text}; nor could a zero be sent: {error!r}"
         self._problem = text
-        self.emit((0.0, 0.0))
         self.get_logger().fatal(text)
 
     @guarded
@@ -321,7 +327,8 @@ class SafeNode(LifecycleNode, Generic[C]):
         topics = [self.resolve_topic_name(topic) for topic in self.topics_in]
         several = graph.doubtful(self, self.out, topics)
         flags, self._passing = {*self.core.last.flags, *self._passing}, set()
-        return diagnosis.judged(flags, self._problem, grave, several)
+        problem, self._problem = self._problem, ""
+        return diagnosis.judged(flags, problem, grave, several)
 
 
 def stamp_of(message: object) -> int:

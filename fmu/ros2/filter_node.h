@@ -1,0 +1,53 @@
+/* wmr_filter on rcl alone: what the node has, and how it is connected.  node_settings.h is generated. */
+#ifndef WMR_FILTER_NODE_H
+#define WMR_FILTER_NODE_H
+
+#include <diagnostic_msgs/msg/diagnostic_array.h>
+#include <geometry_msgs/msg/twist.h>
+#include <geometry_msgs/msg/twist_stamped.h>
+#include <nav_msgs/msg/odometry.h>
+#include <rcl/rcl.h>
+#include <rosgraph_msgs/msg/clock.h>
+#include <std_msgs/msg/bool.h>
+
+#include "filter_core.h"
+#include "node_settings.h"
+
+#define NAME "wmr_filter"
+#define ROOM 512
+
+#if WMR_STAMPED
+typedef geometry_msgs__msg__TwistStamped command;
+#else
+typedef geometry_msgs__msg__Twist command;
+#endif
+
+enum { COMMANDS, ODOMETRY, STOP, CLOCK, TOPICS };
+
+typedef struct {
+    rcl_context_t context;
+    rcl_node_t node;
+    rcl_publisher_t out, diagnostics;
+    rcl_subscription_t heard[TOPICS];
+    rcl_service_t reset;
+    rcl_wait_set_t waits;
+    int topics; /* without /clock where time is not simulated */
+    wmr_filter_core core;
+    command in, sent;
+    nav_msgs__msg__Odometry odometry;
+    std_msgs__msg__Bool stop;
+    rosgraph_msgs__msg__Clock clock;
+    diagnostic_msgs__msg__DiagnosticArray told;
+    int64_t simulated_now, grave, passing, refused_at;
+    size_t senders; /* on the topic of the commands that come in */
+    char rival[ROOM];
+} filter_node;
+
+/* Ends the process with a sentence where a call fails. */
+void wmr_check(rcl_ret_t result, const char *what);
+
+/* Reads the arguments; makes messages, publishers, subscriptions, the service, and what waits for them.  Ends the
+   process with a sentence where that fails. */
+void wmr_connect(filter_node *n, int argc, const char *const *argv);
+
+#endif
