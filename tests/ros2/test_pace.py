@@ -7,7 +7,7 @@ import pytest
 
 from tests.ros2.test_drive_core import CIRCLE, TICK, World, core_of
 from wmr_ctrl.ros2.drive_core import BETWEEN, DOUBLED, MISSED, NO_ODOMETRY
-from wmr_ctrl.ros2.pace import BURST, FOLLOWED, Pace
+from wmr_ctrl.ros2.intake import BURST, FOLLOWED, Pace
 
 COUNT = 1500
 

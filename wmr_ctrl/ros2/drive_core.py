@@ -18,9 +18,8 @@ from wmr_ctrl.filter.gate import Gated, GateSettings
 from wmr_ctrl.ros2.clocks import BACK, Clocks, Moment, longest_pause
 from wmr_ctrl.ros2.compiled_gate import NONE, PAIR, Gate
 from wmr_ctrl.ros2.drive_law import DesiredMotion, DriveLaw, check_follows, path_motion
-from wmr_ctrl.ros2.intake import Intake, is_rotation
+from wmr_ctrl.ros2.intake import Intake, Pace, is_rotation
 from wmr_ctrl.ros2.native import NS, in_ns
-from wmr_ctrl.ros2.pace import Pace
 
 CALM = 3
 """Messages that must agree with each other before the law acts again."""
