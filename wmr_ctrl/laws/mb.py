@@ -32,17 +32,19 @@ class ModelBasedGains(BarrierChoice, key="gains.mb"):
 
 def build(context: LawContext) -> System:
     """F = M1 (-rho V1/A + q vc0') + F1, Eq. (9)."""
-    return _driving(context, context.per_axis("V1_over_A"), context.per_axis("q"))
+    rate = decay_rate(context)
+    return _driving(context, rate, context.per_axis("V1_over_A"), context.per_axis("q"))
 
 
 def inside(context: LawContext) -> Inside:
     """The law where the barrier adds nothing: V1/A = (v - v_c0)/2, q = 1 (ledger: corridor.mb)."""
     within = {"v": (context.v, context.u2), "v_c0": (context.v_c0, context.u2)}
-    return Inside(_driving(context, (context.v - context.v_c0) / 2, ca.SX(1)), within)
+    ratio = (context.v - context.v_c0) / 2
+    return Inside(_driving(context, decay_rate(context), ratio, ca.SX(1)), within)
 
 
-def _driving(context: LawContext, V1_over_A: ca.SX, q: ca.SX) -> System:
-    command = -decay_rate(context) * V1_over_A + q * context.v_c0_dot
+def _driving(context: LawContext, rate: ca.SX, V1_over_A: ca.SX, q: ca.SX) -> System:
+    command = -rate * V1_over_A + q * context.v_c0_dot
     return context.system("model-based (MB)", context.mass * command + context.friction)
 
 
