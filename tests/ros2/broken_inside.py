@@ -85,6 +85,11 @@ class Beside(Base):
             self.go(15, answer.done)
             found["answer"] = [answer.result().success, answer.result().message]
         self.stop.publish(Bool(data=False))
+        if called == "halt":  # what must stop stays so until a reset
+            self.seen.clear()
+            self.go(1.0)
+            found["stays"] = bool(self.seen) and all(v == 0.0 for _, v in self.seen)
+            self.go(15, self.reset.call_async(Trigger.Request()).done)
         self.speed = (0.0, 0.0) if called == "send" else self.speed  # a base's own time-out
         self.seen.clear()
         self.go(ON_THE_WAY)

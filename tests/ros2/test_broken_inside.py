@@ -21,6 +21,7 @@ def test_an_exception_is_a_zero_and_a_line_of_the_log(ros, environment, tmp_path
         assert found["drives on"], called
         if called != "send":
             assert found["zero"], called
+    assert seen["halt"]["stays"]
     assert "nor could a zero be sent" in seen["send"]["log"][0]
     assert seen["send"]["sent"] == 0
     assert seen["reset"]["answer"] == [False, "it failed: see the log"]

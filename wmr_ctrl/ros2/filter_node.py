@@ -84,7 +84,13 @@ class FilterNode(SafeNode[FilterCore]):
         self.refused("odometry", self.core.measure(value, rotation, stamp, frame, self.now()))
 
     def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
+        answer = SetParametersResult(successful=False, reason="it failed: see the log")
+        self._scale(changed, answer)
+        return answer
+
+    @guarded
+    def _scale(self, changed: list[Parameter], answer: SetParametersResult) -> None:
         for item in changed:
             if item.name == SPEED_SCALE and self.core:
                 self.core.scale = float(item.value)
-        return SetParametersResult(successful=True)
+        answer.successful, answer.reason = True, ""

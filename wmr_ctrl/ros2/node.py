@@ -93,6 +93,7 @@ class SafeNode(LifecycleNode, Generic[C]):
             self.declare(key, stated)
         self.core: C | None = None
         self.active, self._problem = False, ""
+        self._held = False  # by a ~/stop that failed: zeros until ~/reset
         self._grave: tuple[str, ...] = ()
         self._passing: set[str] = set()
 
@@ -253,7 +254,9 @@ class SafeNode(LifecycleNode, Generic[C]):
     @guarded
     def _on_stop(self, message: Bool) -> None:
         assert self.core
+        held, self._held = self._held, self._held or bool(message.data)
         sent = self.core.halt(bool(message.data), self.now())
+        self._held = held
         if sent:
             self.sent(sent)
 
@@ -266,6 +269,7 @@ class SafeNode(LifecycleNode, Generic[C]):
     def _reset(self, answer: Trigger.Response) -> None:
         assert self.core
         answer.success = self.core.reset()
+        self._held = self._held and not answer.success
         answer.message = "" if answer.success else "the topic ~/stop still says true"
 
     @guarded
@@ -291,7 +295,7 @@ class SafeNode(LifecycleNode, Generic[C]):
     def emit(self, command: tuple[float, float]) -> None:
         """Send a command to the base, while the node is active."""
         if self.active:
-            self.send(command)
+            self.send((0.0, 0.0) if self._held else command)
 
     def fail(self, text: str) -> None:
         """Stop the base after an exception, and tell it, also where nothing can be sent."""
