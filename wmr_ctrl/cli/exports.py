@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -64,6 +63,7 @@ def export(
     Simulink kit an S-function of one law, and a script that builds the loop.
     """
     from wmr_ctrl import api
+    from wmr_ctrl.fmi.extra import steps_fmus
     from wmr_ctrl.outputs import read_by
 
     given = {name: value for name, value in options.items() if name in read_by(what)}
@@ -72,7 +72,7 @@ def export(
     given |= {"scenario": opt.load(scenario, assignments), "out": out}
     for path in api.export_fmu(what, **cast("ExportOptions", given)):
         say("wrote", str(path))
-    if "arrays" in read_by(what) and not find_spec("fmpy"):
+    if "arrays" in read_by(what) and not steps_fmus():
         say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")
 
 
