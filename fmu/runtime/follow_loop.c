@@ -1,18 +1,6 @@
 /* Speeds of one axis' loop that follow from its commands, for several sets of its parameters, one set a lane.
    The kernel is generated (axis.py). */
-#ifndef WMR_LANES
-#if defined(__AVX512F__)
-#define WMR_LANES 8
-#elif defined(__AVX__)
-#define WMR_LANES 4
-#else
-#define WMR_LANES 2
-#endif
-#endif
-#define WMR_KERNEL static
-
-#include "export.h"
-#include "kernels.inc"
+#include "lanes.h"
 
 /* Pieces of `length` (count); commands (count, SENT, delays), of which set k takes column late[k];
    numbers (NUMBERS, sets); state (STATE, sets), before and after; speed (count, sets) after each piece. */

@@ -1,18 +1,6 @@
 /* One pass of an identification filter over a log: the likelihood, its gradient and the Fisher information of each
    block of time, with one direction of derivatives a lane.  Kernels are generated (graph.py). */
-#ifndef WMR_LANES
-#if defined(__AVX512F__)
-#define WMR_LANES 8
-#elif defined(__AVX__)
-#define WMR_LANES 4
-#else
-#define WMR_LANES 2
-#endif
-#endif
-#define WMR_KERNEL static
-
-#include "export.h"
-#include "kernels.inc"
+#include "lanes.h"
 
 #define GROUPS ((WMR_NAMES + WMR_LANES - 1) / WMR_LANES)
 #define PARAMETERS (WMR_NAMES + WMR_KNOWN)

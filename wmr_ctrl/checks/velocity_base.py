@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -69,8 +69,9 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
             strong = usable[0] * (1 - 1 / 1.01), usable[1] * (1 - 1 / 1.01)
             more = 0.01 * slope1, 0.01 * slope2
             swung = usable[0] * more[0] / (N1 + more[0]), usable[1] * more[1] / (N2 + more[1])
-        facts = FilterFacts(stated.kind, statement, high, usable, late, strong, broken)
-        return replace(facts, overshoot=(o1, o2), overshoot_cost=swung)
+        return FilterFacts(
+            stated.kind, statement, high, usable, late, strong, broken, (o1, o2), swung
+        )
     delayed = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
     stronger = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
     return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)

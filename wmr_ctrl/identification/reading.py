@@ -232,7 +232,7 @@ def lanes_library(driver: str, sizes: Mapping[str, int], kernels: Sequence[Kerne
     """
     generated = sources(sizes, kernels, LANES)
     generated.pop("exports.h")
-    names = ("arithmetic.h", "export.h", driver)
+    names = ("arithmetic.h", "export.h", "lanes.h", driver)
     runtime = {name: (runtime_dir() / name).read_text("utf-8") for name in names}
     files = {name.replace(".c", ".inc"): text for name, text in generated.items()} | runtime
     toolchain = find_toolchain()
