@@ -336,7 +336,7 @@ def compile_loop(
 ) -> RunnableLoop:
     """The closed loop of ``law`` on ``scenario``, compiled for many runs at a time.
 
-    For `wmr_ctrl.linear.kinematic.endings` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
+    For `wmr_ctrl.sim.many` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
     """
     from wmr_ctrl.engines import runnable_batch
 

@@ -9,20 +9,15 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from analysis.authority import BarrierTerm, VelocityFeedback
+from analysis.stepper import linear_gain, loop_pair, reach, stepper, sweep
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear import (
-    BarrierTerm,
-    VelocityFeedback,
     closed_loop,
     law_nlsys,
-    linear_gain,
     loop_nlsys,
-    loop_pair,
     plant_nlsys,
-    reach,
     start_of,
-    stepper,
-    sweep,
 )
 from wmr_ctrl.scenario import override
 

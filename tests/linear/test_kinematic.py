@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 
+from analysis.starts import certified, converged, endings, level, start_at
 from wmr_ctrl.api import compile_loop
+from wmr_ctrl.barrier.stable import stable_minimiser
+from wmr_ctrl.control.setup import kinematic_gains
 from wmr_ctrl.linear import SADDLE, kinematic_loop
-from wmr_ctrl.linear.kinematic import certified, converged, endings, level, start_at
+from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import override
 
@@ -36,13 +40,16 @@ def test_the_saddle_is_a_resting_point(nominal):
 
 
 def test_saturated_kinematics_never_raise_v2_inside_the_certified_set(nominal):
-    loop = kinematic_loop(nominal, saturated=True)
-    rate = loop.function("rate", [loop.update])
+    v_d, at = ca.SX.sym("v_d", 2), ca.SX.sym("e", 3)
+    asked = auxiliary_velocity(at, v_d, ca.SX(ca.DM(kinematic_gains(nominal).k)))
+    limits = zip(nominal.limits.v_u1, nominal.limits.v_u2, strict=True)
+    v = [stable_minimiser(asked[i], ca.SX(u1), ca.SX(u2)) for i, (u1, u2) in enumerate(limits)]
+    rate = ca.Function("rate", [v_d, at], [error_rate(at, ca.vertcat(*v), v_d)])
     rng = np.random.default_rng(0)
     e = rng.uniform((-0.9, -0.9, -np.pi), (0.9, 0.9, np.pi), (4000, 3))
     inside = e[level(nominal, e) < certified(nominal).saturated]
     velocity = np.tile(((0.2,), (0.1,)), len(inside))
-    moving = np.asarray(rate(velocity, inside.T, np.zeros((0, 1)))).T
+    moving = np.asarray(rate(velocity, inside.T)).T
     slope = inside[:, 0] * moving[:, 0] + inside[:, 1] * moving[:, 1]
 
     assert len(inside) > 500

@@ -6,19 +6,17 @@ import control as ct
 import numpy as np
 import pytest
 
+from analysis.along_reference import TimeInvariant, TimeVarying, along_reference
+from analysis.stepper import stepper
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.linear import (
     SADDLE,
-    TimeInvariant,
-    TimeVarying,
-    along_reference,
     closed_loop,
     kinematic_poles,
     linearise,
     on_reference,
     plant_at,
     resting_point,
-    stepper,
 )
 from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.scenario import override

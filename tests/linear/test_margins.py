@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from analysis.starts import start_at
 from wmr_ctrl.linear import largest_stable_period, margins_at, open_loop, with_robot
-from wmr_ctrl.linear.kinematic import start_at
 from wmr_ctrl.linear.margins import crossings
 from wmr_ctrl.scenario import override
 from wmr_ctrl.world.references import Line

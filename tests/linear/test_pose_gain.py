@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl.linear import best_gain, noise_ise
-from wmr_ctrl.linear.pose_gain import pose_variance
+from analysis.pose_gain import best_gain, noise_ise, pose_variance
 from wmr_ctrl.scenario import load_scenario, override
 
 

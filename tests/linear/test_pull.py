@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl.linear import authority, closed_loop, dead_zone, linear_offset, settled_speed, stepper
+from analysis.authority import authority, dead_zone, linear_offset, settled_speed
+from analysis.stepper import stepper
+from wmr_ctrl.linear import closed_loop
 from wmr_ctrl.linear.pull import pull_of
 
 MASS = (50.0, 5.4)

@@ -7,20 +7,22 @@ import math
 import numpy as np
 import pytest
 
-from wmr_ctrl.linear import (
+from analysis.frozen_regressor import (
     frozen_regressor,
+    largest_stable_square,
+    learning_periods,
+    learning_step,
+    regressor_square,
+)
+from analysis.stepper import stepper
+from wmr_ctrl.linear import (
     kink_periods,
     largest_learning_period,
     largest_stable_period,
-    largest_stable_square,
-    learning_periods,
     one_step_period,
-    regressor_square,
     resting_point,
     spectral_radius,
-    stepper,
 )
-from wmr_ctrl.linear.sampled import learning_step
 from wmr_ctrl.scenario import override
 
 BELOW, ABOVE = 0.99, 1.01

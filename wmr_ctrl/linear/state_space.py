@@ -6,9 +6,6 @@ values (a remembered sample stays part of the loop), "learning" lets them move.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
-
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike
@@ -134,47 +131,6 @@ def poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") ->
 def _sorted(poles: ArrayLike) -> Floats:
     values = np.asarray(poles, dtype=complex)
     return values[np.lexsort((values.imag, -values.real))]
-
-
-@dataclass(frozen=True)
-class TimeInvariant:
-    """One StateSpace for the whole reference: in error coordinates nothing depends on time."""
-
-    system: ct.StateSpace
-
-    def __call__(self, t: float) -> ct.StateSpace:
-        """The same system at every time ``t`` [s]."""
-        return self.system
-
-
-@dataclass(frozen=True)
-class TimeVarying:
-    """The linear loop as a function of time; every call is one exact linearisation.
-
-    Poles of frozen instants are no proof of stability, only a picture.
-    """
-
-    scenario: Scenario
-    law: str
-    period: float | None = None
-
-    def __call__(self, t: float) -> ct.StateSpace:
-        """The loop near the reference's point at time ``t`` [s]."""
-        return _at(self.scenario, self.law, self.period, float(t))
-
-
-@lru_cache(maxsize=512)
-def _at(scenario: Scenario, law: str, period: float | None, t: float) -> ct.StateSpace:
-    return closed_loop(scenario, law, on_reference(scenario, law, t), period)
-
-
-def along_reference(
-    scenario: Scenario, law: str, period: float | None = None
-) -> TimeInvariant | TimeVarying:
-    """The linear loop of ``law`` along the reference, e = 0 and v = v_d; sampled if ``period``."""
-    if constant_speed(scenario):
-        return TimeInvariant(closed_loop(scenario, law, period=period))
-    return TimeVarying(scenario, law, period)
 
 
 def constant_speed(scenario: Scenario) -> bool:
