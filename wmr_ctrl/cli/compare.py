@@ -1,8 +1,8 @@
-"""``wmr-ctrl compare``: laws on one scenario, or saved runs, side by side."""
+"""``wmr-ctrl compare``: laws on one scenario, or saved runs and drives, side by side."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from wmr_ctrl.errors import ArgumentError
 if TYPE_CHECKING:
     from wmr_ctrl.results import Run
     from wmr_ctrl.results.compare import Comparison
+    from wmr_ctrl.results.drive import RecordedDrive
 
 HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 COLUMNS = (
@@ -32,13 +33,14 @@ COLUMNS = (
 
 
 @click.command(
-    short_help="Laws, or saved runs, side by side.",
+    short_help="Laws, saved runs or a robot's drives, side by side.",
     epilog=opt.examples(
         "wmr-ctrl compare mine.toml --law prox,kanayama,mb --plot laws.png",
         "wmr-ctrl compare far-start --law mb,prox --guard --animate race.html",
         "wmr-ctrl run --out a.npz",
         "wmr-ctrl run --engine numpy --out b.npz",
         "wmr-ctrl compare a.npz b.npz",
+        "wmr-ctrl compare a.npz rosbag2_drive/ --plot both.png",
     ),
 )
 @click.argument("sources", metavar="[SCENARIO | RUN RUN...]", nargs=-1)
@@ -55,6 +57,7 @@ COLUMNS = (
 )
 @plot_option
 @animate_option
+@opt.topics_option
 @opt.json_option("Print the figures, or the difference of two saved runs, as one JSON document.")
 @opt.debug_option
 @click.pass_context
@@ -68,6 +71,7 @@ def compare(
     tolerance: float,
     plot: str | None,
     animate: str | None,
+    topics: str | None,
     as_json: bool,
 ) -> None:
     """Put laws on one scenario side by side, or saved runs (.npz, .csv, .parquet or .mcap).
@@ -75,14 +79,25 @@ def compare(
     With --law, SCENARIO (a preset or TOML file) is run with each of the laws, and a table has the
     figures of all. For saved runs the same table is printed. For two runs, their differences are
     listed as well: which columns differ, by how much and when. The exit code is then 0 if they are
-    equal or agree within the tolerance, and 1 if they differ or have no sample in common.
+    equal or agree within the tolerance, and 1 if they differ or have no sample in common. A robot's
+    own ROS 2 bag may stand for a run; then of the runs only that is compared which such a bag can
+    have: pose, velocities, commands, torques and wheels.
     """
     check_outputs(plot=plot, animate=animate)
     if laws is not None:
         names = _law_names(laws)
         runs = dict(zip(names, _simulated(sources, names, seed, assignments, guard), strict=True))
     else:
-        runs = _loaded(sources)
+        from wmr_ctrl.results import Run
+
+        loaded = _loaded(sources, opt.roles(topics))
+        runs = {name: one for name, one in loaded.items() if isinstance(one, Run)}
+        if len(runs) < len(loaded):
+            from wmr_ctrl.cli.drives import compare_sources
+
+            if not compare_sources(loaded, tolerance, plot, animate, as_json):
+                ctx.exit(DIFFERENCE)
+            return
     _draw(runs, plot, animate)
     pair = None if laws is not None or len(runs) > 2 else _difference(runs, tolerance)
     if not as_json:
@@ -129,20 +144,21 @@ def _simulated(
             yield api.simulate(scenario, name, seed=seed)
 
 
-def _loaded(sources: Sequence[str]) -> dict[str, Run]:
-    from wmr_ctrl.results import load_run
+def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run | RecordedDrive]:
+    from wmr_ctrl.results.bag import is_bag
+    from wmr_ctrl.results.bag_topics import load_drive
 
-    if len(sources) == 1 and Path(sources[0]).suffix.lower() in RUNS:
+    if len(sources) == 1 and (Path(sources[0]).suffix.lower() in RUNS or is_bag(sources[0])):
         raise click.UsageError("Missing argument 'RUN_B': two saved runs or more are compared.")
     if len(sources) < 2:
         raise click.UsageError(
             "Missing option '--law': name the laws to compare on a scenario, such as "
             "--law prox,mb or --law all, or two saved runs."
         )
-    runs: dict[str, Run] = {}
+    runs: dict[str, Run | RecordedDrive] = {}
     for source in sources:  # a run may be compared with itself
         name = source if source not in runs else f"{source} ({len(runs) + 1})"
-        runs[name] = load_run(source)
+        runs[name] = load_drive(source, topics if is_bag(source) else None)
     return runs
 
 

@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING
 import click
 
 from wmr_ctrl.cli.console import print_json, say, table, wrapped
-from wmr_ctrl.cli.options import check_output, debug_option, examples, json_option, set_option
+from wmr_ctrl.cli.options import (
+    check_output,
+    debug_option,
+    examples,
+    json_option,
+    roles,
+    set_option,
+    topics_option,
+)
 from wmr_ctrl.cli.progress import Progress
-from wmr_ctrl.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification
@@ -38,11 +45,7 @@ if TYPE_CHECKING:
     "--robot", metavar="S", help="Scenario with what is known: wheels, counts, limits, gains."
 )
 @set_option
-@click.option(
-    "--topics",
-    metavar="ROLE=NAME,...",
-    help="Of a bag: odom=, cmd=, joints= and effort= name topics, right= and left= joints.",
-)
+@topics_option
 @click.option(
     "--torque-constant",
     type=float,
@@ -102,7 +105,7 @@ def identify(
             base=base,
             known=robot,
             overrides=parse_assignments(assignments),
-            topics=_roles(topics),
+            topics=roles(topics),
             torque_constant=torque_constant,
             progress=progress,
         )
@@ -128,14 +131,6 @@ def identify(
         print_json(result.to_json())
     else:
         click.echo(_text(result))
-
-
-def _roles(text: str | None) -> dict[str, str]:
-    """Names by role; raises ArgumentError for what is no pair."""
-    pairs = [part.partition("=") for part in text.split(",")] if text else []
-    if bad := ["".join(pair) for pair in pairs if not all(pair)]:
-        raise ArgumentError(f"--topics: {bad[0]!r} is no ROLE=NAME, as in odom=/base/odom.")
-    return {role.strip(): name.strip() for role, _, name in pairs}
 
 
 def _text(result: BaseIdentification) -> str:

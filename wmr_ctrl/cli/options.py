@@ -56,6 +56,11 @@ jobs_option = click.option(
     metavar="N",
     help="Runs at the same time.  [default: one per processor]",
 )
+topics_option = click.option(
+    "--topics",
+    metavar="ROLE=NAME,...",
+    help="Of a bag: odom=, cmd=, joints= and effort= name topics, right= and left= joints.",
+)
 scenario_argument = click.argument("scenario", metavar="[SCENARIO]", default=SCENARIO)
 scenario_option = click.option(
     "--scenario", default=SCENARIO, metavar="S", help="Preset or TOML file."
@@ -104,6 +109,14 @@ law_option = click.option(
     "--law", type=LawName(), default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`."
 )
 seed_option = click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
+
+
+def roles(topics: str | None) -> dict[str, str]:
+    """Names by role, as ``--topics`` has them; raises ArgumentError for what is no pair."""
+    pairs = [part.partition("=") for part in topics.split(",")] if topics else []
+    if bad := ["".join(pair) for pair in pairs if not all(pair)]:
+        raise ArgumentError(f"--topics: {bad[0]!r} is no ROLE=NAME, as in odom=/base/odom.")
+    return {role.strip(): name.strip() for role, _, name in pairs}
 
 
 def json_option(text: str = "Print one JSON document instead.") -> Callable[[F], F]:

@@ -1,4 +1,4 @@
-"""``wmr-ctrl run`` and ``show``: one run, and a saved one."""
+"""``wmr-ctrl run`` and ``show``: one run, and a saved one or a robot's drive."""
 
 from __future__ import annotations
 
@@ -92,29 +92,42 @@ def run(
 
 @click.command(
     "show",
-    short_help="Print, draw or film a saved run.",
+    short_help="Print, draw or film a saved run, or a robot's drive.",
     epilog=opt.examples(
         "wmr-ctrl run far-start --law mb --out mb.npz",
         "wmr-ctrl show mb.npz --plot mb.png --animate mb.html",
         "wmr-ctrl show mb.npz --out mb.parquet",
+        "wmr-ctrl show rosbag2_drive/ --plot drive.png --out drive.csv",
     ),
 )
 @click.argument("file", metavar="RUN")
-@click.option("--out", metavar="FILE", help="Save it once more: .npz, .csv, .parquet or .mcap.")
+@click.option(
+    "--out", metavar="FILE", help="Save it once more: .npz, .csv, .parquet or .mcap; a drive: .csv."
+)
 @plot_option
 @animate_option
 @film_option
+@opt.topics_option
 @figures_option
 @opt.debug_option
-def show_saved(file: str, as_json: bool, **files: str | None) -> None:
+def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None) -> None:
     """Print how a saved run went, and draw, film or convert it; only --film makes it once more.
 
-    RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote: .npz, .csv, .parquet or .mcap.
+    RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote (.npz, .csv, .parquet or .mcap), or
+    a robot's own ROS 2 bag (its folder, .mcap or .db3; extra `logs`). Of such a drive the columns
+    are listed with their rates, gaps and ranges, then what is missing, by name; it has no desired
+    motion, so nothing is judged.
     """
-    from wmr_ctrl.results import load_run
+    from wmr_ctrl.results.bag_topics import load_drive
+    from wmr_ctrl.results.drive import RecordedDrive
 
     check_outputs(**files)
-    saved = load_run(file)
+    saved = load_drive(file, opt.roles(topics))
+    if isinstance(saved, RecordedDrive):
+        from wmr_ctrl.cli.drives import show_drive
+
+        show_drive(saved, as_json, **files)
+        return
     write_run(saved, **files)
     show(saved, as_json)
 

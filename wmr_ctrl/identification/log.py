@@ -14,37 +14,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, WmrError
-from wmr_ctrl.results import load_run
-from wmr_ctrl.results.bag import holds_run, is_bag
-from wmr_ctrl.results.bag_topics import WHEEL_ANGLE, read_topics
+from wmr_ctrl.results import Run, drive
+from wmr_ctrl.results.bag import is_bag
+from wmr_ctrl.results.bag_topics import load_drive
 from wmr_ctrl.scenario import Scenario, loads_scenario
-from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, POSE, TIME, TORQUE, VELOCITY
+from wmr_ctrl.signals import POSE, TIME, VELOCITY
 from wmr_ctrl.world.encoder import COUNTS
 
 Floats = NDArray[np.float64]
 MOST_BYTES = 2**31
-WHEEL_SPEED = ("wheel_speed[1]", "wheel_speed[2]")
-COMMAND = ("v_command", "omega_command")
+WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
+COMMAND, TORQUES = drive.COMMANDS, drive.TORQUES
 CURRENT = ("current_right", "current_left")
-TORQUES = tuple(item.name for item in TORQUE)
-SPEEDS = (
-    tuple(item.name for item in MEASURED_VELOCITY),
-    tuple(item.name for item in VELOCITY),
-)
-POSES = (tuple(item.name for item in MEASURED_POSE), tuple(item.name for item in POSE))
+SPEEDS = (drive.SPEEDS, drive.names_of(VELOCITY))
+POSES = (drive.POSES, drive.names_of(POSE))
 KNOWN: Mapping[str, str] = {
     TIME.name: "s",
+    **drive.UNITS,
     **dict.fromkeys(COUNTS.elements, "1"),
-    **dict.fromkeys(WHEEL_ANGLE, "rad"),
-    **dict.fromkeys(WHEEL_SPEED, "rad/s"),
-    **dict.fromkeys(TORQUES, "N.m"),
     **dict.fromkeys(CURRENT, "A"),
-    **{
-        name: unit
-        for pair in (*SPEEDS, COMMAND)
-        for name, unit in zip(pair, ("m/s", "rad/s"), strict=True)
-    },
-    **{name: unit for pose in POSES for name, unit in zip(pose, ("m", "m", "rad"), strict=True)},
+    **{signal.name: signal.unit for signal in (*POSE, *VELOCITY)},
 }
 """Columns that are read, and the unit of each."""
 UNITS: Mapping[str, tuple[str, float]] = {
@@ -94,22 +83,17 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
     """
     place = Path(path)
     suffix = place.suffix.lower()
-    if is_bag(place):
-        if not topics and holds_run(place):
-            return _of_run(place)
-        drive = read_topics(place, topics)
-        return Log(place.name, drive.times, drive.columns, None, drive.remarks)
-    if topics:
-        raise ArgumentError(
-            f"topics are those of a bag, and {str(path)!r} is none. Leave them out."
-        )
+    begins = _begins(place) if suffix == ".csv" else ""
+    if is_bag(place) or topics or suffix in (".npz", ".parquet") or begins == "#":
+        loaded = load_drive(place, topics)
+        if isinstance(loaded, Run):
+            return _of_run(place.name, loaded)
+        return Log(place.name, loaded.times, loaded.columns, None, loaded.remarks)
     if os.path.isdir(place):
         raise LogError(
             f"{str(path)!r} is a folder without metadata.yaml, so no bag of ROS 2. Give a bag's "
             "folder or its .mcap or .db3 file."
         )
-    if suffix in (".npz", ".parquet") or (suffix == ".csv" and _begins(place) == "#"):
-        return _of_run(place)
     if suffix != ".csv":
         raise LogError(
             f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a bag of ROS 2 "
@@ -130,12 +114,11 @@ def _begins(path: Path) -> str:
         ) from None
 
 
-def _of_run(path: Path) -> Log:
-    run = load_run(path)
+def _of_run(name: str, run: Run) -> Log:
     t = run.time
     columns = {s.name: run[s.name] for s in run.elements if s.name in KNOWN and s.name != TIME.name}
     base = loads_scenario(str(run.provenance["scenario_toml"]))
-    return Log(path.name, dict.fromkeys(columns, t), columns, base, (), frozenset(columns))
+    return Log(name, dict.fromkeys(columns, t), columns, base, (), frozenset(columns))
 
 
 def _table(path: Path) -> tuple[list[str], Floats]:

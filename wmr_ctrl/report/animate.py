@@ -22,7 +22,17 @@ from wmr_ctrl.campaign import PhaseProgress, Silent
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
 from wmr_ctrl.report.drawing import target_of
-from wmr_ctrl.report.scene import BODY, FRAME, TRACK, WHEEL, Picture, Scene, frames, scene_of
+from wmr_ctrl.report.scene import (
+    BODY,
+    FRAME,
+    TRACK,
+    WHEEL,
+    Picture,
+    Scene,
+    frames,
+    scene_of,
+    scene_of_drives,
+)
 from wmr_ctrl.report.style import (
     AFTER_DARK,
     INK,
@@ -34,6 +44,7 @@ from wmr_ctrl.report.style import (
     page_environment,
 )
 from wmr_ctrl.results import Run, atomic_path
+from wmr_ctrl.results.drive import RecordedDrive
 
 SUFFIXES = (".gif", ".mp4", ".html")
 FILMS = (".mp4", ".gif")
@@ -58,13 +69,31 @@ def animate_runs(
     without any sample or for runs that one picture cannot show (`scene_of`).
     """
     target = _film_target(path, SUFFIXES, "a run is animated as .gif, .mp4, .html")
+    scene = scene_of(runs, _FRAMES[target.suffix.lower()])
+    _animate(scene, [run.explanation for run in runs], target, progress)
+
+
+def animate_drives(
+    drives: Sequence[RecordedDrive],
+    path: str | os.PathLike[str],
+    progress: PhaseProgress | None = None,
+) -> None:
+    """The same of drives, which have no desired pose and no limits; errors as `scene_of_drives`."""
+    target = _film_target(path, SUFFIXES, "a drive is animated as .gif, .mp4, .html")
+    scene = scene_of_drives(drives, _FRAMES[target.suffix.lower()])
+    _animate(scene, [f"{drive.duration:.4g} s." for drive in drives], target, progress)
+
+
+def _animate(
+    scene: Scene, said: Sequence[str], target: Path, progress: PhaseProgress | None
+) -> None:
+    """Write a scene; ``said`` is a sentence a robot, for the page."""
     suffix, shown = target.suffix.lower(), progress or Silent()
-    scene = scene_of(runs, _FRAMES[suffix])
     shown.start(len(scene.t), "Drawing the animation")
     try:
         with atomic_path(target) as scratch:
             if suffix == ".html":
-                write_page(scene, scratch, runs)
+                write_page(scene, scratch, said)
                 shown.advance(len(scene.t))
             else:
                 _write_frames(frames(scene), FRAME, scratch, suffix, shown)
@@ -112,8 +141,8 @@ def _film_target(path: str | os.PathLike[str], suffixes: tuple[str, ...], what: 
 # -- the page -----------------------------------------------------------------------------------
 
 
-def write_page(scene: Scene, path: Path, runs: Sequence[Run]) -> None:
-    """Write the page."""
+def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
+    """Write the page, with a sentence on each robot."""
     laws = {f"law{place}": one.colour for place, one in enumerate(scene.actors)}
     colours = {**laws, "muted": MUTED, "limit": LIMIT, "ink": INK, "paper": PAPER,
                "line": RULE_LINE}  # fmt: skip
@@ -123,9 +152,8 @@ def write_page(scene: Scene, path: Path, runs: Sequence[Run]) -> None:
         .get_template("animation.html.j2")
         .render(
             title=scene.title,
-            said=[
-                (one.label, run.explanation) for one, run in zip(scene.actors, runs, strict=True)
-            ],
+            said=list(zip([one.label for one in scene.actors], said, strict=True)),
+            aimed=scene.target is not None,
             data=_json(scene),
             schemes=(colours, dark),
         )
@@ -136,12 +164,14 @@ def write_page(scene: Scene, path: Path, runs: Sequence[Run]) -> None:
 def _json(scene: Scene) -> str:
     """Everything that the script draws, rounded to what can be seen; safe inside a script."""
     moving = (np.column_stack((one.pose, one.velocity)) for one in scene.actors)
+    rows = [scene.t] if scene.target is None else [scene.t, scene.target]
     content = {
         "names": [one.label for one in scene.actors],
-        "rows": np.round(np.column_stack((scene.t, scene.target)), 4).tolist(),
+        "rows": np.round(np.column_stack(rows), 4).tolist(),
         "robots": [np.round(table, 4).tolist() for table in moving],
         "view": [round(edge, 4) for edge in scene.view],
-        "limits": scene.limits,
+        "scales": [float(f"{scale:.4g}") for scale in scene.scales],
+        "limited": scene.limited,
         "body": BODY,
         "wheel": WHEEL,
         "track": TRACK,

@@ -28,6 +28,7 @@ from wmr_ctrl.report.style import (
     verbatim,
 )
 from wmr_ctrl.results import FloatArray, Run
+from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
 
 BODY = (0.8, 0.5)
 """Length and width of the robot's body [m], those of the paper's Section VI."""
@@ -64,16 +65,18 @@ class Actor:
 class Scene:
     """Robots and desired pose at evenly spaced times ``t`` [s] of shape (frames,).
 
-    ``target`` has the shape (frames, 3) of a pose; ``view`` is x from, x to, y from, y to [m];
-    ``limits`` of |v1| [m/s] and |omega| [rad/s] are the same for all.
+    ``target`` has the shape (frames, 3) of a pose; None: nobody knows it.  ``scales`` of |v1| [m/s]
+    and |omega| [rad/s] are the limits of all where these are ``limited``, else the largest that
+    occur.  ``view`` is x from, x to, y from, y to [m].
     """
 
     title: str
     actors: tuple[Actor, ...]
     t: FloatArray
-    target: FloatArray
-    limits: tuple[float, float]
+    target: FloatArray | None
+    scales: tuple[float, float]
     view: tuple[float, float, float, float]
+    limited: bool = True
 
 
 def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Scene:
@@ -101,14 +104,47 @@ def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Sc
                 "picture cannot show them together. Draw each by `wmr-ctrl show RUN --plot FILE`."
             )
         actors.append(Actor(label, colour, _columns(run, held, *_POSE), _columns(run, held, *_V)))
-    points = np.concatenate([part[:, :2] for part in (target, *(one.pose for one in actors))])
-    low, high = points.min(axis=0), points.max(axis=0)
-    half = float(max(high - low)) / 2 + 0.7  # room for the robot's body
-    x, y = ((low + high) / 2).tolist()
-    view = x - half, x + half, y - half, y + half
     names = f"{actors[0].label}, " if len(actors) == 1 else ""
     title = f"{names}{longest.scenario}, seed {longest.seed}"
+    view = _view([target, *(one.pose for one in actors)])
     return Scene(title, tuple(actors), t, target, longest.settings.v_u1, view)
+
+
+def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
+    """At most ``frames`` frames of drives, which know neither a desired pose nor limits.
+
+    A robot stands where it was first or last seen; between two messages it moves evenly.  Raises
+    ArgumentError, by name, for a drive without poses and velocities.
+    """
+    for drive in drives:
+        lacking = [name for name in (*POSES, *SPEEDS) if not drive.has([name])]
+        if lacking:
+            raise ArgumentError(
+                f"{drive.name} has no {', '.join(lacking)}, and a moving picture shows the pose "
+                "with its velocities: leave out --animate. `wmr-ctrl show` says what there is."
+            )
+    t = np.linspace(0.0, max(drive.duration for drive in drives), frames)
+    actors = []
+    colours = colours_of([drive.name for drive in drives])
+    for drive, colour in zip(drives, colours, strict=True):
+        rows = [np.interp(t, drive.times[name], drive.columns[name]) for name in (*POSES, *SPEEDS)]
+        moving = np.column_stack(rows)
+        actors.append(Actor(drive.name, colour, moving[:, :3], moving[:, 3:]))
+    v, omega = (
+        max(float(np.abs(drive.columns[name]).max()) for drive in drives) or 1.0 for name in SPEEDS
+    )
+    view = _view([one.pose for one in actors])
+    title = actors[0].label if len(actors) == 1 else "drives"
+    return Scene(title, tuple(actors), t, None, (v, omega), view, limited=False)
+
+
+def _view(poses: Sequence[FloatArray]) -> tuple[float, float, float, float]:
+    """A square with all poses and room for the robot's body."""
+    points = np.concatenate([part[:, :2] for part in poses])
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = float(max(high - low)) / 2 + 0.7
+    x, y = ((low + high) / 2).tolist()
+    return x - half, x + half, y - half, y + half
 
 
 def _columns(run: Run, rows: NDArray[np.intp], *names: str) -> FloatArray:
@@ -171,7 +207,8 @@ class _Stage:
         self._clock = plane.text(0.98, 0.98, "", ha="right", va="top", size=10,
                                  transform=plane.transAxes, animated=True)  # fmt: skip
         parts = [artist for robot in self._robots for artist in robot.artists]
-        self._moving = [self._ghost, *parts, self._clock, *self._bars[0], *self._bars[1]]
+        ghost = [] if scene.target is None else [self._ghost]
+        self._moving = [*ghost, *parts, self._clock, *self._bars[0], *self._bars[1]]
         self._canvas.draw()
         self._background = self._canvas.copy_from_bbox(self._figure.bbox)
 
@@ -187,25 +224,27 @@ class _Stage:
         scene, left, right, low, high = self._scene, *self._scene.view
         axes.set(xlim=(left, right), ylim=(low, high), xlabel="x [m]", ylabel="y [m]")
         axes.set_aspect("equal", adjustable="box")
-        axes.plot(scene.target[:, 0], scene.target[:, 1], color=MUTED, ls=DOTTED, lw=1.2)
+        if scene.target is not None:
+            axes.plot(*scene.target[:, :2].T, color=MUTED, ls=DOTTED, lw=1.2)
         axes.set_title(verbatim(scene.title))
         if len(scene.actors) > 1:
             handles = [line_handle(one.label, one.colour) for one in scene.actors]
             axes.legend(handles=handles, loc="upper left")
 
     def _bars_of(self, axis: int) -> list[Rectangle]:
-        """A bar a robot, from zero to its velocity in units of the limit; limits are marked."""
+        """A bar a robot, from zero to its velocity in units of the scale, which is marked."""
         axes = self._figure.add_axes((0.2, 0.085 - 0.055 * axis, 0.77, 0.035))
         axes.set(xlim=(-1.5, 1.5), ylim=(0, 1), yticks=(), xticks=())
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
         axes.axvspan(-1, 1, color="#eef1f4", lw=0)
         axes.axvline(0, color=MUTED, lw=0.6)
+        limited, unit = self._scene.limited, ("m/s", "rad/s")[axis]
         for edge in (-1, 1):
-            axes.axvline(edge, color=LIMIT, lw=1.4)
-        limit, unit = self._scene.limits[axis], ("m/s", "rad/s")[axis]
-        axes.set_ylabel(f"{('v₁', 'ω')[axis]}, limit\n±{limit:g} {unit}", rotation=0, ha="right",
-                        va="center", size=7, labelpad=6)  # fmt: skip
+            axes.axvline(edge, color=LIMIT if limited else MUTED, lw=1.4)
+        word = "limit" if limited else "largest"
+        text = f"{('v₁', 'ω')[axis]}, {word}\n±{self._scene.scales[axis]:.4g} {unit}"
+        axes.set_ylabel(text, rotation=0, ha="right", va="center", size=7, labelpad=6)
         actors = self._scene.actors
         high = 0.7 / len(actors)
         bars = [
@@ -218,15 +257,16 @@ class _Stage:
 
     def _place(self, index: int) -> None:
         scene = self._scene
-        self._ghost.set_xy(outline(scene.target[index], *BODY))
+        if scene.target is not None:
+            self._ghost.set_xy(outline(scene.target[index], *BODY))
         self._clock.set_text(f"t = {scene.t[index]:.1f} s")
         for place, (robot, actor) in enumerate(zip(self._robots, scene.actors, strict=True)):
             robot.place(index)
             for axis in (0, 1):
-                share = float(actor.velocity[index, axis] / scene.limits[axis])
+                share = float(actor.velocity[index, axis] / scene.scales[axis])
                 bar = self._bars[axis][place]
                 bar.set_width(float(np.clip(share, -1.5, 1.5)))
-                bar.set_color(LIMIT if abs(share) > 1 else actor.colour)
+                bar.set_color(LIMIT if scene.limited and abs(share) > 1 else actor.colour)
 
 
 class _Robot:

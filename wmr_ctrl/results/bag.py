@@ -8,11 +8,9 @@ Frames there are those of REP 103 and 105: yaw = theta + pi/2, poses in ``odom``
 from __future__ import annotations
 
 import heapq
-import math
 import os
 import tempfile
-import tomllib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from itertools import repeat
@@ -22,19 +20,18 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
-from wmr_ctrl.fields.orientation import inward, outward
+from wmr_ctrl.fields.orientation import outward
+from wmr_ctrl.results.drive import (
+    COMMANDS,
+    POSES,
+    SPEEDS,
+    TORQUES,
+    WHEEL_ANGLE,
+    WHEEL_SPEEDS,
+    drive_of,
+)
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.run import FloatArray, Run
-from wmr_ctrl.signals import (
-    COMMAND,
-    MEASURED_POSE,
-    MEASURED_VELOCITY,
-    POSE,
-    TORQUE,
-    VELOCITY,
-    WHEEL_SPEED,
-    Signal,
-)
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -129,9 +126,7 @@ def run_as_mcap(run: Run, description: str) -> bytes:
 
 def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iterator[Msg]]]:
     """Topics, types and messages of what a base publishes, and of what it was sent."""
-    types = message_types().types
-    pose = next(names for names in map(_names, (MEASURED_POSE, POSE)) if names[0] in run)
-    speed = next(names for names in map(_names, (MEASURED_VELOCITY, VELOCITY)) if names[0] in run)
+    types, columns = message_types().types, drive_of(run).columns
     header, time = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
     vector, twist = types["geometry_msgs/msg/Vector3"], types[TWIST]
 
@@ -140,30 +135,27 @@ def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iter
             yield header(stamp=time(sec=stamp // SECOND, nanosec=stamp % SECOND), frame_id=frame)
 
     def twists(names: Sequence[str]) -> Iterator[Msg]:
-        for v, w in zip(*(run[name].tolist() for name in names), strict=True):
+        for v, w in zip(*(columns[name].tolist() for name in names), strict=True):
             yield twist(linear=vector(x=v, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=w))
 
-    yield "/odom", ODOMETRY, _odometry(run, pose, stamped("odom"), twists(speed))
-    yield "/joint_states", JOINTS, _joint_states(run, stamped(""))
-    if all(name in run for name in _names(COMMAND)):
-        both = zip(stamped("base_link"), twists(_names(COMMAND)), strict=True)
+    poses = [columns[name] for name in POSES]
+    yield "/odom", ODOMETRY, _odometry(poses, stamped("odom"), twists(SPEEDS))
+    yield "/joint_states", JOINTS, _joint_states(columns, stamped(""))
+    if all(name in columns for name in COMMANDS):
+        both = zip(stamped("base_link"), twists(COMMANDS), strict=True)
         kind = types[STAMPED]
         yield "/cmd_vel", STAMPED, (kind(header=h, twist=t) for h, t in both)
 
 
-def _names(signals: Sequence[Signal]) -> tuple[str, ...]:
-    return tuple(signal.name for signal in signals)
-
-
 def _odometry(
-    run: Run, pose: Sequence[str], headers: Iterator[Msg], twists: Iterator[Msg]
+    pose: Sequence[FloatArray], headers: Iterator[Msg], twists: Iterator[Msg]
 ) -> Iterator[Msg]:
     types = message_types().types
     point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
     place, placed = types["geometry_msgs/msg/Pose"], types["geometry_msgs/msg/PoseWithCovariance"]
     moved, unknown = types["geometry_msgs/msg/TwistWithCovariance"], np.zeros(36)
-    x, y, theta = (run[name] for name in pose)
-    half = outward(inward(theta, run.settings.frames), "rep103") / 2
+    x, y, theta = pose
+    half = outward(theta, "rep103") / 2
     poses = zip(*(item.tolist() for item in (x, y, np.sin(half), np.cos(half))), strict=True)
     for header, twist, (px, py, sine, cosine) in zip(headers, twists, poses, strict=True):
         where = place(
@@ -177,17 +169,16 @@ def _odometry(
         )
 
 
-def _joint_states(run: Run, headers: Iterator[Msg]) -> Iterator[Msg]:
-    """Commanded torques as efforts, counts as positions, and speeds where wheels have their own."""
-    encoder = tomllib.loads(run.provenance.get("scenario_toml", "")).get("encoder", {})
-    nothing = np.zeros((run.rows, 0))
-    angles, speeds = nothing, nothing
-    if "wheel_counts" in run.columns and encoder.get("counts"):
-        angles = run["wheel_counts"] * (2 * math.pi / encoder["counts"])
-    if WHEEL_SPEED.name in run.columns:
-        speeds = run[WHEEL_SPEED.name]
-    efforts = np.column_stack([run[signal.name] for signal in TORQUE])
-    for header, angle, speed, effort in zip(headers, angles, speeds, efforts, strict=True):
+def _joint_states(columns: Mapping[str, FloatArray], headers: Iterator[Msg]) -> Iterator[Msg]:
+    """Commanded torques as efforts; angles and speeds where wheels have their own."""
+    rows = len(columns[TORQUES[0]])
+
+    def pairs(names: Sequence[str]) -> FloatArray:
+        there = names[0] in columns
+        return np.column_stack([columns[k] for k in names]) if there else np.zeros((rows, 0))
+
+    numbers = map(pairs, (WHEEL_ANGLE, WHEEL_SPEEDS, TORQUES))
+    for header, angle, speed, effort in zip(headers, *numbers, strict=True):
         yield message_types().types[JOINTS](
             header=header, name=["right_wheel", "left_wheel"],
             position=angle, velocity=speed, effort=effort,
@@ -209,7 +200,7 @@ def rows_of_mcap(data: bytes) -> tuple[str, FloatArray]:
                 message: Any = message_types().deserialize_cdr(raw, kind)
                 data_of[kind].append(message.data)
     if len(data_of[TEXT]) != 1:
-        raise ValueError("it is a bag that no run was saved in; `wmr-ctrl identify` reads drives")
+        raise ValueError("it is a bag that no run was saved in; `wmr-ctrl show` reads drives")
     return data_of[TEXT][0], np.array(data_of[ROW], dtype=np.float64)
 
 

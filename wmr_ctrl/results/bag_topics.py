@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -19,11 +18,22 @@ from wmr_ctrl.results.bag import (
     SECOND,
     STAMPED,
     TWIST,
+    holds_run,
+    is_bag,
     message_types,
     opened_bag,
 )
-from wmr_ctrl.results.run import FloatArray
-from wmr_ctrl.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY, TORQUE, WHEEL_SPEED, Signal
+from wmr_ctrl.results.drive import (
+    COMMANDS,
+    POSES,
+    SPEEDS,
+    TORQUES,
+    WHEEL_ANGLE,
+    WHEEL_SPEEDS,
+    RecordedDrive,
+)
+from wmr_ctrl.results.formats import load_run
+from wmr_ctrl.results.run import FloatArray, Run
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -31,8 +41,6 @@ if TYPE_CHECKING:
     from wmr_ctrl.results.bag import Messages
 
 Integers: TypeAlias = NDArray[np.int64]
-WHEEL_ANGLE = ("wheel_angle[1]", "wheel_angle[2]")
-"""Columns of wheels' angles (right, left) [rad], as joints have them."""
 ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "odom": ("/odom", (ODOMETRY,)),
     "cmd": ("/cmd_vel", (STAMPED, TWIST)),
@@ -63,16 +71,21 @@ class Topic(NamedTuple):
     frame: str
 
 
-@dataclass(frozen=True)
-class BagColumns:
-    """Columns of a drive by name, each with its own times [s] from the first message's."""
+def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> Run | RecordedDrive:
+    """A saved run, or the drive in a bag; one that a run was saved in is that run without topics.
 
-    times: Mapping[str, FloatArray]
-    columns: Mapping[str, FloatArray]
-    remarks: tuple[str, ...]
+    Raises ResultFileError, ArgumentError, MissingExtraError.
+    """
+    if is_bag(path):
+        return load_run(path) if not topics and holds_run(path) else read_topics(path, topics)
+    if topics:
+        raise ArgumentError(
+            f"topics are those of a bag, and {str(path)!r} is none. Leave them out."
+        )
+    return load_run(path)
 
 
-def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> BagColumns:
+def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> RecordedDrive:
     """Columns of a drive, in our names, SI units and angles, on one clock.
 
     ``topics`` names topics by role ("odom", "cmd", "joints", "effort") and the wheels' joints
@@ -114,7 +127,7 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> Ba
         rows = part._replace(values=part.values[order[keep]])
         for name, values in _columns(role, rows, "effort" not in parts, remarks).items():
             times[name], columns[name] = (clock[keep] - first) / SECOND, values
-    return BagColumns(times, columns, tuple(remarks))
+    return RecordedDrive(Path(path).name, times, columns, tuple(remarks))
 
 
 def _chosen(
@@ -241,7 +254,7 @@ def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
 
 def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
     """Velocities, and poses where they are of the robot's motion; theta = yaw - pi/2."""
-    columns = _named(MEASURED_VELOCITY, topic.values[:, :2])
+    columns = _named(SPEEDS, topic.values[:, :2])
     x, y, *turn = topic.values[:, 2:].T
     qx, qy, qz, qw = turn
     reason = ""
@@ -256,17 +269,17 @@ def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
         return columns
     yaw = np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy**2 + qz**2))
     pose = np.column_stack((x, y, np.unwrap(yaw) - math.pi / 2))
-    return columns | _named(MEASURED_POSE, pose)
+    return columns | _named(POSES, pose)
 
 
 def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, FloatArray]:
     """Angles, speeds and efforts of the joints, those that every message has."""
     wanted: list[tuple[Sequence[str], FloatArray]] = [
         (WHEEL_ANGLE, topic.values[:, :2]),
-        (WHEEL_SPEED.elements, topic.values[:, 2:4]),
+        (WHEEL_SPEEDS, topic.values[:, 2:4]),
     ]
     if efforts:
-        wanted.append(([item.name for item in TORQUE], topic.values[:, 4:]))
+        wanted.append((TORQUES, topic.values[:, 4:]))
         if np.isfinite(topic.values[:, 4:]).all():
             remarks.append(
                 f"{topic.name}: efforts are taken for the torques as commanded. If the drives "
@@ -280,8 +293,8 @@ def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, 
     }
 
 
-def _named(signals: Sequence[Signal], values: FloatArray) -> dict[str, FloatArray]:
-    return dict(zip((item.name for item in signals), values.T, strict=True))
+def _named(names: Sequence[str], values: FloatArray) -> dict[str, FloatArray]:
+    return dict(zip(names, values.T, strict=True))
 
 
 def _columns(role: str, topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, FloatArray]:
@@ -289,4 +302,4 @@ def _columns(role: str, topic: Topic, efforts: bool, remarks: list[str]) -> dict
         return _odometry(topic, remarks)
     if role == "joints":
         return _joint_states(topic, efforts, remarks)
-    return _named(COMMAND if role == "cmd" else TORQUE, topic.values)
+    return _named(COMMANDS if role == "cmd" else TORQUES, topic.values)

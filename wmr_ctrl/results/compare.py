@@ -1,4 +1,4 @@
-"""Comparison of two runs: differences of columns and of facts."""
+"""Comparison of two runs, or drives: differences of columns and of facts."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
+from wmr_ctrl.results.drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive
 from wmr_ctrl.results.run import FloatArray, Run
 
 Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
@@ -20,6 +21,10 @@ Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
 _ABSENT = "(absent)"
 _TICK = 1e-9
 """Runs of different control periods are matched at sample times on a grid this fine [s]."""
+_AT_ONCE = 1e-6
+"""Messages of two drives this near [s] are of one moment."""
+_GAP = 0.5
+"""Between two messages of a drive that are farther apart [s] nothing is compared."""
 _LINE = 88
 """Width of wrapped text, in characters."""
 _WIDTH = 42
@@ -99,6 +104,65 @@ def compare(run_a: Run, run_b: Run, tolerance: float = 1e-9) -> Comparison:
     return Comparison(columns, len(rows_a), facts, notes, tolerance, verdict)
 
 
+def compare_drives(
+    drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: float = 1e-9
+) -> Comparison:
+    """Compare columns that both drives have, at the times of the first.
+
+    There the second's commands and torques hold, and what was measured is between its messages.
+    Times count from the first message of each.  Raises ArgumentError as `compare`.
+    """
+    if not tolerance >= 0:
+        raise ArgumentError(f"tolerance = {tolerance!r} must be zero or a positive number.")
+    shared = [name for name in UNITS if drive_a.has([name]) and drive_b.has([name])]
+    rows = {name: _within(drive_a.times[name], drive_b.times[name]) for name in shared}
+    columns = tuple(
+        _drives_differ(name, drive_a, drive_b, rows[name]) for name in shared if rows[name].any()
+    )
+    compared = max((int(mask.sum()) for mask in rows.values()), default=0)
+    notes = [
+        f"Only the {label} has {', '.join(alone)}."
+        for label, one, other in (("first", drive_a, drive_b), ("second", drive_b, drive_a))
+        if (alone := [name for name in UNITS if one.has([name]) and not other.has([name])])
+    ]
+    left = {name: int((~mask).sum()) for name, mask in rows.items() if not mask.all()}
+    if left:
+        counted = ", ".join(f"{count} of {name}" for name, count in left.items())
+        notes.append(
+            f"Samples of the first at which the second has nothing, or a gap of more than {_GAP:g} "
+            f"s: {counted}."
+        )
+    notes.append(
+        "Times count from the first message of each. At those of the first, the second's commands "
+        "and torques hold, and what was measured is taken between its messages."
+    )
+    verdict = _verdict(columns, tolerance, outcomes_differ=False)
+    return Comparison(columns, compared, (), tuple(notes), tolerance, verdict)
+
+
+def _within(t: FloatArray, other: FloatArray) -> NDArray[np.bool_]:
+    """Which of ``t`` (N,) lie on a time of ``other``, or between two that are no gap apart."""
+    before = np.searchsorted(other, t + _AT_ONCE, side="right") - 1
+    after = np.searchsorted(other, t - _AT_ONCE, side="left")
+    inside = (before >= 0) & (after < len(other))
+    apart = other[np.minimum(after, len(other) - 1)] - other[np.maximum(before, 0)]
+    return np.asarray(inside & (apart <= _GAP))
+
+
+def _drives_differ(
+    name: str, a: RecordedDrive, b: RecordedDrive, rows: NDArray[np.bool_]
+) -> ColumnDifference:
+    t, values = a.times[name][rows], a.columns[name][rows]
+    if name in (*COMMANDS, *TORQUES):
+        held = np.searchsorted(b.times[name], t + _AT_ONCE, side="right") - 1
+        others = b.columns[name][held]
+    else:
+        others = np.interp(t, b.times[name], b.columns[name])
+    if name == POSES[2]:  # each is counted from its own first message
+        others = others + 2 * math.pi * np.rint((values[0] - others[0]) / (2 * math.pi))
+    return _largest_gap(name, UNITS[name], t, values, others)
+
+
 def _shared_rows(run_a: Run, run_b: Run) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     if run_a.settings.control == run_b.settings.control:
         rows = np.arange(min(run_a.rows, run_b.rows))
@@ -114,6 +178,12 @@ def _difference(
     a, b = run_a[name][rows_a], run_b[name][rows_b]
     if name in ORIENTATIONS:  # the runs may count them differently
         a, b = inward(a, run_a.settings.frames), inward(b, run_b.settings.frames)
+    return _largest_gap(name, run_a.signal(name).unit, run_a.time[rows_a], a, b)
+
+
+def _largest_gap(
+    name: str, unit: str, t: FloatArray, a: FloatArray, b: FloatArray
+) -> ColumnDifference:
     gaps = _gaps(a, b)
     row = int(np.argmax(gaps))
     largest = relative = float(gaps[row])
@@ -121,8 +191,7 @@ def _difference(
         finite = np.concatenate((a, b))[np.isfinite(np.concatenate((a, b)))]
         span = float(np.max(finite)) - float(np.min(finite))
         relative = largest / span if math.isfinite(span) else math.inf
-    unit, time = run_a.signal(name).unit, float(run_a.time[rows_a[row]])
-    return ColumnDifference(name, unit, largest, time, relative)
+    return ColumnDifference(name, unit, largest, float(t[row]), relative)
 
 
 def _gaps(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -202,7 +271,7 @@ def comparison_text(comparison: Comparison) -> str:
         _aligned(("differs", "first run", "second run"), facts),
         _aligned(("column", "unit", "largest difference", "at t [s]", "of its range"), rows),
         fill(f"No difference in {', '.join(equal)}.", _LINE) if equal else "",
-        "\n".join(comparison.notes),
+        "\n".join(fill(note, _LINE) for note in comparison.notes),
         _closing(comparison),
     )
     return "\n\n".join(part for part in parts if part)
@@ -217,7 +286,7 @@ def _closing(comparison: Comparison) -> str:
         "equal": f"EQUAL: no value differs in {span}.",
         "agree": f"AGREE to {comparison.tolerance:g}: {span}, no value farther apart than that.",
         "differ": f"DIFFER {manner}: {span}.",
-        "nothing shared": "NOTHING SHARED: the runs have no sample in common.",
+        "nothing shared": "NOTHING SHARED: they have no sample in common.",
     }[comparison.verdict]
 
 

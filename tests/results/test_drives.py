@@ -1,0 +1,253 @@
+"""A robot's own bag in show, compare, pictures and films: what it has is shown, the rest named."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
+
+from tests.results.conftest import build
+from tests.results.test_bags import EPOCH, JOINTS, ODOMETRY, TWIST, bag, joints, odometry, twist
+from wmr_ctrl.cli import root
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.identification.log import read_log
+from wmr_ctrl.report.plot_drive import page_of
+from wmr_ctrl.report.scene import scene_of_drives
+from wmr_ctrl.results.bag_topics import load_drive, read_topics
+from wmr_ctrl.results.compare import compare_drives
+from wmr_ctrl.results.drive import UNITS, RecordedDrive, drive_of
+from wmr_ctrl.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY
+
+T = np.arange(0, 6, 0.1)
+
+
+def circle(t):
+    """Pose (x, y, yaw) of a base that drives 0.4 m/s and turns 0.5 rad/s."""
+    return 0.8 * math.sin(0.5 * t), 0.8 * (1 - math.cos(0.5 * t)), 0.5 * t
+
+
+def messages(late=0.003):
+    """What a base records: odometry, commands at half its rate, wheels without efforts."""
+    listed = [
+        ("/base/odom", ODOMETRY, EPOCH + t + late, odometry(EPOCH + t, 0.4, 0.5, circle(t)))
+        for t in T
+    ]
+    listed += [("/cmd_vel", TWIST, EPOCH + t, twist(0.4, 0.5)) for t in T[::2]]
+    listed += [
+        ("/joint_states", JOINTS, EPOCH + t, joints(EPOCH + t, (4.5 * t, 3.5 * t), (4.5, 3.5)))
+        for t in T
+    ]
+    return listed
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    return bag(tmp_path_factory.mktemp("recorded"), messages())
+
+
+@pytest.fixture(scope="module")
+def commands_alone(tmp_path_factory):
+    listed = [row for row in messages() if row[0] == "/cmd_vel"]
+    return bag(tmp_path_factory.mktemp("commands"), listed)
+
+
+def invoke(*words):
+    return CliRunner().invoke(root, [str(word) for word in words])
+
+
+def said(done):
+    return " ".join((done.stdout + done.stderr).split())
+
+
+def test_show_lists_what_a_base_recorded_and_names_what_it_did_not(recorded):
+    done = invoke("show", recorded, "--json")
+    told = json.loads(done.stdout)
+
+    assert done.exit_code == 0, done.stderr
+    assert set(told["columns"]) | set(told["missing"]) == set(UNITS)
+    assert told["missing"] == ["tau_right", "tau_left"]
+    assert told["columns"]["v_command"]["samples"] == len(T[::2])
+    assert told["columns"]["v1_measured"]["longest_gap"] == pytest.approx(0.1)
+    assert told["way"] == pytest.approx(0.4 * T[-1], rel=1e-3)
+    assert (told["max_abs_v1"], told["max_abs_v2"]) == (0.4, 0.5)
+    assert told["tau_peak"] is None
+    text = said(invoke("show", recorded))
+    for sentence in ("not there: tau_right, tau_left", "nothing is judged", "the longest gap is",
+                     "recorded 3 ms after its stamps"):  # fmt: skip
+        assert sentence in text
+
+
+def test_show_draws_films_and_saves_it(recorded, tmp_path):
+    files = [tmp_path / name for name in ("drive.png", "drive.html", "drive.csv")]
+    done = invoke("show", recorded, "--plot", files[0], "--animate", files[1], "--out", files[2])
+
+    assert done.exit_code == 0, done.stderr
+    assert files[0].read_bytes().startswith(b"\x89PNG")
+    page = json.loads(re.search(r"const data = (.*);", files[1].read_text("utf-8"))[1])
+    assert page["limited"] is False
+    assert {len(row) for row in page["rows"]} == {1}  # the time, and nobody's wish
+    robots = np.array(page["robots"])[0]
+    radius = np.hypot(robots[:, 0], robots[:, 1] - 0.8)
+    assert radius == pytest.approx(np.full(len(robots), 0.8), abs=1e-3)
+
+
+def test_what_is_saved_is_the_log_that_identify_reads(recorded, tmp_path):
+    """Columns of several rates, with empty cells: the bits of the bag."""
+    load_drive(recorded).save(tmp_path / "log.csv")
+    log, drive = read_log(tmp_path / "log.csv"), read_log(recorded)
+
+    assert set(log.columns) == set(drive.columns)
+    for name, values in drive.columns.items():
+        assert log.columns[name].tobytes() == values.tobytes()
+        assert log.times[name].tobytes() == drive.times[name].tobytes()
+
+
+def test_a_picture_has_what_there_is(recorded, commands_alone):
+    for place, titles in ((recorded, ["Path", "v₁", "ω", "Wheel speeds", "Wheel angles"]),
+                          (commands_alone, ["v₁", "ω"])):  # fmt: skip
+        figure = page_of([load_drive(place)]).figure()
+        drawn = [axes.get_title() for axes in figure.axes]
+        assert len(drawn) == len(titles)
+        assert all(map(str.startswith, drawn, titles))
+        assert all(axes.lines for axes in figure.axes)
+
+
+@pytest.mark.parametrize(
+    ("words", "word"),
+    [
+        (["--animate", "out.gif"], "has no x_measured, y_measured, theta_measured, v1_measured"),
+        (["--film", "out.mp4"], "cannot be made again"),
+        (["--out", "out.npz"], "must end in .csv"),
+        (["--topics", "odom=/nowhere"], "no topic /nowhere"),
+        (["--topics", "odom"], "is no ROLE=NAME"),
+    ],
+)
+def test_what_cannot_be_is_a_sentence_and_no_file(commands_alone, tmp_path, words, word):
+    given = [tmp_path / item if item.startswith("out.") else item for item in words]
+    done = invoke("show", commands_alone, "--plot", tmp_path / "plot.png", *given)
+
+    assert done.exit_code == 2
+    assert word in said(done)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bag_of_a_run_is_a_drive_where_topics_are_named(tmp_path):
+    run = build(v1=0.25)
+    run.save(tmp_path / "run.mcap")
+
+    assert "on toy" in invoke("show", tmp_path / "run.mcap").stdout
+    as_drive = invoke("show", tmp_path / "run.mcap", "--topics", "odom=/odom")
+    assert "a drive of 0.99 s" in as_drive.stdout
+    compared = invoke("compare", tmp_path / "run.mcap", tmp_path / "run.mcap", "--topics",
+                      "odom=/odom", "--json")  # fmt: skip
+    assert compared.exit_code == 0, compared.stderr
+    assert json.loads(compared.stdout)["verdict"] == "equal"
+
+
+def test_a_run_beside_a_bag_is_what_its_base_tells(recorded, tmp_path):
+    run = build(v1=0.25, omega=0.5)
+    run.save(tmp_path / "run.npz")
+
+    compared = invoke("compare", tmp_path / "run.npz", recorded, "--plot", tmp_path / "both.png",
+                      "--animate", tmp_path / "both.html", "--json")  # fmt: skip
+    told = {item["name"]: item for item in json.loads(compared.stdout)["columns"]}
+
+    assert compared.exit_code == 1  # they differ
+    assert told["v1_measured"]["largest"] == pytest.approx(0.15)
+    assert told["omega_measured"]["largest"] == 0.0
+    assert len(list(tmp_path.iterdir())) == 3
+    text = said(invoke("compare", tmp_path / "run.npz", recorded))
+    assert "Only the first has tau_right, tau_left" in text
+    assert "DIFFER" in text
+
+
+def drive(t, **columns):
+    """A drive whose columns all have the times ``t``."""
+    arrays = {name: np.broadcast_to(values, np.shape(t)).copy() for name, values in columns.items()}
+    return RecordedDrive("toy", dict.fromkeys(arrays, np.asarray(t, float)), arrays)
+
+
+def column(comparison, name):
+    return next(item for item in comparison.columns if item.name == name)
+
+
+def test_what_was_measured_lies_between_messages_and_commands_hold():
+    fine, coarse = np.linspace(0, 4, 401), np.linspace(0, 4, 41)
+    one = drive(fine, v1_measured=fine, v_command=np.floor(fine / 0.1 + 1e-9))
+    other = drive(coarse, v1_measured=coarse, v_command=np.floor(coarse / 0.1 + 1e-9))
+
+    found = compare_drives(one, other)
+
+    assert found.rows == 401
+    assert column(found, "v1_measured").largest < 1e-12
+    assert column(found, "v_command").largest == 0.0
+    assert found.verdict in ("equal", "agree")
+
+
+def test_gaps_and_ends_are_counted_and_not_bridged():
+    t = np.linspace(0, 4, 401)
+    there = (t < 1.0) | (t > 2.0)
+    broken = drive(t[there & (t < 3.0)], v1_measured=0.0)
+
+    found = compare_drives(drive(t, v1_measured=np.where(there & (t < 3.0), 0.0, 9.0)), broken)
+
+    assert column(found, "v1_measured").largest == 0.0
+    assert found.rows == int((there & (t < 3.0)).sum())
+    assert any(f"{401 - found.rows} of v1_measured" in note for note in found.notes)
+
+
+def test_whole_turns_of_a_heading_are_no_difference_and_part_ones_are():
+    t = np.linspace(0, 4, 401)
+    turns, part = t + 6 * math.pi, t + 6 * math.pi + 0.25
+
+    assert column(
+        compare_drives(drive(t, theta_measured=t), drive(t, theta_measured=turns)), "theta_measured"
+    ).largest == pytest.approx(0, abs=1e-12)
+    assert column(
+        compare_drives(drive(t, theta_measured=t), drive(t, theta_measured=part)), "theta_measured"
+    ).largest == pytest.approx(0.25)
+
+
+def test_nothing_in_common_is_said():
+    t = np.linspace(0, 1, 11)
+
+    found = compare_drives(drive(t, v1_measured=0.0), drive(t, tau_right=0.0))
+
+    assert found.verdict == "nothing shared"
+    assert "Only the first has v1_measured" in found.notes[0]
+    with pytest.raises(ArgumentError, match="tolerance"):
+        compare_drives(drive(t, v1_measured=0.0), drive(t, v1_measured=0.0), -1.0)
+
+
+def test_a_run_tells_its_base_what_it_measured():
+    signals = (*MEASURED_POSE, *MEASURED_VELOCITY, *COMMAND)
+    run = build(extra=signals, v1=0.25, v1_measured=0.3, x_measured=1.5, v_command=0.2)
+
+    told = drive_of(run)
+
+    assert set(told.columns["v1_measured"]) == {0.3}
+    assert set(told.columns["x_measured"]) == {1.5}
+    assert set(told.columns["v_command"]) == {0.2}
+    assert told.remarks == ()
+    assert set(drive_of(build(v1=0.25)).columns["v1_measured"]) == {0.25}
+    assert "true ones" in drive_of(build()).remarks[0]
+
+
+def test_a_film_of_two_drives_holds_who_came_to_his_end(recorded):
+    long = read_topics(recorded)
+    short = RecordedDrive("short", {k: t[:20] for k, t in long.times.items()},
+                  {k: v[:20] for k, v in long.columns.items()})  # fmt: skip
+
+    scene = scene_of_drives([long, short], 50)
+
+    assert scene.target is None
+    assert scene.scales == (0.4, 0.5)
+    ended = scene.t > short.times["x_measured"][-1]
+    assert np.ptp(scene.actors[1].pose[ended], axis=0).max() == 0.0
+    assert scene.actors[0].colour != scene.actors[1].colour
