@@ -64,6 +64,7 @@ MEASURED_VELOCITY = (
 )
 """Inputs of a law in the place of pose and velocity."""
 MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
+ODOMETRY_AGE = Signal("odometry_age", "s", "age of the odometry; negative: there is none")
 SAMPLE = Signal("sample", "1", "number of the control sample, from 0")
 STEP = Signal("step", "1", "number of the plant step, from 0")
 TRAVEL = Signal("travel", "m, rad", "way and turn since the previous sample", 2)

@@ -129,7 +129,7 @@ def effects() -> str:
 GROUPS: Mapping[str, str] = {
     "Time and samples": "TIME SAMPLE STEP",
     "True state": "PLANT_STATE PSI TRAVEL SKID PATH",
-    "Measured": "MEASURED_POSE MEASURED_VELOCITY",
+    "Measured": "MEASURED_POSE MEASURED_VELOCITY ODOMETRY_AGE",
     "Desired motion": "REFERENCE",
     "Torque and force": "TORQUE TORQUE_NOISE BODY_FORCE TAU_APPLIED FORCE",
     "Commands to a base that takes velocities": "COMMAND ASKED SENT_BEFORE",

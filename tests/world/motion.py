@@ -25,6 +25,7 @@ EFFECTS: Mapping[str, Changes] = {
     "encoder by time": {"encoder.counts": 1024, "encoder.method": "time"},
     "averaged velocity": {"sensor.velocity_window": 0.02},
     "late velocity": {"sensor.velocity_age": 0.01},
+    "lost velocities": {"sensor.velocity_losses": 3},
     "gyro": {"gyro.enabled": True, "gyro.bias": 0.01, "gyro.noise": 0.01},
     "late pose": {"sensor.pose_delay": 0.05},
     "lost poses": {"sensor.pose_dropout": 0.3, "sensor.pose_noise": 0.02},
@@ -57,7 +58,7 @@ def rows(count: int, rng: np.random.Generator, size: float = 1.0) -> Rows:
         "x": rng.normal(size=count), "y": rng.normal(size=count), "v1": v, "omega": w,
         "path": np.cumsum(v) * 0.01, "theta": np.cumsum(w) * 0.01, "skid": 0.0 * v,
     }  # fmt: skip
-    numbers = {n: rng.uniform(-1, 1, (count, 2)) for n in ("gyro", "jitter", "gust")}
+    numbers = {n: rng.uniform(-1, 1, (count, 2)) for n in ("gyro", "jitter", "gust", "velocity_loss")}
     torque = np.repeat(rng.uniform(-10, 10, (count // 10 + 1, 2)), 10, axis=0)
     return [
         {name: [float(values[k])] for name, values in columns.items()}

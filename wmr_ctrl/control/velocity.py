@@ -31,6 +31,7 @@ from wmr_ctrl.signals import (
     ASKED,
     COMMAND,
     GUARD_DIAGNOSTICS,
+    ODOMETRY_AGE,
     SENT_BEFORE,
     TAU_APPLIED,
     VELOCITY,
@@ -39,6 +40,7 @@ from wmr_ctrl.signals import (
 from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
+from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS
 
 
 class SentVelocity:
@@ -59,6 +61,8 @@ class SentVelocity:
         self.applied = own.get(TAU_APPLIED)
         kind = setup.scenario.filter.kind
         self.filter = None if kind == "none" else filter_system(setup.scenario)
+        read = self.filter.inputs if self.filter and VELOCITY_LOSS in setup.effects else ()
+        self.age = tuple(port(ODOMETRY_AGE) for item in read if item.signal == ODOMETRY_AGE)
 
     @cached_property
     def F1(self) -> ca.SX:
@@ -99,6 +103,7 @@ class SentVelocity:
         if self.filter is None:
             return self.asked, ca.SX(0), ca.SX(0, 1)
         known = {ASKED: self.asked, ODOMETRY: self.v}
+        known |= {item.signal: item.sym for item in self.age}
         inputs = stack(known.get(item.signal, ca.SX(0)) for item in self.filter.inputs)
         p = stack(self.p.take(item.signal.name) for item in self.filter.params)
         graph = self.filter.function("filter", [self.filter.update, self.filter.y])
@@ -119,8 +124,10 @@ class SentVelocity:
         agrees = ca.logic_not(has_bit(flags, BOUNDS_LEFT))
         watched = zip(GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
         shown = (Output(ASKED, self.asked), Output(FLAGS, flags))
+        law = self._law(memory)
         return replace(
-            self._law(memory),
+            law,
+            inputs=(*law.inputs, *self.age),
             state=(*self.core.state, *memory, *held),
             update=ca.vertcat(self.core.update, *following, filtering),
             outputs=outputs(COMMAND, sent),

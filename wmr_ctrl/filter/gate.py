@@ -17,10 +17,10 @@ import casadi as ca
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, LIMITED, within
 from wmr_ctrl.filter.filter import filter_system
-from wmr_ctrl.filter.governor_step import AGE, ELAPSED, ODOMETRY
+from wmr_ctrl.filter.governor_step import ELAPSED, ODOMETRY
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import ASKED, LARGEST, Signal
+from wmr_ctrl.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
 
 COMMAND_AGE = Signal("command_age", "s", "time since the command came; negative: there is none")
 STOP = Signal("stop", "1", "1: stop at once, and stay stopped")
@@ -83,7 +83,7 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
     ports = {item.signal: item for item in inner.inputs}
     asked, age, stop, reset = port(ASKED), port(COMMAND_AGE, -1.0), port(STOP), port(RESET)
     odometry = ports.get(ODOMETRY, port(ODOMETRY))
-    odometry_age = ports.get(AGE, port(AGE, -1.0))
+    odometry_age = ports.get(ODOMETRY_AGE, port(ODOMETRY_AGE, -1.0))
     elapsed = ports.get(ELAPSED, port(ELAPSED))
     latched, last = port(LATCHED), port(LAST)
 

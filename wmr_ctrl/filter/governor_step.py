@@ -32,13 +32,12 @@ from wmr_ctrl.guard.lateness import Times
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.command_filter import MOST_PERIODS
-from wmr_ctrl.signals import ASKED, LARGEST, Signal
+from wmr_ctrl.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
 
 Sides: TypeAlias = list[list[ca.SX]]
 """A number of every channel, of its speed first, then of the speed's negative."""
 
 ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
-AGE = Signal("odometry_age", "s", "age of the odometry; negative: there is none")
 ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
 
 
@@ -78,7 +77,7 @@ class Governor:
         """Take the ports; ScenarioError where the times span too many samples."""
         self.scenario, self.plan, self.p = scenario, schedule(scenario), Parameters(scenario)
         self.asked, self.odometry = port(ASKED), port(ODOMETRY)
-        self.age, self.elapsed = port(AGE, -1.0), port(ELAPSED)
+        self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
         self.before = [port(_sent(number)) for number in range(1, self.plan.oldest + 1)]
         self.T, tau = self.p.take("clock.control"), self.p.take("filter.tau")
         kappa = 1 / ca.expm1(self.plan.longest * self.T / tau[0])

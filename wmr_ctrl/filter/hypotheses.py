@@ -176,11 +176,18 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 f"filter.odometry[{axis + 1}] = {stated.odometry[axis]:g} {UNITS[axis]} is less. "
                 "Raise it to that."
             )
-    if any((*bound.age, *bound.window)):
+    if any(bound.window):
         yield (
-            "The sensors' velocity is late or a mean over a while (sensor.velocity_window, "
-            "[encoder]), and a run gives it to the governor as that of the sample. Leave out "
-            "filter.odometry, which the governor does not need, or take an exact sensor."
+            "The sensors' velocity is a mean over a while (sensor.velocity_window, [encoder]), and "
+            "the governor counts on that of one instant. Leave out filter.odometry, which it does "
+            "not need, or take a sensor without window."
+        )
+    linear, angular = bound.age
+    if linear != angular:
+        yield (
+            f"sensor.velocity_age: one axis' velocity is {max(bound.age):g} s old and the other's "
+            "is not (gyro.enabled), and the governor is told one age for both. Leave out "
+            "filter.odometry, or one of the two sensors."
         )
 
 

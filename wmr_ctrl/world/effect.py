@@ -36,6 +36,7 @@ from wmr_ctrl.signals import (
     COMMAND,
     DISTURBING,
     MEASURED,
+    ODOMETRY_AGE,
     PATH,
     PLANT_STATE,
     SAMPLE,
@@ -150,7 +151,7 @@ READS: dict[EffectRole, tuple[Signal, ...]] = {
 }
 """Inputs that an effect of a role may have: those that every output has for it."""
 WRITES: dict[EffectRole, tuple[Signal, ...]] = {
-    EffectRole.SENSOR: MEASURED,
+    EffectRole.SENSOR: (*MEASURED, ODOMETRY_AGE),
     EffectRole.DISTURBANCE: DISTURBING,
     EffectRole.COMMAND: COMMAND,
     EffectRole.LOOP: TORQUE,

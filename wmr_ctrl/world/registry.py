@@ -38,6 +38,7 @@ from wmr_ctrl.world.speed_loop import BaseKind
 from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER, FirstOrderGains
 from wmr_ctrl.world.speed_loop_pi import PI, PiLoopGains
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
+from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS, VelocityLoss
 from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN, VelocityMean
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
 from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT, WheelSpeedLimit
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 OURS = (
-    ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, POSE_DELAY, POSE_SENSOR,
+    ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, VELOCITY_LOSS, POSE_DELAY, POSE_SENSOR,
     TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
     COMMAND_DELAY, COMMAND_LOSS, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT,
     COMMAND_RAMP, COMMAND_JERK, FIRST_ORDER, PI,
@@ -56,7 +57,7 @@ OURS = (
 GROUP = "wmr_ctrl.effects"
 
 
-class Sensor(VelocityNoise, VelocityMean, PoseSensor, PoseDelay, key="sensor"):
+class Sensor(VelocityLoss, VelocityNoise, VelocityMean, PoseSensor, PoseDelay, key="sensor"):
     """Sensors of pose and velocity; the defaults are perfect."""
 
 

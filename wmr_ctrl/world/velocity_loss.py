@@ -1,0 +1,77 @@
+"""Velocities that do not come: the last one that did is held, and its age is told.
+
+Source: radio, buses and wheel slip detectors, which drop odometry.  Each measured velocity is lost
+with an even chance, but never more than ``velocity_losses`` in a row, and the first one comes.
+Whoever asks is told how old the velocity is that is shown; a governor of commands does (`filter`).
+"""
+
+from __future__ import annotations
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
+from wmr_ctrl.signals import MEASURED_VELOCITY, ODOMETRY_AGE, SAMPLE, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+from wmr_ctrl.world.velocity_mean import VelocityMean
+
+NUMBERS = Signal("velocity_loss", "1", "uniform numbers on [-1, 1)", 2)
+HEARD = Signal("velocity_heard", "m/s, rad/s", "last measured velocity that was not lost", 2)
+MISSED = Signal("velocities_missed", "1", "measured velocities lost in a row")
+
+
+class VelocityLoss(Section, key="sensor"):
+    """Largest number of velocities lost in a row."""
+
+    velocity_losses: int = quantity(
+        0, unit="1", doc="most measured velocities in a row that are lost", minimum=0
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: measured velocity and number of the sample to velocity that is shown, age.
+
+    The age is -1 as long as what is shown would be from before the start.
+    """
+    velocity, sample, p = ports(MEASURED_VELOCITY), port(SAMPLE), Parameters(scenario)
+    heard, missed = port(HEARD), port(MISSED)
+    T, old, most = map(p.take, ("clock.control", "sensor.velocity_age", "sensor.velocity_losses"))
+    number = draw(NUMBERS, UNIFORM, most > 0)
+    lost = ca.logic_and(number.port.sym[0] < 0, missed.sym < most)
+    comes = ca.logic_or(sample.sym == 0, ca.logic_not(lost))
+    shown = ca.if_else(comes, stack(item.sym for item in velocity), heard.sym)
+    missing = ca.if_else(comes, 0, missed.sym + 1)
+    age = missing * T + old
+    before = age > (sample.sym + 0.5) * T
+    return System(
+        "velocity_loss",
+        "lost velocities",
+        inputs=(*velocity, sample),
+        state=(heard, missed),
+        params=p.ports,
+        update=ca.vertcat(shown, missing),
+        outputs=(
+            *(Output(item.signal, shown[i]) for i, item in enumerate(velocity)),
+            Output(ODOMETRY_AGE, ca.if_else(before, -1, age)),
+        ),
+        draws=(number,),
+    )
+
+
+def bound(scenario: Scenario) -> Bound:
+    """A guard knows one age; a governor is told it at every sample."""
+    lost = scenario.section(VelocityLoss).velocity_losses > 0
+    sentence = "sensor.velocity_losses: a velocity is held for as long as none comes, which varies."
+    return Bound(void=sentence if lost else "")
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where velocities are lost, or late on a base whose filter asks for their age."""
+    late = scenario.section(VelocityMean).velocity_age > 0 and takes_velocity(scenario)
+    return scenario.section(VelocityLoss).velocity_losses > 0 or late
+
+
+VELOCITY_LOSS = Effect(
+    "velocity loss", EffectRole.SENSOR, VelocityLoss, build, bound, acts=acts,
+    shape=("sensor.velocity_age", "clock.control"),
+)  # fmt: skip
