@@ -58,7 +58,9 @@ def rows(count: int, rng: np.random.Generator, size: float = 1.0) -> Rows:
         "x": rng.normal(size=count), "y": rng.normal(size=count), "v1": v, "omega": w,
         "path": np.cumsum(v) * 0.01, "theta": np.cumsum(w) * 0.01, "skid": 0.0 * v,
     }  # fmt: skip
-    numbers = {n: rng.uniform(-1, 1, (count, 2)) for n in ("gyro", "jitter", "gust", "velocity_loss")}
+    numbers = {
+        n: rng.uniform(-1, 1, (count, 2)) for n in ("gyro", "jitter", "gust", "velocity_loss")
+    }
     torque = np.repeat(rng.uniform(-10, 10, (count // 10 + 1, 2)), 10, axis=0)
     return [
         {name: [float(values[k])] for name, values in columns.items()}
