@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from wmr_ctrl.linear import closed_loop
 from wmr_ctrl.linear.linearise import Floats, lowest
 from wmr_ctrl.linear.point import Point
-from wmr_ctrl.linear.pull import pull_of
+from wmr_ctrl.linear.sampled import pull_of
 from wmr_ctrl.scenario import Scenario
 
 

@@ -9,14 +9,19 @@ from fmpy import simulate_fmu
 from tests.fmi.foreign import PLANT, PLANT_MAP
 from tests.fmi.test_equality import STATE
 from wmr_ctrl.api import simulate
-from wmr_ctrl.campaign.comparison import ADVERSARY
+from wmr_ctrl.campaign.comparison import FACTORS
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.scenario import load_scenario, override
 
 PUSHED = override(
     load_scenario("paper-simulation-nominal"),
-    {**ADVERSARY, "clock.duration": 2.0, "limits.v_u1": [0.6, 0.6], "limits.v_u2": [0.4, 0.4]},
+    {
+        **FACTORS["adversary"],
+        "clock.duration": 2.0,
+        "limits.v_u1": [0.6, 0.6],
+        "limits.v_u2": [0.4, 0.4],
+    },
 )
 guarded = pytest.mark.parametrize("guard", [False, True])
 

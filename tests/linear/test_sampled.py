@@ -76,7 +76,7 @@ def test_kink_limits_of_the_audit(nominal):
 @pytest.mark.parametrize("axis", [0, 1])
 def test_velocity_swings_about_the_kink_just_above_its_limit(nominal, axis):
     """v_c0 held beyond v_u2; Euler is exact for a held force without friction."""
-    from wmr_ctrl.linear.pull import pull_of
+    from wmr_ctrl.linear.sampled import pull_of
 
     limit, mass = kink_periods(nominal, "mb")[axis], (50.0, 5.4)[axis]
     u2 = nominal.limits.v_u2[axis]

@@ -35,7 +35,7 @@ def test_a_run_that_ended_early_is_drawn(tmp_path):
 
 @pytest.mark.parametrize("name", [r"a$\frac$b $x_{$ \$", 'a$b\ntwo lines "<&>*/'])
 def test_a_name_is_no_formula(tmp_path, monkeypatch, name):
-    monkeypatch.setitem(style._SETTINGS, "svg.fonttype", "none")
+    monkeypatch.setitem(style._COLOURS, "svg.fonttype", "none")
     path, run = tmp_path / "run.svg", build(duration=0.2, labels={"scenario": name})
     plot_run(run, path)
     next(frames(scene_of([run], 1)))

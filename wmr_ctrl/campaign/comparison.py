@@ -6,7 +6,9 @@ torque for 10 ms, the other for 100 ms.  The seeds were not used to choose anyth
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from importlib.resources import files
 from types import MappingProxyType
 
 from wmr_ctrl.campaign.engine import PhaseProgress, run_campaign
@@ -25,69 +27,16 @@ BASES = MappingProxyType({"10 ms": 0.01, "100 ms": 0.1})
 BASE, FAR_START, OUTSIDE, PUSHED = "base", "far start", "start outside", "adversary"
 """Factors that the report speaks of by name."""
 
-ADVERSARY: Overrides = MappingProxyType(
-    {
-        "robot.m": 25.0,
-        "robot.I": 2.7,
-        "robot.mu": 0.0,
-        "model.m": 50.0,
-        "model.I": 5.4,
-        "model.mu": 0.08,
-        "changes": [],
-        "disturbance.std": 0.0,
-        "disturbance.push": [60.0, 15.0],
-        "guard.M_min": [25.0, 2.7],
-        "guard.M_max": [70.0, 7.5],
-    }
-)
-"""Half the believed mass, no friction, and a push of dbar that always drives on."""
 
-FAR: Overrides = MappingProxyType({"initial.pose": [-5.0, -5.0, -0.7]})
-DROP: Overrides = MappingProxyType(
-    {
-        "changes": [{"t": 3.0, "m": 25.0, "I": 2.7, "mu": 0.0}],
-        "guard.M_min": [22.5, 2.43],
-        "guard.M_max": [55.0, 5.94],
-    }
-)
-"""A drop of the robot's numbers, and masses around it for the guard."""
+def _factors() -> Iterator[tuple[str, Overrides]]:
+    text = files("wmr_ctrl.campaign").joinpath("comparison.toml").read_text(encoding="utf-8")
+    table = tomllib.loads(text)
+    for name, changed in table.items():
+        yield name, {**table.get(changed.pop("with", ""), {}), **changed}
 
-AS_A_ROBOT: Overrides = MappingProxyType(
-    {
-        "encoder.counts": 1024,
-        "gyro.enabled": True,
-        "gyro.bias": 0.005,
-        "gyro.noise": 0.01,
-        "actuator.tau_max": 10.0,
-        "actuator.lag": 0.02,
-        "actuator.jitter": 0.005,
-        "wheels.radius": [0.02, 0.02],
-    }
-)
-"""Encoders differenced over a period, a gyro, late and lagging drives, radii 2 % off."""
 
-FACTORS: Mapping[str, Overrides] = MappingProxyType(
-    {
-        BASE: {},
-        FAR_START: FAR,
-        "far start, friction believed 50 % too high": {**FAR, "model.mu": 0.12},
-        "far start, mass and friction drop at 3 s": {**FAR, **DROP},
-        OUTSIDE: {"initial.velocity": [1.3, 2.0]},
-        PUSHED: ADVERSARY,
-        "lemniscate": {"reference.kind": "lemniscate"},
-        "stop and go": {"reference.kind": "stop-and-go"},
-        "rounded square": {"reference.kind": "rounded-square"},
-        "T = 1 ms": {"clock.control": 0.001},
-        "T = 20 ms": {"clock.control": 0.02},
-        "T = 50 ms": {"clock.control": 0.05},
-        "tau_max = 20 N m": {"actuator.tau_max": 20.0},
-        "tau_max = 10 N m": {"actuator.tau_max": 10.0},
-        "tau_max = 6.5 N m": {"actuator.tau_max": 6.5},
-        "tau_max = 5 N m": {"actuator.tau_max": 5.0},
-        "as a robot has it": AS_A_ROBOT,
-    }
-)
-"""Changes of a case against its base, by the case's name."""
+FACTORS: Mapping[str, Overrides] = MappingProxyType(dict(_factors()))
+"""Changes of a case against its base, by the case's name; ``with`` names one that it has too."""
 
 
 def comparison_plan(

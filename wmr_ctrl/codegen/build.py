@@ -15,20 +15,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from wmr_ctrl.codegen import kernels
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
-from wmr_ctrl.codegen.kernels import (
-    FINDINGS,
-    controller_kernel,
-    logged_kernels,
-    loop_constants,
-    loop_kernels,
-    outside_constants,
-    outside_kernels,
-    plantless_constants,
-    plantless_kernels,
-    sizes_of,
-)
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
@@ -81,7 +70,7 @@ def build_law(setup: Setup) -> CompiledLoop:
     """The controller by itself, for callers of single samples, with the numbers of its loop."""
     program = program_of(setup)
     law = program.loop.controller
-    text = sources(sizes_of("controller", law), [controller_kernel(law)], SCALAR)
+    text = sources(kernels.sizes_of("controller", law), [kernels.controller_kernel(law)], SCALAR)
     return filled(program, setup, _for_this_processor(unity(text, LAW)), digest(text))
 
 
@@ -98,7 +87,7 @@ def build_plantless(setup: Setup) -> CompiledLoop:
     """
     program = program_of(setup, external_plant=True)
     loop = program.loop
-    text = sources(plantless_constants(loop), plantless_kernels(loop), SCALAR)
+    text = sources(kernels.plantless_constants(loop), kernels.plantless_kernels(loop), SCALAR)
     library = _for_this_processor(unity(text, OUTSIDE))
     return filled(program, setup, library, digest(text))
 
@@ -114,23 +103,23 @@ class Program:
         self.layout = LoopLayout(
             loop.controller.title, loop.columns,
             tuple(item.signal for item in (*loop.fast, *loop.slow)),
-            tuple(item.signal for item in loop.parameters.ports), FINDINGS, WINDOW,
+            tuple(item.signal for item in loop.parameters.ports), kernels.FINDINGS, WINDOW,
         )  # fmt: skip
 
     @cached_property
     def generated(self) -> dict[str, str]:
         """C text for one robot whose runs have a log."""
-        return sources(loop_constants(self.loop), logged_kernels(self.loop), SCALAR)
+        return sources(kernels.loop_constants(self.loop), kernels.logged_kernels(self.loop), SCALAR)
 
     @cached_property
     def generated_watched(self) -> dict[str, str]:
         """C text for one robot, with what is watched where there is no log."""
-        return sources(loop_constants(self.loop), loop_kernels(self.loop), SCALAR)
+        return sources(kernels.loop_constants(self.loop), kernels.loop_kernels(self.loop), SCALAR)
 
     @cached_property
     def generated_lanes(self) -> dict[str, str]:
         """C text for lanes."""
-        return sources(loop_constants(self.loop), loop_kernels(self.loop), LANES)
+        return sources(kernels.loop_constants(self.loop), kernels.loop_kernels(self.loop), LANES)
 
     @cached_property
     def lanes(self) -> Path:
@@ -197,10 +186,10 @@ def build_outside(setup: Setup, loop: PlantlessGraphs) -> CompiledLoop:
 
     Raises CompilerError without a working compiler.
     """
-    generated = sources(outside_constants(loop), outside_kernels(loop), SCALAR)
+    generated = sources(kernels.outside_constants(loop), kernels.outside_kernels(loop), SCALAR)
     parameters = tuple(item.signal for item in loop.parameters.ports)
     signals = tuple(item.signal for item in (*loop.fast, *loop.slow))
-    layout = LoopLayout("", (), signals, parameters, FINDINGS, ())
+    layout = LoopLayout("", (), signals, parameters, kernels.FINDINGS, ())
     texts = (str(_for_this_processor(unity(generated, OUTSIDE))), digest(generated), "")
     return _numbered(texts, layout, LawLayout((), (), (), (), ()), setup, loop)
 

@@ -8,6 +8,12 @@ from types import MappingProxyType
 
 import casadi as ca
 
+_OF_ONE = (
+    "sign", "sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan",
+    "sinh", "cosh", "tanh", "floor", "ceil",
+)  # fmt: skip
+_OF_TWO = ("copysign", "atan2", "hypot", "pow")
+"""Functions of arithmetic.h that are called as CasADi calls them."""
 _NUMBERS = {
     ca.OP_ADD: "{0} + {1}",
     ca.OP_SUB: "{0} - {1}",
@@ -20,28 +26,9 @@ _NUMBERS = {
     ca.OP_FMIN: "wmr_min({0}, {1})",
     ca.OP_FMAX: "wmr_max({0}, {1})",
     ca.OP_FABS: "wmr_abs({0})",
-    ca.OP_SIGN: "wmr_sign({0})",
-    ca.OP_COPYSIGN: "wmr_copysign({0}, {1})",
-    ca.OP_SQRT: "wmr_sqrt({0})",
-    ca.OP_EXP: "wmr_exp({0})",
-    ca.OP_EXPM1: "wmr_expm1({0})",
-    ca.OP_LOG: "wmr_log({0})",
-    ca.OP_LOG1P: "wmr_log1p({0})",
-    ca.OP_SIN: "wmr_sin({0})",
-    ca.OP_COS: "wmr_cos({0})",
-    ca.OP_TAN: "wmr_tan({0})",
-    ca.OP_ASIN: "wmr_asin({0})",
-    ca.OP_ACOS: "wmr_acos({0})",
-    ca.OP_ATAN: "wmr_atan({0})",
-    ca.OP_ATAN2: "wmr_atan2({0}, {1})",
-    ca.OP_SINH: "wmr_sinh({0})",
-    ca.OP_COSH: "wmr_cosh({0})",
-    ca.OP_TANH: "wmr_tanh({0})",
-    ca.OP_HYPOT: "wmr_hypot({0}, {1})",
-    ca.OP_POW: "wmr_pow({0}, {1})",
     ca.OP_CONSTPOW: "wmr_pow({0}, {1})",
-    ca.OP_FLOOR: "wmr_floor({0})",
-    ca.OP_CEIL: "wmr_ceil({0})",
+    **{vars(ca)[f"OP_{name.upper()}"]: f"wmr_{name}({{0}})" for name in _OF_ONE},
+    **{vars(ca)[f"OP_{name.upper()}"]: f"wmr_{name}({{0}}, {{1}})" for name in _OF_TWO},
 }
 _SCALAR = {
     **_NUMBERS,

@@ -14,20 +14,10 @@ from wmr_ctrl import __version__
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.fmi import xml
+from wmr_ctrl.fmi import extra, xml
 from wmr_ctrl.fmi.blocks import filter_model, guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.extra import (
-    EXTRA,
-    GRAPH,
-    NOTE,
-    RESULT,
-    plain_code,
-    reference_result,
-    references,
-    steps_fmus,
-)
-from wmr_ctrl.fmi.files import write_archive
+from wmr_ctrl.fmi.files import render, write_archive
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.sources import sources_of
 from wmr_ctrl.fmi.targets import TARGETS, PartlyBuiltError, Target, build_for, host, targets_of
@@ -139,23 +129,24 @@ def write_fmu(
     Raises PartlyBuiltError, with the file written, where some of several platforms failed.
     """
     sources = sources_of(model, version, arrays=arrays)
-    code = plain_code(model) if result else {}
-    note = NOTE if code else ""
+    code = extra.plain_code(model) if result else {}
+    note = extra.NOTE if code else ""
     text = xml.description(model, sources, version, TOOL, arrays=arrays, note=note)
     files = {"modelDescription.xml": text, **code}
     if version == 3:
         files["terminalsAndIcons/terminalsAndIcons.xml"] = xml.terminals(model)
-        files["sources/buildDescription.xml"] = xml.build_description(model, sources)
+        built_from = {"identifier": model.identifier, "units": sources.units}
+        files["sources/buildDescription.xml"] = render("buildDescription.xml", m=built_from)
     files["documentation/index.html"] = xml.documentation(model, TOOL)
-    files[f"{EXTRA}/scenario.toml"] = to_toml(model.scenario)
-    files |= {GRAPH: model.graph} if model.graph else {}
+    files[f"{extra.EXTRA}/scenario.toml"] = to_toml(model.scenario)
+    files |= {extra.GRAPH: model.graph} if model.graph else {}
     files |= {f"sources/{name}": text for name, text in sources.files.items()}
     packed = {name: text.encode() for name, text in files.items()}
     built, failed = build_for(targets, sources, model.identifier)
     packed |= binaries(model, version, built)
-    if result and host() in built and steps_fmus():
-        packed[RESULT] = reference_result(model, packed)
-        packed |= {name: text.encode() for name, text in references(model, TOOL).items()}
+    if result and host() in built and extra.steps_fmus():
+        packed[extra.RESULT] = extra.reference_result(model, packed)
+        packed |= {name: text.encode() for name, text in extra.references(model, TOOL).items()}
     write_archive(path, packed)
     if failed:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())

@@ -62,13 +62,6 @@ def description(
     return render(f"fmi{version}.xml", m=shown)
 
 
-def build_description(model: FmuModel, sources: Sources) -> str:
-    """Text of sources/buildDescription.xml, FMI 3."""
-    return render(
-        "buildDescription.xml", m={"identifier": model.identifier, "units": sources.units}
-    )
-
-
 def terminals(model: FmuModel) -> str:
     """Text of terminalsAndIcons/terminalsAndIcons.xml, FMI 3."""
     ports = {v.name for v in model.variables if v.output or v.role is Role.INPUT}

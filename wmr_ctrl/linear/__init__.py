@@ -4,9 +4,6 @@ Start with `report_linear` for figures, `closed_loop` for a `control.StateSpace`
 the nonlinear loop; the page docs/linear.md tells what is where.
 """
 
-from wmr_ctrl.linear.kinematic import SADDLE as SADDLE
-from wmr_ctrl.linear.kinematic import kinematic_loop as kinematic_loop
-from wmr_ctrl.linear.kinematic import kinematic_poles as kinematic_poles
 from wmr_ctrl.linear.linearise import linearise as linearise
 from wmr_ctrl.linear.margins import Margins as Margins
 from wmr_ctrl.linear.margins import margins_at as margins_at
@@ -21,14 +18,17 @@ from wmr_ctrl.linear.nonlinear import to_nlsys as to_nlsys
 from wmr_ctrl.linear.point import Point as Point
 from wmr_ctrl.linear.point import on_reference as on_reference
 from wmr_ctrl.linear.point import resting_point as resting_point
-from wmr_ctrl.linear.pull import pull_curve as pull_curve
 from wmr_ctrl.linear.report import LinearReport as LinearReport
 from wmr_ctrl.linear.report import report_linear as report_linear
 from wmr_ctrl.linear.sampled import kink_periods as kink_periods
 from wmr_ctrl.linear.sampled import largest_learning_period as largest_learning_period
 from wmr_ctrl.linear.sampled import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.sampled import one_step_period as one_step_period
+from wmr_ctrl.linear.sampled import pull_curve as pull_curve
 from wmr_ctrl.linear.sampled import spectral_radius as spectral_radius
+from wmr_ctrl.linear.state_space import SADDLE as SADDLE
 from wmr_ctrl.linear.state_space import closed_loop as closed_loop
+from wmr_ctrl.linear.state_space import kinematic_loop as kinematic_loop
+from wmr_ctrl.linear.state_space import kinematic_poles as kinematic_poles
 from wmr_ctrl.linear.state_space import law_at as law_at
 from wmr_ctrl.linear.state_space import plant_at as plant_at

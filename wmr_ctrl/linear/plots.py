@@ -14,8 +14,7 @@ from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import frequencies, open_loop
 from wmr_ctrl.linear.point import law_loop, learned_point
-from wmr_ctrl.linear.pull import pull_curve
-from wmr_ctrl.linear.sampled import spectral_radius
+from wmr_ctrl.linear.sampled import pull_curve, spectral_radius
 from wmr_ctrl.results import make_folder
 
 if TYPE_CHECKING:

@@ -16,7 +16,6 @@ from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, st
 from wmr_ctrl.control.setup import settle, with_kinematics
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable
 from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
 from wmr_ctrl.linear.point import (
@@ -33,7 +32,7 @@ from wmr_ctrl.linear.sampled import (
     one_step_period,
     radius_of,
 )
-from wmr_ctrl.linear.state_space import constant_speed, late, poles_at
+from wmr_ctrl.linear.state_space import SADDLE, constant_speed, kinematic_poles, late, poles_at
 from wmr_ctrl.results import json_safe
 from wmr_ctrl.scenario import Scenario
 

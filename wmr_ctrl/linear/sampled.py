@@ -17,9 +17,9 @@ from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.linearise import Floats, lowest
 from wmr_ctrl.linear.point import Point, law_loop, on_reference
-from wmr_ctrl.linear.pull import pull_of
 from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.phases import Phase, drag
 
 SPEEDS = 400
 
@@ -126,3 +126,34 @@ def smallest(of: Callable[[Floats], Floats], u1: float, u2: float) -> float:
     sides = [sign * u2 + side * 1e-12 * u1 for sign in (-1, 1) for side in (-1, 0, 1)]
     grid = np.unique(np.concatenate((np.linspace(-inside, inside, SPEEDS), sides)))
     return lowest(of, grid, 1e-10)[1]
+
+
+def pull_of(
+    scenario: Scenario, law: str, axis: int, v_c0: Floats, period: float | None = None
+) -> Callable[[float | Floats], Floats]:
+    """Force [N] or moment [N m] of ``axis`` (0, 1) at its velocity, friction compensation aside.
+
+    ``v_c0`` (2) stays; the other axis rests at its own v_c0.  The friction that the law believes
+    in is taken off, so that with a correct model the barrier's own pull is left.  The law runs at
+    ``period`` [s], by default the scenario's.
+    """
+    loop = law_loop(scenario, law)
+    compensated = 1.0 if loop.uses("model.mu") else 0.0
+    robot = scenario.believed
+    phase = Phase(0.0, robot.m, robot.mu)
+
+    def pull(v: float | Floats) -> Floats:
+        speeds = np.tile(np.asarray(v_c0, float)[:, None], (1, np.size(v)))
+        speeds[axis] = v
+        own = loop.force_towards(speeds, v_c0, period)[axis]
+        own = own - compensated * drag(robot, phase, speeds)[axis]
+        return own if np.ndim(v) else own[0]
+
+    return pull
+
+
+def pull_curve(scenario: Scenario, law: str, axis: int, v_c0: float, speeds: Floats) -> Floats:
+    """Force [N] or moment [N m] of the law over ``speeds`` (N,), its friction term taken off."""
+    asked = np.zeros(2)
+    asked[axis] = v_c0
+    return np.asarray(pull_of(scenario, law, axis, asked)(speeds))

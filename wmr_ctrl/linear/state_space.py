@@ -6,17 +6,21 @@ values (a remembered sample stays part of the loop), "learning" lets them move.
 
 from __future__ import annotations
 
+import casadi as ca
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks.radius import from_pose_to_pose
 from wmr_ctrl.checks.surroundings import DriveTimes, is_sampled, surroundings
-from wmr_ctrl.control.setup import settle
+from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.linear.linearise import DISTURBANCES, FORCES, STATES, Floats
-from wmr_ctrl.linear.point import Point, law_loop, on_reference, unguarded
+from wmr_ctrl.linear.linearise import DISTURBANCES, FORCES, STATES, V_D, Floats, linearise
+from wmr_ctrl.linear.point import Point, law_loop, on_reference, reference_velocity, unguarded
+from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
+from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import TRACKING_ERROR
 from wmr_ctrl.world.references import sample
 
 MEMORY = ("frozen", "learning")
@@ -139,3 +143,26 @@ def constant_speed(scenario: Scenario) -> bool:
     desired = sample(scenario, np.linspace(0.0, end, 257))[:, 3:7]
     swing = np.ptp(desired[:, :2], axis=0).max()
     return bool(swing < STILL and np.abs(desired[:, 2:]).max() < STILL)
+
+
+SADDLE = (0.0, 0.0, np.pi)
+"""The other resting point of Eq. (7) on a circle or a line: the robot faces backwards."""
+
+
+def kinematic_loop(scenario: Scenario) -> System:
+    """Continuous System e' of Eqs. (33)-(35) with v = v_c0."""
+    e, v_d = port(TRACKING_ERROR), port(V_D)
+    v = auxiliary_velocity(e.sym, v_d.sym, ca.SX(ca.DM(kinematic_gains(scenario).k)))
+    rate, outputs = error_rate(e.sym, v, v_d.sym), (Output(TRACKING_ERROR, e.sym),)
+    name, title = "kinematics", "kinematic loop"
+    return System(name, title, inputs=(v_d,), state=(e,), update=rate, outputs=outputs)
+
+
+def kinematic_poles(scenario: Scenario, e: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Floats:
+    """Eigenvalues [1/s] near error ``e`` [m, m, rad], v_d that of the reference at t = 0.
+
+    The slowest is last at e = 0 with the paper's gains.
+    """
+    near = linearise(kinematic_loop(scenario), reference_velocity(scenario, 0.0)[0], e)
+    poles = np.asarray(near.poles(), dtype=complex)
+    return poles[np.argsort(poles.real)]

@@ -21,6 +21,7 @@ from PIL import Image, ImageDraw, ImageFont
 from wmr_ctrl.campaign import PhaseProgress, Silent
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
+from wmr_ctrl.report import style
 from wmr_ctrl.report.drawing import target_of
 from wmr_ctrl.report.scene import (
     BODY,
@@ -32,16 +33,6 @@ from wmr_ctrl.report.scene import (
     frames,
     scene_of,
     scene_of_drives,
-)
-from wmr_ctrl.report.style import (
-    AFTER_DARK,
-    INK,
-    LIMIT,
-    MUTED,
-    PAPER,
-    RULE_LINE,
-    driver,
-    page_environment,
 )
 from wmr_ctrl.results import Run, atomic_path
 from wmr_ctrl.results.drive import RecordedDrive
@@ -144,11 +135,11 @@ def _film_target(path: str | os.PathLike[str], suffixes: tuple[str, ...], what: 
 def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
     """Write the page, with a sentence on each robot."""
     laws = {f"law{place}": one.colour for place, one in enumerate(scene.actors)}
-    colours = {**laws, "muted": MUTED, "limit": LIMIT, "ink": INK, "paper": PAPER,
-               "line": RULE_LINE}  # fmt: skip
-    dark = {name: AFTER_DARK.get(colour, colour) for name, colour in colours.items()}
+    colours = {**laws, "muted": style.MUTED, "limit": style.LIMIT, "ink": style.INK,
+               "paper": style.PAPER, "line": style.RULE_LINE}  # fmt: skip
+    dark = {name: style.AFTER_DARK.get(colour, colour) for name, colour in colours.items()}
     text = (
-        page_environment()
+        style.page_environment()
         .get_template("animation.html.j2")
         .render(
             title=scene.title,
@@ -267,15 +258,15 @@ _LEFT = (10, 135, 290, 500)
 def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
     """Pictures with the figures of their rows; red beyond a limit."""
     font = ImageFont.load_default(15)
-    title = f"{driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}, on tyres"
+    title = f"{style.driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}, on tyres"
     for row, picture in zip(moments.rows.tolist(), pictures(moments), strict=True):
         whole = Image.new("RGB", (WIDTH, HEIGHT + _STRIP), "white")
         whole.paste(Image.fromarray(picture))
         draw = ImageDraw.Draw(whole)
-        draw.text((10, HEIGHT + 8), title, INK, font)
-        draw.text((WIDTH - 100, HEIGHT + 8), f"t = {run.time[row]:.2f} s", INK, font)
+        draw.text((10, HEIGHT + 8), title, style.INK, font)
+        draw.text((WIDTH - 100, HEIGHT + 8), f"t = {run.time[row]:.2f} s", style.INK, font)
         for left, (text, bad) in zip(_LEFT, _texts(run, row, moments.slip_max), strict=True):
-            draw.text((left, HEIGHT + 32), text, LIMIT if bad else INK, font)
+            draw.text((left, HEIGHT + 32), text, style.LIMIT if bad else style.INK, font)
         yield np.asarray(whole)
 
 

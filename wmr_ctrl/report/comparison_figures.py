@@ -12,38 +12,26 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from wmr_ctrl.campaign.comparison import AWAY, BASE, BASES, swept
-from wmr_ctrl.report.drawing import (
-    Drawing,
-    Padding,
-    dot_handle,
-    dots,
-    heading,
-    law_handles,
-    law_marks,
-    law_rows,
-    plain_ticks,
-    row_of_axes,
-    rows_of,
-)
+from wmr_ctrl.report import drawing
 from wmr_ctrl.report.style import LIMIT, MUTED, look
 from wmr_ctrl.results.table import REFUSED, RunTable
 from wmr_ctrl.results.windows import LATE, seconds
 
 
-def comparison_figures(rows: RunTable) -> tuple[Drawing, ...]:
+def comparison_figures(rows: RunTable) -> tuple[drawing.Drawing, ...]:
     """Every figure of the comparison, in the section's order."""
     high = 1.1 + 0.07 * len(rows.different("case")) * len(rows.laws)
     by_law = 0.95 + 0.36 * len(rows.laws)
     return (
-        Drawing("ours_violations", (9.6, high), partial(_draw_violations, rows=rows)),
-        Drawing("ours_position", (9.6, by_law), partial(_draw_position, rows=rows)),
-        Drawing("ours_ise_period", (9.6, 2.7), partial(_draw_period, rows=rows)),
-        Drawing("ours_ise_torque", (9.6, 2.7), partial(_draw_torque, rows=rows)),
+        drawing.Drawing("ours_violations", (9.6, high), partial(_draw_violations, rows=rows)),
+        drawing.Drawing("ours_position", (9.6, by_law), partial(_draw_position, rows=rows)),
+        drawing.Drawing("ours_ise_period", (9.6, 2.7), partial(_draw_period, rows=rows)),
+        drawing.Drawing("ours_ise_torque", (9.6, 2.7), partial(_draw_torque, rows=rows)),
     )
 
 
 def _kinds() -> list[Line2D]:
-    return [dot_handle("without the guard"), dot_handle("with it", face="white")]
+    return [drawing.dot_handle("without the guard"), drawing.dot_handle("with it", face="white")]
 
 
 def _name(axes: Axes, title: str) -> None:
@@ -51,18 +39,23 @@ def _name(axes: Axes, title: str) -> None:
 
 
 def _draw_violations(figure: Figure, rows: RunTable) -> None:
-    padding, factors = Padding(left=2.75, right=0.15, bottom=0.44, top=0.74), rows.different("case")
+    padding, factors = (
+        drawing.Padding(left=2.75, right=0.15, bottom=0.44, top=0.74),
+        rows.different("case"),
+    )
     bases = rows.different("base")
-    panels = row_of_axes(figure, padding, [1.0] * len(bases), 0.2)
+    panels = drawing.row_of_axes(figure, padding, [1.0] * len(bases), 0.2)
     for place, (axes, base) in enumerate(zip(panels, bases, strict=True)):
-        rows_of(axes, factors if place == 0 else [""] * len(factors))
+        drawing.rows_of(axes, factors if place == 0 else [""] * len(factors))
         _fill(axes, rows, base)
         _name(axes, f"torque held for {base}")
         axes.set(xscale="symlog", xlabel="plant steps beyond a limit", xlim=(-0.6, 2e5))
         ticks = {0: "0", 1: "1", 10: "10", 100: "100", 1e3: "10³", 1e4: "10⁴", 1e5: "10⁵"}
         axes.set_xticks([*ticks], [*ticks.values()])
         axes.axvspan(0.5, 2e5, color=LIMIT, alpha=0.07, lw=0)
-    heading(figure, "Plant steps beyond a velocity limit", [*law_marks(rows.laws), *_kinds()])
+    drawing.heading(
+        figure, "Plant steps beyond a velocity limit", [*drawing.law_marks(rows.laws), *_kinds()]
+    )
 
 
 def _fill(axes: Axes, rows: RunTable, base: str) -> None:
@@ -75,25 +68,25 @@ def _fill(axes: Axes, rows: RunTable, base: str) -> None:
             height = row - 0.42 + step * (place + 0.5)
             for guard in (False, True):
                 runs = rows.where(case=factor, law=law, base=base, guard=guard)
-                dots(axes, runs["violations"], height, law, step, filled=not guard)
+                drawing.dots(axes, runs["violations"], height, law, step, filled=not guard)
 
 
 def _draw_position(figure: Figure, rows: RunTable) -> None:
-    padding = Padding(left=0.78, right=0.15, bottom=0.42, top=0.74)
+    padding = drawing.Padding(left=0.78, right=0.15, bottom=0.42, top=0.74)
     bases = rows.different("base")
-    panels = row_of_axes(figure, padding, [1.0] * len(bases), 0.55)
+    panels = drawing.row_of_axes(figure, padding, [1.0] * len(bases), 0.55)
     for axes, base in zip(panels, bases, strict=True):
-        law_rows(axes, rows.laws)
+        drawing.law_rows(axes, rows.laws)
         for place, law in enumerate(rows.laws):
             for guard in (False, True):
                 runs = rows.where(case=BASE, law=law, base=base, guard=guard)
-                dots(
+                drawing.dots(
                     axes, 1e3 * runs[AWAY], place + (0.2 if guard else -0.2), law, filled=not guard
                 )
         axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
-        plain_ticks(axes, (1,))
+        drawing.plain_ticks(axes, (1,))
         _name(axes, f"torque held for {base}")
-    heading(figure, f"Distance after the change of parameters, {seconds(*LATE)}", _kinds())
+    drawing.heading(figure, f"Distance after the change of parameters, {seconds(*LATE)}", _kinds())
 
 
 # -- ISE against a number of the scenario -----------------------------------------------------
@@ -144,8 +137,8 @@ def _draw_lines(
     title: str,
 ) -> None:
     """Axes by their title: points of the axis, and whether the guard is on."""
-    padding = Padding(left=0.60, right=0.15, bottom=0.42, top=0.74)
-    panels = row_of_axes(figure, padding, [1.0] * len(places), gap)
+    padding = drawing.Padding(left=0.60, right=0.15, bottom=0.42, top=0.74)
+    panels = drawing.row_of_axes(figure, padding, [1.0] * len(places), gap)
     for axes, (name, (points, guard)) in zip(panels, places.items(), strict=True):
         for law in rows.laws:
             _line(axes, rows, points, law, guard)
@@ -155,7 +148,7 @@ def _draw_lines(
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0.3), max(high, 30.0))
     panels[0].set_ylabel("ISE [m² s + rad² s]")
-    heading(figure, title, law_handles(rows.laws))
+    drawing.heading(figure, title, drawing.law_handles(rows.laws))
 
 
 def _line(axes: Axes, rows: RunTable, points: Points, law: str, guard: bool) -> None:

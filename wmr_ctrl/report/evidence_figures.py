@@ -12,26 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wmr_ctrl.campaign import Campaign
-from wmr_ctrl.report.drawing import (
-    Drawing,
-    Padding,
-    dot_handle,
-    dots,
-    heading,
-    law_handles,
-    law_marks,
-    law_rows,
-    line_handle,
-    mark_switch,
-    one_axes,
-    plain_ticks,
-    row_of_axes,
-    rows_of,
-    running_rms,
-    shade_beyond,
-    switch_handles,
-    thin,
-)
+from wmr_ctrl.report import drawing
 from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import FloatArray, Run
@@ -46,17 +27,19 @@ NOMINAL = "paper-simulation-nominal"
 _TALL = 2.05
 
 
-def evidence_figures(campaign: Campaign) -> tuple[Drawing, ...]:
+def evidence_figures(campaign: Campaign) -> tuple[drawing.Drawing, ...]:
     """Every figure, in the report's order."""
     table, runs = campaign.table, campaign.runs
     high = 0.9 + 0.07 * len(table.different("case")) * len(table.laws)
     return (
-        Drawing("measure", (9.6, 2.6), partial(_draw_measure, table=table)),
-        Drawing("switch", (9.6, 2.5), partial(_draw_switch, runs=runs, laws=table.laws)),
-        Drawing("lyapunov_noise_free", (9.6, 2.4), partial(_draw_barrier, runs=runs)),
-        Drawing("torque", (9.6, 2.0), partial(_draw_torque, table=table)),
-        Drawing("limits_all_seeds", (9.6, high), partial(_draw_limits, table=table)),
-        Drawing("stress_velocities", (9.6, 2 * _TALL + 0.55), partial(_draw_stress, runs=runs)),
+        drawing.Drawing("measure", (9.6, 2.6), partial(_draw_measure, table=table)),
+        drawing.Drawing("switch", (9.6, 2.5), partial(_draw_switch, runs=runs, laws=table.laws)),
+        drawing.Drawing("lyapunov_noise_free", (9.6, 2.4), partial(_draw_barrier, runs=runs)),
+        drawing.Drawing("torque", (9.6, 2.0), partial(_draw_torque, table=table)),
+        drawing.Drawing("limits_all_seeds", (9.6, high), partial(_draw_limits, table=table)),
+        drawing.Drawing(
+            "stress_velocities", (9.6, 2 * _TALL + 0.55), partial(_draw_stress, runs=runs)
+        ),
     )
 
 
@@ -64,27 +47,27 @@ def evidence_figures(campaign: Campaign) -> tuple[Drawing, ...]:
 
 
 def _draw_measure(figure: Figure, table: RunTable) -> None:
-    padding = Padding(left=0.60, right=0.62, bottom=0.42, top=0.62)
-    left, right = row_of_axes(figure, padding, (1, 1), 0.95)
+    padding = drawing.Padding(left=0.60, right=0.62, bottom=0.42, top=0.62)
+    left, right = drawing.row_of_axes(figure, padding, (1, 1), 0.95)
     _panel_measure(left, table, "ise_total", "whole-run ISE [m² s + rad² s]")
     _panel_measure(
         right, table, f"e1_rms_{named(LATE)}", f"RMS of $e_1$ over {seconds(*LATE)} [mm]", 1e3
     )
     handles = [
-        dot_handle("parameters change at 40 s"),
-        dot_handle("the same seeds without the change", face="white"),
+        drawing.dot_handle("parameters change at 40 s"),
+        drawing.dot_handle("the same seeds without the change", face="white"),
     ]
-    heading(figure, "What the change at 40 s does, in two measures", handles, 0.26)
+    drawing.heading(figure, "What the change at 40 s does, in two measures", handles, 0.26)
 
 
 def _panel_measure(axes: Axes, table: RunTable, name: str, label: str, factor: float = 1.0) -> None:
-    law_rows(axes, table.laws)
+    drawing.law_rows(axes, table.laws)
     axes.set(xscale="log", xlabel=label)
-    plain_ticks(axes)
+    drawing.plain_ticks(axes)
     for row, law in enumerate(table.laws):
         changed, same = (table.case(case, law) for case in (WITH, WITHOUT))
         for runs, shift, filled in ((changed, -0.2, True), (same, 0.2, False)):
-            dots(axes, factor * runs[name], row + shift, law, filled=filled)
+            drawing.dots(axes, factor * runs[name], row + shift, law, filled=filled)
         axes.annotate(_factor(changed.by_seed(name), same.by_seed(name)), (1, row),
                       xycoords=("axes fraction", "data"), xytext=(6, 0),
                       textcoords="offset points", va="center", size=8, weight="bold",
@@ -110,8 +93,8 @@ _MEAN = 1.0
 
 
 def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
-    padding = Padding(left=0.62, right=0.12, bottom=0.42, top=0.64)
-    row = row_of_axes(figure, padding, (1,) * len(laws), 0.16)
+    padding = drawing.Padding(left=0.62, right=0.12, bottom=0.42, top=0.64)
+    row = drawing.row_of_axes(figure, padding, (1,) * len(laws), 0.16)
     for axes, law in zip(row, laws, strict=True):
         changed = runs[WITH, law]
         axes.plot(*_running_error(runs[WITHOUT, law]), color=MUTED, lw=0.9)
@@ -120,24 +103,26 @@ def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
         axes.set_xticks((30, 40, 50, 60, 70))
         axes.set_title(look(law).label, color=look(law).colour, pad=3)
         axes.tick_params(labelleft=axes is row[0])
-        mark_switch(axes, switch_time(changed))
+        drawing.mark_switch(axes, switch_time(changed))
     row[0].set_ylabel("RMS of $e_1$ over 1 s [mm]")
     ranges = np.array([axes.get_ylim() for axes in row])
     for axes in row:
         axes.set_ylim(ranges[:, 0].min(), ranges[:, 1].max())
     handles = [
-        line_handle("with the change", INK),
-        line_handle("without it, same noise", MUTED, 1.0),
-        *switch_handles(switch_time(runs[WITH, laws[0]])),
+        drawing.line_handle("with the change", INK),
+        drawing.line_handle("without it, same noise", MUTED, 1.0),
+        *drawing.switch_handles(switch_time(runs[WITH, laws[0]])),
     ]
-    heading(figure, "What the change at 40 s does to the error along the heading", handles, 0.26)
+    drawing.heading(
+        figure, "What the change at 40 s does to the error along the heading", handles, 0.26
+    )
 
 
 def _running_error(run: Run) -> tuple[FloatArray, FloatArray]:
     """Running RMS of e1 [mm] over time."""
     rows = slice(run.settings.index(_FROM), None)
-    rms = running_rms(run["e[1]"], max(1, round(_MEAN / run.settings.control)))
-    return thin(run.time[rows], np.maximum(1e3 * rms[rows], 1e-3), 600)
+    rms = drawing.running_rms(run["e[1]"], max(1, round(_MEAN / run.settings.control)))
+    return drawing.thin(run.time[rows], np.maximum(1e3 * rms[rows], 1e-3), 600)
 
 
 # -- V1 of MB and NN without noise and without the change; rises are marked -------------------
@@ -150,7 +135,7 @@ _FLOOR = 1e-6
 
 
 def _draw_barrier(figure: Figure, runs: Runs) -> None:
-    axes = one_axes(figure, Padding(left=0.62, right=0.14, bottom=0.42, top=0.50))
+    axes = drawing.one_axes(figure, drawing.Padding(left=0.62, right=0.14, bottom=0.42, top=0.50))
     for law in LAWS:
         run = runs[NOMINAL, law]
         rows = slice(0, run.settings.index(_END))
@@ -160,8 +145,8 @@ def _draw_barrier(figure: Figure, runs: Runs) -> None:
         rising[1:] |= rising[:-1].copy()
         axes.plot(t, np.where(rising, y, np.nan), color=LIMIT, lw=2.0, alpha=0.9)
     axes.set(yscale="log", xlabel="t [s]", ylabel="V₁ [1]", xlim=(0, _END), ylim=(_FLOOR, 20))
-    handles = [*law_handles(LAWS), line_handle("rising", LIMIT, 2.2)]
-    heading(figure, "Lyapunov function values without noise", handles)
+    handles = [*drawing.law_handles(LAWS), drawing.line_handle("rising", LIMIT, 2.2)]
+    drawing.heading(figure, "Lyapunov function values without noise", handles)
 
 
 # -- RMS from 2 s on and peak of the wheel torque, every law and seed -------------------------
@@ -177,41 +162,45 @@ def slip_torque() -> float:
 
 
 def _draw_torque(figure: Figure, table: RunTable) -> None:
-    axes = one_axes(figure, Padding(left=0.60, right=0.20, bottom=0.42, top=0.50))
-    law_rows(axes, table.laws)
+    axes = drawing.one_axes(figure, drawing.Padding(left=0.60, right=0.20, bottom=0.42, top=0.50))
+    drawing.law_rows(axes, table.laws)
     for row, law in enumerate(table.laws):
         runs = table.case(WITH, law)
-        dots(axes, runs["tau_rms"], row, law, filled=False)
-        dots(axes, runs["tau_peak"], row, law)
+        drawing.dots(axes, runs["tau_rms"], row, law, filled=False)
+        drawing.dots(axes, runs["tau_peak"], row, law)
     axes.set(xscale="log", xlabel="wheel torque [N m]")
     axes.set_xlim(1, max(200, axes.get_xlim()[1]))
-    plain_ticks(axes)
-    shade_beyond(axes, slip_torque())
+    drawing.plain_ticks(axes)
+    drawing.shade_beyond(axes, slip_torque())
     handles = [
-        dot_handle("RMS from 2 s on", face="white"),
-        dot_handle("peak"),
-        line_handle(f"tyres slip, {slip_torque():.3g} N m", LIMIT, 1.0),
+        drawing.dot_handle("RMS from 2 s on", face="white"),
+        drawing.dot_handle("peak"),
+        drawing.line_handle(f"tyres slip, {slip_torque():.3g} N m", LIMIT, 1.0),
     ]
-    heading(figure, "Wheel torques: RMS and peak", handles)
+    drawing.heading(figure, "Wheel torques: RMS and peak", handles)
 
 
 # -- largest |v|/limit of the worse axis, every scenario, law and seed ------------------------
 
 
 def _draw_limits(figure: Figure, table: RunTable) -> None:
-    axes = one_axes(figure, Padding(left=2.30, right=0.20, bottom=0.44, top=0.50))
+    axes = drawing.one_axes(figure, drawing.Padding(left=2.30, right=0.20, bottom=0.44, top=0.50))
     scenarios = table.different("case")
-    rows_of(axes, scenarios)
+    drawing.rows_of(axes, scenarios)
     step = 0.84 / len(table.laws)
     for scenario, law in table.cases:
         row, place = scenarios.index(scenario), table.laws.index(law)
         height = row - 0.42 + step * (place + 0.5)
-        dots(axes, table.case(scenario, law)["limit_ratio"], height, law, step)
+        drawing.dots(axes, table.case(scenario, law)["limit_ratio"], height, law, step)
     axes.set(xscale="log", xlabel="largest |v| / limit, worse axis")
     axes.set_xlim(0.5, max(10.0, 1.4 * axes.dataLim.x1))
-    plain_ticks(axes)
-    shade_beyond(axes, 1.0)
-    heading(figure, "How near to the velocity limit, or how far beyond it", law_marks(table.laws))
+    drawing.plain_ticks(axes)
+    drawing.shade_beyond(axes, 1.0)
+    drawing.heading(
+        figure,
+        "How near to the velocity limit, or how far beyond it",
+        drawing.law_marks(table.laws),
+    )
 
 
 # -- the worse axis' |v|/limit over time in the stress cases, MB and NN -----------------------
@@ -251,13 +240,15 @@ def _draw_stress(figure: Figure, runs: Runs) -> None:
     _, height = figure.get_size_inches()
     ratios = (height - 2 * _TALL, _TALL, _TALL)
     grid = figure.add_gridspec(3, 1, height_ratios=ratios, hspace=0.0)
-    padding = Padding(left=0.56, right=0.14, bottom=0.44, top=0.26)
+    padding = drawing.Padding(left=0.56, right=0.14, bottom=0.44, top=0.26)
     for index, cases in enumerate(_ROWS):
-        row = row_of_axes(figure.add_subfigure(grid[index + 1, 0]), padding, (1, 1, 1), 0.42)
+        row = drawing.row_of_axes(
+            figure.add_subfigure(grid[index + 1, 0]), padding, (1, 1, 1), 0.42
+        )
         for axes, case in zip(row, cases, strict=True):
             _panel_stress(axes, case, {law: runs[case.scenario, law] for law in LAWS})
         row[0].set_ylabel("|v| / limit, worse axis")
-    heading(figure, "Where the guarantee ends", law_handles(LAWS))
+    drawing.heading(figure, "Where the guarantee ends", drawing.law_handles(LAWS))
 
 
 def _panel_stress(axes: Axes, case: _StressCase, runs: Mapping[str, Run]) -> None:
@@ -266,7 +257,7 @@ def _panel_stress(axes: Axes, case: _StressCase, runs: Mapping[str, Run]) -> Non
     for place, (law, run) in enumerate(runs.items()):
         seen, y = look(law), case.values(run)
         rows = slice(0, run.settings.index(case.end))
-        axes.plot(*thin(run.time[rows], y[rows]), color=seen.colour, lw=1.0)
+        axes.plot(*drawing.thin(run.time[rows], y[rows]), color=seen.colour, lw=1.0)
         worst = float(np.nanmax(y))
         if worst > _CEILING and not case.error:
             axes.annotate(f"{seen.label}: ↑ to {worst:.3g}", (1, 1 - 0.1 * place),

@@ -13,24 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from wmr_ctrl.report.drawing import (
-    Drawing,
-    Padding,
-    Place,
-    dot_handle,
-    heading,
-    include,
-    law_handles,
-    mark_switch,
-    one_axes,
-    plot_reference,
-    row_of_axes,
-    running_mean,
-    shade_limits,
-    switch_handles,
-    thin,
-    thin_path,
-)
+from wmr_ctrl.report import drawing
 from wmr_ctrl.report.style import INK, MUTED, look
 from wmr_ctrl.results import FloatArray, Run, distance
 from wmr_ctrl.scenario import Scenario, loads_scenario
@@ -38,7 +21,7 @@ from wmr_ctrl.scenario import Scenario, loads_scenario
 Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""
 
-Draw: TypeAlias = Callable[[Place, Group, Padding], None]
+Draw: TypeAlias = Callable[[drawing.Place, Group, drawing.Padding], None]
 WIDTHS = (1.0, 1.75)
 GAP = 0.42
 START = 3.0
@@ -95,19 +78,21 @@ class Trace:
     smooth: float = 0.0
     late: tuple[float, float] | None = None
 
-    def draw(self, place: Place, group: Group, padding: Padding) -> None:
+    def draw(self, place: drawing.Place, group: Group, padding: drawing.Padding) -> None:
         """Draw the quantity of every run."""
-        start, rest = row_of_axes(place, padding, WIDTHS, GAP)
+        start, rest = drawing.row_of_axes(place, padding, WIDTHS, GAP)
         for law, run in group.items():
             seen, cut, t, y = look(law), run.settings.index(self.early), run.time, self.value(run)
             start.plot(t[: cut + 1], y[: cut + 1], color=seen.colour, ls=seen.dash)
             t, y = t[cut:], y[cut:]
             if self.smooth:
-                rest.plot(*thin(t, y), color=seen.colour, lw=0.5, alpha=0.25)
-                mean = running_mean(y, max(1, round(self.smooth / run.settings.control)))
-                rest.plot(*thin(t, mean, 500), color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5)
+                rest.plot(*drawing.thin(t, y), color=seen.colour, lw=0.5, alpha=0.25)
+                mean = drawing.running_mean(y, max(1, round(self.smooth / run.settings.control)))
+                rest.plot(
+                    *drawing.thin(t, mean, 500), color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5
+                )
             else:
-                rest.plot(*thin(t, y), color=seen.colour, ls=seen.dash, lw=0.9)
+                rest.plot(*drawing.thin(t, y), color=seen.colour, ls=seen.dash, lw=0.9)
         run = next(iter(group.values()))
         start.set(xlabel=f"t [s], first {self.early:g} s", xlim=(0, self.early), ylabel=self.label)
         mean_text = f" (line: {self.smooth:g} s mean)" if self.smooth else ""
@@ -117,10 +102,10 @@ class Trace:
             rest.set_ylim(self.late)
         if self.limit_axis is not None:
             limit = run.settings.v_u1[self.limit_axis]
-            include(start, (-1.1 * limit, 1.1 * limit))
-            shade_limits(start, limit)
-            shade_limits(rest, limit)
-        mark_switch(rest, switch_time(run))
+            drawing.include(start, (-1.1 * limit, 1.1 * limit))
+            drawing.shade_limits(start, limit)
+            drawing.shade_limits(rest, limit)
+        drawing.mark_switch(rest, switch_time(run))
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,27 +121,29 @@ class WholeTrace:
     floor: float = 0.0
     mean: float = 0.5
 
-    def draw(self, place: Place, group: Group, padding: Padding) -> None:
+    def draw(self, place: drawing.Place, group: Group, padding: drawing.Padding) -> None:
         """Draw the quantity of every run."""
-        axes = one_axes(place, padding)
+        axes = drawing.one_axes(place, padding)
         axes.set(xlabel="t [s]", ylabel=self.label)
         for law, run in group.items():
             seen, y, points = look(law), self.value(run), 1500
             if self.floor:
                 y, points = np.maximum(y, self.floor), 600
-                axes.plot(*thin(run.time, y, 1000), color=seen.colour, lw=0.4, alpha=0.2)
-                y = running_mean(y, max(1, round(self.mean / run.settings.control)))
+                axes.plot(*drawing.thin(run.time, y, 1000), color=seen.colour, lw=0.4, alpha=0.2)
+                y = drawing.running_mean(y, max(1, round(self.mean / run.settings.control)))
                 axes.set(xlabel=f"t [s] (faint: samples; line: {self.mean:g} s mean)", yscale="log")
-            axes.plot(*thin(run.time, y, points), color=seen.colour, ls=seen.dash, zorder=2.5)
+            axes.plot(
+                *drawing.thin(run.time, y, points), color=seen.colour, ls=seen.dash, zorder=2.5
+            )
         run = next(iter(group.values()))
         axes.set(xlim=(0, run.settings.duration))
         axes.set_ylim(bottom=self.floor)
-        mark_switch(axes, switch_time(run))
+        drawing.mark_switch(axes, switch_time(run))
 
 
-def draw_trajectory(place: Place, group: Group, padding: Padding) -> None:
+def draw_trajectory(place: drawing.Place, group: Group, padding: drawing.Padding) -> None:
     """Paths of all laws with their reference; on the right the first seconds; equal scales."""
-    whole, start = row_of_axes(place, padding, (1.0, 1.0), 0.6)
+    whole, start = drawing.row_of_axes(place, padding, (1.0, 1.0), 0.6)
     _draw_paths(whole, group, 800, 64)
     low, high = _draw_paths(start, group, 8000, 20, START)
     whole.set(xlabel="x [m]", ylabel="y [m]")
@@ -182,8 +169,10 @@ def _draw_paths(
         rows = slice(None if end is None else run.settings.index(end) + 1)
         path, desired = (run["x"][rows], run["y"][rows]), (run["x_d"][rows], run["y_d"][rows])
         seen += [np.column_stack(path), np.column_stack(desired)]
-        axes.plot(*thin_path(*path, points), color=look(law).colour, ls=look(law).dash, lw=1.1)
-    plot_reference(axes, *thin_path(*desired, dots))
+        axes.plot(
+            *drawing.thin_path(*path, points), color=look(law).colour, ls=look(law).dash, lw=1.1
+        )
+    drawing.plot_reference(axes, *drawing.thin_path(*desired, dots))
     axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
     places = np.concatenate(seen)
     return places.min(axis=0), places.max(axis=0)
@@ -226,45 +215,45 @@ PANELS = (
 )
 """Panels (a) to (l)."""
 
-_SHEET_PADDING = Padding(left=0.60, right=0.20, bottom=0.46, top=0.36)
+_SHEET_PADDING = drawing.Padding(left=0.60, right=0.20, bottom=0.46, top=0.36)
 
 
-def paper_figure(number: int, group: Group, what: str) -> Iterator[Drawing]:
+def paper_figure(number: int, group: Group, what: str) -> Iterator[drawing.Drawing]:
     """The panels and the sheet of Fig. ``number``; ``what`` names it in titles."""
     for panel in PANELS:
         if panel.of(group):
-            yield Drawing(
+            yield drawing.Drawing(
                 f"fig{number}{panel.letter}_{panel.key}",
                 PANEL_SIZE,
                 partial(_draw_panel, panel=panel, group=group),
                 f"Fig. {number}({panel.letter}): {panel.title}",
             )
     draw = partial(_draw_sheet, group=group, title=f"Fig. {number} rerun: {what}")
-    yield Drawing(f"fig{number}_sheet", SHEET_SIZE, draw)
+    yield drawing.Drawing(f"fig{number}_sheet", SHEET_SIZE, draw)
 
 
 def _draw_panel(figure: Figure, panel: Panel, group: Group) -> None:
     visible = panel.of(group)
-    panel.draw(figure, visible, Padding())
+    panel.draw(figure, visible, drawing.Padding())
     handles = _handles(visible, path=panel.path, switch=not panel.path)
-    heading(figure, f"({panel.letter}) {panel.title}", handles)
+    drawing.heading(figure, f"({panel.letter}) {panel.title}", handles)
 
 
 def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
     width, height = SHEET_SIZE
     head = 0.62
     figure.text(0.1 / width, 1 - 0.12 / height, title, weight="bold", size=12, va="top")
-    heading(figure, "", _handles(group, path=True, switch=True), 0.40)
+    drawing.heading(figure, "", _handles(group, path=True, switch=True), 0.40)
     ratios = (head, *6 * ((height - head) / 6,))
     grid = figure.add_gridspec(7, 2, height_ratios=ratios, hspace=0.0, wspace=0.0)
     for index, panel in enumerate(PANELS):
         part, visible = figure.add_subfigure(grid[index // 2 + 1, index % 2]), panel.of(group)
-        heading(part, f"({panel.letter}) {panel.title}")
+        drawing.heading(part, f"({panel.letter}) {panel.title}")
         if visible:
             panel.draw(part, visible, _SHEET_PADDING)
 
 
 def _handles(group: Group, *, path: bool, switch: bool) -> list[Line2D]:
-    reference = [dot_handle("reference", "white", INK, size=3.2)] if path else []
+    reference = [drawing.dot_handle("reference", "white", INK, size=3.2)] if path else []
     time = switch_time(next(iter(group.values()))) if switch else None
-    return [*law_handles(group), *reference, *switch_handles(time)]
+    return [*drawing.law_handles(group), *reference, *drawing.switch_handles(time)]

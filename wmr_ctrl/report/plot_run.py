@@ -18,21 +18,7 @@ from matplotlib.ticker import FuncFormatter
 from wmr_ctrl.corridor import Corridor, find_corridor
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.report.drawing import (
-    Drawing,
-    Padding,
-    finish_path,
-    include,
-    mark_switch,
-    one_axes,
-    plot_reference,
-    running_mean,
-    save_figure,
-    shade_limits,
-    target_of,
-    thin,
-    thin_path,
-)
+from wmr_ctrl.report import drawing
 from wmr_ctrl.report.paper_figures import scenario_behind, switch_time
 from wmr_ctrl.report.style import (
     DASHED,
@@ -55,7 +41,7 @@ from wmr_ctrl.world.references import Waypoints
 SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75
-MARGINS = Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
+MARGINS = drawing.Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
 MOST_WAYPOINTS = 60
 """More would hide the path that they are on."""
 SMALL = 100.0
@@ -76,19 +62,19 @@ def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
     for a run without any sample.
     """
     known = f"a run is drawn as {', '.join(SUFFIXES)}"
-    target = None if path is None else target_of(path, SUFFIXES, known)
+    target = None if path is None else drawing.target_of(path, SUFFIXES, known)
     with house_style():
         figure = overview(run).figure()
         if target is not None:
-            save_figure(figure, target)
+            drawing.save_figure(figure, target)
     return figure
 
 
-def overview(run: Run) -> Drawing:
+def overview(run: Run) -> drawing.Drawing:
     """The page as a drawing; raises ArgumentError for a run without any sample."""
     if not run.rows:
         raise ArgumentError("the run has no sample to draw: it ended before the first one.")
-    return Drawing("run", _SIZE, partial(_draw, run=run))
+    return drawing.Drawing("run", _SIZE, partial(_draw, run=run))
 
 
 def _draw(figure: Figure, run: Run) -> None:
@@ -113,11 +99,11 @@ def _draw(figure: Figure, run: Run) -> None:
 
 def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     """The robot's path on top of the desired one, with start, waypoints and goal."""
-    axes = one_axes(part, MARGINS)
+    axes = drawing.one_axes(part, MARGINS)
     if tube is not None:
         _draw_tube(axes, run, tube)
-    plot_reference(axes, *thin_path(run["x_d"], run["y_d"], 64))
-    axes.plot(*thin_path(run["x"], run["y"], 3000), color=look(run.law).colour, lw=1.2)
+    drawing.plot_reference(axes, *drawing.thin_path(run["x_d"], run["y_d"], 64))
+    axes.plot(*drawing.thin_path(run["x"], run["y"], 3000), color=look(run.law).colour, lw=1.2)
     axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
     marks = ["dots: reference"]
     scenario = scenario_behind(run)
@@ -131,7 +117,7 @@ def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
         axes.plot(run["x_d"][-1], run["y_d"][-1], "*", mfc=LIMIT, mec="white", ms=11, zorder=4)
         marks.append("star: goal")
-    finish_path(axes, marks)
+    drawing.finish_path(axes, marks)
 
 
 def _tube(run: Run) -> Corridor | None:
@@ -147,7 +133,7 @@ def _tube(run: Run) -> Corridor | None:
 def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
     """Band about the desired path, as wide as the corridor, until the robot changes."""
     rows = slice(0, None if tube.until is None else run.settings.index(tube.until))
-    path = np.array(thin_path(run["x_d"][rows], run["y_d"][rows], 400))
+    path = np.array(drawing.thin_path(run["x_d"][rows], run["y_d"][rows], 400))
     ahead = np.gradient(path, axis=1)
     side = (tube.position or 0.0) * np.array((-ahead[1], ahead[0])) / np.hypot(*ahead)
     edges = np.hstack([path + side, (path - side)[:, ::-1]])
@@ -193,11 +179,11 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
     symbol = ("v₁", "ω")[axis]
     axes = _time_axes(part, run, f"{symbol} [{unit}], its limits; dashed: desired")
-    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
-    axes.plot(*thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
+    axes.plot(*drawing.thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
+    axes.plot(*drawing.thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
     limit = run.settings.v_u1[axis]
-    include(axes, (-1.15 * limit, 1.15 * limit))
-    shade_limits(axes, limit)
+    drawing.include(axes, (-1.15 * limit, 1.15 * limit))
+    drawing.shade_limits(axes, limit)
 
 
 def _errors(
@@ -231,7 +217,7 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float =
     """One or two rows over time, the first in the law's colour and on top."""
     colours = (look(run.law).colour, MUTED)
     for (label, row), colour, zorder in zip(rows.items(), colours, (2.2, 2.1), strict=False):
-        axes.plot(*thin(run.time, row), color=colour, lw=0.9, zorder=zorder, alpha=alpha,
+        axes.plot(*drawing.thin(run.time, row), color=colour, lw=0.9, zorder=zorder, alpha=alpha,
                   label=label if alpha == 1 else None)  # fmt: skip
     if len(rows) > 1 and alpha == 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
@@ -246,10 +232,10 @@ def _torques(part: SubFigure, run: Run) -> None:
     axes = _time_axes(part, run, f"Wheel torques [N m]{bound}")
     width = max(1, round(MEAN_TIME / run.settings.control))
     _plot_pair(axes, run, rows, alpha=0.3)
-    _plot_pair(axes, run, {name: running_mean(row, width) for name, row in rows.items()})
+    _plot_pair(axes, run, {name: drawing.running_mean(row, width) for name, row in rows.items()})
     if limit <= NEAR * (tau_peak(run, START) or 0.0):
-        include(axes, (-1.08 * limit, 1.08 * limit))
-        shade_limits(axes, limit)
+        drawing.include(axes, (-1.08 * limit, 1.08 * limit))
+        drawing.shade_limits(axes, limit)
     else:
         _focus(axes, run, list(rows.values()))
 
@@ -272,15 +258,15 @@ def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
 def _barrier(part: SubFigure, run: Run) -> None:
     axes = _time_axes(part, run, "Barrier function V₁ [1]")
     values, colour = np.maximum(run["V1"], 1e-12), look(run.law).colour
-    axes.plot(*thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
+    axes.plot(*drawing.thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
     width = max(1, round(MEAN_TIME / run.settings.control))
-    axes.plot(*thin(run.time, running_mean(values, width)), color=colour, lw=1.0)
+    axes.plot(*drawing.thin(run.time, drawing.running_mean(values, width)), color=colour, lw=1.0)
     axes.set_yscale("log")
 
 
 def time_axes(part: SubFigure, runs: Sequence[Run], title: str) -> Axes:
     """Axes over the time of the longest of the runs."""
-    axes = one_axes(part, MARGINS)
+    axes = drawing.one_axes(part, MARGINS)
     end = max(float(run.time[-1]) + run.settings.control for run in runs)
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")
@@ -289,5 +275,7 @@ def time_axes(part: SubFigure, runs: Sequence[Run], title: str) -> Axes:
 
 def _time_axes(part: SubFigure, run: Run, title: str) -> Axes:
     axes, switch = time_axes(part, [run], title), switch_time(run)
-    mark_switch(axes, switch if switch is not None and switch < axes.get_xlim()[1] else None)
+    drawing.mark_switch(
+        axes, switch if switch is not None and switch < axes.get_xlim()[1] else None
+    )
     return axes

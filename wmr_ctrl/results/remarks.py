@@ -11,17 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.measures import (
-    arrival,
-    change_rms,
-    guard_share,
-    saturated_share,
-    torque_needed_rms,
-    torques,
-    tracked,
-    tracking,
-    velocity_sway,
-)
+from wmr_ctrl.results import measures
 from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
 from wmr_ctrl.results.outcomes import TIGHTER, Outcome
@@ -111,11 +101,11 @@ def _outcome(run: Run) -> Iterator[Remark]:
 
 
 def _not_tracked(run: Run) -> Iterator[Remark]:
-    if tracked(run) is not False:
+    if measures.tracked(run) is not False:
         return
     parts = [
         f"in the {place} {part['position_rms']:.3g} m RMS and at most {part['position_max']:.3g} m"
-        for place, part in zip((driving(run), "end"), tracking(run).values(), strict=True)
+        for place, part in zip((driving(run), "end"), measures.tracking(run).values(), strict=True)
         if part is not None and part["position_rms"] is not None
     ]
     if not parts:
@@ -144,7 +134,7 @@ def _too_fast(run: Run) -> Iterator[Remark]:
 
 
 def _not_arrived(run: Run) -> Iterator[Remark]:
-    times, settings = arrival(run), run.settings
+    times, settings = measures.arrival(run), run.settings
     if times is None or settings.arrival is None or times["robot"] is not None:
         return
     if settings.duration < settings.arrival:
@@ -190,7 +180,7 @@ def _oscillates(run: Run) -> Iterator[Remark]:
             f"a loop that is close to one. {CALMER}",
         )
         return
-    shares = velocity_sway(run) or (0.0, 0.0)
+    shares = measures.velocity_sway(run) or (0.0, 0.0)
     for name, share in zip(("v1", "omega"), shares, strict=True):
         if share > SWAY:
             yield Remark(
@@ -202,7 +192,7 @@ def _oscillates(run: Run) -> Iterator[Remark]:
 
 
 def _chatters(run: Run) -> Iterator[Remark]:
-    needed, outlook, torque = torque_needed_rms(run), run.outlook, torques(run)
+    needed, outlook, torque = measures.torque_needed_rms(run), run.outlook, measures.torques(run)
     if needed is None or run.needed is None or outlook is None:
         return
     limit = outlook.tau_max if np.isfinite(outlook.tau_max) else 0.0
@@ -211,7 +201,7 @@ def _chatters(run: Run) -> Iterator[Remark]:
     windows = (rows_of(run, part(run.settings)) for part in (working, at_rest))
     judged = [rows for rows in windows if rows is not None]
     extra, period = torque - run.needed, run.settings.control
-    change = max((change_rms(torque, rows) for rows in judged), default=0.0)
+    change = max((measures.change_rms(torque, rows) for rows in judged), default=0.0)
     swing = max((fast_swing_rms(extra[rows], period) for rows in judged), default=0.0)
     if max(change, swing) > allowed:
         yield Remark(
@@ -224,7 +214,7 @@ def _chatters(run: Run) -> Iterator[Remark]:
 
 
 def _saturated(run: Run) -> Iterator[Remark]:
-    share, outlook = saturated_share(run), run.outlook
+    share, outlook = measures.saturated_share(run), run.outlook
     if share is not None and outlook is not None and share > SATURATED:
         yield Remark(
             "saturated",
@@ -250,7 +240,7 @@ def _objected(run: Run) -> Iterator[Remark]:
 
 
 def _held_back(run: Run) -> Iterator[Remark]:
-    shares = guard_share(run, drive(run.settings))
+    shares = measures.guard_share(run, drive(run.settings))
     if shares is not None and max(shares) >= HELD_BACK:
         thrust, moment = map(percent, shares)
         yield Remark(

@@ -10,19 +10,7 @@ import casadi as ca
 
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fmi.cosim.mapping import (
-    DISTURBED,
-    READY,
-    STATE,
-    TORQUES,
-    MapRow,
-    PartMap,
-    compiled,
-    controller_outputs,
-    identity,
-    input_rows,
-    plant_outputs,
-)
+from wmr_ctrl.fmi.cosim import mapping
 from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
@@ -42,9 +30,9 @@ DESIRED = tuple(s.name for s in REFERENCE)
 NOISES = tuple(s.name for s in TORQUE_NOISE)
 GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
 """Sources of a guard."""
-DRIVEN = (*TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *DISTURBED)
+DRIVEN = (*mapping.TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *mapping.DISTURBED)
 """Sources of a plant."""
-SEEN = (*DESIRED, *STATE, *TAU_APPLIED.elements, *READY)
+SEEN = (*DESIRED, *mapping.STATE, *TAU_APPLIED.elements, *mapping.READY)
 """Sources of a controller."""
 _VELOCITY = tuple(SEEN.index(signal.name) for signal in VELOCITY)
 _ASKED = len(FORCE.elements)
@@ -61,8 +49,8 @@ class Part:
     def __init__(
         self,
         slave: Slave,
-        inputs: Sequence[MapRow],
-        outputs: Sequence[MapRow],
+        inputs: Sequence[mapping.MapRow],
+        outputs: Sequence[mapping.MapRow],
         sources: Sequence[str],
         step: float | None = None,
         *,
@@ -73,10 +61,10 @@ class Part:
         self.foreign, self._strict = foreign, strict
         theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
         self.uses = frozenset(name for row in inputs for name, _ in row.terms)
-        self.wants_ready = not self.uses.isdisjoint(READY)
-        self._inward = compiled(inputs, sources) if inputs else None
+        self.wants_ready = not self.uses.isdisjoint(mapping.READY)
+        self._inward = mapping.compiled(inputs, sources) if inputs else None
         self._write = slave.writer([row.target for row in inputs])
-        self._read, self._outward = slave.reader(theirs), compiled(outputs, theirs)
+        self._read, self._outward = slave.reader(theirs), mapping.compiled(outputs, theirs)
         plain = all(row.plain for row in outputs)
         self._same = plain and theirs == [row.terms[0][0] for row in outputs]
 
@@ -149,21 +137,21 @@ class GuardedController:
 
 def reference_part(slave: Slave) -> Part:
     """Our reference FMU."""
-    return Part(slave, [], identity(DESIRED), ())
+    return Part(slave, [], mapping.identity(DESIRED), ())
 
 
 def guard_part(slave: Slave) -> Part:
     """Our guard FMU."""
-    shown = (*TORQUES, *elements(GUARD_DIAGNOSTICS))
-    return Part(slave, identity(GUARDED), identity(shown), GUARDED)
+    shown = (*mapping.TORQUES, *elements(GUARD_DIAGNOSTICS))
+    return Part(slave, mapping.identity(GUARDED), mapping.identity(shown), GUARDED)
 
 
 def controller_part(
     slave: Slave,
-    part: PartMap | None,
+    part: mapping.PartMap | None,
     robot: Robot,
     diagnostics: Sequence[str],
-    asked: Sequence[str] = TORQUES,
+    asked: Sequence[str] = mapping.TORQUES,
 ) -> Part:
     """Ours, by its own names, or one with a map; the diagnostics are read where they exist.
 
@@ -174,11 +162,11 @@ def controller_part(
         inputs = [name for name in SEEN if name in known]
         outputs = (*asked, *(name for name in diagnostics if name in slave.variables))
         _check_variables(slave, outputs[:2])
-        return Part(slave, identity(inputs), identity(outputs), SEEN)
+        return Part(slave, mapping.identity(inputs), mapping.identity(outputs), SEEN)
     return Part(
         slave,
-        input_rows(part, slave.unit, "controller"),
-        controller_outputs(part, slave.unit, robot, asked),
+        mapping.input_rows(part, slave.unit, "controller"),
+        mapping.controller_outputs(part, slave.unit, robot, asked),
         SEEN,
         part.step,
         foreign=True,
@@ -187,21 +175,23 @@ def controller_part(
 
 
 def plant_part(
-    slave: Slave, part: PartMap | None, robot: Robot, rolling: Sequence[Signal] = ()
+    slave: Slave, part: mapping.PartMap | None, robot: Robot, rolling: Sequence[Signal] = ()
 ) -> Part:
     """Ours, by its own names, or one with a map; pose and velocity may come from ready names.
 
     ``rolling``: what sensors ask beside the state, PATH and SKID; without the latter it is zero.
     """
     if part is None:
-        shown = (*STATE, *(item.name for item in rolling[:1]))
-        _check_variables(slave, (*shown, *TORQUES))
-        inputs = [name for name in DRIVEN if name in slave.variables and name not in DISTURBED]
-        return Part(slave, identity(inputs), identity(shown), DRIVEN)
+        shown = (*mapping.STATE, *(item.name for item in rolling[:1]))
+        _check_variables(slave, (*shown, *mapping.TORQUES))
+        inputs = [
+            name for name in DRIVEN if name in slave.variables and name not in mapping.DISTURBED
+        ]
+        return Part(slave, mapping.identity(inputs), mapping.identity(shown), DRIVEN)
     return Part(
         slave,
-        input_rows(part, slave.unit, "plant"),
-        plant_outputs(part, slave.unit, robot, rolling),
+        mapping.input_rows(part, slave.unit, "plant"),
+        mapping.plant_outputs(part, slave.unit, robot, rolling),
         DRIVEN,
         part.step,
         foreign=True,
