@@ -7,11 +7,12 @@ import importlib
 import numpy as np
 import pytest
 
+from tests.equal_runs import runs_equal
 from wmr_ctrl import simulate, simulate_runs
 from wmr_ctrl.engines import runnable_plantless
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.results import load_run, outcome_of, summary
-from wmr_ctrl.results.formats import runs_equal, save_run
+from wmr_ctrl.results.formats import save_run
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import PLANT_STATE, RIGID
 from wmr_ctrl.sim.coupled import Coupled

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from tests.equal_runs import runs_equal
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor, Outcome, Run, Settings
-from wmr_ctrl.results.formats import runs_equal
 from wmr_ctrl.signals import LOG_HEAD, Signal
 
 MakeRun = Callable[..., Run]

@@ -17,9 +17,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from tests.equal_runs import runs_equal
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.results import Monitor, Run, load_run
-from wmr_ctrl.results.formats import runs_equal, save_run
+from wmr_ctrl.results.formats import save_run
 from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests import oracle
+from tests.equal_runs import runs_equal
 from tests.matrix import headed, quick, turns
 from tests.oracle import noise
 from wmr_ctrl.api import (
@@ -22,7 +23,6 @@ from wmr_ctrl.api import (
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
-from wmr_ctrl.results.formats import runs_equal
 from wmr_ctrl.scenario import Scenario, preset_names
 from wmr_ctrl.signals import LARGEST
 from wmr_ctrl.world.registry import Disturbance

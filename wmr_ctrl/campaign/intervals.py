@@ -29,13 +29,13 @@ class StopRule(Section, key="stop"):
     ``interval`` "": Clopper-Pearson of a share, the bootstrap of a mean.
     """
 
-    figure: str = quantity(REQUIRED, kind="text", unit="1", doc="figure that is looked at")
+    figure: str = quantity(REQUIRED, "1", "figure that is looked at", kind="text")
     half_width: float = quantity(
-        REQUIRED, unit="1", doc="half-width of its interval, in the figure's unit", above=0
+        REQUIRED, "1", "half-width of its interval, in the figure's unit", above=0
     )
-    confidence: float = quantity(0.95, unit="1", doc="of the interval", above=0, below=1)
-    first: int = quantity(32, unit="1", doc="seeds before the first look", minimum=2)
-    interval: str = quantity("", unit="1", doc="kind of interval")
+    confidence: float = quantity(0.95, "1", "of the interval", above=0, below=1)
+    first: int = quantity(32, "1", "seeds before the first look", minimum=2)
+    interval: str = quantity("", "1", "kind of interval")
 
     @property
     def share(self) -> bool:

@@ -32,23 +32,23 @@ MOST_RUNS = 10**9
 
 def _table(doc: str) -> Mapping[str, object]:
     """A field of `PlanTable` that is a table."""
-    field: Mapping[str, object] = quantity(Frozen(), kind="mapping", unit="", doc=doc)
+    field: Mapping[str, object] = quantity(Frozen(), "", doc, kind="mapping")
     return field
 
 
 class PlanTable(Section):
     """Keys of a plan beside its scenario."""
 
-    laws: tuple[str, ...] = quantity(("nn",), kind="texts", unit="", doc="control laws")
-    guard: tuple[bool, ...] = quantity((), kind="flags", unit="", doc="which runs have the guard")
-    plant: str = quantity("ode", unit="", options=PLANTS, doc="plane model, or rigid body")
+    laws: tuple[str, ...] = quantity(("nn",), "", "control laws", kind="texts")
+    guard: tuple[bool, ...] = quantity((), "", "which runs have the guard", kind="flags")
+    plant: str = quantity("ode", "", "plane model, or rigid body", options=PLANTS)
     seeds: Mapping[str, object] = _table("first and count of the seeds")
     set: Mapping[str, object] = _table("fields of all runs")
     grid: Mapping[str, object] = _table("values of fields")
     sample: Mapping[str, object] = _table("ranges of fields, and how they are sampled")
     stop: Mapping[str, object] = _table("when a case has runs enough")
-    figures: tuple[str, ...] = quantity((), kind="texts", unit="", doc="names of figures")
-    chunk: int = quantity(1024, unit="1", doc="runs between two writes", minimum=1, below=SEED_END)
+    figures: tuple[str, ...] = quantity((), "", "names of figures", kind="texts")
+    chunk: int = quantity(1024, "1", "runs between two writes", minimum=1, below=SEED_END)
 
     def relate(self) -> None:
         """Raise ScenarioError where a law or flag stands twice."""
@@ -60,8 +60,8 @@ class PlanTable(Section):
 class Seeds(Section, key="seeds"):
     """Seeds in a row."""
 
-    first: int = quantity(0, unit="1", doc="first seed", minimum=0, below=SEED_END)
-    count: int = quantity(20, unit="1", doc="number of seeds", minimum=1, below=SEED_END)
+    first: int = quantity(0, "1", "first seed", minimum=0, below=SEED_END)
+    count: int = quantity(20, "1", "number of seeds", minimum=1, below=SEED_END)
 
     def relate(self) -> None:
         """Raise ScenarioError where the last seed is too large."""
@@ -72,9 +72,9 @@ class Seeds(Section, key="seeds"):
 class SampleTable(Section, key="sample"):
     """Sampling of a box of fields; the other keys of its table are the fields' ranges."""
 
-    method: str = quantity(LATIN, unit="", options=(LATIN, SOBOL, UNIFORM), doc="kind of sample")
-    n: int = quantity(64, unit="1", doc="size of the sample", minimum=1, below=SEED_END)
-    seed: int = quantity(0, unit="1", doc="seed of its draws", minimum=0, below=SEED_END)
+    method: str = quantity(LATIN, "", "kind of sample", options=(LATIN, SOBOL, UNIFORM))
+    n: int = quantity(64, "1", "size of the sample", minimum=1, below=SEED_END)
+    seed: int = quantity(0, "1", "seed of its draws", minimum=0, below=SEED_END)
 
 
 KEYS = ("scenario", *(name for name, _ in quantities(PlanTable)))

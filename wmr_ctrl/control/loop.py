@@ -162,7 +162,11 @@ class Graphs:
     @cached_property
     def clock(self) -> ca.SX:
         """Numbers of CLOCK, then two for each stream."""
-        return clock_numbers(self.parameters, self._late, self.streams)
+        h = self.parameters.take("clock.plant")
+        steps = ca.floor(self._late / h + 0.5)
+        said = (item.said for item in self.streams)
+        counted = self.parameters.take("limits.v_u1") * (1 + NO_VIOLATION)
+        return ca.vertcat(self.parameters.take("clock.control"), h, steps, counted, *said)
 
     @cached_property
     def delay_steps(self) -> ca.Function:
@@ -284,15 +288,6 @@ class PlantlessGraphs(Graphs):
         self.steady = not (drives or gusts)
         self._join_drives(drives, gusts, pushed=True)
         self.parameters.take("limits.v_u1")
-
-
-def clock_numbers(p: Parameters, late: ca.SX, streams: tuple[Stream, ...]) -> ca.SX:
-    """Numbers of CLOCK for a delay [s], then two for each stream."""
-    h = p.take("clock.plant")
-    steps = ca.floor(late / h + 0.5)
-    said = (item.said for item in streams)
-    counted = p.take("limits.v_u1") * (1 + NO_VIOLATION)
-    return ca.vertcat(p.take("clock.control"), h, steps, counted, *said)
 
 
 def _squared(pair: ca.SX) -> ca.SX:

@@ -4,7 +4,7 @@ A section of a scenario, or the gains of a law, derives from :class:`Section`, w
 frozen dataclass that takes keywords; its fields are made by :func:`quantity`::
 
     class Gains(Section, key="gains.mb"):
-        rho: tuple[float, float] = quantity((15.0, 57.6), unit="1/s", doc="decay rates", above=0)
+        rho: tuple[float, float] = quantity((15.0, 57.6), "1/s", "decay rates", above=0)
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ REQUIRED = dataclasses.MISSING
 
 def quantity(
     default: object,
-    *,
     unit: str,
     doc: str,
+    *,
     kind: str | None = None,
     options: tuple[str, ...] = (),
     above: float | None = None,

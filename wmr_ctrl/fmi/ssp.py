@@ -130,7 +130,9 @@ def export_ssp(
             parts[name] = _ours(parallel(model_of(what, law, law_setup.scenario)), target)
     files = {"SystemStructure.ssd": _structure(parts, setup.scenario, flat).encode()}
     for name, part in parts.items():
-        files[f"resources/{name}.ssv"] = _parameters(part).encode()
+        units = _units(item["unit"] for item in part.parameters)
+        shown = {"name": SET, "tool": TOOL, "units": units, "parameters": part.parameters}
+        files[f"resources/{name}.ssv"] = render("parameters.ssv", m=shown).encode()
         files[f"resources/{part.identifier}.fmu"] = part.content
     path = write_archive(Path(out) / "wmr.ssp", files)
     if progress:
@@ -273,12 +275,6 @@ def _joined(
 def _line(ends: list[tuple[str, str]], factor: float, offset: float) -> dict[str, Any]:
     same = factor == 1.0 and offset == 0.0
     return {"ends": ends, "linear": None if same else (repr(factor), repr(offset))}
-
-
-def _parameters(part: Component) -> str:
-    units = _units(item["unit"] for item in part.parameters)
-    shown = {"name": SET, "tool": TOOL, "units": units, "parameters": part.parameters}
-    return render("parameters.ssv", m=shown)
 
 
 def _units(names: Iterable[str]) -> list[dict[str, Any]]:

@@ -42,10 +42,10 @@ class GuardNumbers(Guard):
     """
 
     age: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="s", doc="age of the velocity that is measured, per axis", minimum=0
+        (0.0, 0.0), "s", "age of the velocity that is measured, per axis", minimum=0
     )
     window: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="s", doc="time over which it is averaged, per axis", minimum=0
+        (0.0, 0.0), "s", "time over which it is averaged, per axis", minimum=0
     )
 
     def relate(self) -> None:

@@ -28,7 +28,7 @@ class KanayamaGains(VelocityLoopGains, key="gains.kanayama"):
     """Gains of the kinematic law, and of the velocity loop below it."""
 
     k: tuple[float, float, float] = quantity(
-        (4.0, 64.0, 16.0), unit="1/s, 1/m2, 1/m", doc="kx, ky, kt of the kinematic law", above=0.0
+        (4.0, 64.0, 16.0), "1/s, 1/m2, 1/m", "kx, ky, kt of the kinematic law", above=0.0
     )
 
 

@@ -82,7 +82,7 @@ class TorqueLimited(Section, key="gains"):
     """Gains of a law that brings a torque limit of its own, which counts where it is smaller."""
 
     tau_max: float = quantity(
-        20.0, unit="N.m", doc="torque limit of the law's own, beside actuator.tau_max", above=0.0
+        20.0, "N.m", "torque limit of the law's own, beside actuator.tau_max", above=0.0
     )
 
 
@@ -91,9 +91,9 @@ class OwnKinematics(Section, key="gains"):
 
     kinematics: tuple[float, float, float] | None = quantity(
         None,
+        "1/s, 1/m2, 1/s",
+        "k_1, k_2, k_3 of Eq. (7) for this law alone; left out: gains.kinematics.k",
         size=3,
-        unit="1/s, 1/m2, 1/s",
-        doc="k_1, k_2, k_3 of Eq. (7) for this law alone; left out: gains.kinematics.k",
         above=0.0,
     )
 
@@ -101,7 +101,7 @@ class OwnKinematics(Section, key="gains"):
 class BarrierChoice(Section, key="gains"):
     """Gains of a law that lets one choose the form of the barrier function."""
 
-    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
+    barrier: str = quantity("paper", "1", "form of the barrier f", options=BARRIERS)
 
 
 class Predicting(Section, key="gains"):
@@ -109,8 +109,8 @@ class Predicting(Section, key="gains"):
 
     delay: float = quantity(
         0.0,
-        unit="s",
-        doc="delay over which the law predicts, at most the drives' true one; 0 = not at all",
+        "s",
+        "delay over which the law predicts, at most the drives' true one; 0 = not at all",
         minimum=0.0,
         maximum=10.0,
     )

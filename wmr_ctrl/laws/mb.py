@@ -23,10 +23,10 @@ class ModelBasedGains(BarrierChoice, key="gains.mb"):
     """Gains of the model-based law."""
 
     rho: tuple[float, float] = quantity(
-        (15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis, Eq. (9)", above=0.0
+        (15.0, 57.6), "1/s", "decay rate of V1 per axis, Eq. (9)", above=0.0
     )
     decay: str = quantity(
-        "rate", unit="1", doc="what rho means: a rate, or exact over T", options=("rate", "exact")
+        "rate", "1", "what rho means: a rate, or exact over T", options=("rate", "exact")
     )
 
 

@@ -33,28 +33,26 @@ class NetworkGains(BarrierChoice, key="gains.nn"):
     """Gains of the network law, per axis (linear, angular) where there are two."""
 
     rho1: tuple[float, float] = quantity(
-        (1350.0, 21.6), unit="kg/s, kg.m2/s", doc="gain on V1/A, Eq. (57)", above=0.0
+        (1350.0, 21.6), "kg/s, kg.m2/s", "gain on V1/A, Eq. (57)", above=0.0
     )
     Gamma: tuple[float, float] = quantity(
-        (20000.0, 800.0), unit="1", doc="adaptation gain, Eq. (58)", minimum=0.0
+        (20000.0, 800.0), "1", "adaptation gain, Eq. (58)", minimum=0.0
     )
     sigma: tuple[float, float] = quantity(
-        (1e-4, 1e-4), unit="1/s", doc="leak of the weights, Eq. (58)", minimum=0.0
+        (1e-4, 1e-4), "1/s", "leak of the weights, Eq. (58)", minimum=0.0
     )
     eta: float = quantity(
-        math.sqrt(2.0), unit="1", doc="width of the Gaussians (read into the paper)", above=0.0
+        math.sqrt(2.0), "1", "width of the Gaussians (read into the paper)", above=0.0
     )
     node: float = quantity(
-        1.0, unit="1", doc="corner coordinate of the nodes (read into the paper)", above=0.0
+        1.0, "1", "corner coordinate of the nodes (read into the paper)", above=0.0
     )
-    ratio_cap: float = quantity(
-        1e3, unit="1", doc="cap of the regressor A/(v - v_c1) = 1/q", above=0.0
-    )
+    ratio_cap: float = quantity(1e3, "1", "cap of the regressor A/(v - v_c1) = 1/q", above=0.0)
     integrator: str = quantity(
-        "explicit", unit="1", doc="Euler step of the weights", options=("explicit", "semi-implicit")
+        "explicit", "1", "Euler step of the weights", options=("explicit", "semi-implicit")
     )
     regressor: str = quantity(
-        "ratio", unit="1", doc="what the network sees of the barrier", options=("ratio", "q")
+        "ratio", "1", "what the network sees of the barrier", options=("ratio", "q")
     )
 
 

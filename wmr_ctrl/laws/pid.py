@@ -24,11 +24,9 @@ class PidGains(OwnKinematics, key="gains.pid"):
     """Gains of the PID law, per axis (linear, angular)."""
 
     Kp: tuple[float, float] = quantity(
-        (210.0, 1.1), unit="N.s/m, N.m.s/rad", doc="proportional gain", minimum=0.0
+        (210.0, 1.1), "N.s/m, N.m.s/rad", "proportional gain", minimum=0.0
     )
-    Kd: tuple[float, float] = quantity(
-        (0.64, 0.08), unit="kg, kg.m2", doc="derivative gain", minimum=0.0
-    )
+    Kd: tuple[float, float] = quantity((0.64, 0.08), "kg, kg.m2", "derivative gain", minimum=0.0)
 
 
 def build(context: LawContext) -> System:

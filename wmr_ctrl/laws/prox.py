@@ -46,16 +46,12 @@ TRANSPORTS = ("two-part", "level")
 class ProxGains(BarrierChoice, TorqueLimited, Predicting, key="gains.prox"):
     """Gains of the prox law, per axis (linear, angular) where there are two."""
 
-    rho: tuple[float, float] = quantity(
-        (15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis", above=0.0
-    )
-    wo: float = quantity(
-        10.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
-    )
+    rho: tuple[float, float] = quantity((15.0, 57.6), "1/s", "decay rate of V1 per axis", above=0.0)
+    wo: float = quantity(10.0, "1/s", "bandwidth of the disturbance observer, 0 = off", minimum=0.0)
     transport: str = quantity(
         "two-part",
-        unit="1",
-        doc="what carries the velocity along: the reference's acceleration (two-part), or the "
+        "1",
+        "what carries the velocity along: the reference's acceleration (two-part), or the "
         "whole way of the target (level)",
         options=TRANSPORTS,
     )

@@ -23,22 +23,14 @@ FRICTION = Signal("F_hat", "N, N.m", "estimated Coulomb friction, after the samp
 class SmcGains(Section, key="gains.smc"):
     """Gains of the stand-in, per axis (linear, angular) where there are two."""
 
-    K: tuple[float, float] = quantity(
-        (200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on s", minimum=0.0
-    )
-    eta: tuple[float, float] = quantity(
-        (5.0, 0.5), unit="N, N.m", doc="switching gain", minimum=0.0
-    )
-    boundary: float = quantity(
-        0.1, unit="m/s", doc="half-width of the boundary layer of sat", above=0.0
-    )
-    v_s: float = quantity(
-        0.01, unit="m/s", doc="smoothing speed of the friction estimate", above=0.0
-    )
-    g_m: float = quantity(0.5, unit="kg.s2/m2", doc="adaptation gain of the mass", minimum=0.0)
-    g_F: float = quantity(50.0, unit="N/m", doc="adaptation gain of the friction", minimum=0.0)
+    K: tuple[float, float] = quantity((200.0, 20.0), "N.s/m, N.m.s/rad", "gain on s", minimum=0.0)
+    eta: tuple[float, float] = quantity((5.0, 0.5), "N, N.m", "switching gain", minimum=0.0)
+    boundary: float = quantity(0.1, "m/s", "half-width of the boundary layer of sat", above=0.0)
+    v_s: float = quantity(0.01, "m/s", "smoothing speed of the friction estimate", above=0.0)
+    g_m: float = quantity(0.5, "kg.s2/m2", "adaptation gain of the mass", minimum=0.0)
+    g_F: float = quantity(50.0, "N/m", "adaptation gain of the friction", minimum=0.0)
     axis_scale: tuple[float, float] = quantity(
-        (1.0, 0.1), unit="1", doc="share of the adaptation per axis", minimum=0.0
+        (1.0, 0.1), "1", "share of the adaptation per axis", minimum=0.0
     )
 
 

@@ -40,16 +40,14 @@ class VelocityLoopGains(Predicting, key="gains"):
     """Gains of the velocity loop, per axis where two."""
 
     rate: tuple[float, float] = quantity(
-        (20.0, 10.0), unit="1/s", doc="bandwidth of the velocity loop", above=0.0
+        (20.0, 10.0), "1/s", "bandwidth of the velocity loop", above=0.0
     )
-    wo: float = quantity(
-        5.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
-    )
+    wo: float = quantity(5.0, "1/s", "bandwidth of the disturbance observer, 0 = off", minimum=0.0)
     share: float = quantity(
-        0.95, unit="1", doc="share of limits.v_u1 that is commanded at most", above=0.0, maximum=1.0
+        0.95, "1", "share of limits.v_u1 that is commanded at most", above=0.0, maximum=1.0
     )
     a_max: tuple[float, float] = quantity(
-        (2.0, 6.0), unit="m/s2, rad/s2", doc="largest rate of the command", above=0.0
+        (2.0, 6.0), "m/s2, rad/s2", "largest rate of the command", above=0.0
     )
 
 

@@ -51,10 +51,7 @@ class KinematicGains(Section, key="gains.kinematics"):
     """Gains of the kinematic loop, shared by all laws (k_1, k_2, k_3 > 0, k_2 >= 1)."""
 
     k: tuple[float, float, float] = quantity(
-        (10.0, 5.0, 4.0),
-        unit="1/s, 1/m2, 1/s",
-        doc="k_1, k_2, k_3 of Eq. (7), paper Section V",
-        above=0.0,
+        (10.0, 5.0, 4.0), "1/s, 1/m2, 1/s", "k_1, k_2, k_3 of Eq. (7), paper Section V", above=0.0
     )
 
 

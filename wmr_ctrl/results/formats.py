@@ -76,22 +76,6 @@ def load_run(path: str | os.PathLike[str]) -> Run:
         ) from error
 
 
-@checks_arguments
-def runs_equal(run_a: Run, run_b: Run) -> bool:
-    """True if two runs are the same in every bit, description included.
-
-    Unlike with ==, a NaN equals a NaN, and 0.0 differs from -0.0.
-    """
-    if metadata_text(run_a) != metadata_text(run_b):
-        return False
-    pairs = ((column, run_b.columns[name]) for name, column in run_a.columns.items())
-    return all(
-        np.array_equal(a, b, equal_nan=True)
-        and ((np.signbit(a) == np.signbit(b)) | np.isnan(a)).all()
-        for a, b in pairs
-    )
-
-
 def check_suffix(path: str | os.PathLike[str]) -> str:
     """The lower-case suffix of ``path``; raises ResultFileError unless runs can be saved so."""
     suffix = Path(path).suffix.lower()

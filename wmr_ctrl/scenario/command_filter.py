@@ -23,79 +23,75 @@ class Filter(Section, key="filter"):
     never overshoots; ``governor`` needs all of them, and uses odometry to allow more speed.
     """
 
-    kind: str = quantity("none", unit="1", doc="how commands are limited", options=FILTERS)
-    loop: str = quantity(
-        "first-order", unit="1", doc="how the base follows its command", options=LOOPS
-    )
+    kind: str = quantity("none", "1", "how commands are limited", options=FILTERS)
+    loop: str = quantity("first-order", "1", "how the base follows its command", options=LOOPS)
     tau: tuple[float, float] | None = quantity(
-        None, unit="s", doc="bounds of the speed loop's time constant", above=0, size=2,
+        None, "s", "bounds of the speed loop's time constant", above=0, size=2,
         usual=(1e-3, 20),
     )  # fmt: skip
     gain: tuple[float, float] = quantity(
-        (1.0, 1.0), unit="1", doc="bounds of speed over command at rest", above=0
+        (1.0, 1.0), "1", "bounds of speed over command at rest", above=0
     )
     d: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="m/s, rad/s", doc="speed at which a push alone would end", minimum=0
+        (0.0, 0.0), "m/s, rad/s", "speed at which a push alone would end", minimum=0
     )
     odometry: tuple[float, float] | None = quantity(
-        None, unit="m/s, rad/s", doc="bound of odometry's error; left out: it is not used",
+        None, "m/s, rad/s", "bound of odometry's error; left out: it is not used",
         minimum=0, size=2,
     )  # fmt: skip
-    age: float = quantity(0.0, unit="s", doc="largest age of odometry", minimum=0, usual=(0, 2))
+    age: float = quantity(0.0, "s", "largest age of odometry", minimum=0, usual=(0, 2))
     delay: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="s", doc="bounds of a command's delay, which may vary", minimum=0,
+        (0.0, 0.0), "s", "bounds of a command's delay, which may vary", minimum=0,
         usual=(0, 2),
     )  # fmt: skip
-    losses: int = quantity(0, unit="1", doc="most commands in a row that are lost", minimum=0)
-    jitter: float = quantity(
-        0.0, unit="s", doc="how far samples may lie from the clock's period", minimum=0
-    )
+    losses: int = quantity(0, "1", "most commands in a row that are lost", minimum=0)
+    jitter: float = quantity(0.0, "s", "how far samples may lie from the clock's period", minimum=0)
     hold: float = quantity(
-        0.0, unit="s", doc="how long the base keeps a command that nothing follows, then stops",
+        0.0, "s", "how long the base keeps a command that nothing follows, then stops",
         minimum=0, usual=(0, 10),
     )  # fmt: skip
     scale: str = quantity(
         "curvature",
-        unit="1",
-        doc="both axes by one factor, each by its own, or first turning (driving), then the other",
+        "1",
+        "both axes by one factor, each by its own, or first turning (driving), then the other",
         options=SCALES,
     )
     channels: str = quantity(
         "body",
-        unit="1",
-        doc="speeds that follow their commands by themselves: v and omega, or each wheel's",
+        "1",
+        "speeds that follow their commands by themselves: v and omega, or each wheel's",
         options=CHANNELS,
     )
     wheel_speed: float | None = quantity(
-        None, unit="m/s", doc="limit of each wheel's speed over the ground", above=0
+        None, "m/s", "limit of each wheel's speed over the ground", above=0
     )
     damping: tuple[float, float] | None = quantity(
-        None, unit="1", doc="bounds of a second-order loop's damping ratio", above=0, size=2
+        None, "1", "bounds of a second-order loop's damping ratio", above=0, size=2
     )
     frequency: tuple[float, float] | None = quantity(
-        None, unit="rad/s", doc="bounds of a second-order loop's natural frequency", above=0, size=2
+        None, "rad/s", "bounds of a second-order loop's natural frequency", above=0, size=2
     )
     mass: tuple[float, float] | None = quantity(
-        None, unit="kg", doc="bounds of the mass that PI loops drive", above=0, size=2
+        None, "kg", "bounds of the mass that PI loops drive", above=0, size=2
     )
     inertia: tuple[float, float] | None = quantity(
-        None, unit="kg.m2", doc="bounds of the inertia that PI loops drive", above=0, size=2
+        None, "kg.m2", "bounds of the inertia that PI loops drive", above=0, size=2
     )
     kp: tuple[float, float] | None = quantity(
-        None, unit="N.s/m", doc="bounds of a PI loop's gain, of both wheels, at the rim", above=0,
+        None, "N.s/m", "bounds of a PI loop's gain, of both wheels, at the rim", above=0,
         size=2,
     )  # fmt: skip
     ki: tuple[float, float] | None = quantity(
-        None, unit="N/m", doc="bounds of its integral gain, of both wheels, at the rim", above=0,
+        None, "N/m", "bounds of its integral gain, of both wheels, at the rim", above=0,
         size=2,
     )  # fmt: skip
     friction: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="N.s/m", doc="bounds of the friction that grows with speed", minimum=0
+        (0.0, 0.0), "N.s/m", "bounds of the friction that grows with speed", minimum=0
     )
     push: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="N, N.m", doc="largest push on a base with PI loops", minimum=0
+        (0.0, 0.0), "N, N.m", "largest push on a base with PI loops", minimum=0
     )
-    trust: bool = quantity(False, unit="1", doc="whether a broken hypothesis is let pass in a run")
+    trust: bool = quantity(False, "1", "whether a broken hypothesis is let pass in a run")
 
     def relate(self) -> None:
         """Intervals are the right way round, and a filter has what it counts on."""

@@ -15,34 +15,26 @@ MOST_SAMPLES, MOST_SUBSTEPS = 10_000_000, 100_000
 class Robot(Section, key="robot"):
     """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle."""
 
-    m: float = quantity(50.0, unit="kg", doc="mass", above=0, usual=(0.02, 5000))
-    I: float = quantity(5.4, unit="kg.m2", doc="moment of inertia about the vertical", above=0)
-    mu: float = quantity(
-        0.08, unit="1", doc="coefficient of Coulomb friction", minimum=0, usual=(0, 1)
-    )
-    r: float = quantity(
-        0.1, unit="m", doc="radius of the driving wheels", above=0, usual=(0.003, 1)
-    )
+    m: float = quantity(50.0, "kg", "mass", above=0, usual=(0.02, 5000))
+    I: float = quantity(5.4, "kg.m2", "moment of inertia about the vertical", above=0)
+    mu: float = quantity(0.08, "1", "coefficient of Coulomb friction", minimum=0, usual=(0, 1))
+    r: float = quantity(0.1, "m", "radius of the driving wheels", above=0, usual=(0.003, 1))
     l: float = quantity(
-        0.25, unit="m", doc="half the track: axle's midpoint to wheel", above=0, usual=(0.005, 3)
+        0.25, "m", "half the track: axle's midpoint to wheel", above=0, usual=(0.005, 3)
     )
-    g: float = quantity(9.81, unit="m/s2", doc="gravity", above=0)
-    v_s: float = quantity(
-        0.01, unit="m/s", doc="speed that smooths friction, mu m g tanh(v1/v_s)", above=0
-    )
+    g: float = quantity(9.81, "m/s2", "gravity", above=0)
+    v_s: float = quantity(0.01, "m/s", "speed that smooths friction, mu m g tanh(v1/v_s)", above=0)
 
 
 class Model(Section, key="model"):
     """Model of the laws; a field that is left out is the robot's, before any change."""
 
-    m: float | None = quantity(
-        None, unit="kg", doc="mass that the laws believe; left out: robot.m", above=0
-    )
+    m: float | None = quantity(None, "kg", "mass that the laws believe; left out: robot.m", above=0)
     I: float | None = quantity(
-        None, unit="kg.m2", doc="inertia that the laws believe; left out: robot.I", above=0
+        None, "kg.m2", "inertia that the laws believe; left out: robot.I", above=0
     )
     mu: float | None = quantity(
-        None, unit="1", doc="friction that the laws believe; left out: robot.mu", minimum=0
+        None, "1", "friction that the laws believe; left out: robot.mu", minimum=0
     )
 
 
@@ -52,42 +44,38 @@ class Body(Section, key="body"):
     The plane model does not read it.  Casters slide without friction.
     """
 
-    tyre: float = quantity(0.8, unit="1", doc="friction between tyre and ground", above=0)
-    grip: float = quantity(
-        0.02, unit="s", doc="time in which a tread that slides is stopped", minimum=0.005
-    )
-    height: float = quantity(0.12, unit="m", doc="centre of mass above the ground", above=0)
-    caster: float = quantity(0.3, unit="m", doc="axle to the casters in front and behind", above=0)
-    caster_gap: float = quantity(5e-4, unit="m", doc="casters above the ground", minimum=0)
+    tyre: float = quantity(0.8, "1", "friction between tyre and ground", above=0)
+    grip: float = quantity(0.02, "s", "time in which a tread that slides is stopped", minimum=0.005)
+    height: float = quantity(0.12, "m", "centre of mass above the ground", above=0)
+    caster: float = quantity(0.3, "m", "axle to the casters in front and behind", above=0)
+    caster_gap: float = quantity(5e-4, "m", "casters above the ground", minimum=0)
     flatness: float = quantity(
-        0.55, unit="1", doc="inertia in pitch and in roll over that in yaw", minimum=0.5
+        0.55, "1", "inertia in pitch and in roll over that in yaw", minimum=0.5
     )
     wheel: str = quantity(
         "sphere",
-        unit="1",
-        doc="tyre: touches in a point, or in a line that scrubs",
+        "1",
+        "tyre: touches in a point, or in a line that scrubs",
         options=("sphere", "cylinder"),
     )
-    wheel_width: float = quantity(0.04, unit="m", doc="width of a cylinder's tread", above=0)
+    wheel_width: float = quantity(0.04, "m", "width of a cylinder's tread", above=0)
     radius: float | None = quantity(
-        None, unit="m", doc="axle's midpoint to the body's farthest point, for keep_out", above=0
+        None, "m", "axle's midpoint to the body's farthest point, for keep_out", above=0
     )
-    wheel_mass: float = quantity(1.5, unit="kg", doc="mass of each wheel, part of robot.m", above=0)
+    wheel_mass: float = quantity(1.5, "kg", "mass of each wheel, part of robot.m", above=0)
     slope: float = quantity(
         0.0,
-        unit="rad",
-        doc="rise of the ground; the plane model has slope.angle",
+        "rad",
+        "rise of the ground; the plane model has slope.angle",
         minimum=0,
         maximum=math.pi / 4,
     )
-    uphill: float = quantity(
-        0.0, unit="rad", doc="orientation that looks uphill, 0 along +Y", orientation=1
-    )
+    uphill: float = quantity(0.0, "rad", "orientation that looks uphill, 0 along +Y", orientation=1)
     slip_max: float = quantity(
-        0.1, unit="m/s", doc="tread over ground; beyond, the robot has slipped", above=0
+        0.1, "m/s", "tread over ground; beyond, the robot has slipped", above=0
     )
     tilt_max: float = quantity(
-        0.5, unit="rad", doc="axis from the ground's normal; beyond, it has tipped", above=0,
+        0.5, "rad", "axis from the ground's normal; beyond, it has tipped", above=0,
         maximum=math.pi / 2,
     )  # fmt: skip
 
@@ -96,13 +84,13 @@ class Limits(Section, key="limits"):
     """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
 
     v_u1: tuple[float, float] = quantity(
-        (1.0, 1.5), unit="m/s, rad/s", doc="limits of |v1| and |omega|", above=0
+        (1.0, 1.5), "m/s, rad/s", "limits of |v1| and |omega|", above=0
     )
     v_u2: tuple[float, float] = quantity(
-        (0.8, 1.3), unit="m/s, rad/s", doc="thresholds from which the barrier acts", above=0
+        (0.8, 1.3), "m/s, rad/s", "thresholds from which the barrier acts", above=0
     )
     clip: float = quantity(
-        1e-6, unit="m/s, rad/s", doc="barrier terms see |v| clipped to v_u1 - clip", above=0
+        1e-6, "m/s, rad/s", "barrier terms see |v| clipped to v_u1 - clip", above=0
     )
 
     def relate(self) -> None:
@@ -125,21 +113,19 @@ class Initial(Section, key="initial"):
     """Pose and velocity at t = 0; the velocity may lie outside the limits."""
 
     pose: tuple[float, float, float] = quantity(
-        (-0.5, -0.5, -0.7), unit="m, m, rad", doc="x, y, theta (theta is 0 along +Y)", orientation=3
+        (-0.5, -0.5, -0.7), "m, m, rad", "x, y, theta (theta is 0 along +Y)", orientation=3
     )
-    velocity: tuple[float, float] = quantity((0.0, 0.0), unit="m/s, rad/s", doc="v1, omega")
+    velocity: tuple[float, float] = quantity((0.0, 0.0), "m/s, rad/s", "v1, omega")
 
 
 class Clock(Section, key="clock"):
     """Control period (zero-order hold), plant step (RK4) and duration of a run."""
 
-    control: float = quantity(
-        0.01, unit="s", doc="period of the control law", minimum=1e-9, usual=(1e-4, 1)
-    )
+    control: float = quantity(0.01, "s", "period of the control law", minimum=1e-9, usual=(1e-4, 1))
     plant: float = quantity(
-        0.001, unit="s", doc="step of the plant's integration", minimum=1e-9, usual=(1e-6, 0.1)
+        0.001, "s", "step of the plant's integration", minimum=1e-9, usual=(1e-6, 0.1)
     )
-    duration: float = quantity(80.0, unit="s", doc="length of a run", minimum=1e-9)
+    duration: float = quantity(80.0, "s", "length of a run", minimum=1e-9)
 
     @property
     def substeps(self) -> int:
@@ -167,15 +153,13 @@ class Metrics(Section, key="metrics"):
     """
 
     split: float | None = quantity(
-        None, unit="s", doc="split into before and after; left out: half the duration", above=0
+        None, "s", "split into before and after; left out: half the duration", above=0
     )
-    rms_from: float = quantity(
-        2.0, unit="s", doc="the torque's RMS is taken from here on", minimum=0
-    )
+    rms_from: float = quantity(2.0, "s", "the torque's RMS is taken from here on", minimum=0)
     tolerance: float = quantity(
         0.05,
-        unit="m",
-        doc="RMS of the position error, in the drive and at the end, that counts as tracked",
+        "m",
+        "RMS of the position error, in the drive and at the end, that counts as tracked",
         above=0,
     )
 
@@ -184,22 +168,23 @@ class CorridorSettings(Section, key="corridor"):
     """Settings of the certified corridor, which no run reads."""
 
     start: tuple[float, float, float] = quantity(
-        (0.0, 0.0, 0.0), unit="m, m, rad", doc="how far e may be off at first", minimum=0
+        (0.0, 0.0, 0.0), "m, m, rad", "how far e may be off at first", minimum=0
     )
     cells: int = quantity(
-        0, unit="1", minimum=0, maximum=32,
-        doc="parts of the guard's intervals of mass and of inertia, one certificate for each pair; "
+        0, "1",
+        "parts of the guard's intervals of mass and of inertia, one certificate for each pair; "
         "0: robot.m and robot.I alone",
+        minimum=0, maximum=32,
     )  # fmt: skip
 
 
 class Change(Section, key="changes"):
     """New parameters from the first plant step that starts at or after ``t``; others stay."""
 
-    t: float = quantity(REQUIRED, unit="s", doc="time of the change", minimum=0)
-    m: float | None = quantity(None, unit="kg", doc="mass from then on", above=0)
-    I: float | None = quantity(None, unit="kg.m2", doc="inertia from then on", above=0)
-    mu: float | None = quantity(None, unit="1", doc="friction from then on", minimum=0)
+    t: float = quantity(REQUIRED, "s", "time of the change", minimum=0)
+    m: float | None = quantity(None, "kg", "mass from then on", above=0)
+    I: float | None = quantity(None, "kg.m2", "inertia from then on", above=0)
+    mu: float | None = quantity(None, "1", "friction from then on", minimum=0)
 
     def values(self) -> dict[str, float]:
         """New values by the robot's field."""
@@ -217,38 +202,38 @@ class Guard(Section, key="guard"):
     ``trust`` says that it is meant.  A robot that is not what is believed is run, without promise.
     """
 
-    enabled: bool = quantity(False, unit="1", doc="whether the guard filters the law's force")
+    enabled: bool = quantity(False, "1", "whether the guard filters the law's force")
     trust: bool = quantity(
-        False, unit="1", doc="whether stated bounds count though the scenario breaks them"
+        False, "1", "whether stated bounds count though the scenario breaks them"
     )
     map: str = quantity(
         "linear-first",
-        unit="1",
-        doc="which axis the wheels serve first behind the guard",
+        "1",
+        "which axis the wheels serve first behind the guard",
         options=("linear-first", "rotation-first"),
     )
     mass_margin: float = quantity(
-        0.1, unit="1", doc="share by which M_min, M_max go beyond the model's", minimum=0, below=1
+        0.1, "1", "share by which M_min, M_max go beyond the model's", minimum=0, below=1
     )
     M_min: tuple[float, float] | None = quantity(
-        None, unit="kg, kg.m2", doc="smallest mass and inertia possible", above=0, size=2
+        None, "kg, kg.m2", "smallest mass and inertia possible", above=0, size=2
     )
     M_max: tuple[float, float] | None = quantity(
-        None, unit="kg, kg.m2", doc="largest mass and inertia possible", above=0, size=2
+        None, "kg, kg.m2", "largest mass and inertia possible", above=0, size=2
     )
     dbar: tuple[float, float] | None = quantity(
-        None, unit="N, N.m", doc="bound of the disturbance force", minimum=0, size=2
+        None, "N, N.m", "bound of the disturbance force", minimum=0, size=2
     )
     d_model: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="N, N.m", doc="what a derived dbar gets beside the noise", minimum=0
+        (0.0, 0.0), "N, N.m", "what a derived dbar gets beside the noise", minimum=0
     )
     nbar: tuple[float, float] | None = quantity(
-        None, unit="m/s, rad/s", doc="bound of the velocity's error", minimum=0, size=2
+        None, "m/s, rad/s", "bound of the velocity's error", minimum=0, size=2
     )
     delay: tuple[float, float] | None = quantity(
         None,
-        unit="s",
-        doc="bounds of a command's delay, which may vary",
+        "s",
+        "bounds of a command's delay, which may vary",
         minimum=0,
         maximum=10,
         size=2,
@@ -256,26 +241,26 @@ class Guard(Section, key="guard"):
     )
     lag: tuple[float, float] | None = quantity(
         None,
-        unit="s",
-        doc="bounds of the drives' time constant, which may vary; the same twice: constant",
+        "s",
+        "bounds of the drives' time constant, which may vary; the same twice: constant",
         minimum=0,
         size=2,
         usual=(0, 2),
     )
     alpha: float | None = quantity(
-        None, unit="1/s", doc="rate at which the limit may be approached, at most 1/T", above=0
+        None, "1/s", "rate at which the limit may be approached, at most 1/T", above=0
     )
     brake: tuple[float, float] | None = quantity(
-        None, unit="N, N.m", doc="largest force with which the guard brakes", minimum=0, size=2
+        None, "N, N.m", "largest force with which the guard brakes", minimum=0, size=2
     )
     brake_share: float = quantity(
-        0.5, unit="1", doc="share of spare wheel torque for linear braking", minimum=0, maximum=1
+        0.5, "1", "share of spare wheel torque for linear braking", minimum=0, maximum=1
     )
     f_min: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="N, N.m", doc="friction that is sure to act above f_speed", minimum=0
+        (0.0, 0.0), "N, N.m", "friction that is sure to act above f_speed", minimum=0
     )
     f_speed: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="m/s, rad/s", doc="speed above which f_min acts", minimum=0
+        (0.0, 0.0), "m/s, rad/s", "speed above which f_min acts", minimum=0
     )
 
     def masses(self, m: float, inertia: float) -> tuple[tuple[float, float], tuple[float, float]]:

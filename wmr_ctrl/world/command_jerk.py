@@ -30,7 +30,7 @@ class CommandJerk(Section, key="base"):
     """Jerk limits of the firmware."""
 
     jerk: tuple[float, float] = quantity(
-        (math.inf, math.inf), unit="m/s3, rad/s3", doc="largest change of the command's rate",
+        (math.inf, math.inf), "m/s3, rad/s3", "largest change of the command's rate",
         above=0, infinite=True,
     )  # fmt: skip
 

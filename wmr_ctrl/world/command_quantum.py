@@ -16,7 +16,7 @@ class CommandQuantum(Section, key="base"):
     """Step of the command."""
 
     quantum: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="m/s, rad/s", doc="step to whose multiples commands are rounded, 0: none",
+        (0.0, 0.0), "m/s, rad/s", "step to whose multiples commands are rounded, 0: none",
         minimum=0,
     )  # fmt: skip
 
@@ -30,12 +30,9 @@ def build(scenario: Scenario) -> System:
         size = ca.if_else(step[i] > 0, step[i], 1)
         rounded = size * ca.floor(item.sym / size + 0.5)
         outputs.append(Output(item.signal, ca.if_else(step[i] > 0, rounded, item.sym)))
+    shown = tuple(outputs)
     return System(
-        "command_quantum",
-        "quantised command",
-        inputs=command,
-        params=p.ports,
-        outputs=tuple(outputs),
+        "command_quantum", "quantised command", inputs=command, params=p.ports, outputs=shown
     )
 
 

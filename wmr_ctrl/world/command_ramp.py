@@ -22,11 +22,11 @@ class CommandRamp(Section, key="base"):
     """Acceleration limits of the firmware."""
 
     accel: tuple[float, float] = quantity(
-        FREE, unit="m/s2, rad/s2", doc="largest rate of the command away from 0", above=0,
+        FREE, "m/s2, rad/s2", "largest rate of the command away from 0", above=0,
         infinite=True,
     )  # fmt: skip
     decel: tuple[float, float] = quantity(
-        FREE, unit="m/s2, rad/s2", doc="largest rate of the command towards 0", above=0,
+        FREE, "m/s2, rad/s2", "largest rate of the command towards 0", above=0,
         infinite=True,
     )  # fmt: skip
 

@@ -21,8 +21,8 @@ def queued(doc: str) -> float:
     """Field of a section: a time [s] that a command is under way in the loop's queue."""
     return quantity(
         0.0,
-        unit="s",
-        doc=f"{doc}, a multiple of clock.plant",
+        "s",
+        f"{doc}, a multiple of clock.plant",
         minimum=0,
         maximum=10,
         usual=(0, 2),
@@ -42,13 +42,9 @@ def build(scenario: Scenario) -> System:
     """System of the plant's rate: the torque that arrives [N m]."""
     torque, p = ports(TORQUE), Parameters(scenario)
     late = p.take("actuator.delay") + p.take("actuator.unmodelled_delay")
+    shown = tuple(Output(item.signal, item.sym) for item in torque)
     return System(
-        "delay",
-        "delay of the drives",
-        inputs=torque,
-        params=p.ports,
-        outputs=tuple(Output(item.signal, item.sym) for item in torque),
-        transport=late,
+        "delay", "delay of the drives", inputs=torque, params=p.ports, outputs=shown, transport=late
     )
 
 
@@ -64,15 +60,9 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(delay=late.delay + late.unmodelled_delay)
 
 
+SHAPE = ("actuator.delay", "actuator.unmodelled_delay")
 DELAY = Effect(
-    "delay",
-    EffectRole.DRIVE,
-    Delay,
-    build,
-    bound,
-    rate=Rate.STEP,
-    shape=("actuator.delay", "actuator.unmodelled_delay"),
-    check=check,
+    "delay", EffectRole.DRIVE, Delay, build, bound, rate=Rate.STEP, shape=SHAPE, check=check
 )
 
 

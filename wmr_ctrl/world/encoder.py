@@ -36,20 +36,20 @@ class Encoder(Section, key="encoder"):
     """Counts per turn, and how a velocity is made of counts; left out: no encoders."""
 
     counts: float | None = quantity(
-        None, unit="1", doc="counts in one turn of a wheel, all four edges counted", above=0
+        None, "1", "counts in one turn of a wheel, all four edges counted", above=0
     )
     window: float = quantity(
         0.0,
-        unit="s",
-        doc="time over which counts are differenced, a multiple of clock.control; 0: one period",
+        "s",
+        "time over which counts are differenced, a multiple of clock.control; 0: one period",
         minimum=0,
         multiple_of="clock.control",
         most=MOST_REMEMBERED,
     )
     method: str = quantity(
         DIFFERENCE,
-        unit="1",
-        doc="counts over a window, or one count over the time that it took",
+        "1",
+        "counts over a window, or one count over the time that it took",
         options=(DIFFERENCE, TIME),
     )
 

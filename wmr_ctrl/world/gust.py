@@ -20,9 +20,9 @@ class Gust(Section, key="gust"):
     """Size and colour."""
 
     size: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="N, N.m", doc="largest force, moment on the body", minimum=0
+        (0.0, 0.0), "N, N.m", "largest force, moment on the body", minimum=0
     )
-    time: float = quantity(1.0, unit="s", doc="time constant of the noise's filter", above=0)
+    time: float = quantity(1.0, "s", "time constant of the noise's filter", above=0)
 
 
 def build(scenario: Scenario) -> System:
@@ -32,14 +32,9 @@ def build(scenario: Scenario) -> System:
     number = draw(NUMBERS, UNIFORM, ca.logic_or(size[0] > 0, size[1] > 0))
     keep = ca.exp(-p.take("clock.control") / p.take("gust.time"))
     now = filtered(share.sym, number.port.sym, keep)
+    shown = tuple(Output(signal, size[i] * now[i]) for i, signal in enumerate(BODY_FORCE))
     return System(
-        "gust",
-        "gusts",
-        state=(share,),
-        params=p.ports,
-        update=now,
-        outputs=tuple(Output(signal, size[i] * now[i]) for i, signal in enumerate(BODY_FORCE)),
-        draws=(number,),
+        "gust", "gusts", state=(share,), params=p.ports, update=now, outputs=shown, draws=(number,)
     )
 
 

@@ -17,9 +17,9 @@ NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
 class Gyro(Section, key="gyro"):
     """Presence of a gyro, and its errors."""
 
-    enabled: bool = quantity(False, unit="1", doc="whether omega is measured by a gyro")
-    bias: float = quantity(0.0, unit="rad/s", doc="what it shows at rest")
-    noise: float = quantity(0.0, unit="rad/s", doc="half-width of the uniform error", minimum=0)
+    enabled: bool = quantity(False, "1", "whether omega is measured by a gyro")
+    bias: float = quantity(0.0, "rad/s", "what it shows at rest")
+    noise: float = quantity(0.0, "rad/s", "half-width of the uniform error", minimum=0)
 
 
 def build(scenario: Scenario) -> System:

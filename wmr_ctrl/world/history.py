@@ -39,8 +39,8 @@ def remembered(doc: str) -> float:
     """Field of a section: how far back [s] a sensor looks, a multiple of clock.control."""
     return quantity(
         0.0,
-        unit="s",
-        doc=f"{doc}, a multiple of clock.control",
+        "s",
+        f"{doc}, a multiple of clock.control",
         minimum=0,
         usual=(0, 5),
         multiple_of="clock.control",

@@ -24,8 +24,8 @@ class Jitter(Section, key="actuator"):
 
     jitter: float = quantity(
         0.0,
-        unit="s",
-        doc="a command comes by up to this later than delay, a multiple of clock.plant",
+        "s",
+        "a command comes by up to this later than delay, a multiple of clock.plant",
         minimum=0,
         usual=(0, 2),
         multiple_of="clock.plant",
@@ -91,13 +91,7 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(delay=jitter, jitter=jitter)
 
 
+SHAPE = ("clock.control", "clock.plant")
 JITTER = Effect(
-    "jitter",
-    EffectRole.DRIVE,
-    Jitter,
-    build,
-    bound,
-    rate=Rate.STEP,
-    shape=("clock.control", "clock.plant"),
-    check=check,
+    "jitter", EffectRole.DRIVE, Jitter, build, bound, rate=Rate.STEP, shape=SHAPE, check=check
 )

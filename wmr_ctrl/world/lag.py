@@ -37,11 +37,9 @@ MANY = 500.0
 class Lag(Section, key="actuator"):
     """Time constant of the torque, and its spread."""
 
-    lag: float = quantity(
-        0.0, unit="s", doc="time constant of the torque's lag", minimum=0, usual=(0, 2)
-    )
+    lag: float = quantity(0.0, "s", "time constant of the torque's lag", minimum=0, usual=(0, 2))
     lag_spread: float = quantity(
-        0.0, unit="1", doc="share by which the time constant may vary", minimum=0, below=1
+        0.0, "1", "share by which the time constant may vary", minimum=0, below=1
     )
 
 

@@ -21,18 +21,18 @@ class Motor(Section, key="motor"):
     """Resolution, dead zone and torque line of the motors; the defaults change nothing."""
 
     step: float = quantity(
-        0.0, unit="N.m", doc="torque comes in whole steps of this, the nearest; 0: any", minimum=0
+        0.0, "N.m", "torque comes in whole steps of this, the nearest; 0: any", minimum=0
     )
     dead_zone: float = quantity(
-        0.0, unit="N.m", doc="what is lost of each torque; a smaller one does nothing", minimum=0
+        0.0, "N.m", "what is lost of each torque; a smaller one does nothing", minimum=0
     )
     stall: float = quantity(
-        math.inf, unit="N.m", doc="torque at rest; inf: no limit", above=0, infinite=True
+        math.inf, "N.m", "torque at rest; inf: no limit", above=0, infinite=True
     )
     free: float = quantity(
         math.inf,
-        unit="rad/s",
-        doc="speed of the wheel at which no torque is left; inf: any",
+        "rad/s",
+        "speed of the wheel at which no torque is left; inf: any",
         above=0,
         infinite=True,
     )
@@ -55,12 +55,9 @@ def build(scenario: Scenario) -> System:
         stall = p.take("motor.stall")
         pairs = zip(given, speeds, strict=True)
         given = [on_line(item, speed, stall, slowing) for item, speed in pairs]
+    shown = tuple(Output(signal, item) for signal, item in zip(TORQUE, given, strict=True))
     return System(
-        "motor",
-        "motors of the wheels",
-        inputs=(*torque, *velocity),
-        params=p.ports,
-        outputs=tuple(Output(signal, item) for signal, item in zip(TORQUE, given, strict=True)),
+        "motor", "motors of the wheels", inputs=(*torque, *velocity), params=p.ports, outputs=shown
     )
 
 

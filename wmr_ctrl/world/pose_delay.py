@@ -37,11 +37,5 @@ def build(scenario: Scenario) -> System:
     )
 
 
-POSE_DELAY = Effect(
-    "pose delay",
-    EffectRole.SENSOR,
-    PoseDelay,
-    build,
-    adds_nothing,
-    shape=("sensor.pose_delay", "clock.control"),
-)
+SHAPE = ("sensor.pose_delay", "clock.control")
+POSE_DELAY = Effect("pose delay", EffectRole.SENSOR, PoseDelay, build, adds_nothing, shape=SHAPE)

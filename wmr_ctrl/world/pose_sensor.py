@@ -26,23 +26,23 @@ class PoseSensor(Section, key="sensor"):
 
     pose_period: float = quantity(
         0.0,
-        unit="s",
-        doc="time between two poses; 0: one every control period",
+        "s",
+        "time between two poses; 0: one every control period",
         minimum=0,
         multiple_of="clock.control",
     )
     pose_noise: float = quantity(
         0.0,
-        unit="m",
-        doc="half-width of the uniform error in x and y; theta is exact",
+        "m",
+        "half-width of the uniform error in x and y; theta is exact",
         minimum=0,
         usual=(0, 5),
     )
     correction: float = quantity(
-        1.0, unit="1", doc="share of the pose's difference that is corrected", above=0, maximum=1
+        1.0, "1", "share of the pose's difference that is corrected", above=0, maximum=1
     )
     pose_dropout: float = quantity(
-        0.0, unit="1", doc="probability that a pose does not come", minimum=0, below=1
+        0.0, "1", "probability that a pose does not come", minimum=0, below=1
     )
 
     @property

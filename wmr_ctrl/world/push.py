@@ -18,7 +18,7 @@ class Push(Section, key="disturbance"):
     """Size of the push."""
 
     push: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="N, N.m", doc="force that always pushes away from rest", minimum=0
+        (0.0, 0.0), "N, N.m", "force that always pushes away from rest", minimum=0
     )
 
 
@@ -28,12 +28,9 @@ def build(scenario: Scenario) -> System:
     v, size = stack(item.sym for item in velocity), p.take("disturbance.push")
     force = ca.vertcat(*(ca.if_else(v[i] < 0, -size[i], size[i]) for i in (0, 1)))
     torque = force_to_wheel(p.take("robot.r"), p.take("robot.l"), force)
+    shown = outputs(TORQUE_NOISE, torque)
     return System(
-        "push",
-        "push in the direction of motion",
-        inputs=velocity,
-        params=p.ports,
-        outputs=outputs(TORQUE_NOISE, torque),
+        "push", "push in the direction of motion", inputs=velocity, params=p.ports, outputs=shown
     )
 
 

@@ -69,11 +69,11 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
     """Torque limit, first-order lag and delay of the drives; the defaults are ideal drives."""
 
     tau_max: float = quantity(
-        math.inf, unit="N.m", doc="largest torque of each wheel; inf: none", above=0, infinite=True
+        math.inf, "N.m", "largest torque of each wheel; inf: none", above=0, infinite=True
     )
 
     traction: bool = quantity(
-        False, unit="1", doc="whether wheel torques stay where the tyres of [body] are sure to grip"
+        False, "1", "whether wheel torques stay where the tyres of [body] are sure to grip"
     )
 
     @property
@@ -92,9 +92,13 @@ class Base(
     """
 
     tau_believed: tuple[float, float] | None = quantity(
-        None, unit="s", size=2, above=0, usual=(0, 5),
-        doc="time constants that laws believe; left out: tau, of a PI loop mass over kp",
-    )  # fmt: skip
+        None,
+        "s",
+        "time constants that laws believe; left out: tau, of a PI loop mass over kp",
+        size=2,
+        above=0,
+        usual=(0, 5),
+    )
 
 
 SHARED = tuple(section.KEY for section in (Sensor, Disturbance, Actuator, Base))

@@ -17,10 +17,10 @@ class Resistance(Section, key="resistance"):
     """Coefficients; the defaults are none."""
 
     rolling: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="1", doc="force over load of the right, left wheel's rolling", minimum=0
+        (0.0, 0.0), "1", "force over load of the right, left wheel's rolling", minimum=0
     )
     viscous: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="N.s/m, N.m.s/rad", doc="force, moment over velocity", minimum=0
+        (0.0, 0.0), "N.s/m, N.m.s/rad", "force, moment over velocity", minimum=0
     )
 
 

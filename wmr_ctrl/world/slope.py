@@ -20,11 +20,11 @@ class Slope(Section, key="slope"):
     """Rise of the ground, its direction, and the robot's centre of mass."""
 
     angle: float = quantity(
-        0.0, unit="rad", doc="rise of the ground where it is steepest", minimum=0, maximum=1.0
+        0.0, "rad", "rise of the ground where it is steepest", minimum=0, maximum=1.0
     )
-    direction: float = quantity(0.0, unit="rad", doc="heading psi of the steepest rise")
+    direction: float = quantity(0.0, "rad", "heading psi of the steepest rise")
     offset: float = quantity(
-        0.0, unit="m", doc="how far ahead of the axle the slope finds the centre of mass"
+        0.0, "m", "how far ahead of the axle the slope finds the centre of mass"
     )
 
 
@@ -37,13 +37,8 @@ def build(scenario: Scenario) -> System:
     pull = downhill(p.take("robot.m"), p.take("robot.g"), ca.sin(p.take("slope.angle")))
     a = turned(theta.sym, p.take("slope.direction"))
     force = pulled(pull, p.take("slope.offset"), ca.cos(a), ca.sin(a))
-    return System(
-        "slope",
-        "slope of the ground",
-        inputs=(theta,),
-        params=p.ports,
-        outputs=outputs(BODY_FORCE, force),
-    )
+    shown = outputs(BODY_FORCE, force)
+    return System("slope", "slope of the ground", inputs=(theta,), params=p.ports, outputs=shown)
 
 
 def turned(theta: ca.SX, direction: ca.SX) -> ca.SX:

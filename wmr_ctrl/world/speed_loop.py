@@ -29,8 +29,8 @@ EXERTED = Signal("tau_exerted", "N.m", "torque of the speed loop (right, left)",
 class BaseKind(Section, key="base"):
     """Input of the base, and the speed loop of one that takes velocities."""
 
-    kind: str = quantity("torque", unit="1", doc="input of the base", options=KINDS)
-    loop: str = quantity("first-order", unit="1", doc="speed loop of the base", options=LOOPS)
+    kind: str = quantity("torque", "1", "input of the base", options=KINDS)
+    loop: str = quantity("first-order", "1", "speed loop of the base", options=LOOPS)
 
 
 def takes_velocity(scenario: Scenario) -> bool:

@@ -22,10 +22,10 @@ class FirstOrderGains(Section, key="base"):
     """Time constants and gains of the first-order loop, per axis."""
 
     tau: tuple[float, float] = quantity(
-        (0.2, 0.2), unit="s", doc="time constants of the first-order loop", above=0, usual=(0, 5)
+        (0.2, 0.2), "s", "time constants of the first-order loop", above=0, usual=(0, 5)
     )
     gain: tuple[float, float] = quantity(
-        (1.0, 1.0), unit="1", doc="speed over command at rest, of the first-order loop", above=0
+        (1.0, 1.0), "1", "speed over command at rest, of the first-order loop", above=0
     )
 
 

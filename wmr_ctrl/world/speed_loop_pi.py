@@ -23,12 +23,10 @@ INTEGRAL = Signal("f_integral", "N, N.m", "integral force of the speed loop", 2)
 class PiLoopGains(Section, key="base"):
     """Gains of the PI loop: of both wheels together, at their rim."""
 
-    kp: float = quantity(150.0, unit="N.s/m", doc="gain of the PI loop, of both wheels", above=0)
-    ki: float = quantity(
-        300.0, unit="N/m", doc="integral gain of the PI loop, of both wheels", minimum=0
-    )
+    kp: float = quantity(150.0, "N.s/m", "gain of the PI loop, of both wheels", above=0)
+    ki: float = quantity(300.0, "N/m", "integral gain of the PI loop, of both wheels", minimum=0)
     antiwindup: bool = quantity(
-        True, unit="1", doc="whether the integral rests while the wheels are at their limit"
+        True, "1", "whether the integral rests while the wheels are at their limit"
     )
 
 

@@ -25,15 +25,9 @@ _UNBOUNDED = (
 class TorqueNoise(Section, key="disturbance"):
     """Standard deviation and truncation of the noise."""
 
-    std: float = quantity(
-        1.0, unit="N.m", doc="standard deviation of the torque on each wheel", minimum=0
-    )
+    std: float = quantity(1.0, "N.m", "standard deviation of the torque on each wheel", minimum=0)
     truncate: float = quantity(
-        math.inf,
-        unit="1",
-        doc="draw again beyond this many std; inf: never",
-        above=0,
-        infinite=True,
+        math.inf, "1", "draw again beyond this many std; inf: never", above=0, infinite=True
     )
 
 

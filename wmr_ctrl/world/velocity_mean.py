@@ -66,11 +66,5 @@ def bound(scenario: Scenario) -> Bound:
     return on_axes(axes_without_gyro(scenario), late)
 
 
-VELOCITY_MEAN = Effect(
-    "velocity mean",
-    EffectRole.SENSOR,
-    VelocityMean,
-    build,
-    bound,
-    shape=("sensor.velocity_window", "sensor.velocity_age", "clock.control"),
-)
+SHAPE = ("sensor.velocity_window", "sensor.velocity_age", "clock.control")
+VELOCITY_MEAN = Effect("velocity mean", EffectRole.SENSOR, VelocityMean, build, bound, shape=SHAPE)

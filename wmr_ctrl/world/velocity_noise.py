@@ -15,10 +15,7 @@ class VelocityNoise(Section, key="sensor"):
     """Half-widths of the error."""
 
     velocity_noise: tuple[float, float] = quantity(
-        (0.0, 0.0),
-        unit="m/s, rad/s",
-        doc="half-widths of the uniform error in v1, omega",
-        minimum=0,
+        (0.0, 0.0), "m/s, rad/s", "half-widths of the uniform error in v1, omega", minimum=0
     )
 
 

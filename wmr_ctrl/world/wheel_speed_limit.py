@@ -20,7 +20,7 @@ class WheelSpeedLimit(Section, key="base"):
     """Largest speed of each wheel."""
 
     w_max: float = quantity(
-        math.inf, unit="rad/s", doc="speed at which the firmware clips each wheel; inf: none",
+        math.inf, "rad/s", "speed at which the firmware clips each wheel; inf: none",
         above=0, infinite=True,
     )  # fmt: skip
 

@@ -24,13 +24,13 @@ class Wheels(Section, key="wheels"):
 
     radius: tuple[float, float] = quantity(
         (0.0, 0.0),
-        unit="1",
-        doc="share by which the right, left wheel's radius exceeds robot.r",
+        "1",
+        "share by which the right, left wheel's radius exceeds robot.r",
         minimum=-0.5,
         maximum=0.5,
     )
     track: float = quantity(
-        0.0, unit="1", doc="share by which the track exceeds robot.l", minimum=-0.5, maximum=0.5
+        0.0, "1", "share by which the track exceeds robot.l", minimum=-0.5, maximum=0.5
     )
 
     @property

@@ -83,7 +83,7 @@ class MapRow:
 
 
 def _table(doc: str, kind: str = "mapping") -> Any:
-    return quantity(Frozen(), kind=kind, unit="", doc=doc)
+    return quantity(Frozen(), "", doc, kind=kind)
 
 
 class PartMap(Section):
@@ -93,12 +93,12 @@ class PartMap(Section):
     outputs: Mapping[str, object] = _table("row of each of our quantities")
     parameters: Mapping[str, str] = _table("their name of each of our keys")
     start: Mapping[str, float] = _table("their start values", "numbers")
-    step: float | None = quantity(None, unit="s", doc="their communication step", above=0)
+    step: float | None = quantity(None, "s", "their communication step", above=0)
     units: str = quantity(
         "stated",
-        unit="1",
+        "1",
+        "units of variables of which the FMU gives none: stated in their rows, or SI",
         options=("stated", "SI"),
-        doc="units of variables of which the FMU gives none: stated in their rows, or SI",
     )
 
 
@@ -106,11 +106,11 @@ class MapEntry(Section):
     """A row as a table: target = sum of coefficient * source + offset."""
 
     terms: Mapping[str, float] = quantity(
-        REQUIRED, kind="numbers", unit="1", doc="coefficient of each source"
+        REQUIRED, "1", "coefficient of each source", kind="numbers"
     )
-    offset: float = quantity(0.0, unit="1", doc="what is added, in the target's unit")
-    unit: str = quantity("", unit="1", doc="unit of their variables")
-    coefficient_unit: str = quantity("1", unit="1", doc="unit of the coefficients")
+    offset: float = quantity(0.0, "1", "what is added, in the target's unit")
+    unit: str = quantity("", "1", "unit of their variables")
+    coefficient_unit: str = quantity("1", "1", "unit of the coefficients")
 
 
 def load_map(path: str | Path) -> dict[str, PartMap]:

@@ -16,9 +16,9 @@ from wmr_ctrl.world.references.kind import Reference, ReferenceKind, speeds, tim
 class Circle(Reference):
     """Circle through the origin, as in Section V: x = R sin wt, y = R - R cos wt."""
 
-    radius: float = quantity(2.0, unit="m", doc="radius of the desired circle", minimum=1e-6)
+    radius: float = quantity(2.0, "m", "radius of the desired circle", minimum=1e-6)
     rate: float = quantity(
-        0.1, unit="rad/s", doc="angular rate of the desired motion; negative: driven backwards"
+        0.1, "rad/s", "angular rate of the desired motion; negative: driven backwards"
     )
 
 
@@ -40,13 +40,11 @@ def circle(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 class Line(Reference):
     """Straight line at constant speed along (-sin heading, cos heading)."""
 
-    speed: float = quantity(0.2, unit="m/s", doc="speed of the desired motion")
+    speed: float = quantity(0.2, "m/s", "speed of the desired motion")
     heading: float = quantity(
-        -math.pi / 2, unit="rad", doc="orientation of the desired line, 0 along +Y", orientation=1
+        -math.pi / 2, "rad", "orientation of the desired line, 0 along +Y", orientation=1
     )
-    origin: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="m", doc="desired position x, y at t = 0"
-    )
+    origin: tuple[float, float] = quantity((0.0, 0.0), "m", "desired position x, y at t = 0")
 
 
 def line(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
@@ -60,11 +58,11 @@ def line(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 class StopAndGo(Reference):
     """The circle with a speed that rises from 0 and falls to 0 again in every period."""
 
-    radius: float = quantity(2.0, unit="m", doc="radius of the desired circle", minimum=1e-6)
+    radius: float = quantity(2.0, "m", "radius of the desired circle", minimum=1e-6)
     speed: float = quantity(
-        0.4, unit="m/s", doc="largest speed of the desired motion; the mean is half of it", above=0
+        0.4, "m/s", "largest speed of the desired motion; the mean is half of it", above=0
     )
-    period: float = quantity(10.0, unit="s", doc="time from one stop to the next", minimum=1e-6)
+    period: float = quantity(10.0, "s", "time from one stop to the next", minimum=1e-6)
 
     @property
     def cycle(self) -> float:
@@ -88,14 +86,14 @@ class Lemniscate(Reference):
 
     size: float = quantity(
         2.0,
-        unit="m",
-        doc="half the width of the desired figure of eight; the height equals it",
+        "m",
+        "half the width of the desired figure of eight; the height equals it",
         minimum=1e-6,
     )
     rate: float = quantity(
         0.1,
-        unit="rad/s",
-        doc="rate of the phase along the figure of eight; one lap is 2 pi/rate",
+        "rad/s",
+        "rate of the phase along the figure of eight; one lap is 2 pi/rate",
         minimum=1e-6,
     )
 

@@ -39,9 +39,9 @@ class Reference(Section, key="reference"):
 
     keep_out: tuple[tuple[float, ...] | tuple[tuple[float, float], ...], ...] = quantity(
         (),
-        unit="m",
+        "m",
+        "what the body must not touch: circles [x, y, r], polygons [[x, y], ...]",
         kind="shapes",
-        doc="what the body must not touch: circles [x, y, r], polygons [[x, y], ...]",
     )
 
     @property
@@ -62,11 +62,6 @@ def field_numbers(reference: Reference) -> Numbers:
     return tuple(number_of(reference, name, f"ref_{name}") for name in names)
 
 
-def as_given(values: Raw) -> Raw:
-    """Return a raw table as it is."""
-    return values
-
-
 @dataclass(frozen=True)
 class ReferenceKind:
     """One kind: its name in ``reference.kind``, its section, its graph, its numbers.
@@ -82,7 +77,7 @@ class ReferenceKind:
     section: type[Reference]
     build: Callable[[Scenario], System]
     numbers: Callable[..., Numbers] = field_numbers
-    read: Callable[[Raw], Raw] = as_given
+    read: Callable[[Raw], Raw] = dict
     example: str = ""
 
 

@@ -19,14 +19,11 @@ GROWTH = 2.5
 class RoundedSquare(Reference):
     """Square with smoothed corners, counter-clockwise from the middle of its lower side."""
 
-    side: float = quantity(3.0, unit="m", doc="side of the square", minimum=1e-6)
+    side: float = quantity(3.0, "m", "side of the square", minimum=1e-6)
     corner: float = quantity(
-        0.8,
-        unit="m",
-        doc="length of side that a corner takes at each end; at most side/2",
-        minimum=1e-6,
+        0.8, "m", "length of side that a corner takes at each end; at most side/2", minimum=1e-6
     )
-    speed: float = quantity(0.2, unit="m/s", doc="speed, nearly constant", minimum=1e-6)
+    speed: float = quantity(0.2, "m/s", "speed, nearly constant", minimum=1e-6)
 
     def relate(self) -> None:
         """Two corners must fit on a side."""

@@ -72,25 +72,24 @@ class Waypoints(Reference):
 
     points: tuple[tuple[float, float], ...] = quantity(
         (),
-        unit="m",
+        "m",
+        f"x, y of each point, in the order of travel; more than {MOST_POINTS} need tolerance",
         kind="points",
-        doc=f"x, y of each point, in the order of travel; more than {MOST_POINTS} need tolerance",
     )
-    speed: float = quantity(0.2, unit="m/s", doc="speed wherever no limit is lower", minimum=1e-6)
-    v_max: float | None = quantity(
-        None, unit="m/s", doc="largest v1_d, in place of speed", minimum=1e-6
-    )
-    omega_max: float = quantity(1.0, unit="rad/s", doc="largest |v2_d|", minimum=1e-6)
-    a_max: float = quantity(0.2, unit="m/s2", doc="largest rate of v1_d", minimum=1e-6)
-    alpha_max: float = quantity(1.0, unit="rad/s2", doc="largest rate of v2_d", minimum=1e-6)
+    speed: float = quantity(0.2, "m/s", "speed wherever no limit is lower", minimum=1e-6)
+    v_max: float | None = quantity(None, "m/s", "largest v1_d, in place of speed", minimum=1e-6)
+    omega_max: float = quantity(1.0, "rad/s", "largest |v2_d|", minimum=1e-6)
+    a_max: float = quantity(0.2, "m/s2", "largest rate of v1_d", minimum=1e-6)
+    alpha_max: float = quantity(1.0, "rad/s2", "largest rate of v2_d", minimum=1e-6)
     tolerance: float | None = quantity(
-        None, unit="m", minimum=1e-6, usual=(0, 5),
-        doc="how far a corner may be cut; left out: smooth through all points",
-    )  # fmt: skip
-    at_end: str = quantity(
-        STOP, unit="1", doc="what follows the last point", options=(STOP, CONTINUE, LOOP)
+        None,
+        "m",
+        "how far a corner may be cut; left out: smooth through all points",
+        minimum=1e-6,
+        usual=(0, 5),
     )
-    closed: bool = quantity(False, unit="1", doc="whether the path returns to its first point")
+    at_end: str = quantity(STOP, "1", "what follows the last point", options=(STOP, CONTINUE, LOOP))
+    closed: bool = quantity(False, "1", "whether the path returns to its first point")
 
     def relate(self) -> None:
         """The path must exist: enough points, none twice in a row, no turning on the spot."""
