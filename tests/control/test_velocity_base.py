@@ -247,10 +247,11 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
     if kind == "clip":
         assert max(shares) > 1 / facts.gain > min(shares) - 1e-6
         assert facts.gain_cost == pytest.approx([0.0099 * s for s in facts.usable_speed], rel=2e-3)
-        assert facts.overshoot_cost is not None
-        assert facts.overshoot is not None
-        assert min(facts.overshoot) > 0.1
-        assert 0.01 < min(c / s for c, s in zip(facts.overshoot_cost, shares, strict=True)) < 0.04
+    assert facts.overshoot is not None
+    assert min(facts.overshoot) > 0.1
+    assert facts.overshoot_cost is not None
+    taken = [cost / share for cost, share in zip(facts.overshoot_cost, shares, strict=True)]
+    assert (0.01 if kind == "clip" else 0.0) < min(taken) < max(taken) < 0.06
 
 
 BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {

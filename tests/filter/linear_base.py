@@ -36,7 +36,7 @@ class LinearBase:
         times = np.arange(samples * parts) * (T / parts)
         ahead = np.sign(self.impulse(self.b, times[::parts] + 0.5 * T / parts))[::-1]
         pushed = np.sign(self.impulse(self.e, times + 0.5 * T / parts))[::-1]
-        step = _held(self.A, np.c_[self.b, self.e], T / parts)
+        step = held(self.A, np.c_[self.b, self.e], T / parts)
         x, worst = np.zeros(len(self.b)), 0.0
         for k in range(samples):
             u = send(10.0 * ahead[k])
@@ -85,7 +85,8 @@ def impulses(A: np.ndarray, column: np.ndarray, step: float, count: int) -> np.n
     return np.array(found).T
 
 
-def _held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+def held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """State and input matrices over a period of held input."""
     n, m = B.shape
     both = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * h)
     return both[:n, :n], both[:n, n:]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from tests.filter.linear_base import LinearBase, _held, pi_base, second_order_base
+from tests.filter.linear_base import LinearBase, held, pi_base, second_order_base
 from tests.filter.test_peak_gain import LOOP, WIDE, scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.errors import ScenarioError
@@ -33,7 +33,7 @@ def banded(loop: str = "pi", push: float = 0.0) -> CommandFilter:
 def speeds(base: LinearBase, limit: CommandFilter, asked: np.ndarray, d: float) -> np.ndarray:
     """Speeds at PARTS instants a period; the push changes its way with the asked command."""
     limit.start()
-    A, B = _held(base.A, np.c_[base.b, base.e], T / PARTS)
+    A, B = held(base.A, np.c_[base.b, base.e], T / PARTS)
     x, found = np.zeros(2), []
     for r in asked:
         u = limit.step((r, 0.0)).command[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -14,7 +15,7 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
 from wmr_ctrl.filter.band import MOST_COMMANDS
 from wmr_ctrl.filter.hypotheses import broken_hypotheses
-from wmr_ctrl.filter.peak_gain import overshoot, peak_gains
+from wmr_ctrl.filter.peak_gain import less_damped, overshoot, peak_gains
 from wmr_ctrl.scenario import Scenario, override
 
 STATEMENTS = {
@@ -23,7 +24,11 @@ STATEMENTS = {
     "band": "band, for linear loops whose numbers stay as they are",
 }
 OF_LINEAR_LOOPS = "memoryless clip, for linear loops with peak gains up to {0:.4g}, {1:.4g}"
+BEHIND_SLEW = (
+    "clip of commands that change by at most {0:.4g} m/s2, {1:.4g} rad/s2, for linear loops"
+)
 MILLISECOND = 1e-3
+PER_CENT = 1e-2
 SETTLED = 40.0
 """Time constants after which a base is taken to have settled: e^-40 is below rounding."""
 MOST_STEPS = 5000
@@ -61,16 +66,18 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     (low, high), (first, last) = stated.gain, stated.delay
     statement = STATEMENTS[stated.kind]
     if stated.loop != "first-order":  # where a command acts is no matter to a clip, nor to a band
-        late, strong, swung = (0.0, 0.0), None, None
-        (o1, slope1), (o2, slope2) = overshoot(scenario)
+        late: tuple[float, float] | None = (0.0, 0.0)
+        strong = None
         if stated.kind == "clip":
-            N1, N2 = peaks = [peak.gain for peak in peak_gains(scenario)]
+            peaks = [peak.gain for peak in peak_gains(scenario)]
             statement, high = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
             strong = usable[0] * (1 - 1 / 1.01), usable[1] * (1 - 1 / 1.01)
-            more = 0.01 * slope1, 0.01 * slope2
-            swung = usable[0] * more[0] / (N1 + more[0]), usable[1] * more[1] / (N2 + more[1])
+        if stated.slew is not None:  # what varies of a delay is what costs
+            statement, strong = BEHIND_SLEW.format(*stated.slew), None
+            late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
+        swung = _swung(scenario, usable)
         return FilterFacts(
-            stated.kind, statement, high, usable, late, strong, broken, (o1, o2), swung
+            stated.kind, statement, high, usable, late, strong, broken, overshoot(scenario), swung
         )
     delayed = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
     stronger = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
@@ -88,6 +95,9 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
     filtering, stated = CommandFilter(scenario), scenario.filter
     if not filtering.governs:
         steps = MOST_COMMANDS if stated.kind == "band" else 1
+        if stated.slew is not None:
+            limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
+            steps = math.ceil(max(V / a for V, a in limits) / scenario.clock.control) + 1
         asked = [10 * limit for limit in scenario.limits.v_u1]
         sent = [filtering.step(asked).command for _ in range(steps)][-1]
         return stated.gain[0] * sent[0], stated.gain[0] * sent[1]
@@ -102,6 +112,19 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
         for command, share in ((commands[int(whole) + 1], part), (commands[int(whole)], 1 - part)):
             v = v - np.expm1(-share * T / tau) * (stated.gain[0] * command - v)
     return float(v[0]), float(v[1])
+
+
+def _swung(scenario: Scenario, usable: tuple[float, float]) -> tuple[float, float] | None:
+    """Loss of usable speed where steps of v, and of omega, overshoot by one per cent more."""
+    key = "damping" if scenario.filter.loop == "second-order" else "kp"
+    least, most = scenario.filter.interval(key)
+    costs = []
+    for axis in (0, 1):
+        share = less_damped(scenario, axis, PER_CENT)
+        if (loss := _cost(scenario, usable, {f"filter.{key}": [share * least, most]})) is None:
+            return None
+        costs.append(loss[axis])
+    return costs[0], costs[1]
 
 
 def _cost(

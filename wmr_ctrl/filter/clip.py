@@ -4,13 +4,24 @@ A base that never overshoots is kept by |u| <= (V - dbar)/K_max; a linear loop, 
 (V - delta)/N with its peak gain N and what pushes alone lead to, delta (`peak_gain`).  Neither
 asks when a command arrives: late, lost, jittering and timed-out ones are commands within the same
 bounds.
+
+Commands that change by at most ``slew`` a second, a, swing a linear loop less.  What acts is then
+within a H of a command that changes at most so fast, with H the longest that one may act, so that
+for the step response S
+
+    |v| <= K c + a (K int|1 - S| + N H) + delta
+
+and |u| <= c = (V - delta - a (K int|1 - S| + N H))/K is admitted (`filter.slew`).
 """
 
 from __future__ import annotations
 
+from functools import lru_cache, reduce
+
 import casadi as ca
 
 from wmr_ctrl.filter.channels import (
+    AXES,
     DELTA,
     FLAGS,
     SENT,
@@ -22,13 +33,16 @@ from wmr_ctrl.filter.channels import (
     sound,
     usable_command,
 )
-from wmr_ctrl.filter.governor import largest_command
+from wmr_ctrl.filter.governor import admitted, largest_command
 from wmr_ctrl.filter.governor_step import stated
 from wmr_ctrl.filter.peak_gain import peak_gains
+from wmr_ctrl.filter.step_response import cells_of, lag
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import ASKED, Signal
 
+LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
+REACH = Signal("filter.slew_reach", "s", "speed beyond a command that changes by 1 a second", 2)
 PEAK_GAIN = Signal("filter.peak_gain", "1", "largest speed that commands of at most 1 lead to", 2)
 
 
@@ -45,15 +59,31 @@ class Clip:
             peaks = peak_gains(scenario)
             N = port(PEAK_GAIN, [item.gain for item in peaks])
             delta = port(DELTA, [item.push for item in peaks])
-            self.p = Parameters(scenario, (N, delta))
             numbers = N.sym, N.sym, delta.sym
+            if scenario.filter.slew is None:
+                self.p = Parameters(scenario, (N, delta))
+            else:
+                reach = port(REACH, slew_reach(scenario))
+                self.p = Parameters(scenario, (delta, reach))
+                least, most, _ = stated(self.p)
+                numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
         self.channels: list[Channel] = channels_of(scenario, self.p, numbers, ca.SX(0))
         self.limits = [largest_command(c.bounds.V, c.bounds) for c in self.channels]
         self.command, self.refused = usable_command(self.asked.sym)
         self.sound = sound(self.channels)
         backwards = [-limit for limit in self.limits]
         safe = scaled(self.command, self.channels, backwards, self.limits, scenario.filter.scale)
-        self.sent = ca.if_else(self.sound, safe, 0)
+        self.last = () if scenario.filter.slew is None else (port(LAST),)
+        self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
+
+    def _slowly(self, wanted: ca.SX) -> ca.SX:
+        """The command (2,) on the way to ``wanted`` that the slew leads to in a period."""
+        most = self.p.take("filter.slew") * self.p.take("clock.control")
+        change = wanted - self.last[0].sym
+        shares = admitted(ca.vertsplit(change), ca.vertsplit(-most), ca.vertsplit(most))
+        if self.scenario.filter.scale != "axes":
+            shares = [reduce(ca.fmin, shares)] * len(shares)
+        return self.last[0].sym + ca.vertcat(*shares) * change
 
     @property
     def system(self) -> System:
@@ -62,6 +92,22 @@ class Clip:
         flagged = ca.if_else(self.sound, flags, UNSOUND)
         return System(
             "filter", "command filter (clip)", inputs=(self.asked,), params=self.p.ports,
+            state=self.last, update=self.sent if self.last else ca.SX(0, 1),
             outputs=(Output(SENT, self.sent), Output(FLAGS, flagged)),
             period=self.scenario.clock.control,
         )  # fmt: skip
+
+
+@lru_cache(maxsize=8)
+def slew_reach(scenario: Scenario) -> tuple[float, float]:
+    """K int|1 - S| + N H of both axes [s], rounded up, for commands as the filter times them.
+
+    Of samples ``jitter`` apart from the period, the shortest lets commands change fastest.
+    """
+    settings, T = scenario.filter, scenario.clock.control
+    first, last = settings.delay
+    H = (1 + settings.losses) * (T + settings.jitter) + last - first
+    K, quicker, peaks = settings.gain[1], T / (T - settings.jitter), peak_gains(scenario)
+    lags = [lag(cells_of(scenario, axis)) for axis in AXES]
+    linear, angular = (quicker * (K * lags[i] + peaks[i].gain * H) * (1 + 2.0**-49) for i in AXES)
+    return linear, angular

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,10 @@ class Span:
         """Intervals between doubles, each a point where ``high`` is left out."""
         lo = np.asarray(low, dtype=float)
         return cls(lo, lo if high is None else np.asarray(high, dtype=float))
+
+    def __getitem__(self, place: Any) -> Span:
+        """Some of the intervals, as NumPy picks them."""
+        return Span(self.lo[place], self.hi[place])
 
     def __add__(self, other: Span | float) -> Span:
         """Enclosure of the sum."""

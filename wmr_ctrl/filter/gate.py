@@ -14,7 +14,7 @@ from functools import reduce
 
 import casadi as ca
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, LIMITED, within
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import ELAPSED, ODOMETRY
@@ -79,6 +79,12 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
 
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
+    if scenario.filter.slew is not None:
+        raise ScenarioError(
+            "filter.slew: a gate sends 0 at once where the program that it stands in stops, and "
+            "the clip counts on commands that change slowly. Leave it out, and filter.kind = "
+            '"clip" or "band" holds behind a gate.'
+        )
     inner = filter_system(scenario)
     ports = {item.signal: item for item in inner.inputs}
     asked, age, stop, reset = port(ASKED), port(COMMAND_AGE, -1.0), port(STOP), port(RESET)

@@ -47,6 +47,8 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
         sentences += _of_the_governor(scenario, bound)
     if scenario.filter.kind == "band":
         sentences += _of_the_band(bound)
+    if scenario.filter.slew is not None:
+        sentences += _of_slow_commands(scenario, bound)
     return tuple(sentences)
 
 
@@ -145,6 +147,29 @@ def _of_the_band(bound: Bound) -> Iterator[str]:
         )
 
 
+def _of_slow_commands(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """What makes the command that acts change faster than it was sent."""
+    if bound.hidden:
+        yield (
+            f"{bound.hidden} With filter.slew the clip counts on every command reaching the loop "
+            "as it was sent. Leave out filter.slew."
+        )
+    yield from _of_the_times(scenario, bound)
+
+
+def _of_the_times(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """Delays and losses beyond what is stated."""
+    stated = scenario.filter
+    for late in bound.takeover:
+        if not _within(late, stated.delay):
+            yield _outside("A command's delay", late, "s", "filter.delay", stated.delay)
+    if bound.losses > stated.losses:
+        yield (
+            f"base.losses = {bound.losses} commands in a row may be lost, and filter.losses = "
+            f"{stated.losses} is less. Raise it to that."
+        )
+
+
 def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
     stated, base = scenario.filter, scenario.base
     if bound.hidden:
@@ -159,14 +184,7 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 yield _outside(f"base.tau[{axis + 1}]", tau, "s", "filter.tau", stated.tau)
             if gain < stated.gain[0] * (1 - ROUNDING):
                 yield _outside(f"base.gain[{axis + 1}]", gain, "1", "filter.gain", stated.gain)
-    for late in bound.takeover:
-        if not _within(late, stated.delay):
-            yield _outside("A command's delay", late, "s", "filter.delay", stated.delay)
-    if bound.losses > stated.losses:
-        yield (
-            f"base.losses = {bound.losses} commands in a row may be lost, and filter.losses = "
-            f"{stated.losses} is less. Raise it to that."
-        )
+    yield from _of_the_times(scenario, bound)
     if stated.odometry is None:
         return
     for axis, error in enumerate(bound.nbar):

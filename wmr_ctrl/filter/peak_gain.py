@@ -18,7 +18,6 @@ intervals that are rounded outward.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -120,33 +119,46 @@ def pi_push(z: Value, ratio: Value, left: Value) -> Value:
     return 4 * z * _exp(-(z * ratio)) / (1 - left)
 
 
-def overshoot(scenario: Scenario) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Largest overshoot of a step of v and of omega, as a share of it, and N's slope over it.
+def overshoot(scenario: Scenario) -> tuple[float, float]:
+    """Largest overshoot of a step of v and of omega, as a share of it, for what is told.
 
-    Of the corner where N is largest; in doubles, for what is told.
+    In doubles, of the corner where N is largest.
     """
-    settings = scenario.filter
-    if settings.loop == "second-order":
-        z, K = settings.interval("damping")[0], settings.gain[1]
-        both = _told(z, lambda z, ratio, left: (left, K * second_order_gain(z, left)))
-        return both, both
-    v, omega = (
-        _told(
-            loop.kp[0] / (2 * (loop.ki[1] * loop.M[1]) ** 0.5),
-            lambda z, ratio, left: (_exp(-2 * z * ratio), pi_gain(z, ratio, left)),
-        )
-        for loop in (pi_loop(scenario, 0), pi_loop(scenario, 1))
-    )
+    v, omega = (_overshoot(scenario, z) for z in _dampings(scenario))
     return v, omega
 
 
-def _told(z: float, of: Callable[[Span, Span, Span], tuple[Span, Span]]) -> tuple[float, float]:
-    """An overshoot at damping z, and by how much N grows with it there."""
-    o, _ = of(*_swing(_off_one(z, -1)))
-    near = min(z, 0.95)  # beyond it hardly anything swings
-    (less, smaller), (more, larger) = (of(*_swing(share * near)) for share in (1.0, 1 - 2.0**-10))
-    slope = float((larger.hi - smaller.hi) / (more.hi - less.hi))
-    return float(o.hi), slope
+def less_damped(scenario: Scenario, axis: int, more: float) -> float:
+    """Share of its damping that is left to a base whose steps overshoot by ``more`` more."""
+    z = _dampings(scenario)[axis]
+    wanted, low, high = _overshoot(scenario, z) + more, 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if _overshoot(scenario, middle * z) < wanted else (middle, high)
+    return low
+
+
+BISECTIONS = 40
+
+
+def _dampings(scenario: Scenario) -> tuple[float, float]:
+    """Least damping of both axes: of PI loops without friction."""
+    settings = scenario.filter
+    if settings.loop == "second-order":
+        z = settings.interval("damping")[0]
+        return z, z
+    v, omega = (pi_loop(scenario, axis) for axis in (0, 1))
+    return _least_damping(v), _least_damping(omega)
+
+
+def _least_damping(loop: PiLoop) -> float:
+    return float(loop.kp[0] / (2 * (loop.ki[1] * loop.M[1]) ** 0.5))
+
+
+def _overshoot(scenario: Scenario, damping: float) -> float:
+    z, ratio, left = _swing(_off_one(damping, -1))
+    own = left if scenario.filter.loop == "second-order" else _exp(-2 * z * ratio)
+    return float(own.hi)
 
 
 def _exp(value: Value) -> Value:

@@ -19,13 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.filter.enclosure import Floats, Span, cosine, exp, root, sine_over, square
-from wmr_ctrl.filter.peak_gain import PiLoop
+from wmr_ctrl.filter.peak_gain import PiLoop, pi_loop
+from wmr_ctrl.scenario import Scenario
 
 GRID = 64
 """Cells along each side of the family."""
 CHUNK = 128
 SWINGS = 3.2
 """Length of the tables, over the slowest time constant: what is left behind is some per cent."""
+LAG_PIECES = 200
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,7 @@ class Cells:
 
     def __getitem__(self, part: slice) -> Cells:
         """Some of the cells, as a column."""
-        return Cells(*(Span(item.lo[part, None], item.hi[part, None])
-                       for item in (self.a, self.b, self.gamma, self.w2)))  # fmt: skip
+        return Cells(*(item[part, None] for item in (self.a, self.b, self.gamma, self.w2)))
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,14 @@ def pi_cells(loop: PiLoop) -> Cells:
     low = np.maximum((Span.of(c.lo) / least).lo, (Span.of(a.lo) - Span.of(kp.hi) / least).lo)
     gamma = Span(np.maximum(low, 0.0), np.maximum(high, 0.0))
     return Cells(a, b, gamma, b - 0.25 * square(a))
+
+
+def cells_of(scenario: Scenario, axis: int) -> Cells:
+    """Cells of an axis' family, as a scenario's filter states it."""
+    settings = scenario.filter
+    if settings.loop == "pi":
+        return pi_cells(pi_loop(scenario, axis))
+    return second_order_cells(settings.interval("frequency"), settings.interval("damping"))
 
 
 def _beside(place: Floats, low: Floats, high: Floats) -> Span:
@@ -125,8 +134,30 @@ def band(cells: Cells, T: float, pieces: int, most: int) -> Band:
         lower = _down(np.minimum(e.lo[:, :-1], e.lo[:, 1:]) - bent.hi[:, :-1])
         low = np.minimum(low, _down(1 - np.max(upper, axis=0)))
         high = np.maximum(high, _up(1 - np.min(lower, axis=0)))
-        left = max(left, _left(part, e, speed, rate))
+        left = max(left, float(_left(part, e, speed, rate).max()))
     return Band(np.maximum(low, 0.0), high, left, rate)
+
+
+def lag(cells: Cells) -> float:
+    """Largest integral of |1 - S| over all time [s] that a member of the family has.
+
+    Within a piece |e| is below the line between its ends by no more than e bends; behind the last
+    piece it fades.
+    """
+    rate = _slowest(cells)
+    times = np.linspace(0.0, 2 * SWINGS / rate, LAG_PIECES + 1)
+    longest = float(_up(np.diff(times).max()))
+    found = 0.0
+    for start in range(0, len(cells.a.lo), CHUNK):
+        part = cells[start : start + CHUNK]
+        e, speed = deviation(part, Span(_down(times)[None], _up(times)[None]))
+        energy = square(speed[..., :-1]) + part.b * square(e[..., :-1])
+        bent = (part.a + root(part.b)) * root(energy) * (longest**2 * (1 + 1e-12) / 8)
+        mean = 0.5 * (e.magnitude[..., :-1] + e.magnitude[..., 1:]) + bent
+        behind = Span.of(_left(part, e, speed, rate)) / rate
+        total = np.sum(mean.hi, axis=1, keepdims=True) * (1 + LAG_PIECES * 2.0**-52)
+        found = max(found, float((Span.of(total) * longest + behind).hi.max()))
+    return found
 
 
 def _slowest(cells: Cells) -> float:
@@ -136,14 +167,14 @@ def _slowest(cells: Cells) -> float:
     return 0.9 * float(np.min(half - under))
 
 
-def _left(cells: Cells, e: Span, speed: Span, rate: float) -> float:
-    """Largest |e| exp(rate (t - end)) from the last time on, ``end``."""
-    last = [Span(item.lo[:, -1:], item.hi[:, -1:]) for item in (e, speed)]
+def _left(cells: Cells, e: Span, speed: Span, rate: float) -> Floats:
+    """Largest |e| exp(rate (t - end)) of each cell from the last time on, ``end``."""
+    last = [item[:, -1:] for item in (e, speed)]
     stiff = cells.b - rate * cells.a + rate * rate
     if not (np.all(stiff.lo > 0) and np.all(cells.a.lo > 2 * rate)):
-        return float(np.inf)
+        return np.full((len(cells.a.lo), 1), np.inf)
     moved = last[1] + rate * last[0]
-    return float(root(square(last[0]) + square(moved) / stiff).hi.max())
+    return root(square(last[0]) + square(moved) / stiff).hi
 
 
 def _down(values: NDArray[np.floating]) -> Floats:

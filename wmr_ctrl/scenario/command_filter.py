@@ -91,6 +91,10 @@ class Filter(Section, key="filter"):
     push: tuple[float, float] = quantity(
         (0.0, 0.0), "N, N.m", "largest push on a base with PI loops", minimum=0
     )
+    slew: tuple[float, float] | None = quantity(
+        None, "m/s2, rad/s2", "how fast the clip of a linear loop lets commands change", size=2,
+        above=0,
+    )  # fmt: skip
     trust: bool = quantity(False, "1", "whether a broken hypothesis is let pass in a run")
 
     def relate(self) -> None:
@@ -111,6 +115,8 @@ class Filter(Section, key="filter"):
         self._relate_loop()
         if self.kind == "band":
             self._relate_band()
+        if self.slew is not None:
+            self._relate_slew()
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.scale = "axes" limits v and omega each by itself, which wheels do not '
@@ -158,6 +164,25 @@ class Filter(Section, key="filter"):
                 'filter.loop = "pi" moves v and omega by different masses, so that a wheel\'s '
                 "speed does not follow that wheel's command by itself: leave out filter.channels "
                 "and filter.wheel_speed."
+            )
+
+    def _relate_slew(self) -> None:
+        """Raise ScenarioError where a limit on how fast commands change is worth nothing."""
+        if self.kind != "clip" or self.loop == "first-order":
+            raise ScenarioError(
+                'filter.slew is for filter.kind = "clip" on loops that overshoot, which swing less '
+                "behind commands that change slowly: the other filters need none. Leave it out."
+            )
+        if self.loop == "second-order" and self.frequency is None:
+            raise ScenarioError(
+                "filter.frequency is missing: with filter.slew the clip counts on how long the "
+                "loop takes. Give frequency = [low, high] [rad/s], or leave out filter.slew."
+            )
+        if self.hold > 0 or self.channels == "wheels" or self.wheel_speed:
+            raise ScenarioError(
+                "filter.slew limits how fast v and omega change, which a base that stops by itself "
+                "does not, and not wheels: leave out filter.hold, filter.channels and "
+                "filter.wheel_speed."
             )
 
     def _relate_band(self) -> None:

@@ -9,7 +9,7 @@ from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, above, at_least, symbols, within
+from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols, within
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=60))
@@ -31,11 +31,48 @@ def wheel_box(mutation: Mutation) -> Statement:
     return Statement(t, goals, tuple(given))
 
 
+SLOW = LINEAR | {"filter.frequency": (4.0, 5.0), "filter.slew": (0.1, 0.1), "filter.scale": "axes"}
+AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
+
+
+@claim(
+    "filter.slew-sent-{id}",
+    given="every command (no number, too); K_max > 0, 0 <= delta + a reach < V, a T > 0; the "
+    "command before within the same limit",
+    over=AXES,
+)
+def slew_sent(mutation: Mutation, axis: int) -> Statement:
+    """K_max |u| + delta + a reach <= V (1 - 2^-26) and |u - u_before| <= a T, u what the whole clip
+    sends on the {id} axis.
+
+    Commands stay within their limit and change no faster than stated, whatever is asked for.
+    """
+    clip = Clip(load_scenario("paper-simulation", SLOW))
+    named = {
+        f"{item.signal.name}.{k + 1}": item.sym[k]
+        for item in (clip.asked, *clip.last, *clip.p.ports)
+        for k in range(item.signal.size)
+    }
+    bounds, (before,) = [channel.bounds for channel in clip.channels], clip.last
+    steps = clip.p.take("filter.slew") * clip.p.take("clock.control")
+    given = [above(steps[i]) for i in (0, 1)]
+    given += [
+        part for b in bounds for part in (above(b.K_max), at_least(b.dbar), above(b.V, b.dbar))
+    ]
+    given += within(before.sym[axis], clip.limits[axis])
+    b, u, sound = bounds[axis], clip.sent[axis], equal(clip.sound, 1)
+    goals = (
+        at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar),
+        *within(u - before.sym[axis], steps[axis]),
+    )
+    return Statement(named, goals, (*given, sound), {"numbers are sound": clip.sound})
+
+
 @claim(
     "filter.sent-clip-{id}",
     given="every command (no number, too); 0 < N, 0 <= delta < V: the parameters of the clip of "
     "linear loops",
-    over=({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1}),
+    over=AXES,
 )
 def sent_clip(mutation: Mutation, axis: int) -> Statement:
     """N |u| + delta <= V (1 - 2^-26), u what the whole clip sends on the {id} axis.
@@ -82,4 +119,21 @@ def peak_gain() -> None:
     g_d the responses to an impulse of u and d.
 
     A clip at (V - delta)/N keeps a loop that overshoots within its limit, and no larger one does.
+    """
+
+
+@claim(
+    "filter.slew",
+    given="a linear loop of the family, its numbers constant, at rest at the start; what acts at t "
+    "was sent at most H before, |u| <= c, changes of at most a T from sample to sample, samples "
+    "T - jitter apart or more; |d| <= dbar; int|1 - S| as `lag` encloses it",
+    by=HAND,
+    premises="filter.peak-gain filter.slew-sent-linear filter.slew-sent-angular",
+)
+def slew() -> None:
+    """|v| <= K c + a' (K int|1 - S| + N H) + delta <= V, a' = a T/(T - jitter): r, the line through
+    what was sent, later by the least delay, has |r| <= c, |r'| <= a' and |u - r| <= a' H; K r leads
+    to K r - K int (1 - S) r' ds by parts, what is left to at most N a' H.
+
+    A linear loop behind commands that change slowly swings less than its peak gain says.
     """
