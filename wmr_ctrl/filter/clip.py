@@ -37,7 +37,7 @@ from wmr_ctrl.filter.governor import admitted, largest_command
 from wmr_ctrl.filter.governor_step import stated
 from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.filter.step_response import cells_of, lag
-from wmr_ctrl.model.system import Output, Parameters, System, port
+from wmr_ctrl.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import ASKED, Signal
 
@@ -73,7 +73,7 @@ class Clip:
         self.sound = sound(self.channels)
         backwards = [-limit for limit in self.limits]
         safe = scaled(self.command, self.channels, backwards, self.limits, scenario.filter.scale)
-        self.last = () if scenario.filter.slew is None else (port(LAST),)
+        self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
         self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
 
     def _slowly(self, wanted: ca.SX) -> ca.SX:
