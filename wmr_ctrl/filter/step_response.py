@@ -147,7 +147,7 @@ def lag(cells: Cells) -> float:
     rate = _slowest(cells)
     times = np.linspace(0.0, 2 * SWINGS / rate, LAG_PIECES + 1)
     longest = float(_up(np.diff(times).max()))
-    found = 0.0
+    longest_lag = 0.0
     for start in range(0, len(cells.a.lo), CHUNK):
         part = cells[start : start + CHUNK]
         e, speed = deviation(part, Span(_down(times)[None], _up(times)[None]))
@@ -156,8 +156,8 @@ def lag(cells: Cells) -> float:
         mean = 0.5 * (e.magnitude[..., :-1] + e.magnitude[..., 1:]) + bent
         behind = Span.of(_left(part, e, speed, rate)) / rate
         total = np.sum(mean.hi, axis=1, keepdims=True) * (1 + LAG_PIECES * 2.0**-52)
-        found = max(found, float((Span.of(total) * longest + behind).hi.max()))
-    return found
+        longest_lag = max(longest_lag, float((Span.of(total) * longest + behind).hi.max()))
+    return longest_lag
 
 
 def _slowest(cells: Cells) -> float:
