@@ -264,7 +264,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
     "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
     "noise": ({"sensor.velocity_noise": [0.02, 0.0]}, "filter.odometry[1]"),
-    "window": ({"sensor.velocity_window": 0.1}, "late or a mean"),
+    "window": ({"sensor.velocity_window": 0.1}, "a mean over a while"),
 }
 
 
