@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from html import unescape
 
+import numpy as np
 import pytest
+from matplotlib.axes import Axes
 
 from tests.results.conftest import build
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import style
-from wmr_ctrl.report.plot_run import plot_run
+from wmr_ctrl.report.course import course_of
+from wmr_ctrl.report.drawing import FAR
+from wmr_ctrl.report.plot_run import overview, plot_run
+from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import frames, scene_of
 from wmr_ctrl.results import Monitor
+from wmr_ctrl.scenario import load_scenario, override, to_toml
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
@@ -53,3 +59,66 @@ def test_places_that_cannot_be_written_are_refused(tmp_path, name):
     with pytest.raises(ResultFileError):
         plot_run(build(), tmp_path / name)
     assert not list(tmp_path.iterdir())
+
+
+def drawn(run):
+    """The figure of a run."""
+    with style.house_style():
+        return overview(run).figure()
+
+
+def labels(figure):
+    """What stands under the axes of a figure."""
+    return [axes.get_xlabel() for axes in figure.findobj(Axes)]
+
+
+def test_a_velocity_out_of_view_is_said_and_its_limit_seen():
+    wild = build(duration=1.0, v1=np.linspace(0, 30.2, 100))
+    figure = drawn(wild)
+    (axes,) = [one for one in figure.findobj(Axes) if one.get_title("left").startswith("v₁")]
+
+    assert axes.get_xlabel().endswith("(out of view: ↑ 30.2)")
+    assert axes.get_ylim()[1] == pytest.approx(FAR)
+    assert not any("out of view" in text for text in labels(drawn(build())))
+
+
+def test_no_remark_lies_over_curves():
+    errors = np.linspace([3.0, -2.0, 20.0], [0.0, 0.0, -70.0], 100)
+    figure = drawn(build(duration=1.0, e=errors))
+    texts = [text.get_text() for axes in figure.findobj(Axes) for text in axes.texts]
+    titles = [axes.get_title("left") for axes in figure.findobj(Axes)]
+
+    assert texts == []
+    assert "t [s]   (logarithmic beyond ±10 mm)" in labels(figure)
+    assert "Position errors, Eq. (8) [mm]" in titles
+    assert "Orientation error e₃ [rad]" in titles
+
+
+def test_a_course_is_drawn_and_filmed():
+    text = to_toml(
+        override(
+            load_scenario("safe-simulation"),
+            {
+                "reference.kind": "waypoints", "reference.points": [[0, 0], [2, 0], [2, 2]],
+                "reference.keep_out": [[1, 1, 0.3], [[-1, -2], [3, -2], [3, -1]]],
+                "robot.l": 0.08, "body.radius": 0.15,
+            },
+        )
+    )  # fmt: skip
+    run = build(duration=1.0, provenance={"scenario_toml": text})
+    course, scene = course_of(run), scene_of([run], 10)
+
+    assert course.waypoints == ((0, 0), (2, 0), (2, 2))
+    assert len(course.keep_out) == 2
+    assert scene.course == course
+    assert scene.size == pytest.approx(0.08 / 0.25)
+    assert scene.view[1] > 2
+    titles = [axes.get_title("left") for axes in drawn(run).findobj(Axes)]
+    assert "Path (dots: reference, squares: waypoints)" in titles
+
+
+def test_runs_over_each_other_are_drawn(tmp_path):
+    path = tmp_path / "runs.png"
+    plot_runs([build(duration=1.0), build(duration=1.0, v1=9.0)], path)
+
+    assert path.read_bytes().startswith(MAGIC[".png"])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.report.drawing import running_mean, running_rms, thin, thin_path
-from wmr_ctrl.report.style import look, shown, unit_text
+from wmr_ctrl.report.style import colours_of, look, shown, unit_text
 
 COUNTS = st.integers(1, 9000)
 
@@ -40,6 +40,18 @@ def test_numbers_keep_three_digits(value):
 def test_units_are_written_for_readers():
     assert unit_text("m2.s + rad2.s") == "m² s + rad² s"
     assert unit_text("1") == ""
+
+
+def test_runs_of_one_law_are_told_apart():
+    blue, other = colours_of(["mb", "mb"])
+    reds, greens, blues = (
+        abs(int(blue[at : at + 2], 16) - int(other[at : at + 2], 16)) for at in (1, 3, 5)
+    )
+
+    assert blue == look("mb").colour
+    assert reds + greens + blues > 255
+    assert look("pid").colour not in colours_of(["mb", "mb", "pid"])[:2]
+    assert len(set(colours_of(["mb"] * 8))) == 8
 
 
 def test_each_law_has_a_look_of_its_own():

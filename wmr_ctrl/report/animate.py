@@ -163,9 +163,13 @@ def _json(scene: Scene) -> str:
         "view": [round(edge, 4) for edge in scene.view],
         "scales": [float(f"{scale:.4g}") for scale in scene.scales],
         "limited": scene.limited,
-        "body": BODY,
-        "wheel": WHEEL,
-        "track": TRACK,
+        "body": [scene.size * part for part in BODY],
+        "wheel": [scene.size * part for part in WHEEL],
+        "track": scene.size * TRACK,
+        "waypoints": scene.course.waypoints,
+        "goal": scene.course.goal,
+        "keep_out": scene.course.keep_out,
+        "dashes": [[] if isinstance(dash, str) else dash[1] for dash in style.DASHES],
     }
     return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
@@ -193,9 +197,7 @@ def _write_gif(shown: Iterable[Picture], path: Path, progress: PhaseProgress) ->
     for picture in shown:
         images.append(Image.fromarray(picture))
         progress.advance(1)
-    palette = images[-1].quantize(
-        _GIF_COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
-    )
+    palette = images[-1].quantize(_GIF_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     first, *others = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in images)
     first.save(
         path, save_all=True, append_images=others, duration=GIF_MILLISECONDS, loop=0, optimize=False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -16,7 +16,16 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look
+from wmr_ctrl.report.style import (
+    INK,
+    LIMIT,
+    MUTED,
+    RULE_LINE,
+    Dash,
+    house_style,
+    look,
+    shown,
+)
 from wmr_ctrl.results import FloatArray, atomic_path, check_writable
 
 SUFFIXES = (".svg", ".png")
@@ -195,6 +204,34 @@ def shade_limits(axes: Axes, limit: float) -> None:
     for level in (limit, -limit):
         axes.axhline(level, color=LIMIT, lw=0.9, zorder=1.5)
     axes.set_ylim(low, high)
+
+
+FAR = 3.0
+"""A velocity is drawn up to so many times its limit."""
+
+
+def view_limits(axes: Axes, limit: float, traces: Mapping[str, FloatArray]) -> None:
+    """View named velocities with their limits, up to FAR times these; what leaves the view is said.
+
+    The far side of the limits is shaded.
+    """
+    include(axes, (-1.15 * limit, 1.15 * limit))
+    low, high = axes.get_ylim()
+    most = FAR * limit
+    axes.set_ylim(max(low, -most), min(high, most))
+    gone = []
+    for name, values in traces.items():
+        ends = float(np.nanmin(values, initial=0.0)), float(np.nanmax(values, initial=0.0))
+        gone += [f"{name} ↓ {shown(ends[0])}".strip()] * (ends[0] < -most)
+        gone += [f"{name} ↑ {shown(ends[1])}".strip()] * (ends[1] > most)
+    if gone:
+        say_below(axes, f"out of view: {', '.join(gone)}")
+    shade_limits(axes, limit)
+
+
+def say_below(axes: Axes, text: str) -> None:
+    """Add a remark to the label of the horizontal axis, where no curve is."""
+    axes.set_xlabel(f"{axes.get_xlabel()}   ({text})")
 
 
 def switch_handles(time: float | None) -> list[Line2D]:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from wmr_ctrl.campaign import Campaign
 from wmr_ctrl.report import drawing
-from wmr_ctrl.report.paper_figures import switch_time
+from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import FloatArray, Run
 from wmr_ctrl.results.table import RunTable

@@ -15,9 +15,9 @@ from wmr_ctrl.campaign.paper import BARRIER_LAWS, STUDIES
 from wmr_ctrl.paper import CITATION
 from wmr_ctrl.proofs.ledger import load
 from wmr_ctrl.report.claims import RULE, Judged, Verdict, load_readings
+from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guard_section import GuardSection
-from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.rigid_section import RigidSection
 from wmr_ctrl.report.style import page_environment, picture, shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table

@@ -14,9 +14,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from wmr_ctrl.report import drawing
+from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.style import INK, MUTED, look
 from wmr_ctrl.results import FloatArray, Run, distance
-from wmr_ctrl.scenario import Scenario, loads_scenario
 
 Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""
@@ -48,18 +48,6 @@ class Panel:
     def of(self, group: Group) -> Group:
         """The runs of ``group`` that this panel shows."""
         return {law: run for law, run in group.items() if self.laws is None or law in self.laws}
-
-
-def switch_time(run: Run) -> float | None:
-    """Time of the robot's first change [s], by the run's scenario; None without a change."""
-    scenario = scenario_behind(run)
-    return scenario.changes[0].t if scenario and scenario.changes else None
-
-
-def scenario_behind(run: Run) -> Scenario | None:
-    """The scenario that the run says it was made from, if it says so."""
-    text = run.provenance.get("scenario_toml")
-    return loads_scenario(text) if text else None
 
 
 @dataclass(frozen=True, slots=True)

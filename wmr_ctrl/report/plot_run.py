@@ -11,15 +11,13 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.patches import Circle as CirclePatch
-from matplotlib.patches import Patch, Polygon
 from matplotlib.ticker import FuncFormatter
 
 from wmr_ctrl.corridor import Corridor, find_corridor
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report import drawing
-from wmr_ctrl.report.paper_figures import scenario_behind, switch_time
+from wmr_ctrl.report.course import course_of, scenario_behind, switch_time
 from wmr_ctrl.report.style import (
     DASHED,
     DOTTED,
@@ -34,19 +32,19 @@ from wmr_ctrl.report.style import (
     verbatim,
 )
 from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
-from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.scenario import override
-from wmr_ctrl.world.references import Waypoints
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75
 MARGINS = drawing.Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
-MOST_WAYPOINTS = 60
-"""More would hide the path that they are on."""
-SMALL = 100.0
-"""Errors that come farther [mm, mrad] are drawn on a scale that is logarithmic beyond NARROW."""
-NARROW = 10.0
+SMALL = 0.1
+"""Errors that come farther [m, rad] are drawn on a scale that is logarithmic beyond NARROW."""
+NARROW = 0.01
+LARGE = 10.0
+"""Errors that come farther [m, rad] are in m and rad, others in mm and mrad."""
+TINY = 1e-6
+"""Errors [m, rad] of which no digit is worth printing."""
 START = 2.0
 """Transient [s] that may leave the view."""
 MEAN_TIME = 0.25
@@ -76,6 +74,9 @@ def _draw(figure: Figure, run: Run) -> None:
     title = f"{verbatim(run.scenario)}: {driver(run.law, run.guard)}"
     figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
     note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
+    note += ", a rigid body on tyres" if run.monitor.rigid else ""
+    switch = switch_time(run)
+    note += "" if switch is None else f"; the robot changes at {switch:g} s (vertical line)"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
     rest = (_SIZE[1] - _HEAD) / 4.4
     heights = (_HEAD, 1.4 * rest, rest, rest, rest)
@@ -86,8 +87,8 @@ def _draw(figure: Figure, run: Run) -> None:
     _facts(parts[1], run)
     _velocity(parts[2], run, 0)
     _velocity(parts[3], run, 1)
-    _errors(parts[4], run, "Position errors, Eq. (8) [mm]", {"e₁": "e[1]", "e₂": "e[2]"}, tube)
-    _errors(parts[5], run, "Orientation error e₃ [mrad]", {"e₃": "e[3]"}, tube)
+    _errors(parts[4], run, "Position errors, Eq. (8)", {"e₁": "e[1]", "e₂": "e[2]"}, tube)
+    _errors(parts[5], run, "Orientation error e₃", {"e₃": "e[3]"}, tube)
     _torques(parts[6], run)
     _barrier(parts[7], run)
 
@@ -100,19 +101,7 @@ def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     drawing.plot_reference(axes, *drawing.thin_path(run["x_d"], run["y_d"], 64))
     axes.plot(*drawing.thin_path(run["x"], run["y"], 3000), color=look(run.law).colour, lw=1.2)
     axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
-    marks = ["dots: reference"]
-    scenario = scenario_behind(run)
-    if scenario and isinstance(scenario.reference, Waypoints):
-        points = np.array(scenario.reference.points)
-        if len(points) <= MOST_WAYPOINTS:
-            axes.plot(*points.T, "s", mfc="none", mec=INK, ms=6, mew=0.8, zorder=3.6)
-            marks.append("squares: waypoints")
-    for shape in scenario.reference.keep_out if scenario else ():
-        axes.add_patch(_obstacle(shape))
-    if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
-        axes.plot(run["x_d"][-1], run["y_d"][-1], "*", mfc=LIMIT, mec="white", ms=11, zorder=4)
-        marks.append("star: goal")
-    drawing.finish_path(axes, marks)
+    drawing.finish_path(axes, ["dots: reference", *course_of(run).draw(axes)])
 
 
 def _tube(run: Run) -> Corridor | None:
@@ -135,16 +124,6 @@ def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
     axes.fill(*edges, color=look(run.law).colour, alpha=0.25, lw=0, zorder=1.4)
 
 
-def _obstacle(shape: Shape) -> Patch:
-    """A polygon or circle that is kept out, hatched."""
-    if isinstance(shape[0], tuple):
-        patch: Patch = Polygon(np.array(shape))
-    else:
-        patch = CirclePatch((shape[0], shape[1]), shape[2])
-    patch.set(facecolor=GRID, edgecolor=MUTED, hatch="////", linewidth=0.8, zorder=1.5)
-    return patch
-
-
 def _facts(part: SubFigure, run: Run) -> None:
     """Outcome of the run, in words and figures."""
     lines = [*wrap(run.explanation, 58), "", *_figures(run)]
@@ -153,59 +132,70 @@ def _facts(part: SubFigure, run: Run) -> None:
 
 def _figures(run: Run) -> list[str]:
     square = ise(run)
-    (v1, omega), (limit_v, limit_w) = run.monitor.max_abs_v, run.settings.v_u1
     arrival, end = run.settings.arrival, run.settings.duration
     end, of = (end, "") if arrival is None or arrival > end else (arrival, " of the drive")
     errors = e_rms(run, max(0.0, end - 10.0), end) or (None, None, None)
-    small = [None if error is None else 1e3 * error for error in errors]
+    e1, e2, e3 = map(_error, errors, ("m", "m", "rad"))
     before, after = shown(square["before"]), shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
     return [
         f"ISE {shown(square['total'])} m² s + rad² s{'' if switch_time(run) is None else parts}",
-        f"largest |v₁| {shown(v1)} of {limit_v:g} m/s, |ω| {shown(omega)} of {limit_w:g} rad/s",
-        f"plant steps beyond a limit: {run.monitor.violations}",
         f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",
         f"RMS errors of the last 10 s{of}:",
-        f"    e₁ {shown(small[0])} mm, e₂ {shown(small[1])} mm, e₃ {shown(small[2])} mrad",
+        f"    e₁ {e1}, e₂ {e2}, e₃ {e3}",
     ]
+
+
+def _error(value: float | None, unit: str) -> str:
+    """An error [m, rad] in a unit that suits it."""
+    if value is not None and value < TINY:
+        return f"below 0.001 m{unit}"
+    large = value is not None and value >= LARGE
+    return f"{shown(value)} {unit}" if large else f"{shown(value and 1e3 * value)} m{unit}"
 
 
 def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
-    symbol = ("v₁", "ω")[axis]
-    axes = _time_axes(part, run, f"{symbol} [{unit}], its limits; dashed: desired")
+    symbol, sent = ("v₁", "ω")[axis], ("v_command", "omega_command")[axis]
+    limit, commanded = run.settings.v_u1[axis], sent in run.columns
+    text = f"{symbol} [{unit}], limit ±{limit:g}; dashed: desired"
+    axes = _time_axes(part, run, text + (", thin: command" if commanded else ""))
+    if commanded:
+        steps = drawing.thin(run.time, run[sent])
+        axes.plot(*steps, color=MUTED, lw=0.7, drawstyle="steps-post", zorder=1.9)
     axes.plot(*drawing.thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
     axes.plot(*drawing.thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
-    limit = run.settings.v_u1[axis]
-    drawing.include(axes, (-1.15 * limit, 1.15 * limit))
-    drawing.shade_limits(axes, limit)
+    drawing.view_limits(axes, limit, {"": run[name]})
 
 
 def _errors(
     part: SubFigure, run: Run, title: str, columns: dict[str, str], tube: Corridor | None
 ) -> None:
-    """Errors over time, in mm or mrad, so that the start and what is left at the end are seen.
+    """Errors over time, so that the start and what is left at the end are seen.
 
     Dotted: the certified corridor, which is that of a robot on its path.
     """
-    rows = {label: 1e3 * run[name] for label, name in columns.items()}
-    axes = _time_axes(part, run, title)
+    farthest = max(float(np.nanmax(np.abs(run[name]), initial=0.0)) for name in columns.values())
+    unit, scale = "rad" if len(columns) == 1 else "m", 1.0
+    if farthest < LARGE:
+        unit, scale = f"m{unit}", 1e3
+    rows = {label: scale * run[name] for label, name in columns.items()}
+    axes = _time_axes(part, run, f"{title} [{unit}]")
     _plot_pair(axes, run, rows)
     if tube is not None:
-        most = 1e3 * float((tube.heading if len(columns) == 1 else tube.position) or 0.0)
+        most = scale * float((tube.heading if len(columns) == 1 else tube.position) or 0.0)
         end = run.time[-1] if tube.until is None else min(tube.until, run.time[-1])
         axes.hlines((-most, most), 0, end, color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
         axes.annotate("certified from a start on the path", (end, most), size=6.5, xytext=(-2, 2),
                       textcoords="offset points", ha="right", color=LIMIT)  # fmt: skip
-    if max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows.values()) > SMALL:
-        axes.set_yscale("symlog", linthresh=NARROW)
+    if farthest > SMALL:
+        narrow = scale * NARROW
+        axes.set_yscale("symlog", linthresh=narrow)
         axes.yaxis.set_major_formatter(
             FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−"))
         )
-        axes.axhspan(-NARROW, NARROW, color=GRID, alpha=0.35, lw=0, zorder=0)
-        note = f"logarithmic beyond ±{NARROW:g}"
-        axes.annotate(note, (1, 0), xycoords="axes fraction", size=6.5, xytext=(-2, 2),
-                      textcoords="offset points", ha="right", color=MUTED)  # fmt: skip
+        axes.axhspan(-narrow, narrow, color=GRID, alpha=0.35, lw=0, zorder=0)
+        drawing.say_below(axes, f"logarithmic beyond ±{narrow:g} {unit}")
 
 
 def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float = 1.0) -> None:
@@ -220,22 +210,24 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float =
 
 def _torques(part: SubFigure, run: Run) -> None:
     """Commanded torques: samples and their mean, with the drives' limit."""
-    rows = {"right": run["tau_right"], "left": run["tau_left"]}
     scenario = scenario_behind(run)
     limit = scenario.actuator.tau_max if scenario else math.inf
+    unit, scale = ("mN m", 1e3) if (tau_peak(run, START) or 1.0) < SMALL else ("N m", 1.0)
+    limit *= scale
+    rows = {"right": scale * run["tau_right"], "left": scale * run["tau_left"]}
     bound = "" if math.isinf(limit) else f", limit {limit:g}"
-    axes = _time_axes(part, run, f"Wheel torques [N m]{bound}")
+    axes = _time_axes(part, run, f"Wheel torques [{unit}]{bound}")
     width = max(1, round(MEAN_TIME / run.settings.control))
     _plot_pair(axes, run, rows, alpha=0.3)
     _plot_pair(axes, run, {name: drawing.running_mean(row, width) for name, row in rows.items()})
-    if limit <= NEAR * (tau_peak(run, START) or 0.0):
+    if limit <= NEAR * scale * (tau_peak(run, START) or 0.0):
         drawing.include(axes, (-1.08 * limit, 1.08 * limit))
         drawing.shade_limits(axes, limit)
     else:
-        _focus(axes, run, list(rows.values()))
+        _focus(axes, run, list(rows.values()), unit)
 
 
-def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
+def _focus(axes: Axes, run: Run, columns: list[FloatArray], unit: str) -> None:
     """Zoom to the samples after the start, unless they fill most of the view."""
     tail = np.concatenate([column[run.settings.index(START) :] for column in columns])
     if not tail.size or not np.isfinite(tail).all():
@@ -245,9 +237,8 @@ def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
     bottom, top = axes.get_ylim()
     if margin and top - bottom > 6 * (high - low):
         axes.set_ylim(max(bottom, low - margin), min(top, high + margin))
-        axes.annotate("the start leaves the view", (1, 1), xycoords="axes fraction", size=6.5,
-                      xytext=(-2, -2), textcoords="offset points", va="top", ha="right",
-                      color=MUTED)  # fmt: skip
+        peak = max(float(np.abs(column).max()) for column in columns)
+        drawing.say_below(axes, f"the start leaves the view: up to {shown(peak)} {unit}")
 
 
 def _barrier(part: SubFigure, run: Run) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
@@ -16,12 +16,15 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
+from wmr_ctrl.report.course import Course, course_of
 from wmr_ctrl.report.drawing import line_handle
 from wmr_ctrl.report.style import (
+    DASHES,
     DOTTED,
     INK,
     LIMIT,
     MUTED,
+    Dash,
     colours_of,
     driver,
     house_style,
@@ -68,6 +71,7 @@ class Scene:
     ``target`` has the shape (frames, 3) of a pose; None: nobody knows it.  ``scales`` of |v1| [m/s]
     and |omega| [rad/s] are the limits of all where these are ``limited``, else the largest that
     occur.  ``view`` is x from, x to, y from, y to [m].
+    ``course``: what the map shows beside the paths.
     """
 
     title: str
@@ -77,6 +81,12 @@ class Scene:
     scales: tuple[float, float]
     view: tuple[float, float, float, float]
     limited: bool = True
+    course: Course = field(default_factory=Course)
+
+    @property
+    def size(self) -> float:
+        """Of the robots, where that of BODY, WHEEL and TRACK is 1."""
+        return (self.course.half_track or TRACK) / TRACK
 
 
 def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Scene:
@@ -106,8 +116,10 @@ def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Sc
         actors.append(Actor(label, colour, _columns(run, held, *_POSE), _columns(run, held, *_V)))
     names = f"{actors[0].label}, " if len(actors) == 1 else ""
     title = f"{names}{longest.scenario}, seed {longest.seed}"
-    view = _view([target, *(one.pose for one in actors)])
-    return Scene(title, tuple(actors), t, target, longest.settings.v_u1, view)
+    course = course_of(longest)
+    view = _view([target, *(one.pose for one in actors)], course)
+    limits = longest.settings.v_u1
+    return Scene(title, tuple(actors), t, target, limits, view, course=course)
 
 
 def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
@@ -133,16 +145,17 @@ def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
     v, omega = (
         max(float(np.abs(drive.columns[name]).max()) for drive in drives) or 1.0 for name in SPEEDS
     )
-    view = _view([one.pose for one in actors])
+    view = _view([one.pose for one in actors], Course())
     title = actors[0].label if len(actors) == 1 else "drives"
     return Scene(title, tuple(actors), t, None, (v, omega), view, limited=False)
 
 
-def _view(poses: Sequence[FloatArray]) -> tuple[float, float, float, float]:
-    """A square with all poses and room for the robot's body."""
+def _view(poses: Sequence[FloatArray], course: Course) -> tuple[float, float, float, float]:
+    """A square with all poses and waypoints, and room for the robot's body."""
     points = np.concatenate([part[:, :2] for part in poses])
+    points = np.concatenate([points, np.reshape(course.waypoints, (-1, 2))])
     low, high = points.min(axis=0), points.max(axis=0)
-    half = float(max(high - low)) / 2 + 0.7
+    half = float(max(high - low)) / 2 + 0.7 * (course.half_track or TRACK) / TRACK
     x, y = ((low + high) / 2).tolist()
     return x - half, x + half, y - half, y + half
 
@@ -198,14 +211,18 @@ class _Stage:
         self._scene = scene
         self._figure = Figure(figsize=_SIZE, dpi=_DPI)
         self._canvas = FigureCanvasAgg(self._figure)
-        plane = self._figure.add_axes((0.1, 0.215, 0.87, 0.745))
+        top = 0.935 if len(scene.actors) > 1 else 0.955
+        plane = self._figure.add_axes((0.1, 0.215, 0.87, top - 0.215))
         self._set_up_plane(plane)
         self._bars = [self._bars_of(axis) for axis in (0, 1)]
         self._ghost = Polygon(_SQUARE, fill=False, ec=MUTED, ls="--", lw=1.0, animated=True)
         plane.add_patch(self._ghost)
-        self._robots = [_Robot(plane, actor) for actor in scene.actors]
-        self._clock = plane.text(0.98, 0.98, "", ha="right", va="top", size=10,
-                                 transform=plane.transAxes, animated=True)  # fmt: skip
+        self._robots = [
+            _Robot(plane, actor, DASHES[place % len(DASHES)], scene.size)
+            for place, actor in enumerate(scene.actors)
+        ]
+        self._clock = self._figure.text(0.97, 0.992, "", ha="right", va="top", size=10,
+                                        animated=True)  # fmt: skip
         parts = [artist for robot in self._robots for artist in robot.artists]
         ghost = [] if scene.target is None else [self._ghost]
         self._moving = [*ghost, *parts, self._clock, *self._bars[0], *self._bars[1]]
@@ -226,10 +243,15 @@ class _Stage:
         axes.set_aspect("equal", adjustable="box")
         if scene.target is not None:
             axes.plot(*scene.target[:, :2].T, color=MUTED, ls=DOTTED, lw=1.2)
-        axes.set_title(verbatim(scene.title))
+        scene.course.draw(axes)
+        self._figure.text(0.1, 0.992, verbatim(scene.title), va="top", size=8.5, weight="bold")
         if len(scene.actors) > 1:
-            handles = [line_handle(one.label, one.colour) for one in scene.actors]
-            axes.legend(handles=handles, loc="upper left")
+            handles = [
+                line_handle(one.label, one.colour, dash=DASHES[place % len(DASHES)])
+                for place, one in enumerate(scene.actors)
+            ]
+            axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncols=7,
+                        handlelength=2.6 if len(handles) < 5 else 1.5)  # fmt: skip
 
     def _bars_of(self, axis: int) -> list[Rectangle]:
         """A bar a robot, from zero to its velocity in units of the scale, which is marked."""
@@ -258,7 +280,7 @@ class _Stage:
     def _place(self, index: int) -> None:
         scene = self._scene
         if scene.target is not None:
-            self._ghost.set_xy(outline(scene.target[index], *BODY))
+            self._ghost.set_xy(outline(scene.target[index], *(scene.size * np.array(BODY))))
         self._clock.set_text(f"t = {scene.t[index]:.1f} s")
         for place, (robot, actor) in enumerate(zip(self._robots, scene.actors, strict=True)):
             robot.place(index)
@@ -272,9 +294,9 @@ class _Stage:
 class _Robot:
     """Trail, body, wheels and nose of a robot."""
 
-    def __init__(self, axes: Axes, actor: Actor) -> None:
-        self._pose = actor.pose
-        self._trail = axes.plot([], [], color=actor.colour, lw=1.3, animated=True)[0]
+    def __init__(self, axes: Axes, actor: Actor, dash: Dash, size: float) -> None:
+        self._pose, self._size = actor.pose, size
+        self._trail = axes.plot([], [], color=actor.colour, ls=dash, lw=1.3, animated=True)[0]
         self._body = Polygon(_SQUARE, fc=actor.colour, ec=INK, alpha=0.35, lw=1.0, animated=True)
         self._wheels = [Polygon(_SQUARE, fc=INK, lw=0, animated=True) for _ in "rl"]
         self._nose = axes.plot([], [], color=INK, lw=2.0, solid_capstyle="round", animated=True)[0]
@@ -284,12 +306,13 @@ class _Robot:
 
     def place(self, index: int) -> None:
         """Move to the pose of a frame."""
-        pose = self._pose[index]
+        pose, size = self._pose[index], self._size
         self._trail.set_data(self._pose[: index + 1, 0], self._pose[: index + 1, 1])
-        self._body.set_xy(outline(pose, *BODY))
+        self._body.set_xy(outline(pose, size * BODY[0], size * BODY[1]))
         for wheel, side in zip(self._wheels, (1, -1), strict=True):
-            wheel.set_xy(outline(pose, *WHEEL, side * TRACK))
-        nose = pose[:2] + np.outer((0.0, BODY[0] / 2), (-np.sin(pose[2]), np.cos(pose[2])))
+            wheel.set_xy(outline(pose, size * WHEEL[0], size * WHEEL[1], side * size * TRACK))
+        ahead = -np.sin(pose[2]), np.cos(pose[2])
+        nose = pose[:2] + np.outer((0.0, size * BODY[0] / 2), ahead)
         self._nose.set_data(nose[:, 0], nose[:, 1])
 
 

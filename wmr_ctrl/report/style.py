@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 import matplotlib as mpl
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from matplotlib.colors import to_rgb
 
 from wmr_ctrl.fields.problems import printable
 
@@ -41,6 +42,9 @@ DOTTED = (0, (1.2, 1.4))
 
 Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 """A line's dash pattern, as matplotlib takes it."""
+
+DASHES: tuple[Dash, ...] = ("-", DASHED, DASH_DOT, DOTTED)
+"""Of runs drawn over each other, so that one that lies on another hides it in part only."""
 _SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
 _SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
           "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip
@@ -99,14 +103,25 @@ def look(law: str) -> Look:
 
 
 def colours_of(laws: Sequence[str]) -> list[str]:
-    """Colours of runs of ``laws``: their own, and another where a run before has that already."""
-    taken: list[str] = []
+    """Colours of runs of ``laws``: their own; of a law's further runs the least like those before.
+
+    A law that is among ``laws`` keeps its colour to itself as long as others are free.
+    """
+    spare = [*(one.colour for one in _LOOKS.values()), *(colour for colour, *_ in _SPARE)]
+    own, taken = {look(law).colour for law in laws}, list[str]()
     for law in laws:
-        spare = (colour for colour, *_ in reversed(_SPARE))
-        choices = (look(law).colour, *spare, *(one.colour for one in _LOOKS.values()))
-        free = (colour for colour in choices if colour not in taken)
-        taken.append(next(free, choices[0]))
+        colour = look(law).colour
+        if colour in taken:
+            free = [one for one in spare if one not in own and one not in taken]
+            free = free or [one for one in spare if one not in taken] or [colour]
+            colour = max(free, key=lambda one: min(_apart(one, other) for other in taken))
+        taken.append(colour)
     return taken
+
+
+def _apart(one: str, other: str) -> float:
+    """Distance of two colours."""
+    return math.dist(to_rgb(one), to_rgb(other))
 
 
 def driver(law: str, guarded: bool) -> str:

@@ -1,0 +1,79 @@
+"""What a map of a run shows beside the path: waypoints, goal, places kept out, the robot's size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle as CirclePatch
+from matplotlib.patches import Patch, Polygon
+
+from wmr_ctrl.report.style import GRID, INK, LIMIT, MUTED
+from wmr_ctrl.results import Run
+from wmr_ctrl.results.obstacles import Shape
+from wmr_ctrl.scenario import Scenario, loads_scenario
+from wmr_ctrl.world.references import Waypoints
+
+MOST_WAYPOINTS = 60
+"""More would hide the path that they are on."""
+
+
+def switch_time(run: Run) -> float | None:
+    """Time of the robot's first change [s], by the run's scenario; None without a change."""
+    scenario = scenario_behind(run)
+    return scenario.changes[0].t if scenario and scenario.changes else None
+
+
+def scenario_behind(run: Run) -> Scenario | None:
+    """The scenario that the run says it was made from, if it says so."""
+    text = run.provenance.get("scenario_toml")
+    return loads_scenario(text) if text else None
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """Waypoints and goal [m], shapes that are kept out, half the robot's track [m] where known."""
+
+    waypoints: tuple[tuple[float, float], ...] = ()
+    goal: tuple[float, float] | None = None
+    keep_out: tuple[Shape, ...] = ()
+    half_track: float | None = None
+
+    def draw(self, axes: Axes) -> list[str]:
+        """Draw it on a map; returns what a reader must be told of the marks."""
+        marks = []
+        if self.waypoints:
+            axes.plot(*np.array(self.waypoints).T, "s", mfc="none", mec=INK, ms=6, mew=0.8,
+                      zorder=3.6)  # fmt: skip
+            marks.append("squares: waypoints")
+        for shape in self.keep_out:
+            axes.add_patch(_obstacle(shape))
+        if self.goal:
+            axes.plot(*self.goal, "*", mfc=LIMIT, mec="white", ms=11, zorder=4)
+            marks.append("star: goal")
+        return marks
+
+
+def course_of(run: Run) -> Course:
+    """The course of a run, as far as the run knows its scenario."""
+    scenario, goal = scenario_behind(run), None
+    if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
+        goal = float(run["x_d"][-1]), float(run["y_d"][-1])
+    if scenario is None:
+        return Course(goal=goal)
+    reference = scenario.reference
+    points = reference.points if isinstance(reference, Waypoints) else ()
+    shown = points if len(points) <= MOST_WAYPOINTS else ()
+    waypoints = tuple((float(x), float(y)) for x, y in shown)
+    return Course(waypoints, goal, tuple(reference.keep_out), scenario.robot.l)
+
+
+def _obstacle(shape: Shape) -> Patch:
+    """A polygon or circle that is kept out, hatched."""
+    if isinstance(shape[0], tuple):
+        patch: Patch = Polygon(np.array(shape))
+    else:
+        patch = CirclePatch((shape[0], shape[1]), shape[2])
+    patch.set(facecolor=GRID, edgecolor=MUTED, hatch="////", linewidth=0.8, zorder=1.5)
+    return patch
