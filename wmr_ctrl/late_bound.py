@@ -12,6 +12,7 @@ from typing import cast
 
 HOMES = {
     "save_run": "wmr_ctrl.results.formats",
+    "draw_linear": "wmr_ctrl.report.linear_figures",
     "plot_run": "wmr_ctrl.report.plot_run",
     "animate_runs": "wmr_ctrl.report.animate",
     "film_run": "wmr_ctrl.outputs",

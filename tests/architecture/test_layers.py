@@ -62,7 +62,7 @@ THIRD_PARTY = {
     "checks": {"casadi", "numpy", "scipy"},
     "sim": {"numpy"},
     "proofs": {"casadi", "flint", "z3"},
-    "linear": {"casadi", "control", "matplotlib", "numpy", "scipy"},
+    "linear": {"casadi", "control", "numpy", "scipy"},
     "corridor": {"casadi", "flint", "numpy"},
     "physics": {"jinja2", "mujoco", "numpy"},
     "fmi": {"casadi", "fmpy", "jinja2", "numpy"},

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
 from wmr_ctrl.control.setup import settle, with_kinematics
 from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.linear.linearise import Floats, is_stable
 from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
@@ -151,9 +152,7 @@ class LinearReport:
     @checks_arguments
     def plots(self, folder: str | Path, progress: Progress | None = None) -> list[Path]:
         """Draw poles, sample times, Bode, Nyquist and the barrier's pull into ``folder``."""
-        from wmr_ctrl.linear.plots import draw
-
-        return draw(self, Path(folder), progress)
+        return cast("list[Path]", late_bound("draw_linear")(self, Path(folder), progress))
 
 
 class _Steps:

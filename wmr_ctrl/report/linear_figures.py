@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,15 +14,17 @@ from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import frequencies, open_loop
 from wmr_ctrl.linear.point import law_loop, learned_point
+from wmr_ctrl.linear.report import LinearReport
 from wmr_ctrl.linear.sampled import pull_curve, spectral_radius
+from wmr_ctrl.report.drawing import plain_ticks, save_figure, say_below
+from wmr_ctrl.report.style import DASHED, LIMIT, MUTED, house_style, look, shown
 from wmr_ctrl.results import make_folder
 
-if TYPE_CHECKING:
-    from wmr_ctrl.linear.report import LinearReport
-
 _FORCES = ("thrust", "moment")
-INK, SECOND, LIMIT, MUTED = "#1F77C9", "#E69F00", "#c62828", "#6b6b6b"
+INK, SECOND = "#1f77c9", "#e69f00"
 SIZE = (6.4, 4.0)
+RADII = (0.9, 1.3)
+"""Spectral radii that are shown."""
 PERIODS = np.geomspace(1e-3, 0.5, 150)
 BODE = (1e-2, 1e3)
 """Frequencies that are shown [rad/s]."""
@@ -31,7 +33,7 @@ Panels: TypeAlias = "np.ndarray[tuple[int, int], np.dtype[np.object_]]"
 """The axes of a figure, by row and column."""
 
 
-def draw(
+def draw_linear(
     report: LinearReport, folder: Path, progress: Callable[[float], None] | None = None
 ) -> list[Path]:
     """Write the figures as PNG into ``folder``, which is made; returns their paths.
@@ -49,10 +51,15 @@ def draw(
         parts["pull"] = (_pull, 1, 2)
     paths = []
     for name, (plot, rows, columns) in parts.items():
-        figure = Figure((SIZE[0], SIZE[1] * (0.6 + 0.4 * rows)), layout="constrained")
-        plot(report, figure.subplots(rows, columns, squeeze=False))
         path = folder / f"{report.scenario.name}-{report.law}-{name}.png"
-        figure.savefig(path, dpi=160)
+        with house_style():
+            figure = Figure((SIZE[0], SIZE[1] * (0.6 + 0.4 * rows)), layout="constrained")
+            panels = figure.subplots(rows, columns, squeeze=False)
+            plot(report, panels)
+            handles, labels = panels[0, 0].get_legend_handles_labels()
+            if labels:  # below the axes, where no curve is
+                figure.legend(handles, labels, loc="outside lower left", ncols=4)
+            save_figure(figure, path)
         paths.append(path)
         if progress:
             progress(len(paths) / len(parts))
@@ -70,28 +77,40 @@ def _poles(report: LinearReport, panels: Panels) -> None:
         put(report.kinematic_poles, "s", MUTED, "kinematic loop alone")
     if report.adaptive_poles is not None:
         put(report.adaptive_poles, "o", LIMIT, "with learning, rightmost")
-    axes.axvline(0, color=LIMIT, lw=0.8)
+    axes.axvline(0, color=LIMIT, lw=0.8, label="stable on its left")
     axes.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
-    axes.set_title(f"{report.law}: poles around the reference")
-    _finish(axes)
+    axes.set_title(f"{_name(report)}: poles around the reference")
 
 
 def _sample_time(report: LinearReport, panels: Panels) -> None:
     axes = panels[0, 0]
     scenario, law = report.scenario, report.law
     loop = law_loop(scenario, law)
-    largest = [largest_radius(loop, period) for period in PERIODS]
-    axes.plot(PERIODS, largest, color=INK, label="linear loop, at its worst")
+    largest = np.array([largest_radius(loop, period) for period in PERIODS])
+    axes.plot(1e3 * PERIODS, largest, color=INK, label="linear loop, at its worst")
     rest = learned_point(scenario, law, report.at)
     if rest is not None:
         few = PERIODS[::3]
         learning = spectral_radius(scenario, law, few, rest, "learning")
-        axes.plot(few, learning, color=SECOND, label="with learning")
-    axes.axhline(1, color=LIMIT, lw=0.8, label="limit of stability")
-    axes.axvline(scenario.clock.control, color=MUTED, ls="--", label="this scenario's clock")
-    axes.set(xscale="log", ylim=(0.9, 1.3), xlabel="control period [s]", ylabel="spectral radius")
-    axes.set_title(f"{law}: stability against the control period")
-    _finish(axes)
+        axes.plot(1e3 * few, learning, color=SECOND, label="with learning")
+    axes.axhline(1, color=LIMIT, lw=0.8, label="stable below it")
+    clock = 1e3 * scenario.clock.control
+    axes.axvline(clock, color=MUTED, ls=DASHED, label=f"this scenario: {clock:g} ms")
+    axes.set(xscale="log", ylim=RADII, xlabel="control period [ms]", ylabel="spectral radius [1]")
+    plain_ticks(axes)
+    if largest.max() > RADII[1]:
+        say_below(axes, f"out of view: up to {shown(float(largest.max()))}")
+    said = _stable(report.max_sample_time)
+    if report.max_sample_time_adaptive is not None:
+        said += f"; with learning {_stable(report.max_sample_time_adaptive)}"
+    axes.set_title(f"{_name(report)}: {said}")
+
+
+def _stable(period: float) -> str:
+    """Up to which control period [s] the loop is stable, in words."""
+    if not np.isfinite(period):
+        return "stable for any period"
+    return f"stable up to {shown(1e3 * period)} ms" if period > 0 else "stable for no period"
 
 
 def _curves(report: LinearReport, axis: int) -> Iterator[tuple[str, str, Floats, Floats]]:
@@ -116,13 +135,11 @@ def _bode(report: LinearReport, panels: Panels) -> None:
             angle.plot(w, _phase(curve), color=colour)
         size.axhline(0, color=LIMIT, lw=0.8)
         angle.axhline(-180, color=LIMIT, lw=0.8)
-        size.set_title(f"{report.law}: cut at the {_FORCES[axis]}")
+        size.set_title(f"{_name(report)}: cut at the {_FORCES[axis]}")
         size.set(xscale="log", xlim=BODE, ylim=(-60, 100))
         angle.set(xscale="log", xlim=BODE, ylim=(-270, 0), xlabel="frequency [rad/s]")
         angle.set_yticks(range(-270, 1, 90))
         _note_margins(angle, report, axis)
-        _finish(size)
-        _finish(angle, legend=False)
     panels[0, 0].set_ylabel("magnitude [dB]")
     panels[1, 0].set_ylabel("phase [deg]")
 
@@ -143,7 +160,7 @@ def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:
         gain = "any" if item.gain is None else f"{item.gain:.3g}"
         phase = "any" if item.phase is None else f"{item.phase:.3g} deg"
         text = f"sampled: gain up to {gain}, phase {phase}"
-    axes.set_title(text, size=7.5, color=MUTED)
+    axes.set_title(text, size=7.5, weight="normal", color=MUTED)
 
 
 def _nyquist(report: LinearReport, panels: Panels) -> None:
@@ -153,10 +170,9 @@ def _nyquist(report: LinearReport, panels: Panels) -> None:
         angle = np.linspace(0, 2 * np.pi, 200)
         panel.plot(np.cos(angle), np.sin(angle), color=MUTED, lw=0.8, label="unit circle")
         panel.plot(-1, 0, "+", color=LIMIT, ms=9, label="-1")
-        panel.set(xlim=(-3, 1.5), ylim=(-3, 1.5), aspect="equal", xlabel="real part")
-        panel.set_title(f"{report.law}: cut at the {_FORCES[axis]}")
-        _finish(panel)
-    panels[0, 0].set_ylabel("imaginary part")
+        panel.set(xlim=(-3, 1.5), ylim=(-3, 1.5), aspect="equal", xlabel="real part [1]")
+        panel.set_title(f"{_name(report)}: cut at the {_FORCES[axis]}")
+    panels[0, 0].set_ylabel("imaginary part [1]")
 
 
 def _pull(report: LinearReport, panels: Panels) -> None:
@@ -167,15 +183,14 @@ def _pull(report: LinearReport, panels: Panels) -> None:
         pull = pull_curve(report.scenario, report.law, axis, float(asked[axis]), v)
         panel.plot(v, pull, color=INK)
         panel.axhline(0, color=MUTED, lw=0.8)
-        for side in (-u1, u1):
-            panel.axvline(side, color=LIMIT, lw=0.8)
-        panel.set_xlabel(("v1 [m/s]", "omega [rad/s]")[axis])
+        for side, label in ((-u1, "limit"), (u1, None)):
+            panel.axvline(side, color=LIMIT, lw=0.8, label=label)
+        unit = ("m/s", "rad/s")[axis]
+        panel.set_xlabel(f"{('v₁', 'ω')[axis]} [{unit}]")
         panel.set_ylabel(("force [N]", "moment [N m]")[axis])
-        panel.set_title(f"{report.law}: pull at v_c0 = {asked[axis]:.3g}")
-        _finish(panel, legend=False)
+        asks = shown(float(asked[axis]))
+        panel.set_title(f"{_name(report)}: pull at v_c0 = {asks} {unit}")
 
 
-def _finish(axes: Axes, legend: bool = True) -> None:
-    axes.grid(color="#e4e4e4", lw=0.5)
-    if legend:
-        axes.legend(frameon=False, fontsize=7.5)
+def _name(report: LinearReport) -> str:
+    return look(report.law).label
