@@ -48,7 +48,7 @@ BLUE = "#1f77c9"
 LEVELS = {3.0: "95 %", 4.61: "99 %"}
 """Falls of the log-likelihood that bound regions of two numbers at these confidences."""
 _MARGINS = Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
-_AXES = (("v", "m/s", "thrust", "N"), ("omega", "rad/s", "moment", "N m"))
+_AXES = (("v₁", "m/s", "thrust", "N"), ("ω", "rad/s", "moment", "N m"))
 FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from commands"}
 
 
@@ -188,7 +188,7 @@ def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis
     """Residuals, with the bound that is made of them."""
     speed, speed_unit, force, force_unit = _AXES[axis]
     forces = result.bounds.section == "guard"
-    bound, what = ("dbar", "q z") if forces else ("d", f"off in {speed}")
+    bound, what = ("dbar", "residual") if forces else ("d", f"off in {speed}")
     handles = [line_handle(what, BLUE), line_handle(bound, LIMIT)]
     words = f"Residual as a {force} [{force_unit}]" if forces else f"Deviation [{speed_unit}]"
     heading(part, words, handles)
@@ -204,7 +204,7 @@ def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis
 def _intervals(part: SubFigure, result: BaseIdentification) -> None:
     """Half-widths over what the verdicts compare them with, on a logarithmic scale."""
     items = {k: v for k, v in result.parameters.items() if np.isfinite(v.value)}
-    heading(part, "Half-width of the interval [%]", below=0.22)
+    heading(part, "Half-width of the interval [%]; dashed: 10 and 30 %", below=0.22)
     axes = one_axes(part, Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
     shares = [max(100 * item.share, 0.05) for item in items.values()]
     axes.set_xscale("log")

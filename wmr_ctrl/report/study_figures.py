@@ -12,15 +12,27 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.plan import SOBOL
 from wmr_ctrl.report.drawing import save_figure
 from wmr_ctrl.report.study_table import StudyTable, read_study
-from wmr_ctrl.report.style import LIMIT, MUTED, house_style, look, shown, unit_text, with_unit
+from wmr_ctrl.report.style import (
+    DOTTED,
+    GRID,
+    LIMIT,
+    MUTED,
+    house_style,
+    look,
+    shown,
+    unit_text,
+    with_unit,
+)
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
 
@@ -32,6 +44,7 @@ REACH = 5.0
 ROWS = 4
 """Points of a grid whose Sobol indices stand in one picture."""
 KEPT = "#1F77C9"
+_SHARES = {"violated": "share of runs beyond a limit", "tracked": "share of runs that tracked"}
 
 
 def plot_study(folder: str | Path) -> list[Path]:
@@ -70,7 +83,8 @@ def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
 
 
 def _label(table: StudyTable, name: str) -> str:
-    return with_unit(name, table.scale(name)[1])
+    unit = table.scale(name)[1]
+    return f"{name} [1]" if unit == "1" else with_unit(name, unit)
 
 
 def _values(table: StudyTable, mask: NDArray[np.bool_]) -> Floats:
@@ -150,8 +164,10 @@ def _by_factor(table: StudyTable) -> Figure:
     for axes, key in zip(figure.subplots(len(keys), 1, squeeze=False)[:, 0], keys, strict=True):
         bins = _bins(table.numbers[key])
         for k, group in enumerate(table.groups):
-            of_group, face = table.group == group, {"facecolor": _colour(group)}
-            alpha = 0.3 if "guarded" in group else 0.7
+            of_group, colour = table.group == group, _colour(group)
+            # Lines in the law's colour: a box may be thinner than its outline.
+            line = {"color": colour, "linestyle": DOTTED if "guarded" in group else "-"}
+            face = to_rgba(colour, 0.15 if "guarded" in group else 0.45)
             axes.boxplot(
                 [_values(table, of_group & (bins.places == b)) for b in range(bins.count)],
                 positions=np.arange(bins.count) + (k + 0.5) / count * 0.8 - 0.4,
@@ -159,12 +175,12 @@ def _by_factor(table: StudyTable) -> Figure:
                 showfliers=False,
                 manage_ticks=False,
                 patch_artist=True,
-                medianprops={"color": "black"},
-                boxprops=face | {"alpha": alpha},
-                whiskerprops={"color": MUTED},
-                capprops={"color": MUTED},
+                medianprops=line | {"linewidth": 2.0, "linestyle": "-"},
+                boxprops={"facecolor": face, "edgecolor": colour},
+                whiskerprops=line,
+                capprops=line | {"linestyle": "-"},
             )
-            axes.plot([], [], "s", color=_colour(group), alpha=alpha, label=_label_of(group))
+            axes.add_patch(Rectangle((0, 0), 0, 0, fc=face, ec=colour, label=_label_of(group)))
         axes.set_xticks(bins.ticks, bins.labels)
         axes.set_xlim(-0.6, bins.count - 0.4)
         axes.set(xlabel=_label(table, key), ylabel=_label(table, table.figure))
@@ -220,8 +236,9 @@ def _maps(table: StudyTable, name: str) -> Figure:
         image = _map(ax, cells[place], grid, ends, name)
         ax.set(title=_label_of(groups[place]))
         ax.set(xlabel=_label(table, keys[0]), ylabel=_label(table, keys[1]))
-    said = f"share of runs: {name}" if name in SHARES else f"median {_label(table, name)}"
-    figure.colorbar(image, ax=list(axes), label=said)
+    figure.colorbar(image, ax=list(axes), label=_SHARES.get(name, f"median {_label(table, name)}"))
+    if any(np.isnan(part).any() for part in cells):
+        figure.suptitle("hatched: no run there", color=MUTED, fontsize="small")
     return figure
 
 
@@ -242,6 +259,7 @@ def _map(
 ) -> AxesImage:
     colours = "RdYlBu_r" if name == "violated" else "viridis"
     axes.grid(visible=False)
+    axes.patch.set(hatch="////", edgecolor=GRID)
     image = axes.imshow(
         cells, origin="lower", aspect="auto", cmap=colours, vmin=ends[0], vmax=ends[1]
     )
@@ -299,5 +317,5 @@ def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
     for shift, key, label, colour in ((-0.18, "S1", "first", KEPT), (0.18, "ST", "total", MUTED)):
         axes.bar(np.arange(len(ranges)) + shift, indices[key], 0.34, label=label, color=colour,
                  yerr=indices[f"{key}_conf"], capsize=2, error_kw={"lw": 0.8})  # fmt: skip
-    axes.set_ylabel(f"Sobol index of {table.figure}")
-    axes.legend()
+    axes.set_ylabel(f"Sobol index of {table.figure} [1]")
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2)
