@@ -31,6 +31,8 @@ from wmr_ctrl.scenario import Scenario
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
+ROUGH = 0.1
+"""Gain in log-likelihood below which a fit ends that is compared alone."""
 SPLITS = (0.2, 0.5, 0.8)
 """Shares of delay in the time from command to force that fits are started from."""
 LATENESS, SURE_PASSES = (0.03, 0.1, 0.3), 12
@@ -189,7 +191,7 @@ def started(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -
     for split in SPLITS:
         start = guess | rest | {"n1": noise, "n2": noise}
         start |= {"delay": late * split, "lag": max(late * (1 - split), 1e-3)}
-        tried.append(scored(piece, searched(start, names), free_of(problem, False), 8, tell))
+        tried.append(scored(piece, searched(start, names), free_of(problem, False), 8, tell, ROUGH))
     return min(tried, key=lambda item: item.nll).theta
 
 
@@ -218,10 +220,11 @@ def coloured_if_likelier(white: Fit, tell: Callable[[], None]) -> tuple[Fit, flo
             start[names.index(f"s{axis}")] = white.theta[names.index(f"q{axis}")] - 1.0
         start[names.index("time")] = math.log(time)
         passes = 40 if best is None else 12
-        fit = scored(white.problem, start, free_of(white.problem, True), passes, tell)
+        fit = scored(white.problem, start, free_of(white.problem, True), passes, tell, ROUGH)
         best = fit if best is None or fit.nll < best.nll else best
     assert best is not None
     if 2 * (white.nll - best.nll) > 4 * math.log(white.problem.counted()):
+        best = scored(white.problem, best.theta, best.free, tell=tell)
         return best, float(np.exp(best.theta[names.index("time")]))
     return white, None
 

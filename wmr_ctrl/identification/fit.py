@@ -27,8 +27,10 @@ SKIPPED_TIME = 0.3
 """Time at the start of each stretch that does not count [s]: commands before are not known."""
 DELAY_MOST, LAG_LEAST, LAG_MOST = 0.6, 5e-4, 2.0
 PASSES = 40
-ENOUGH = 1e-4
-"""Gain in log-likelihood below which scoring ends."""
+ENOUGH = 2e-3
+"""Gain in log-likelihood below which scoring ends: 6 % of a standard error."""
+DAMPING = 1e-3
+"""Of the first step, and at least after a step that gained nothing."""
 ACCEPTED = 1.92
 """Fall of the log-likelihood at the end of an interval by the likelihood."""
 FLOOR = 2e-3
@@ -145,11 +147,16 @@ def scored(
     free: np.ndarray,
     passes: int = PASSES,
     tell: Callable[[], None] = lambda: None,
+    enough: float = ENOUGH,
 ) -> Fit:
-    """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood."""
+    """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood.
+
+    It ends after ``passes`` steps, or where a step gains less than ``enough``, or promises a tenth.  The damping is
+    Nielsen's: as much as the last step's gain was below what was promised.
+    """
     least, most = ends(problem, free)
     theta = np.clip(theta, least, most)
-    result, damping = problem.read(theta), 1e-3
+    result, damping, growth = problem.read(theta), DAMPING, 2.0
     for _ in range(passes):
         tell()
         gradient = result.gradient.sum(axis=0)
@@ -165,16 +172,22 @@ def scored(
             trial = theta.copy()
             trial[moving] += step
             trial = np.clip(trusted(trial, theta, problem), least, most)
-            after = problem.read(trial)
-            if np.isfinite(after.nll.sum()) and after.nll.sum() <= result.nll.sum():
-                better, damping = True, max(damping / 10, 1e-9)
+            step = trial[moving] - theta[moving]
+            promised = -float(gradient[moving] @ step + step @ fisher @ step / 2)
+            if 0 <= promised < enough / 10:
                 break
-            damping = min(damping * 10, 1e12)
+            after = problem.read(trial)
+            gained = float(result.nll.sum() - after.nll.sum())
+            if gained >= 0:
+                better, share = True, gained / max(promised, 1e-300)
+                damping = max(damping * max(1 / 3, 1 - (2 * min(share, 2.0) - 1) ** 3), 1e-9)
+                growth = 2.0
+                break
+            damping, growth = max(damping * growth, DAMPING), 2 * growth
         if not better:
             break
-        gained = result.nll.sum() - after.nll.sum()
         theta, result = trial, after
-        if gained < ENOUGH:
+        if gained < enough:
             break
     return Fit(problem, theta, free, result)
 

@@ -194,14 +194,16 @@ class Windows:
     nbar: Floats
 
     def least(self, masses: tuple[float, float]) -> Floats:
-        """Least push (K,) that explains the motion, for masses from least to most."""
-        count, several = self.forces.shape
-        if not count:
+        """Least push (K,) that explains the motion, for masses from least to most.
+
+        It grows or falls with the force all along, so the ends of the forces have the least.
+        """
+        if not len(self.forces):
             return np.zeros(0)
-        each = np.stack((*self.speeds, self.period, self.nbar)).repeat(several, axis=1)
-        old, new, period, nbar = each[:, None]
-        push = _monitor()(new, old, self.forces.reshape(1, -1), period, nbar, *masses)
-        return np.asarray(push).reshape(count, several).min(axis=1)
+        old, new = self.speeds
+        ends = self.forces.min(axis=1), self.forces.max(axis=1)
+        rows = [(item[None] for item in (new, old, end, self.period, self.nbar)) for end in ends]
+        return np.minimum(*(np.asarray(_monitor()(*row, *masses))[0] for row in rows))
 
 
 def _windows(
