@@ -148,7 +148,7 @@ def covered(case: str, count: int) -> dict[str, object]:
         happened["logs"] += 1
         happened["moved"] += any(" move" in text for text in found.remarks)
         if isinstance(found, Identification):
-            happened["coloured"] += found.fit.free.sum() > found.white.free.sum()
+            happened["coloured"] += bool(found.fit.free.sum() > found.white.free.sum())
             happened["refuted"] += bool(found.bounds.refuted)
         for key, value in truth.items():
             item = found.parameters.get(key)

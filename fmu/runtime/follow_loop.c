@@ -1,5 +1,5 @@
 /* Speeds of one axis' loop that follow from its commands, for several sets of its parameters, one set a lane.
-   The kernel is generated (axis.py). */
+   The kernel is generated (speed_loop.py). */
 #include "lanes.h"
 
 /* Pieces of `length` (count); commands (count, SENT, delays), of which set k takes column late[k];

@@ -1,5 +1,5 @@
 /* One pass of an identification filter over a log: the likelihood, its gradient and the Fisher information of each
-   block of time, with one direction of derivatives a lane.  Kernels are generated (graph.py). */
+   block of time, with one direction of derivatives a lane.  Kernels are generated (kalman.py). */
 #include "lanes.h"
 
 #define GROUPS ((WMR_NAMES + WMR_LANES - 1) / WMR_LANES)

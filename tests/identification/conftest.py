@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.own_plant import Truth, log_of, simulate
-from wmr_ctrl.identification import identify, reading
+from wmr_ctrl.codegen import build
+from wmr_ctrl.identification import identify
 
 TRUTH = Truth(delay=0.036)
 KNOWN = {"robot.r": TRUTH.r, "robot.l": TRUTH.l, "encoder.counts": TRUTH.counts}
@@ -16,7 +17,7 @@ POSED = ("t", "wheel_counts[1]", "wheel_counts[2]", "tau_right", "tau_left", "x"
 @pytest.fixture(scope="session", autouse=True)
 def filters_at_level_one():
     """A fit runs its compiled filter hundreds of times: at -O1 that takes a fifth of -O0."""
-    find = reading.find_toolchain
+    find = build.find_toolchain
 
     def at_level_one(**options):
         with pytest.MonkeyPatch.context() as patch:
@@ -24,7 +25,7 @@ def filters_at_level_one():
             return find(**options)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reading, "find_toolchain", at_level_one)
+        patch.setattr(build, "find_toolchain", at_level_one)
         yield
 
 

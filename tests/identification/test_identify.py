@@ -11,11 +11,11 @@ import wmr_ctrl.identification.identification as identifying
 from benchmarks.own_plant import Drives, log_of, simulate
 from tests.identification.conftest import KNOWN, TRUTH
 from wmr_ctrl.identification import identify
-from wmr_ctrl.identification.estimate import PHYSICAL
-from wmr_ctrl.identification.fit import packed, searched
-from wmr_ctrl.identification.graph import torque_graph
-from wmr_ctrl.identification.log import LogError
-from wmr_ctrl.identification.reading import CompiledFilter, Samples, events_of
+from wmr_ctrl.identification.estimate import PHYSICAL, searched
+from wmr_ctrl.identification.fit import events_of, packed
+from wmr_ctrl.identification.kalman import CompiledFilter, torque_graph
+from wmr_ctrl.logs.log import LogError
+from wmr_ctrl.logs.samples import Samples
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
 MAIN = ("m", "I", "delay", "lag")

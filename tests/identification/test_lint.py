@@ -9,9 +9,10 @@ from click.testing import CliRunner
 from benchmarks.own_plant import log_of
 from tests.identification.conftest import KNOWN, POSED, TRUTH
 from wmr_ctrl.cli import root
-from wmr_ctrl.identification import identify, lint
-from wmr_ctrl.identification.log import LogError, of_columns
-from wmr_ctrl.identification.reading import motion_of
+from wmr_ctrl.identification import identify
+from wmr_ctrl.logs import lint
+from wmr_ctrl.logs.log import LogError, of_columns
+from wmr_ctrl.logs.samples import motion_of
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS
 

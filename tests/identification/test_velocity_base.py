@@ -8,8 +8,8 @@ import pytest
 from wmr_ctrl import identify, simulate
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter import command_filter
-from wmr_ctrl.identification.log import LogError
 from wmr_ctrl.identification.propose import propose
+from wmr_ctrl.logs.log import LogError
 from wmr_ctrl.report.identified import write_identification
 from wmr_ctrl.scenario import loads_scenario
 

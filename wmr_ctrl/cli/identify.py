@@ -135,7 +135,7 @@ def identify(
 
 def _text(result: BaseIdentification) -> str:
     """Parameters, the guard's numbers and the score."""
-    from wmr_ctrl.identification.estimate import UNITS
+    from wmr_ctrl.identification.bounds import UNITS
 
     half_of_it = {
         name: f"most of it from {item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +18,7 @@ from pathlib import Path
 from wmr_ctrl.codegen import kernels
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
+from wmr_ctrl.codegen.emit import Kernel
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
@@ -133,6 +134,16 @@ class Program:
             for item in chosen
         ]
         return build_units(files, units, Unit("dispatch", _DISPATCH), toolchain, name="batch")
+
+
+def lanes_library(driver: str, sizes: Mapping[str, int], several: Sequence[Kernel]) -> Path:
+    """A library of ``several`` kernels, compiled in lanes with the runtime's ``driver``, for this processor."""
+    generated = sources(sizes, several, LANES)
+    generated.pop("exports.h")
+    names = ("arithmetic.h", "export.h", "lanes.h", driver)
+    runtime = {name: (runtime_dir() / name).read_text("utf-8") for name in names}
+    texts = {name.replace(".c", ".inc"): text for name, text in generated.items()}
+    return _for_this_processor({**texts, **runtime})
 
 
 def _for_this_processor(files: dict[str, str | bytes]) -> Path:

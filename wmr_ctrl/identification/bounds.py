@@ -1,39 +1,99 @@
-"""Results of a log, and what a guard or a filter may count on."""
+"""Results of a log, and what they say: could it tell a parameter, and what may be counted on.
+
+Each parameter gets a verdict, mixtures get words, and seconds are named.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import tomlkit
-from scipy.stats import t as student
 
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import pair_of
-from wmr_ctrl.guard.price import speed_price
-from wmr_ctrl.identification.estimate import UNITS, WORDS, Estimate, Score
-from wmr_ctrl.identification.fit import LAG_LEAST, Fit
-from wmr_ctrl.identification.reading import BLOCKS, COUNTED, Floats
+from wmr_ctrl.identification.fit import LAG_LEAST
+from wmr_ctrl.identification.kalman import BLOCKS
+from wmr_ctrl.identification.speed_loop import AXES, Fits
+from wmr_ctrl.logs.log import COMMAND, Floats
 from wmr_ctrl.scenario import Scenario, to_toml
-from wmr_ctrl.world.encoder import rounded_by
 
-CREEP = 0.01
-"""By how much the tread's creep may hide a command's delay [s]: m/(2 C), for 30 kg on tyres of
-1500 N s/m.  No log of wheels alone tells it, so it is added."""
-SIGMAS = 3.0
-NEWTON = 1.0
-WILKS_BLOCKS = 59
-"""Blocks of which the largest bounds 95 % of all, with 95 % confidence."""
-BLOCK_TIMES = 5.0
-"""Length of a block, in time constants of a coloured push: shorter ones are not independent."""
-
+TOLD, ROUGHLY, NOT_TOLD = "told", "roughly", "not told"
+SHARES = (0.1, 0.3)
+"""Half-width over size up to which a parameter is told, or roughly told."""
+WORDS = {
+    "m": "mass", "I": "moment of inertia", "Fc": "Coulomb friction of the body",
+    "Fv": "friction of speed", "c": "Coulomb friction of each wheel", "Mv": "friction of turning",
+    "delay": "delay of commands", "lag": "lag of the drives",
+    "gain1": "gain of v", "wn1": "natural frequency of v", "zeta1": "damping of v",
+    "tau1": "time constant of v", "gain2": "gain of omega", "wn2": "natural frequency of omega",
+    "zeta2": "damping of omega", "tau2": "time constant of omega",
+    "delay1": "delay of v", "delay2": "delay of omega",
+    "accel1": "acceleration limit of v", "accel2": "acceleration limit of omega",
+}  # fmt: skip
+UNITS = {
+    "m": "kg", "I": "kg.m2", "Fc": "N", "Fv": "N.s/m", "c": "N", "Mv": "N.m.s/rad", "delay": "s",
+    "lag": "s", "gain1": "1", "gain2": "1", "wn1": "rad/s", "wn2": "rad/s", "zeta1": "1",
+    "zeta2": "1", "tau1": "s", "tau2": "s", "delay1": "s", "delay2": "s", "accel1": "m/s2",
+    "accel2": "rad/s2",
+}  # fmt: skip
+BECAUSE = {
+    frozenset({"Fc", "c"}): "the wheels never turned against each other",
+    frozenset({"Fc", "Fv"}): "the log knows one speed",
+    frozenset({"c", "Fv"}): "the log knows one speed",
+    frozenset({"Mv", "c"}): "the log knows one rate of turning",
+    frozenset({"delay", "lag"}): "torques changed too slowly or too little",
+    frozenset({"m", "delay"}): "the robot hardly accelerated",
+    frozenset({"m", "lag"}): "the robot hardly accelerated",
+    frozenset({"I", "delay"}): "the robot hardly turned faster or slower",
+    frozenset({"tau1", "delay1"}): "v_command changed too slowly or too little",
+    frozenset({"tau2", "delay2"}): "omega_command changed too slowly or too little",
+}
+"""Pairs that cannot be told apart, and what the log lacks then."""
+SMALL, PART = 0.03, 0.35
+LEAST_LATE = {"delay": 0.0, "lag": LAG_LEAST}
 GRID_POINTS, SPREAD = 13, 3.5
 """Of the likelihood's picture: points either way, and half its width in standard errors."""
-LEAST_LATE = {"delay": 0.0, "lag": LAG_LEAST}
+
+
+class Estimate(NamedTuple):
+    """A value with its 95 % interval, whether the log told it, when it did [s], and the half-width
+    as a share of what the verdict compares it with.
+    """
+
+    value: float
+    low: float
+    high: float
+    verdict: str
+    seconds: tuple[float, float] = (0.0, 0.0)
+    share: float = 0.0
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {
+            "value": self.value,
+            "low": self.low,
+            "high": self.high,
+            "told": self.verdict,
+            "seconds": list(self.seconds),
+        }
+
+
+@dataclass(frozen=True)
+class Score:
+    """How the held-out third was foretold: shares of both speeds' variance, by the fit and by
+    constant velocities; [s] from where on it was held out.
+
+    ``usable_speed`` of a guard with the bounds, and what one newton more of dbar costs [m/s]; None
+    where the guard refuses them.
+    """
+
+    foretold: tuple[float, float]
+    constant_velocity: tuple[float, float]
+    held_out_from: float
+    usable_speed: float | None = None
+    one_newton_more: float | None = None
 
 
 @dataclass(frozen=True)
@@ -193,80 +253,78 @@ class BaseIdentification(ABC):
         return "".join(f"# {line}\n" for line in head) + "\n" + tomlkit.dumps(document)
 
 
-def guard_bounds(
-    white: Fit,
-    intervals: Mapping[str, tuple[float, float, float]],
-    scenario: Scenario,
-    colour: float | None,
-) -> GuardBounds:
-    """Numbers of a guard from the intervals (value, low, high) and the white fit's residuals.
+def verdict(half: float, size: float) -> str:
+    """Told, roughly or not told, of a half-width and the size that it is compared with."""
+    share = half / max(size, 1e-300)
+    return TOLD if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else NOT_TOLD
 
-    dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the residuals in
-    standard deviations.  ``colour``: time constant of the coloured push [s], where there is one.
+
+def sizes(values: Mapping[str, float], speed: Floats, period: float) -> dict[str, float]:
+    """Sizes that half-widths are compared with: a value, or for what may be 0 a share of its kind.
+
+    ``speed`` (2,): rms speeds.  Friction is compared with a quarter of all friction at these
+    speeds at least, a time with a control period.
     """
-    names, log = white.problem.filter.graph.names, white.problem.log
-    q = np.exp(white.theta[[names.index("q1"), names.index("q2")]])
-    counted = white.problem.counting()[0] == COUNTED
-    z = np.abs(white.last.sizes[counted])
-    dbar = q * np.maximum(SIGMAS, z.max(axis=0))
-    wider = student.ppf(1 - 0.05 / 4, BLOCKS - 1) / student.ppf(0.975, BLOCKS - 1)
-    low, high = [], []
-    for name in ("m", "I"):
-        value, least, most = intervals[name]
-        low.append(value * (least / value) ** wider)
-        high.append(value * (most / value) ** wider)
-    period, robot = scenario.clock.control, scenario.robot
-    if log.of_speed:
-        noise = np.exp(white.theta[[names.index("n1"), names.index("n2")]])
-        nbar = noise * np.maximum(SIGMAS, z.max(axis=0))
-    else:
-        counts = float(scenario.value("encoder.counts")[0])
-        nbar = np.array(rounded_by((robot.r, robot.l), counts, period))
-    early, latest = max(intervals["delay"][1], 0.0), intervals["delay"][2]
-    # The guard lets a delay vary by one control period at most.
-    wide = latest - early > period
-    late = (early, latest) if wide else (early, min(latest + CREEP, early + period))
-    return GuardBounds(
-        (float(low[0]), float(low[1])),
-        (float(high[0]), float(high[1])),
-        (float(dbar[0]), float(dbar[1])),
-        (float(nbar[0]), float(nbar[1])),
-        late,
-        (max(intervals["lag"][1], 0.0), intervals["lag"][2]),
-        (float(q[0]), float(q[1])),
-        tolerance_sentence(white, colour),
-        wide,
-    )
+    v, w = np.maximum(speed, 1e-3)
+    ahead = abs(values["Fc"]) + 2 * abs(values["c"]) + abs(values["Fv"]) * v
+    turning = abs(values["Mv"]) * w + 2 * abs(values["c"]) * 0.2
+    least = {"Fc": ahead / 4, "c": ahead / 8, "Fv": ahead / 4 / v, "Mv": turning / 4 / w,
+             "delay": period, "lag": period}  # fmt: skip
+    return {name: max(abs(value), least.get(name, 0.0)) for name, value in values.items()}
 
 
-def tolerance_sentence(white: Fit, colour: float | None) -> str:
-    """What may be said of dbar: a share of blocks of time, or only that it was the largest seen."""
-    log = white.problem.log
-    length = max(1.0, BLOCK_TIMES * (colour or 0.0))
-    count = int((log.t[-1] - log.t[0]) / length)
-    v, w = np.abs(white.last.mean[:, 2:4]).max(axis=0)
-    visited = f"at speeds up to {v:.2g} m/s and {w:.2g} rad/s, on this floor, with this load"
-    if count < WILKS_BLOCKS:
-        return (
-            f"largest seen in {count} blocks of {length:.2g} s, {visited}; {WILKS_BLOCKS} blocks "
-            "would say more"
+def seconds_that_told(t: Floats, share: Floats) -> tuple[float, float]:
+    """Shortest stretch [s] that has half of the information ``share`` (B,) on one parameter."""
+    total, edges = share.sum(), np.linspace(t[0], t[-1], BLOCKS + 1)
+    for length in range(1, BLOCKS + 1):
+        sums = np.convolve(share, np.ones(length), "valid")
+        if sums.max() >= 0.5 * total:
+            first = int(np.argmax(sums))
+            return float(edges[first]), float(edges[first + length])
+    return float(t[0]), float(t[-1])
+
+
+def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iterator[str]:
+    """Sentences on parameters that the log cannot tell apart, those among ``vague``.
+
+    From the small eigenvalues of the Fisher information (n, n) with unit diagonal.
+    """
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    for value, vector in zip(values, vectors.T, strict=True):
+        mixed = [names[k] for k in np.argsort(-np.abs(vector)) if abs(vector[k]) > PART]
+        if value > SMALL or len(mixed) < 2 or not set(mixed) & vague:
+            continue
+        why = next((text for pair, text in BECAUSE.items() if pair <= set(mixed)), "")
+        listed = " and ".join((", ".join(WORDS[n] for n in mixed[:-1]), WORDS[mixed[-1]]))
+        yield f"{listed} cannot be told apart" + (f": {why}." if why else " by this log.")
+
+
+def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
+    """What a log says of a speed loop, and what it does not."""
+    remarks = [
+        "gains are against the log's own measured speeds: what is off in a wheel's radius or "
+        "track is in both, and no log of wheels tells it. Add it to filter.gain."
+    ]
+    for axis, fit, column in zip(AXES, fits, COMMAND, strict=True):
+        if fit is None:
+            remarks.append(f"{column} is constant: nothing is told of that axis.")
+        elif "accel" not in fit.names:
+            unit = ("m/s2", "rad/s2")[axis - 1]
+            remarks.append(
+                f"no acceleration limit shows in {column}: if there is one, it is above "
+                f"{estimates[f'accel{axis}'].low:.3g} {unit}."
+            )
+    for axis, fit in zip(AXES, fits, strict=True):
+        if fit is not None:
+            names = [f"{name}{axis}" for name in fit.names]
+            unsure = {name for name in names if estimates[name].verdict != TOLD}
+            remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
+    vague = [name for name, item in estimates.items() if item.verdict == NOT_TOLD and
+             not name.startswith("accel")]  # fmt: skip
+    if vague:
+        remarks.append(
+            f"not told: {', '.join(vague)}. Steps of the command tell them, each held until the "
+            "speed has settled."
         )
-    share = 0.05 ** (1 / count)
-    return (
-        f"with 95 % confidence at most {100 * (1 - share):.2g} % of later blocks of {length:.2g} s "
-        f"exceed it, if such blocks are independent, {visited}"
-    )
-
-
-def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
-    """Usable speed of v1 with the guard's numbers, and what one more newton of dbar costs [m/s].
-
-    None where the guard refuses them.
-    """
-    try:
-        numbers = settle(scenario, None).guard
-    except ScenarioError:
-        return None
-    more = replace(numbers, dbar=(pair_of(numbers.dbar)[0] + NEWTON, pair_of(numbers.dbar)[1]))
-    now, then = (speed_price(scenario, item).usable[0] for item in (numbers, more))
-    return now, now - then
+    return remarks

@@ -1,32 +1,35 @@
-"""From samples to estimates: starts, the model that is taken, intervals, verdicts, the score.
-
-Could the log tell?  Each parameter gets a verdict, mixtures get words, and seconds are named.
-"""
+"""From samples to estimates: starts, the model that is taken, intervals, the score."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
-from wmr_ctrl.identification import lint
+from wmr_ctrl.identification.bounds import (
+    NOT_TOLD,
+    SHARES,
+    Estimate,
+    Score,
+    seconds_that_told,
+    verdict,
+)
 from wmr_ctrl.identification.fit import (
     ACCEPTED,
     LAG_LEAST,
     Fit,
     LogProblem,
-    first_guess,
     half_widths,
     scored,
-    searched,
     standard_errors,
 )
-from wmr_ctrl.identification.graph import LOGARITHMIC
-from wmr_ctrl.identification.reading import BLOCKS, Floats, Samples
+from wmr_ctrl.identification.kalman import LOGARITHMIC
+from wmr_ctrl.identification.speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
+from wmr_ctrl.logs.log import Floats
+from wmr_ctrl.logs.samples import AxisLog, Samples, speeds, wheels
 from wmr_ctrl.scenario import Scenario
 
 START_SECONDS = 30.0
@@ -45,126 +48,59 @@ HELD_OUT = 1 / 3
 AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
 """Sections of what is known that the identified numbers take the place of."""
 FREE_RUN = 1.0
-TOLD, ROUGHLY, NOT_TOLD = "told", "roughly", "not told"
-SHARES = (0.1, 0.3)
-"""Half-width over size up to which a parameter is told, or roughly told."""
 PHYSICAL = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag")
-WORDS = {
-    "m": "mass", "I": "moment of inertia", "Fc": "Coulomb friction of the body",
-    "Fv": "friction of speed", "c": "Coulomb friction of each wheel", "Mv": "friction of turning",
-    "delay": "delay of commands", "lag": "lag of the drives",
-    "gain1": "gain of v", "wn1": "natural frequency of v", "zeta1": "damping of v",
-    "tau1": "time constant of v", "gain2": "gain of omega", "wn2": "natural frequency of omega",
-    "zeta2": "damping of omega", "tau2": "time constant of omega",
-    "delay1": "delay of v", "delay2": "delay of omega",
-    "accel1": "acceleration limit of v", "accel2": "acceleration limit of omega",
-}  # fmt: skip
-UNITS = {
-    "m": "kg", "I": "kg.m2", "Fc": "N", "Fv": "N.s/m", "c": "N", "Mv": "N.m.s/rad", "delay": "s",
-    "lag": "s", "gain1": "1", "gain2": "1", "wn1": "rad/s", "wn2": "rad/s", "zeta1": "1",
-    "zeta2": "1", "tau1": "s", "tau2": "s", "delay1": "s", "delay2": "s", "accel1": "m/s2",
-    "accel2": "rad/s2",
-}  # fmt: skip
-BECAUSE = {
-    frozenset({"Fc", "c"}): "the wheels never turned against each other",
-    frozenset({"Fc", "Fv"}): "the log knows one speed",
-    frozenset({"c", "Fv"}): "the log knows one speed",
-    frozenset({"Mv", "c"}): "the log knows one rate of turning",
-    frozenset({"delay", "lag"}): "torques changed too slowly or too little",
-    frozenset({"m", "delay"}): "the robot hardly accelerated",
-    frozenset({"m", "lag"}): "the robot hardly accelerated",
-    frozenset({"I", "delay"}): "the robot hardly turned faster or slower",
-    frozenset({"tau1", "delay1"}): "v_command changed too slowly or too little",
-    frozenset({"tau2", "delay2"}): "omega_command changed too slowly or too little",
-}
-"""Pairs that cannot be told apart, and what the log lacks then."""
-SMALL, PART = 0.03, 0.35
 
 
-class Estimate(NamedTuple):
-    """A value with its 95 % interval, whether the log told it, when it did [s], and the half-width
-    as a share of what the verdict compares it with.
+def first_guess(log: Samples) -> tuple[dict[str, float], float]:
+    """m, I, friction of motion and time from command to force [s], by regression.
+
+    Second differences of way and turn over 0.1 s weigh the force by a triangle; of the shifts of
+    the command the one that explains most is taken.
     """
-
-    value: float
-    low: float
-    high: float
-    verdict: str
-    seconds: tuple[float, float] = (0.0, 0.0)
-    share: float = 0.0
-
-    def to_json(self) -> dict[str, object]:
-        """Plain data."""
-        return {
-            "value": self.value,
-            "low": self.low,
-            "high": self.high,
-            "told": self.verdict,
-            "seconds": list(self.seconds),
-        }
-
-
-@dataclass(frozen=True)
-class Score:
-    """How the held-out third was foretold: shares of both speeds' variance, by the fit and by
-    constant velocities; [s] from where on it was held out.
-
-    ``usable_speed`` of a guard with the bounds, and what one newton more of dbar costs [m/s]; None
-    where the guard refuses them.
-    """
-
-    foretold: tuple[float, float]
-    constant_velocity: tuple[float, float]
-    held_out_from: float
-    usable_speed: float | None = None
-    one_newton_more: float | None = None
-
-
-def verdict(half: float, size: float) -> str:
-    """Told, roughly or not told, of a half-width and the size that it is compared with."""
-    share = half / max(size, 1e-300)
-    return TOLD if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else NOT_TOLD
-
-
-def sizes(values: Mapping[str, float], speed: Floats, period: float) -> dict[str, float]:
-    """Sizes that half-widths are compared with: a value, or for what may be 0 a share of its kind.
-
-    ``speed`` (2,): rms speeds.  Friction is compared with a quarter of all friction at these
-    speeds at least, a time with a control period.
-    """
-    v, w = np.maximum(speed, 1e-3)
-    ahead = abs(values["Fc"]) + 2 * abs(values["c"]) + abs(values["Fv"]) * v
-    turning = abs(values["Mv"]) * w + 2 * abs(values["c"]) * 0.2
-    least = {"Fc": ahead / 4, "c": ahead / 8, "Fv": ahead / 4 / v, "Mv": turning / 4 / w,
-             "delay": period, "lag": period}  # fmt: skip
-    return {name: max(abs(value), least.get(name, 0.0)) for name, value in values.items()}
+    T = log.period
+    t = np.arange(log.t[0], log.t[-1], T)
+    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
+    if log.of_speed:
+        way = np.cumsum(way, axis=0) * T
+    w = max(round(0.1 / T), 3)
+    rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
+    speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
+    kernel = np.convolve(np.ones(w), np.ones(w)) / w**2
+    gap = np.searchsorted(log.t, t)
+    near = np.abs(log.t[np.minimum(gap, len(log.t) - 1)] - t) < 5 * T
+    best: tuple[float, float, Floats] | None = None
+    for shift in np.arange(0.0, 0.5, max(T, 0.01)):
+        index = np.maximum(np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1, 0)
+        force = np.column_stack(
+            [np.convolve(log.command[index, k], kernel, "same")[w:-w] for k in (0, 1)]
+        )
+        ok = near[w:-w]
+        solved, rest = [], 0.0
+        for axis in (0, 1):
+            x = np.column_stack((force[:, axis], np.tanh(speed[:, axis] / 0.02), speed[:, axis]))
+            solution, _, _, _ = np.linalg.lstsq(x[ok], rate[ok, axis], rcond=None)
+            error = rate[ok, axis] - x[ok] @ solution
+            rest += float(np.sum(error**2) / max(np.sum(rate[ok, axis] ** 2), 1e-12))
+            solved.append(solution)
+        if best is None or rest < best[0]:
+            best = rest, float(shift), np.array(solved)
+    assert best is not None
+    _, shift, fits = best
+    m, inertia = (1 / max(item, 1e-3) for item in fits[:, 0])
+    return {
+        "m": m,
+        "I": inertia,
+        "Fc": max(-fits[0, 1] * m, 0.0),
+        "Fv": max(-fits[0, 2] * m, 0.0),
+        "Mv": max(-fits[1, 2] * inertia, 0.0),
+        "c": 0.0,
+    }, shift
 
 
-def seconds_that_told(t: Floats, share: Floats) -> tuple[float, float]:
-    """Shortest stretch [s] that has half of the information ``share`` (B,) on one parameter."""
-    total, edges = share.sum(), np.linspace(t[0], t[-1], BLOCKS + 1)
-    for length in range(1, BLOCKS + 1):
-        sums = np.convolve(share, np.ones(length), "valid")
-        if sums.max() >= 0.5 * total:
-            first = int(np.argmax(sums))
-            return float(edges[first]), float(edges[first + length])
-    return float(t[0]), float(t[-1])
-
-
-def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iterator[str]:
-    """Sentences on parameters that the log cannot tell apart, those among ``vague``.
-
-    From the small eigenvalues of the Fisher information (n, n) with unit diagonal.
-    """
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
-    for value, vector in zip(values, vectors.T, strict=True):
-        mixed = [names[k] for k in np.argsort(-np.abs(vector)) if abs(vector[k]) > PART]
-        if value > SMALL or len(mixed) < 2 or not set(mixed) & vague:
-            continue
-        why = next((text for pair, text in BECAUSE.items() if pair <= set(mixed)), "")
-        listed = " and ".join((", ".join(WORDS[n] for n in mixed[:-1]), WORDS[mixed[-1]]))
-        yield f"{listed} cannot be told apart" + (f": {why}." if why else " by this log.")
+def searched(values: dict[str, float], names: tuple[str, ...]) -> Floats:
+    """Parameters in the order and form of the search."""
+    with np.errstate(divide="ignore"):
+        return np.array([np.log(values[n]) if n in LOGARITHMIC else values[n] for n in names])
 
 
 def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
@@ -234,7 +170,7 @@ def distrusting_low_speeds(
 ) -> tuple[Fit, list[str]]:
     """The fit with noise at low speeds counted more, where that moves a parameter; else ``fit``."""
     problem, names = fit.problem, fit.problem.filter.graph.names
-    speed = np.abs(lint.wheels(lint.speeds(problem.log), problem.known[1])).min(axis=1)
+    speed = np.abs(wheels(speeds(problem.log), problem.known[1])).min(axis=1)
     slow = np.flatnonzero(speed < LOW_SPEED)
     if not slow.size or slow.size > 0.8 * len(speed):
         return fit, remarks
@@ -351,3 +287,53 @@ def free_runs(
     begin = first[np.searchsorted(first, index, "right") - 1]
     foretold = problem.foretold(replace(log, first=first), theta, mean[first])
     return foretold[:, 2:4], mean[begin, 2:4]
+
+
+def least_acceleration(fit: LoopFit) -> float:
+    """Lower end of the limit's interval where no ramp shows [m/s2 or rad/s2]: by the likelihood."""
+    limits = np.geomspace(*RANGES["accel"], 60)
+    fall = -likelihoods(fit, {"accel": limits})
+    fine = np.flatnonzero(fall > ACCEPTED)
+    return float(limits[min(fine[-1] + 1, len(limits) - 1)]) if fine.size else float(limits[0])
+
+
+def loop_estimates(fits: Fits, period: float) -> dict[str, Estimate]:
+    """Value, interval and verdict of each parameter of both axes."""
+    estimates = {}
+    for axis, fit in zip(AXES, fits, strict=True):
+        if fit is None:
+            continue
+        halves = fit.half_widths(plant_step(period) / 2).tolist()
+        for (name, value), half in zip(fit.values.items(), halves, strict=True):
+            if name == "delay":
+                low, high, share = max(value - half, 0.0), value + half, half / max(value, period)
+            else:
+                half = min(half, 50.0)
+                low, high = value * math.exp(-half), value * math.exp(half)
+                share = half
+            shares = fit.fisher[:, fit.names.index(name), fit.names.index(name)]
+            seconds = seconds_that_told(fit.log.t, shares)
+            item = Estimate(value, low, high, verdict(share, 1.0), seconds, share)
+            estimates[f"{name}{axis}"] = item
+        if "accel" not in fit.names:
+            least = least_acceleration(fit)
+            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, NOT_TOLD, share=9.0)
+    return estimates
+
+
+def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
+    """How well the last third is foretold from commands alone by a fit of the rest."""
+    t, shares = axes[0].t, []
+    for axis, fit in zip(axes, trained, strict=True):
+        if fit is None:
+            shares.append((math.nan, math.nan))
+            continue
+        rest = (t >= cut) & axis.counted
+        seen = axis.speed
+        turn = np.floor((t - t[0]) / FREE_RUN)
+        held = seen[np.searchsorted(turn, turn)]
+        total = max(float(np.sum((seen - seen[rest].mean())[rest] ** 2)), 1e-12)
+        apart = [float(np.sum((item - seen)[rest] ** 2)) for item in (forecast(fit, axis), held)]
+        shares.append((1 - apart[0] / total, 1 - apart[1] / total))
+    ours, constant = zip(*shares, strict=True)
+    return Score((ours[0], ours[1]), (constant[0], constant[1]), cut)

@@ -1,4 +1,6 @@
-"""Maximum likelihood of a log: starts, Fisher scoring, intervals by leaving out blocks of time."""
+"""Maximum likelihood of a log: its events in order, Fisher scoring, intervals by leaving out blocks
+of time.
+"""
 
 from __future__ import annotations
 
@@ -7,25 +9,27 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from wmr_ctrl.identification.graph import LOGARITHMIC
-from wmr_ctrl.identification.reading import (
+from wmr_ctrl.identification.kalman import (
     BLOCKS,
-    COUNTED,
-    SKIPPED,
-    WATCHED,
+    LOGARITHMIC,
+    PIECE,
     CompiledFilter,
     Events,
-    Floats,
     PassResult,
-    Samples,
-    events_of,
 )
+from wmr_ctrl.logs.log import Floats
+from wmr_ctrl.logs.samples import LONGEST_DELAY, Samples
 
+START, PIECE_KIND, SKIPPED, COUNTED, WATCHED = range(5)
+LONGEST = 0.01
+"""Longest piece that is stepped over at once [s]."""
+SHORTEST = 1e-9
 SKIPPED_TIME = 0.3
 """Time at the start of each stretch that does not count [s]: commands before are not known."""
-DELAY_MOST, LAG_LEAST, LAG_MOST = 0.6, 5e-4, 2.0
+LAG_LEAST, LAG_MOST = 5e-4, 2.0
 PASSES = 40
 ENOUGH = 2e-3
 """Gain in log-likelihood below which scoring ends: 6 % of a standard error."""
@@ -37,6 +41,72 @@ FLOOR = 2e-3
 """Least relative half-width of an interval."""
 FINEST = 3e-4
 """Least noise of force and speed, over how much these vary."""
+
+
+def events_of(
+    log: Samples,
+    delay: float,
+    start: Floats,
+    wide: int,
+    boost: Floats | None = None,
+    kinds: NDArray[np.int32] | None = None,
+    blocks: NDArray[np.int32] | None = None,
+) -> Events:
+    """Pieces between all times at which something is seen or a command begins to act, in order.
+
+    ``start`` (F, state): means at the beginning of each stretch.  ``boost`` (N,): factor of the
+    noise up to each sample; ``kinds`` (N,) and ``blocks`` (N,) of the measurements.
+    """
+    count, sent = len(log.t), len(log.command_t)
+    base = np.concatenate((log.t, log.command_t))
+    late = np.concatenate((np.zeros(count), np.ones(sent)))
+    # Commands that begin to act as something is seen come after it.
+    order = np.lexsort((late, base + late * delay))
+    command = np.concatenate((np.full(count, -1), np.arange(sent)))[order]
+    acting = np.maximum(np.maximum.accumulate(command), 0)
+    seen = np.where(order < count, order, -1)
+    before = np.maximum.accumulate(seen)
+    inside = (before[:-1] >= 0) & (before[:-1] < count - 1)
+    begins = np.zeros(count + 1, bool)
+    begins[log.first] = True
+    inside &= ~begins[np.minimum(before[:-1] + 1, count)]
+    h0, h1 = np.diff(base[order]), np.diff(late[order])
+    length = h0 + h1 * delay
+    parts = np.where(inside & (length > SHORTEST), np.ceil(length / LONGEST), 0).astype(np.int64)
+    # After each event: its pieces. Before them, if it is a measurement: that, and a start.
+    starts = (seen >= 0) & begins[np.maximum(seen, 0)]
+    own = np.where(seen >= 0, 1, 0) + starts
+    size = own.copy()
+    size[:-1] += parts
+    place = np.concatenate(([0], np.cumsum(size)))
+    rows = np.zeros((place[-1], wide))
+    kind = np.full(place[-1], PIECE_KIND, np.int32)
+    block = np.full(place[-1], -1, np.int32)
+    piece = np.repeat(np.arange(len(parts)), parts)
+    inner = np.concatenate([np.arange(0)] if not len(parts) else [_ranks(parts)])
+    at = place[piece] + own[piece] + inner
+    following = np.minimum(before[piece] + 1, count - 1)
+    factor = np.ones(len(piece)) if boost is None else boost[following]
+    rows[at, : len(PIECE)] = np.column_stack(
+        (log.command[acting[piece]], h0[piece] / parts[piece], h1[piece] / parts[piece], factor)
+    )
+    spot = place[:-1][seen >= 0] + starts[seen >= 0]
+    which = seen[seen >= 0]
+    rows[spot, :5] = np.column_stack(
+        (log.seen[which], np.tile(log.variance, (len(which), 1)), np.full(len(which), log.of_speed))
+    )
+    kind[spot] = COUNTED if kinds is None else kinds[which]
+    block[spot] = 0 if blocks is None else blocks[which]
+    where = place[:-1][starts]
+    rows[where, : start.shape[1]] = start
+    kind[where] = START
+    return Events(rows, kind, block, count)
+
+
+def _ranks(parts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """0 to n - 1 for each n of ``parts``, one after the other."""
+    ends = np.cumsum(parts)
+    return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - parts, parts)
 
 
 @dataclass(frozen=True)
@@ -151,8 +221,8 @@ def scored(
 ) -> Fit:
     """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood.
 
-    It ends after ``passes`` steps, or where a step gains less than ``enough``, or promises a tenth.  The damping is
-    Nielsen's: as much as the last step's gain was below what was promised.
+    It ends after ``passes`` steps, or where a step gains less than ``enough`` or promises a tenth
+    of that.  The damping is Nielsen's, by the share of what was promised that a step gained.
     """
     least, most = ends(problem, free)
     theta = np.clip(theta, least, most)
@@ -207,7 +277,7 @@ def ends(problem: LogProblem, free: np.ndarray) -> tuple[Floats, Floats]:
     least |= {"s1": math.log(1e-7), "s2": math.log(1e-7), "time": math.log(0.02)}
     least |= {"delay": 0.0, "lag": LAG_LEAST}
     most = dict.fromkeys(("q1", "q2", "s1", "s2"), math.log(1e6))
-    most |= {"time": math.log(60.0), "delay": DELAY_MOST, "lag": LAG_MOST}
+    most |= {"time": math.log(60.0), "delay": LONGEST_DELAY, "lag": LAG_MOST}
     low, high = (
         np.where(free, [side.get(name, other) for name in names], other)
         for side, other in ((least, -np.inf), (most, np.inf))
@@ -267,55 +337,3 @@ def half_widths(fit: Fit) -> Floats:
     for place, least in fit.least.items():
         half[place] = max(half[place], least)
     return half
-
-
-def first_guess(log: Samples) -> tuple[dict[str, float], float]:
-    """m, I, friction of motion and time from command to force [s], by regression.
-
-    Second differences of way and turn over 0.1 s weigh the force by a triangle; of the shifts of
-    the command the one that explains most is taken.
-    """
-    T = log.period
-    t = np.arange(log.t[0], log.t[-1], T)
-    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
-    if log.of_speed:
-        way = np.cumsum(way, axis=0) * T
-    w = max(round(0.1 / T), 3)
-    rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
-    speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
-    kernel = np.convolve(np.ones(w), np.ones(w)) / w**2
-    gap = np.searchsorted(log.t, t)
-    near = np.abs(log.t[np.minimum(gap, len(log.t) - 1)] - t) < 5 * T
-    best: tuple[float, float, Floats] | None = None
-    for shift in np.arange(0.0, 0.5, max(T, 0.01)):
-        index = np.maximum(np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1, 0)
-        force = np.column_stack(
-            [np.convolve(log.command[index, k], kernel, "same")[w:-w] for k in (0, 1)]
-        )
-        ok = near[w:-w]
-        solved, rest = [], 0.0
-        for axis in (0, 1):
-            x = np.column_stack((force[:, axis], np.tanh(speed[:, axis] / 0.02), speed[:, axis]))
-            solution, _, _, _ = np.linalg.lstsq(x[ok], rate[ok, axis], rcond=None)
-            error = rate[ok, axis] - x[ok] @ solution
-            rest += float(np.sum(error**2) / max(np.sum(rate[ok, axis] ** 2), 1e-12))
-            solved.append(solution)
-        if best is None or rest < best[0]:
-            best = rest, float(shift), np.array(solved)
-    assert best is not None
-    _, shift, fits = best
-    m, inertia = (1 / max(item, 1e-3) for item in fits[:, 0])
-    return {
-        "m": m,
-        "I": inertia,
-        "Fc": max(-fits[0, 1] * m, 0.0),
-        "Fv": max(-fits[0, 2] * m, 0.0),
-        "Mv": max(-fits[1, 2] * inertia, 0.0),
-        "c": 0.0,
-    }, shift
-
-
-def searched(values: dict[str, float], names: tuple[str, ...]) -> Floats:
-    """Parameters in the order and form of the search."""
-    with np.errstate(divide="ignore"):
-        return np.array([np.log(values[n]) if n in LOGARITHMIC else values[n] for n in names])

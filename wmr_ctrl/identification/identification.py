@@ -12,39 +12,40 @@ import numpy as np
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.identification import lint
 from wmr_ctrl.identification.bounds import (
     LEAST_LATE,
+    NOT_TOLD,
+    TOLD,
     BaseIdentification,
+    Estimate,
     GuardBounds,
     Surface,
     Traces,
     grid_about,
-    guard_bounds,
-    usable_speeds,
+    mixtures,
+    seconds_that_told,
+    sizes,
+    verdict,
 )
 from wmr_ctrl.identification.estimate import (
     AFFECTED,
     FREE_RUN,
-    NOT_TOLD,
-    TOLD,
-    Estimate,
     coloured_if_likelier,
     distrusting_low_speeds,
     free_runs,
     intervals_of,
-    mixtures,
     plant_step,
     score_of,
-    seconds_that_told,
-    sizes,
     surest,
-    verdict,
     white_fit,
 )
+from wmr_ctrl.identification.fit import COUNTED as MEASURED
 from wmr_ctrl.identification.fit import Fit, LogProblem, standard_errors
-from wmr_ctrl.identification.graph import torque_graph
-from wmr_ctrl.identification.log import (
+from wmr_ctrl.identification.kalman import CompiledFilter, torque_graph
+from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
+from wmr_ctrl.identification.velocity_base import of_velocities
+from wmr_ctrl.logs import lint
+from wmr_ctrl.logs.log import (
     COMMAND,
     KNOWN,
     TORQUES,
@@ -56,10 +57,7 @@ from wmr_ctrl.identification.log import (
     seen_by,
     with_torques,
 )
-from wmr_ctrl.identification.reading import COUNTED as MEASURED
-from wmr_ctrl.identification.reading import CompiledFilter, Samples, motion_of
-from wmr_ctrl.identification.refuted import explaining, held_out
-from wmr_ctrl.identification.velocity_base import of_velocities
+from wmr_ctrl.logs.samples import Samples, motion_of
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity

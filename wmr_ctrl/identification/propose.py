@@ -16,15 +16,23 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.identification.axis import AxisLog
-from wmr_ctrl.identification.bounds import BaseIdentification
-from wmr_ctrl.identification.estimate import PHYSICAL, sizes, verdict
+from wmr_ctrl.identification.bounds import BaseIdentification, sizes, verdict
+from wmr_ctrl.identification.estimate import PHYSICAL
 from wmr_ctrl.identification.fit import Fit, LogProblem
-from wmr_ctrl.identification.graph import LOGARITHMIC, stepped
 from wmr_ctrl.identification.identification import Identification
-from wmr_ctrl.identification.reading import Floats, Samples
-from wmr_ctrl.identification.speed_loop import LoopFit, followed_by, information_of
+from wmr_ctrl.identification.kalman import LOGARITHMIC, stepped
+from wmr_ctrl.identification.speed_loop import (
+    ORDER,
+    PLACE,
+    LoopFit,
+    finest,
+    foretold,
+    set_of,
+    whitener,
+)
 from wmr_ctrl.identification.velocity_base import VelocityIdentification
+from wmr_ctrl.logs.log import Floats
+from wmr_ctrl.logs.samples import AxisLog, Samples
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.lag import followed
@@ -321,3 +329,22 @@ def _expected(
         name: verdict(half[name] * (values[name] if name in LOGARITHMIC else 1.0), size[name])
         for name in PHYSICAL
     }
+
+
+def followed_by(log: AxisLog, loop: str, values: Mapping[str, Floats]) -> Floats:
+    """Speeds (N, K) that follow from a log's commands for parameters (K,) in SI units."""
+    sets = np.tile([1.0, 1.0, 1.0, math.inf, 0.0], (len(next(iter(values.values()))), 1))
+    for name, column in values.items():
+        sets[:, PLACE[name]] = column
+    return foretold(log, loop, sets)
+
+
+def information_of(fit: LoopFit, log: AxisLog) -> Floats:
+    """Fisher information (n, n) that another log would have of what was fitted, in this noise."""
+    whiten, whole = whitener(fit.left, fit.log.counted)
+    sigma = math.hypot(float(np.std(whiten(fit.left)[whole])), finest(fit.log))
+    steps = np.diag([1e-4 if name == "delay" else 1e-3 for name in fit.names])
+    sets = np.array([set_of(fit.names, fit.theta + s) for s in (0 * steps[0], *steps)])
+    apart = foretold(log, fit.loop, sets)
+    slope = whiten((apart[:, 1:] - apart[:, :1]) / np.diag(steps))[ORDER:] / sigma
+    return np.asarray(slope.T @ slope)

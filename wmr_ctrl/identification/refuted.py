@@ -1,6 +1,6 @@
-"""What the last third of a log has against the bounds that the rest of it gives.
+"""What a guard may count on by a log, and what the log's last third has against it.
 
-Motion that they do not explain, by the guard's own monitor, and numbers that have changed.
+Motion that bounds of the rest do not explain, by the guard's own monitor, and changed numbers.
 """
 
 from __future__ import annotations
@@ -12,14 +12,22 @@ from functools import cache
 
 import casadi as ca
 import numpy as np
+from scipy.stats import t as student
 
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.bounds import pair_of
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.monitor import least_push
-from wmr_ctrl.identification.bounds import GuardBounds, guard_bounds
-from wmr_ctrl.identification.estimate import UNITS, intervals_of, parted
-from wmr_ctrl.identification.fit import LAG_LEAST, Fit
-from wmr_ctrl.identification.reading import Floats, Samples
+from wmr_ctrl.guard.price import speed_price
+from wmr_ctrl.identification.bounds import UNITS, GuardBounds
+from wmr_ctrl.identification.estimate import intervals_of, parted
+from wmr_ctrl.identification.fit import COUNTED, LAG_LEAST, Fit
+from wmr_ctrl.identification.kalman import BLOCKS
+from wmr_ctrl.logs.log import Floats
+from wmr_ctrl.logs.samples import Samples
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.encoder import rounded_by
 
 SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 """Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""
@@ -31,6 +39,94 @@ APART = 1.5
 """Sums of half-widths by which two parts of a log are apart where something changed."""
 WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
 """Factors on the range of masses that are tried where a motion is not explained."""
+CREEP = 0.01
+"""By how much the tread's creep may hide a command's delay [s]: m/(2 C), for 30 kg on tyres of
+1500 N s/m.  No log of wheels alone tells it, so it is added."""
+SIGMAS = 3.0
+NEWTON = 1.0
+WILKS_BLOCKS = 59
+"""Blocks of which the largest bounds 95 % of all, with 95 % confidence."""
+BLOCK_TIMES = 5.0
+"""Length of a block, in time constants of a coloured push: shorter ones are not independent."""
+
+
+def guard_bounds(
+    white: Fit,
+    intervals: Mapping[str, tuple[float, float, float]],
+    scenario: Scenario,
+    colour: float | None,
+) -> GuardBounds:
+    """Numbers of a guard from the intervals (value, low, high) and the white fit's residuals.
+
+    dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the residuals in
+    standard deviations.  ``colour``: time constant of the coloured push [s], where there is one.
+    """
+    names, log = white.problem.filter.graph.names, white.problem.log
+    q = np.exp(white.theta[[names.index("q1"), names.index("q2")]])
+    counted = white.problem.counting()[0] == COUNTED
+    z = np.abs(white.last.sizes[counted])
+    dbar = q * np.maximum(SIGMAS, z.max(axis=0))
+    wider = student.ppf(1 - 0.05 / 4, BLOCKS - 1) / student.ppf(0.975, BLOCKS - 1)
+    low, high = [], []
+    for name in ("m", "I"):
+        value, least, most = intervals[name]
+        low.append(value * (least / value) ** wider)
+        high.append(value * (most / value) ** wider)
+    period, robot = scenario.clock.control, scenario.robot
+    if log.of_speed:
+        noise = np.exp(white.theta[[names.index("n1"), names.index("n2")]])
+        nbar = noise * np.maximum(SIGMAS, z.max(axis=0))
+    else:
+        counts = float(scenario.value("encoder.counts")[0])
+        nbar = np.array(rounded_by((robot.r, robot.l), counts, period))
+    early, latest = max(intervals["delay"][1], 0.0), intervals["delay"][2]
+    # The guard lets a delay vary by one control period at most.
+    wide = latest - early > period
+    late = (early, latest) if wide else (early, min(latest + CREEP, early + period))
+    return GuardBounds(
+        (float(low[0]), float(low[1])),
+        (float(high[0]), float(high[1])),
+        (float(dbar[0]), float(dbar[1])),
+        (float(nbar[0]), float(nbar[1])),
+        late,
+        (max(intervals["lag"][1], 0.0), intervals["lag"][2]),
+        (float(q[0]), float(q[1])),
+        tolerance_sentence(white, colour),
+        wide,
+    )
+
+
+def tolerance_sentence(white: Fit, colour: float | None) -> str:
+    """What may be said of dbar: a share of blocks of time, or only that it was the largest seen."""
+    log = white.problem.log
+    length = max(1.0, BLOCK_TIMES * (colour or 0.0))
+    count = int((log.t[-1] - log.t[0]) / length)
+    v, w = np.abs(white.last.mean[:, 2:4]).max(axis=0)
+    visited = f"at speeds up to {v:.2g} m/s and {w:.2g} rad/s, on this floor, with this load"
+    if count < WILKS_BLOCKS:
+        return (
+            f"largest seen in {count} blocks of {length:.2g} s, {visited}; {WILKS_BLOCKS} blocks "
+            "would say more"
+        )
+    share = 0.05 ** (1 / count)
+    return (
+        f"with 95 % confidence at most {100 * (1 - share):.2g} % of later blocks of {length:.2g} s "
+        f"exceed it, if such blocks are independent, {visited}"
+    )
+
+
+def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
+    """Usable speed of v1 with the guard's numbers, and what one more newton of dbar costs [m/s].
+
+    None where the guard refuses them.
+    """
+    try:
+        numbers = settle(scenario, None).guard
+    except ScenarioError:
+        return None
+    more = replace(numbers, dbar=(pair_of(numbers.dbar)[0] + NEWTON, pair_of(numbers.dbar)[1]))
+    now, then = (speed_price(scenario, item).usable[0] for item in (numbers, more))
+    return now, now - then
 
 
 @dataclass(frozen=True)

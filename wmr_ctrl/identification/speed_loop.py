@@ -1,22 +1,38 @@
-"""Likeliest speed loop of one axis of a base: an output-error fit of each kind.
+"""Speed loop of one axis of a base: the speeds that follow from its commands, and its fit to a log.
 
-What is left over is an autoregressive process, by whose inverse residuals and slopes are whitened;
-the loop is chosen by the criterion of Schwarz.
+    command, late by a delay  ->  ramp  ->  loop  ->  speed
+    first-order    tau v' = K u - v
+    pi             v' = 2 zeta wn (u - v) + f,   f' = wn^2 (u - v)
+    second-order   v'' = wn^2 (K u - v) - 2 zeta wn v'
+
+The ramp is that of `world.command_ramp`.  What a fit leaves over is an autoregressive process, by
+whose inverse residuals and slopes are whitened.
 """
 
 from __future__ import annotations
 
+import ctypes as ct
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from itertools import product
+from functools import cache
 
+import casadi as ca
 import numpy as np
 
-from wmr_ctrl.identification.axis import AxisLog, foretold, shifted_gain
-from wmr_ctrl.identification.fit import ACCEPTED, DELAY_MOST, FINEST, FLOOR, errors_of
-from wmr_ctrl.identification.reading import BLOCKS, Floats
+from wmr_ctrl.codegen.build import lanes_library
+from wmr_ctrl.codegen.emit import kernel
+from wmr_ctrl.identification.fit import FINEST, FLOOR, errors_of
+from wmr_ctrl.identification.kalman import BLOCKS
+from wmr_ctrl.logs.log import Floats
+from wmr_ctrl.logs.samples import LONGEST_DELAY, AxisLog
+from wmr_ctrl.model.dynamics import rk4_step
+from wmr_ctrl.model.system import System, port
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.command_ramp import moved
 
+AXES = (1, 2)
+STEP = 0.01
 LOOPS: Mapping[str, tuple[str, ...]] = {
     "first-order": ("gain", "tau", "delay"),
     "pi": ("wn", "zeta", "delay"),
@@ -27,23 +43,104 @@ PLACE = {"gain": 0, "tau": 1, "wn": 1, "zeta": 2, "accel": 3, "delay": 4}
 """Columns of a set of parameters."""
 ORDER = 6
 """Order of the autoregression."""
-SPEEDS = (0.03, 0.1, 0.3)
-"""Time constants that fits are started from [s]."""
-DAMPINGS = (0.35, 1.0)
 RANGES = {"gain": (0.02, 50.0), "tau": (5e-3, 20.0), "wn": (0.05, 60.0), "zeta": (0.02, 2.0),
           "accel": (0.01, 1e3)}  # fmt: skip
-GAIN_OF_BIC = 4.0
-SCREENED = 12
-PASSES = 30
 ENOUGH = 0.01
 MOST_VAGUE = 0.5
 """Half-width of a logarithm from which on a number is no reason for a richer loop."""
-SCREEN_SECONDS = 30.0
 SMOOTHED = 0.1
 """Time over which deviations are averaged before the largest counts as a push [s]: shorter ones
 are the sensors'."""
 AT_ONCE = 16
 """Sets of parameters that are followed at once through a whole log."""
+
+
+@cache
+def _follower(loop: str) -> ct._NamedFuncPointer:
+    """Compiled steps of (ramped, v, second state), for many sets of parameters."""
+    u, v, inner, p = (
+        port(Signal(name, "1", name, size))
+        for name, size in (("u", 1), ("v", 1), ("inner", 1), ("p", 3))
+    )
+    gain, first, second = p.sym[0], p.sym[1], p.sym[2]
+    a, b = 2 * second * first, first**2
+    rate = {
+        "first-order": ca.vertcat((gain * u.sym - v.sym) / first, 0),
+        "pi": ca.vertcat(a * (u.sym - v.sym) + inner.sym, b * (u.sym - v.sym)),
+        "second-order": ca.vertcat(inner.sym, b * (gain * u.sym - v.sym) - a * inner.sym),
+    }[loop]
+    system = System("loop", loop, inputs=(u,), state=(v, inner), params=(p,), update=rate)
+    x, h, numbers, sent = (ca.SX.sym(*item) for item in (("x", 3), ("h",), ("p", 4), ("sent", 3)))
+    parts = h * sent[2] * numbers[3], h * (1 - sent[2]) * numbers[3]
+    middle = _ramped(x[0], sent[0], parts[0])
+    ramped = ca.if_else(sent[2] < 1, _ramped(middle, sent[1], parts[1]), middle)
+    # A ramp that ends within its part of the piece rests at the end: the exact mean of both.
+    first_mean, last_mean = (
+        b - (b - a) * ca.fabs(b - a) / (2 * ca.fmax(most, 1e-30))
+        for a, b, most in ((x[0], middle, parts[0]), (middle, ramped, parts[1]))
+    )
+    acting = sent[2] * first_mean + (1 - sent[2]) * ca.if_else(sent[2] < 1, last_mean, 0)
+    after = ca.substitute(
+        rk4_step(system, h),
+        ca.vertcat(u.sym, system.x, system.p),
+        ca.vertcat(acting, x[1:], numbers[:3]),
+    )
+    step = kernel(
+        "step",
+        "State after a piece of time in which two commands act, one after the other.",
+        {"x": x, "sent": sent, "h": h, "p": numbers},
+        {"next": ca.vertcat(ramped, after)},
+    )
+    sizes = {"STATE": 3, "SENT": 3, "NUMBERS": 4, "SPEED": 1}
+    return ct.CDLL(str(lanes_library("follow_loop.c", sizes, [step]))).wmr_follow_loop
+
+
+def _ramped(now: ca.SX, wanted: ca.SX, most: ca.SX) -> ca.SX:
+    """The command after a piece: a ramp rests at 0 until its step ends, and pieces are no steps."""
+    stopped = moved(now, wanted, most, most)
+    left = ca.fmax(most - ca.fabs(stopped - now), 0)
+    return ca.if_else(stopped == wanted, stopped, moved(stopped, wanted, left, left))
+
+
+def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
+    """Speeds (N, P) that follow from the commands alone, for parameters (P, 5).
+
+    A set is gain, two numbers of the loop (tau, or wn and zeta), acceleration limit, delay.
+    """
+    count = len(sets)
+    gap = np.diff(log.t, prepend=log.t[0])
+    gap[log.first] = 0.0
+    parts = np.maximum(np.ceil(gap / STEP - 1e-9), 1).astype(int)
+    parts[log.first] = 0
+    ends = np.cumsum(parts)
+    piece = np.repeat(np.arange(len(parts)), parts)
+    h = gap[piece] / parts[piece]
+    begin = log.t[piece] - h * (ends[piece] - np.arange(len(piece)))
+    delays, late = np.unique(sets[:, 4], return_inverse=True)
+    command = np.ascontiguousarray(log.commands(begin, h, delays).swapaxes(0, 1))
+    late, numbers = late.astype(np.int32), np.ascontiguousarray(sets[:, :4].T)
+    result = np.empty((len(log.t), count))
+    for low, high in zip(log.first, [*log.first[1:], len(log.t)], strict=True):
+        first, last = ends[low], ends[high - 1]
+        begun = log.speed[min(low + 1, high - 1)]
+        x = np.stack((begun / sets[:, 0], np.full(count, begun), np.zeros(count)))
+        path = np.empty((last - first + 1, count))
+        path[0] = begun
+        arrays = (h[first:], command[first:], late, numbers, x, path[1:])
+        _follower(loop)(
+            *map(ct.c_int64, (last - first, count, len(delays))),
+            *(ct.c_void_p(item.ctypes.data) for item in arrays),
+        )
+        place = ends[low:high] - first
+        if log.of_way:
+            mean = (path[1:] + path[:-1]) / 2 * h[first:last, None]
+            way = np.concatenate((np.zeros((1, count)), np.cumsum(mean, axis=0)))[place]
+            result[low:high] = np.diff(way, axis=0, prepend=way[:1]) / np.maximum(
+                gap[low:high, None], 1e-9
+            )
+        else:
+            result[low:high] = path[place]
+    return result
 
 
 @dataclass(frozen=True)
@@ -100,18 +197,22 @@ class LoopFit:
         return np.where(shown, half, np.inf)
 
 
-def _set(names: tuple[str, ...], theta: Floats) -> Floats:
+Fits = tuple[LoopFit | None, LoopFit | None]
+
+
+def set_of(names: tuple[str, ...], theta: Floats) -> Floats:
+    """Gain, two numbers of the loop, acceleration limit and delay of what is searched."""
     by = {n: x if n == "delay" else math.exp(x) for n, x in zip(names, theta, strict=True)}
     loop = (by["tau"], 1.0) if "tau" in by else (by["wn"], by["zeta"])
     return np.array([by.get("gain", 1.0), *loop, by.get("accel", math.inf), by["delay"]])
 
 
 def _bounded(names: tuple[str, ...], theta: Floats) -> Floats:
-    ends = [(0.0, DELAY_MOST) if n == "delay" else tuple(np.log(RANGES[n])) for n in names]
+    ends = [(0.0, LONGEST_DELAY) if n == "delay" else tuple(np.log(RANGES[n])) for n in names]
     return np.clip(theta, *np.array(ends).T)
 
 
-def _whitener(
+def whitener(
     left: Floats, counted: np.ndarray, order: int = ORDER
 ) -> tuple[Callable[[Floats], Floats], np.ndarray]:
     """Filter that whitens what is left, and which samples it is whole for."""
@@ -151,7 +252,7 @@ def fitted(
     block = np.searchsorted(edges, log.t, "right") - 1
 
     def deviation(many: list[Floats]) -> Floats:
-        return log.speed[:, None] - foretold(log, loop, np.array([_set(names, x) for x in many]))
+        return log.speed[:, None] - foretold(log, loop, np.array([set_of(names, x) for x in many]))
 
     theta = _bounded(names, theta)
     for turn in range(passes):
@@ -162,17 +263,14 @@ def fitted(
         slope = np.column_stack([
             (apart[:, k + 1] - left) / (steps[k, k] * inside[k][k]) for k in range(len(theta))
         ])  # fmt: skip
-        whiten, whole = _whitener(left, log.counted, ORDER if turn >= plain else 0)
+        whiten, whole = whitener(left, log.counted, ORDER if turn >= plain else 0)
         white, along = whiten(left)[whole], whiten(slope)[whole]
         sigma = math.hypot(float(np.std(white)), finest(log))
         nll = whole.sum() * math.log(sigma)
         place = block[whole]
-        gradient = np.array([
-            along[place == b].T @ white[place == b] / sigma**2 for b in range(BLOCKS)
-        ])  # fmt: skip
-        fisher = np.array([
-            along[place == b].T @ along[place == b] / sigma**2 for b in range(BLOCKS)
-        ])  # fmt: skip
+        blocks = [(along[place == b], white[place == b]) for b in range(BLOCKS)]
+        gradient = np.array([slopes.T @ rest / sigma**2 for slopes, rest in blocks])
+        fisher = np.array([slopes.T @ slopes / sigma**2 for slopes, _ in blocks])
         result = LoopFit(log, loop, names, theta, left, nll, gradient, fisher)
         if done or turn == passes - 1:
             break
@@ -195,88 +293,17 @@ def fitted(
     return result
 
 
-def best_loop(
-    log: AxisLog, tell: Callable[[], None], loops: tuple[str, ...] = tuple(LOOPS)
-) -> LoopFit:
-    """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
-
-    All are tried on the first part of the log, the best three on all of it; a simpler one stays
-    unless a richer one gains by more than chance and its numbers are told.
-    """
-    part, tried = log.until(log.t[0] + SCREEN_SECONDS), []
-    wide = max(round(0.1 / log.period), 1)
-    slopes = np.abs(log.speed[wide:] - log.speed[:-wide])[log.counted[wide:]] / (wide * log.period)
-    steepest = max(float(np.quantile(slopes, 0.98)), 0.02)
-    for ramp, loop in product((False, True), loops):
-        names = LOOPS[loop] + (("accel",) if ramp else ())
-        starts = _starts(log, names, steepest)
-        speeds = foretold(part, loop, np.array([_set(names, x) for x in starts]))
-        squares = np.sum((speeds - part.speed[:, None])[part.counted] ** 2, axis=0)
-        near = [starts[k] for k in np.argsort(squares)[:2]]
-        fits = [fitted(part, loop, names, x, SCREENED, SCREENED - 4) for x in near]
-        tried.append(min(fits, key=lambda item: item.nll))
-        tell()
-    best: LoopFit | None = None
-    few = sorted(tried, key=lambda item: (item.vague, item.bic))[:3]
-    for item in sorted(few, key=lambda item: len(item.theta)):
-        fit = fitted(log, item.loop, item.names, item.theta, PASSES)
-        tell()
-        if best is not None and fit.vague:
-            continue
-        if best is None or fit.bic < best.bic - GAIN_OF_BIC:
-            best = fit
-    assert best is not None
-    return best
-
-
-def same_loop(
-    axes: list[AxisLog], driven: list[bool], tell: Callable[[], None]
-) -> tuple[LoopFit | None, LoopFit | None]:
-    """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
-    first, second = (
-        best_loop(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
-    )
-    if first is None or second is None or first.loop == second.loop:
-        return first, second
-    others = (
-        (first, best_loop(axes[1], tell, (first.loop,))),
-        (best_loop(axes[0], tell, (second.loop,)), second),
-    )
-    return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
-
-
-def _starts(log: AxisLog, names: tuple[str, ...], steepest: float) -> list[Floats]:
-    gain = max(shifted_gain(log)[0], RANGES["gain"][0])
-    grid = {
-        "gain": (gain, 1.25 * gain) if "accel" in names else (gain,),
-        "tau": SPEEDS, "wn": tuple(1 / x for x in SPEEDS), "zeta": DAMPINGS,
-        "delay": (0.01, 0.06, 0.15), "accel": (0.7 * steepest, 1.1 * steepest, 2 * steepest),
-    }  # fmt: skip
-    return [
-        np.array([x if n == "delay" else math.log(x) for n, x in zip(names, values, strict=True)])
-        for values in product(*(grid[name] for name in names))
-    ]
-
-
-def least_acceleration(fit: LoopFit) -> float:
-    """Lower end of the limit's interval where no ramp shows [m/s2 or rad/s2]: by the likelihood."""
-    limits = np.geomspace(*RANGES["accel"], 60)
-    fall = -likelihoods(fit, {"accel": limits})
-    fine = np.flatnonzero(fall > ACCEPTED)
-    return float(limits[min(fine[-1] + 1, len(limits) - 1)]) if fine.size else float(limits[0])
-
-
 def likelihoods(fit: LoopFit, changes: Mapping[str, Floats]) -> Floats:
     """Log-likelihoods (K,) less that of the fit, of parameters that take other values (K,).
 
     Parameters are in SI units; what is left over is whitened as that of the fit is.
     """
-    whiten, whole = _whitener(fit.left, fit.log.counted)
+    whiten, whole = whitener(fit.left, fit.log.counted)
     now = max(float(np.mean(whiten(fit.left)[whole] ** 2)), finest(fit.log) ** 2)
     count = len(next(iter(changes.values())))
     falls = []
     for part in np.array_split(np.arange(count), math.ceil(count / AT_ONCE)):
-        sets = np.tile(_set(fit.names, fit.theta), (len(part), 1))
+        sets = np.tile(set_of(fit.names, fit.theta), (len(part), 1))
         for name, values in changes.items():
             sets[:, PLACE[name]] = values[part]
         left = whiten(fit.log.speed[:, None] - foretold(fit.log, fit.loop, sets))[whole]
@@ -284,25 +311,6 @@ def likelihoods(fit: LoopFit, changes: Mapping[str, Floats]) -> Floats:
     return -np.concatenate(falls)
 
 
-def followed_by(log: AxisLog, loop: str, values: Mapping[str, Floats]) -> Floats:
-    """Speeds (N, K) that follow from a log's commands for parameters (K,) in SI units."""
-    sets = np.tile([1.0, 1.0, 1.0, math.inf, 0.0], (len(next(iter(values.values()))), 1))
-    for name, column in values.items():
-        sets[:, PLACE[name]] = column
-    return foretold(log, loop, sets)
-
-
-def information_of(fit: LoopFit, log: AxisLog) -> Floats:
-    """Fisher information (n, n) that another log would have of what was fitted, in this noise."""
-    whiten, whole = _whitener(fit.left, fit.log.counted)
-    sigma = math.hypot(float(np.std(whiten(fit.left)[whole])), finest(fit.log))
-    steps = np.diag([1e-4 if name == "delay" else 1e-3 for name in fit.names])
-    sets = np.array([_set(fit.names, fit.theta + s) for s in (0 * steps[0], *steps)])
-    apart = foretold(log, fit.loop, sets)
-    slope = whiten((apart[:, 1:] - apart[:, :1]) / np.diag(steps))[ORDER:] / sigma
-    return np.asarray(slope.T @ slope)
-
-
 def forecast(fit: LoopFit, log: AxisLog) -> Floats:
     """Speeds (N,) that a fit foretells on another log, from its commands alone."""
-    return foretold(log, fit.loop, np.array([_set(fit.names, fit.theta)]))[:, 0]
+    return foretold(log, fit.loop, np.array([set_of(fit.names, fit.theta)]))[:, 0]

@@ -5,50 +5,57 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
-from wmr_ctrl.identification.axis import AxisLog, axis_log, check_following, shifted_gain
 from wmr_ctrl.identification.bounds import (
+    NOT_TOLD,
     BaseIdentification,
+    Estimate,
     FilterBounds,
     Surface,
     Traces,
     grid_about,
+    loop_remarks,
 )
 from wmr_ctrl.identification.estimate import (
     AFFECTED,
-    FREE_RUN,
     HELD_OUT,
-    NOT_TOLD,
-    TOLD,
-    Estimate,
-    Score,
-    mixtures,
+    loop_estimates,
+    loop_score,
     plant_step,
-    seconds_that_told,
-    verdict,
 )
-from wmr_ctrl.identification.log import COMMAND, LogError
-from wmr_ctrl.identification.reading import Samples
 from wmr_ctrl.identification.speed_loop import (
+    AXES,
+    LOOPS,
+    RANGES,
     SMOOTHED,
+    Fits,
     LoopFit,
     fitted,
     forecast,
-    least_acceleration,
+    foretold,
     likelihoods,
-    same_loop,
+    set_of,
 )
+from wmr_ctrl.logs.lint import check_following
+from wmr_ctrl.logs.log import COMMAND, Floats, LogError
+from wmr_ctrl.logs.samples import AxisLog, Samples, axis_log, shifted_gain
 from wmr_ctrl.scenario import Scenario, override
 
-AXES = (1, 2)
-Fits = tuple[LoopFit | None, LoopFit | None]
 LEAST_DRIVEN = 1e-3
 USUAL_STEPS, TRAINED = 18, 4
+SPEEDS = (0.03, 0.1, 0.3)
+"""Time constants that fits are started from [s]."""
+DAMPINGS = (0.35, 1.0)
+GAIN_OF_BIC = 4.0
+SCREENED = 12
+SCREEN_SECONDS = 30.0
+PASSES = 30
 PLACES = {
     "base.tau": ("tau1", "tau2"), "base.gain": ("gain1", "gain2"),
     "base.kp": ("wn1", "zeta1", "wn2", "zeta2"), "base.delay": ("delay1", "delay2"),
@@ -118,75 +125,22 @@ def of_velocities(
         if drives:
             check_following(name, column, *shifted_gain(axis), log.period)
     fits = same_loop(axes, driven, tell)
-    estimates = _estimates(fits, log.period)
+    estimates = loop_estimates(fits, log.period)
     if all(item.verdict == NOT_TOLD for item in estimates.values()):
         raise LogError(
             f"{name}: the log tells nothing of the base. Change both commands by steps, apart from "
             "each other."
         )
-    remarks += _remarks(fits, estimates)
+    remarks += loop_remarks(fits, estimates)
     bounds, identified = _scenario(name, scenario, log, fits, estimates, remarks)
     cut = float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
     first, second = (
         fit and fitted(fit.log.until(cut), fit.loop, fit.names, fit.theta, TRAINED) for fit in fits
     )
     trained, said = (first, second), tuple(remarks)
-    score = _score(axes, cut, trained)
+    score = loop_score(axes, cut, trained)
     progress(1.0)
     return VelocityIdentification(name, estimates, bounds, said, score, identified, fits, trained)
-
-
-def _estimates(fits: Fits, period: float) -> dict[str, Estimate]:
-    """Value, interval and verdict of each parameter of both axes."""
-    estimates = {}
-    for axis, fit in zip(AXES, fits, strict=True):
-        if fit is None:
-            continue
-        halves = fit.half_widths(plant_step(period) / 2).tolist()
-        for (name, value), half in zip(fit.values.items(), halves, strict=True):
-            if name == "delay":
-                low, high, share = max(value - half, 0.0), value + half, half / max(value, period)
-            else:
-                half = min(half, 50.0)
-                low, high = value * math.exp(-half), value * math.exp(half)
-                share = half
-            shares = fit.fisher[:, fit.names.index(name), fit.names.index(name)]
-            seconds = seconds_that_told(fit.log.t, shares)
-            item = Estimate(value, low, high, verdict(share, 1.0), seconds, share)
-            estimates[f"{name}{axis}"] = item
-        if "accel" not in fit.names:
-            least = least_acceleration(fit)
-            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, NOT_TOLD, share=9.0)
-    return estimates
-
-
-def _remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
-    remarks = [
-        "gains are against the log's own measured speeds: what is off in a wheel's radius or "
-        "track is in both, and no log of wheels tells it. Add it to filter.gain."
-    ]
-    for axis, fit, column in zip(AXES, fits, COMMAND, strict=True):
-        if fit is None:
-            remarks.append(f"{column} is constant: nothing is told of that axis.")
-        elif "accel" not in fit.names:
-            unit = ("m/s2", "rad/s2")[axis - 1]
-            remarks.append(
-                f"no acceleration limit shows in {column}: if there is one, it is above "
-                f"{estimates[f'accel{axis}'].low:.3g} {unit}."
-            )
-    for axis, fit in zip(AXES, fits, strict=True):
-        if fit is not None:
-            names = [f"{name}{axis}" for name in fit.names]
-            unsure = {name for name in names if estimates[name].verdict != TOLD}
-            remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
-    vague = [name for name, item in estimates.items() if item.verdict == NOT_TOLD and
-             not name.startswith("accel")]  # fmt: skip
-    if vague:
-        remarks.append(
-            f"not told: {', '.join(vague)}. Steps of the command tell them, each held until the "
-            "speed has settled."
-        )
-    return remarks
 
 
 def _scenario(
@@ -323,19 +277,64 @@ def _of_pi(
     return override(result, {"filter.push": pushes})
 
 
-def _score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
-    """How well the last third is foretold from commands alone by a fit of the rest."""
-    t, shares = axes[0].t, []
-    for axis, fit in zip(axes, trained, strict=True):
-        if fit is None:
-            shares.append((math.nan, math.nan))
+def best_loop(
+    log: AxisLog, tell: Callable[[], None], loops: tuple[str, ...] = tuple(LOOPS)
+) -> LoopFit:
+    """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
+
+    All are tried on the first part of the log, the best three on all of it; a simpler one stays
+    unless a richer one gains by more than chance and its numbers are told.
+    """
+    part, tried = log.until(log.t[0] + SCREEN_SECONDS), []
+    wide = max(round(0.1 / log.period), 1)
+    slopes = np.abs(log.speed[wide:] - log.speed[:-wide])[log.counted[wide:]] / (wide * log.period)
+    steepest = max(float(np.quantile(slopes, 0.98)), 0.02)
+    for ramp, loop in product((False, True), loops):
+        names = LOOPS[loop] + (("accel",) if ramp else ())
+        starts = _starts(log, names, steepest)
+        speeds = foretold(part, loop, np.array([set_of(names, x) for x in starts]))
+        squares = np.sum((speeds - part.speed[:, None])[part.counted] ** 2, axis=0)
+        near = [starts[k] for k in np.argsort(squares)[:2]]
+        fits = [fitted(part, loop, names, x, SCREENED, SCREENED - 4) for x in near]
+        tried.append(min(fits, key=lambda item: item.nll))
+        tell()
+    best: LoopFit | None = None
+    few = sorted(tried, key=lambda item: (item.vague, item.bic))[:3]
+    for item in sorted(few, key=lambda item: len(item.theta)):
+        fit = fitted(log, item.loop, item.names, item.theta, PASSES)
+        tell()
+        if best is not None and fit.vague:
             continue
-        rest = (t >= cut) & axis.counted
-        seen = axis.speed
-        turn = np.floor((t - t[0]) / FREE_RUN)
-        held = seen[np.searchsorted(turn, turn)]
-        total = max(float(np.sum((seen - seen[rest].mean())[rest] ** 2)), 1e-12)
-        apart = [float(np.sum((item - seen)[rest] ** 2)) for item in (forecast(fit, axis), held)]
-        shares.append((1 - apart[0] / total, 1 - apart[1] / total))
-    ours, constant = zip(*shares, strict=True)
-    return Score((ours[0], ours[1]), (constant[0], constant[1]), cut)
+        if best is None or fit.bic < best.bic - GAIN_OF_BIC:
+            best = fit
+    assert best is not None
+    return best
+
+
+def same_loop(
+    axes: list[AxisLog], driven: list[bool], tell: Callable[[], None]
+) -> tuple[LoopFit | None, LoopFit | None]:
+    """Fits of both axes by one kind of loop: where they differ the one likelier for both."""
+    first, second = (
+        best_loop(axis, tell) if moves else None for axis, moves in zip(axes, driven, strict=True)
+    )
+    if first is None or second is None or first.loop == second.loop:
+        return first, second
+    others = (
+        (first, best_loop(axes[1], tell, (first.loop,))),
+        (best_loop(axes[0], tell, (second.loop,)), second),
+    )
+    return min(others, key=lambda pair: pair[0].bic + pair[1].bic)
+
+
+def _starts(log: AxisLog, names: tuple[str, ...], steepest: float) -> list[Floats]:
+    gain = max(shifted_gain(log)[0], RANGES["gain"][0])
+    grid = {
+        "gain": (gain, 1.25 * gain) if "accel" in names else (gain,),
+        "tau": SPEEDS, "wn": tuple(1 / x for x in SPEEDS), "zeta": DAMPINGS,
+        "delay": (0.01, 0.06, 0.15), "accel": (0.7 * steepest, 1.1 * steepest, 2 * steepest),
+    }  # fmt: skip
+    return [
+        np.array([x if n == "delay" else math.log(x) for n, x in zip(names, values, strict=True)])
+        for values in product(*(grid[name] for name in names))
+    ]

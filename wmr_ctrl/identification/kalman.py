@@ -1,4 +1,4 @@
-"""Kernels of the filter through which a log is read: predict and correct, with derivatives.
+"""The filter through which a log is read: kernels to predict and correct, and a compiled pass.
 
 An extended Kalman filter on way and turn of the wheels. Its drift is the plant's own graph with the
 ground's resistance, Eqs. (1)-(6), stepped as the plant is stepped; the torque reaches it behind a
@@ -9,12 +9,18 @@ information.
 
 from __future__ import annotations
 
+import ctypes as ct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
+from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import Kernel, kernel
+from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.model.system import Port, System, stack
 from wmr_ctrl.scenario import Scenario
@@ -23,6 +29,7 @@ from wmr_ctrl.world.lag import followed
 from wmr_ctrl.world.resistance import build as resistance
 from wmr_ctrl.world.resistance import load_of_wheel
 
+BLOCKS = 15
 PIECE = ("right", "left", "h0", "h1", "boost")
 """Inputs of a piece in which a command acts: torques [N m], length h0 + h1 delay [s], and the
 factor by which the force noise is larger there."""
@@ -223,3 +230,67 @@ def _full(packed: ca.SX, size: int) -> ca.SX:
 def _packed(whole: ca.SX) -> ca.SX:
     size = whole.shape[0]
     return ca.vertcat(*(whole[i, j] for i in range(size) for j in range(i, size)))
+
+
+@dataclass(frozen=True)
+class Events:
+    """Rows for the filter, their kinds, and the block that each counts in."""
+
+    rows: Floats
+    kinds: NDArray[np.int32]
+    blocks: NDArray[np.int32]
+    measured: int
+
+
+@dataclass(frozen=True)
+class PassResult:
+    """Result of a pass: by block minus the log of the likelihood (B,), its gradient (B, n), Fisher
+    information (B, n, n); by measurement residuals, those in standard deviations, and means.
+    """
+
+    nll: Floats
+    gradient: Floats
+    fisher: Floats
+    residual: Floats
+    sizes: Floats
+    mean: Floats
+
+
+class CompiledFilter:
+    """A model's filter as compiled C."""
+
+    def __init__(self, graph: FilterGraph) -> None:
+        """Build the library, or take it from the cache.  Raises CompilerError."""
+        self.graph = graph
+        self.wide = max(graph.state, len(PIECE))
+        self._library = ct.CDLL(_library(graph))
+        self._call = self._library.wmr_read_log
+
+    def __call__(
+        self, events: Events, parameters: Floats, covariance: Floats, slopes: bool = True
+    ) -> PassResult:
+        """One pass with ``parameters`` (searched, then known); ``covariance`` packed."""
+        n, g = len(self.graph.names), self.graph
+        nll, gradient = np.zeros(BLOCKS), np.zeros((BLOCKS, n))
+        fisher = np.zeros((BLOCKS, n, n))
+        residuals = np.zeros((events.measured, 2 * g.outputs + g.state))
+        arrays = (events.rows, events.kinds, events.blocks, np.ascontiguousarray(parameters))
+        pointers = [ct.c_void_p(item.ctypes.data) for item in (*arrays, covariance)]
+        results = [ct.c_void_p(item.ctypes.data) for item in (nll, gradient, fisher, residuals)]
+        self._call(ct.c_int64(len(events.kinds)), *pointers, ct.c_int32(bool(slopes)), *results)
+        parts = np.split(residuals, [g.outputs, 2 * g.outputs], axis=1)
+        return PassResult(nll, gradient, fisher, *parts)
+
+
+@cache
+def _library(graph: FilterGraph) -> str:
+    """Path of the compiled filter."""
+    sizes = {
+        "NAMES": len(graph.names),
+        "KNOWN": len(graph.known),
+        "STATE": graph.state,
+        "PRIMAL": graph.primal,
+        "OUTPUTS": graph.outputs,
+        "WIDE": max(graph.state, len(PIECE)),
+    }
+    return str(lanes_library("read_log.c", sizes, graph.kernels))

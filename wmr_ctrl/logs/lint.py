@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wmr_ctrl.identification.log import POSES, TORQUES, Floats, Log, LogError, unit_of
-from wmr_ctrl.identification.reading import Samples
+from wmr_ctrl.logs.log import POSES, TORQUES, Floats, Log, LogError, unit_of
+from wmr_ctrl.logs.samples import LONGEST_SHIFT, Samples, speeds, wheels
 from wmr_ctrl.world.encoder import COUNTS
 
 FEWEST_ROWS, SHORTEST_LOG, LEAST_MOVING = 50, 10.0, 0.2
@@ -21,7 +21,6 @@ STEPS = (5e-4, 0.5)
 """Median time between rows that can be meant [s]."""
 OVER = 0.4
 """Time over which poses are compared with the wheels' turn [s]."""
-LONGEST_SHIFT = 0.5
 
 
 def check_times(log: Log) -> None:
@@ -110,25 +109,6 @@ def check_motion(name: str, log: Samples, half_track: float) -> None:
             f"{name}: the robot moves in {100 * share:.0f} % of the log alone (a wheel above "
             f"{100 * SLOW:g} cm/s). Drive for most of the time."
         )
-
-
-def speeds(log: Samples, over: float = 0.1) -> Floats:
-    """Smoothed speeds (N, 2) [m/s, rad/s], differenced over a time [s], across no gap."""
-    if log.of_speed:
-        return log.seen
-    later = np.minimum(np.searchsorted(log.t, log.t + over / 2), len(log.t) - 1)
-    sooner = np.maximum(np.searchsorted(log.t, log.t - over / 2, "right") - 1, 0)
-    stretch = np.searchsorted(log.first, np.arange(len(log.t)), "right")
-    last = np.append(log.first[1:] - 1, len(log.t) - 1)[stretch - 1]
-    later, sooner = np.minimum(later, last), np.maximum(sooner, log.first[stretch - 1])
-    span = np.maximum(log.t[later] - log.t[sooner], 1e-9)
-    return np.asarray((log.seen[later] - log.seen[sooner]) / span[:, None])
-
-
-def wheels(speed: Floats, half_track: float) -> Floats:
-    """Speeds of the right and the left wheel (N, 2) [m/s] of body speeds."""
-    turn = half_track * speed[:, 1]
-    return np.column_stack((speed[:, 0] + turn, speed[:, 0] - turn))
 
 
 def check_torques(name: str, log: Samples, half_track: float) -> None:
@@ -338,4 +318,27 @@ def check_log(log: Log, commands: tuple[str, ...] = TORQUES) -> None:
     if log.has(commands) and not any(np.ptp(log.columns[name]) > 0 for name in commands):
         raise LogError(
             f"{log.name}: {' and '.join(commands)} are constant, so nothing can be identified."
+        )
+
+
+def check_following(
+    name: str, column: str, gain: float, shift: float, share: float, period: float
+) -> None:
+    """A speed follows its command, in its unit, forward and later."""
+    if share < 0.3:
+        return
+    if gain < 0:
+        raise LogError(
+            f"{name}: the speed goes against {column}: the sign of one of both is reversed. "
+            "Positive is forward, and anticlockwise."
+        )
+    if sense := unit_of(gain):
+        raise LogError(
+            f"{name}: the speed is {gain:.3g} times {column}: it looks like {sense}. Name the unit "
+            "in the header, or set encoder.counts."
+        )
+    if share > 0.5 and shift < -max(2.5 * period, 0.03):
+        raise LogError(
+            f"{name}: the speed changes {-shift:.2f} s before {column}: the clocks of commands and "
+            "sensors differ, or a column was shifted. Take both times from one clock."
         )
