@@ -16,7 +16,7 @@ from tests.results.conftest import build
 from tests.results.test_bags import EPOCH, JOINTS, ODOMETRY, TWIST, bag, joints, odometry, twist
 from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.identification.log import read_log
+from wmr_ctrl.logs.log import read_log
 from wmr_ctrl.report.plot_drive import page_of
 from wmr_ctrl.report.scene import scene_of_drives
 from wmr_ctrl.results.bag_topics import load_drive, read_topics

@@ -137,7 +137,7 @@ class Program:
 
 
 def lanes_library(driver: str, sizes: Mapping[str, int], several: Sequence[Kernel]) -> Path:
-    """A library of ``several`` kernels, compiled in lanes with the runtime's ``driver``, for this processor."""
+    """A library of ``several`` kernels in lanes, with the runtime's ``driver``."""
     generated = sources(sizes, several, LANES)
     generated.pop("exports.h")
     names = ("arithmetic.h", "export.h", "lanes.h", driver)
