@@ -62,12 +62,17 @@ def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
     known = f"a run is drawn as {', '.join(SUFFIXES)}"
     target = None if path is None else drawing.target_of(path, SUFFIXES, known)
     with house_style():
-        if not run.rows:
-            raise ArgumentError("the run has no sample to draw: it ended before the first one.")
-        figure = drawing.Drawing("run", _SIZE, partial(_draw, run=run)).figure()
+        figure = overview(run).figure()
         if target is not None:
             drawing.save_figure(figure, target)
     return figure
+
+
+def overview(run: Run) -> drawing.Drawing:
+    """The page as a drawing; raises ArgumentError for a run without any sample."""
+    if not run.rows:
+        raise ArgumentError("the run has no sample to draw: it ended before the first one.")
+    return drawing.Drawing("run", _SIZE, partial(_draw, run=run))
 
 
 def _draw(figure: Figure, run: Run) -> None:
