@@ -15,10 +15,15 @@
 #if WMR_STAMPED
 #define COMMAND_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, TwistStamped)
 #define COMMAND_MAKE geometry_msgs__msg__TwistStamped__init
+#define COMMAND_NAME "geometry_msgs/msg/TwistStamped"
 #else
 #define COMMAND_TYPE ROSIDL_GET_MSG_TYPE_SUPPORT(geometry_msgs, msg, Twist)
 #define COMMAND_MAKE geometry_msgs__msg__Twist__init
+#define COMMAND_NAME "geometry_msgs/msg/Twist"
 #endif
+
+const char *const wmr_type_names[TOPICS] = {
+    COMMAND_NAME, "nav_msgs/msg/Odometry", "std_msgs/msg/Bool", "rosgraph_msgs/msg/Clock"};
 
 void wmr_check(rcl_ret_t result, const char *what)
 {
@@ -105,6 +110,10 @@ void wmr_connect(filter_node *n, int argc, const char *const *argv)
     wmr_check(rcl_init_options_init(&options, allocator), "options");
     n->context = rcl_get_zero_initialized_context();
     wmr_check(rcl_init(argc, argv, &options, &n->context), "arguments");
+    if (rcl_arguments_get_count_unparsed_ros(&n->context.global_arguments) > 0) {
+        fprintf(stderr, "error: arguments: one after --ros-args is none of ROS 2.\n");
+        exit(2);
+    }
     wmr_check(rcl_logging_configure(&n->context.global_arguments, &allocator), "logging");
     n->topics = reads_clock(&n->context.global_arguments) ? TOPICS : CLOCK;
     n->node = rcl_get_zero_initialized_node();

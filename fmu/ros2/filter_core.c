@@ -101,6 +101,20 @@ static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_mome
     return !core->before || (-EXACT <= off && off <= EXACT) ? 0.0 : (double)time * 1e-9;
 }
 
+/* Age of odometry [s], negative: there is none.  A base that is simulated moves in simulated time, in which a command's
+   stamp says when it is answered; the time-out stays on the steady clock. */
+static double odometry_age(const wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now)
+{
+    const wmr_intake *odometry = &core->odometry;
+    const int64_t since = (answered && stamp ? stamp : now->ros) - odometry->stamp;
+    const double age = wmr_intake_age(odometry, now);
+
+    if (!now->simulated || !odometry->stamped || age < 0.0 || age > WMR_ODOMETRY_TIMEOUT * 1e-9) {
+        return age;
+    }
+    return since > 0 ? (double)since * 1e-9 : 0.0;
+}
+
 void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now)
 {
     static const double parameters[] = WMR_GATE_PARAMETERS;
@@ -110,7 +124,7 @@ void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp
         wmr_intake_age(&core->commands, now),
         core->measured[0],
         core->measured[1],
-        wmr_intake_age(&core->odometry, now),
+        odometry_age(core, answered, stamp, now),
         elapsed(core, stamp, now),
         (double)core->stop,
         (double)core->reset,

@@ -1,10 +1,11 @@
 /* wmr_filter on rcl alone: commands in, commands out that keep a base within its limits.  What it decides is in
-   filter_core.c, how it is connected in filter_connect.c.  One thread; time-outs and ticks are on the steady clock. */
+   filter_core.c, how it is connected in filter_connect.c, whom it finds in the graph in filter_graph.c.  One thread; time-outs and ticks are on the steady clock. */
 #define _GNU_SOURCE
 #include "filter_node.h"
 
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <time.h>
@@ -12,13 +13,13 @@
 #include <diagnostic_msgs/msg/diagnostic_status.h>
 #include <diagnostic_msgs/msg/key_value.h>
 #include <rcl/error_handling.h>
-#include <rcl/graph.h>
 #include <rcutils/logging_macros.h>
-#include <rmw/get_topic_endpoint_info.h>
 #include <rosidl_runtime_c/string_functions.h>
 #include <std_srvs/srv/trigger.h>
 
 #define SECOND INT64_C(1000000000)
+/* Time between two looks for those who make the node useless, before it starts. */
+#define AGAIN (SECOND / 20)
 /* Time in which whoever hears the node has to take its last zero; no longer is waited. */
 #define LAST_ZERO SECOND
 
@@ -104,17 +105,16 @@ static void publish_diagnostics(filter_node *n)
 
     status->level = diagnostic_msgs__msg__DiagnosticStatus__OK;
     strcpy(text, "driving");
-    if (n->rival[0] || flags & WMR_ERRORS) {
+    if (n->useless[0] || flags & WMR_ERRORS) {
         status->level = diagnostic_msgs__msg__DiagnosticStatus__ERROR;
-        n->rival[0] ? strcpy(text, n->rival) : (char *)named(wmr_flags, WMR_FLAGS, flags & WMR_ERRORS, text);
+        n->useless[0] ? strcpy(text, n->useless) : (char *)named(wmr_flags, WMR_FLAGS, flags & WMR_ERRORS, text);
     } else if (flags & WMR_WARNINGS || n->passing) {
         status->level = diagnostic_msgs__msg__DiagnosticStatus__WARN;
         flags & WMR_WARNINGS ? named(wmr_flags, WMR_FLAGS, flags & WMR_WARNINGS, text)
                              : named(wmr_happenings, WMR_HAPPENINGS, n->passing, text);
-    } else if (n->senders > 1) {
+    } else if (n->doubtful[0]) {
         status->level = diagnostic_msgs__msg__DiagnosticStatus__WARN;
-        snprintf(text, ROOM, "%zu senders on %.100s. What they send is mixed: keep one, or a multiplexer such as "
-                             "twist_mux.", n->senders, rcl_subscription_get_topic_name(&n->heard[COMMANDS]));
+        strcpy(text, n->doubtful);
     }
     n->passing = 0;
     rosidl_runtime_c__String__assign(&status->message, text);
@@ -231,38 +231,28 @@ static void on_reset(filter_node *n)
     std_srvs__srv__Trigger_Response__fini(&response);
 }
 
-/* Names who else publishes on the topic of the commands. */
-static void find_rivals(filter_node *n)
+/* Looks who else is there, and tells of those who make the node useless. */
+static void look_around(filter_node *n)
 {
-    rcl_allocator_t allocator = rcl_get_default_allocator();
-    rcl_topic_endpoint_info_array_t found = rmw_get_zero_initialized_topic_endpoint_info_array();
-    const char *topic = rcl_publisher_get_topic_name(&n->out);
-    size_t used = 0;
-    int own = 0;
-    char names[ROOM / 2] = "";
-
-    n->rival[0] = '\0';
-    n->senders = 0;
-    (void)!rcl_count_publishers(&n->node, rcl_subscription_get_topic_name(&n->heard[COMMANDS]), &n->senders);
-    if (rcl_get_publishers_info_by_topic(&n->node, &allocator, topic, false, &found) != RCL_RET_OK) {
-        rcl_reset_error();
-        return;
+    if (wmr_useless(n, n->useless)) {
+        RCUTILS_LOG_ERROR_NAMED(NAME, "%s", n->useless);
     }
-    for (size_t k = 0; k < found.size; ++k) {
-        const char *space = found.info_array[k].node_namespace, *name = found.info_array[k].node_name;
-        const int same = !strcmp(name, rcl_node_get_name(&n->node)) && !strcmp(space, rcl_node_get_namespace(&n->node));
+    wmr_doubtful(n, n->doubtful);
+}
 
-        if ((!same || own++) && used < sizeof names) {
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s/%s", used ? ", " : "",
-                strcmp(space, "/") ? space : "", same ? "a second node of this one's own name" : name);
+/* Ends the process with a sentence where somebody makes the node useless from the start. */
+static void refuse_to_start(filter_node *n)
+{
+    const struct timespec pause = {0, AGAIN};
+
+    for (int64_t end = clock_of(CLOCK_MONOTONIC) + WMR_DISCOVERY; !ended && clock_of(CLOCK_MONOTONIC) < end;) {
+        if (wmr_useless(n, n->useless)) {
+            fprintf(stderr, "error: %s\n", n->useless);
+            (void)!rcl_shutdown(&n->context);
+            exit(2);
         }
+        nanosleep(&pause, NULL);
     }
-    if (used) {
-        snprintf(n->rival, ROOM, "other publishers on %.100s: %.255s. The promise is void while one of them sends.",
-            topic, names);
-        RCUTILS_LOG_ERROR_NAMED(NAME, "%s", n->rival);
-    }
-    (void)!rmw_topic_endpoint_info_array_fini(&found, &allocator);
 }
 
 /* Waits until something comes or a time [steady], and acts on it. */
@@ -309,7 +299,7 @@ static void spin(filter_node *n)
             tick += (now.steady - tick) / step * step + step; /* those that were missed are not made up for */
             if (now.steady >= second) {
                 second = now.steady + SECOND;
-                find_rivals(n);
+                look_around(n);
                 publish_diagnostics(n);
             }
         }
@@ -325,6 +315,7 @@ int main(int argc, char **argv)
     sigaction(SIGTERM, &action, NULL);
     wmr_filter_core_make(&n.core);
     wmr_connect(&n, argc, (const char *const *)argv);
+    refuse_to_start(&n);
     (void)!mlockall(MCL_CURRENT | MCL_FUTURE); /* where it is allowed */
     RCUTILS_LOG_INFO_NAMED(NAME, "%s", WMR_KEPT);
     spin(&n);

@@ -39,9 +39,11 @@ typedef struct {
     rosgraph_msgs__msg__Clock clock;
     diagnostic_msgs__msg__DiagnosticArray told;
     int64_t simulated_now, grave, passing, refused_at;
-    size_t senders; /* on the topic of the commands that come in */
-    char rival[ROOM];
+    char useless[ROOM], doubtful[ROOM]; /* what was last found in the graph; empty where all is well */
 } filter_node;
+
+/* Types of what is heard, as the graph names them. */
+extern const char *const wmr_type_names[TOPICS];
 
 /* Ends the process with a sentence where a call fails. */
 void wmr_check(rcl_ret_t result, const char *what);
@@ -49,5 +51,12 @@ void wmr_check(rcl_ret_t result, const char *what);
 /* Reads the arguments; makes messages, publishers, subscriptions, the service, and what waits for them.  Ends the
    process with a sentence where that fails. */
 void wmr_connect(filter_node *n, int argc, const char *const *argv);
+
+/* Whether somebody voids the node's promise or keeps everything from it: another publisher beside it, or a sender of whom
+   nothing is heard; a sentence on that in a text of ROOM. */
+int wmr_useless(filter_node *n, char *text);
+
+/* Whether what the node reads has several senders, or somebody does not get what it sends. */
+int wmr_doubtful(filter_node *n, char *text);
 
 #endif

@@ -16,7 +16,7 @@ import rclpy
 from drive_live import Base
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from outside import KEPT, ON_THE_WAY, SURE
+from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE
 from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import Bool
@@ -98,6 +98,7 @@ class Beside(Base):
 
 def main(scenario: str, name: str) -> None:
     given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", "-p", "odometry:=required"]
+    given += AT_ONCE
     rclpy.init(args=["--ros-args", *given])
     node = (DriveNode if name == "drive" else FilterNode)()
     node.trigger_configure()

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
 import venv
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from filelock import FileLock
 
 from wmr_ctrl.ros2.c_node import LINKED, NAME, node_settings, write_node
+from wmr_ctrl.scenario import load_scenario
 
-ROOT = Path(__file__).parents[2]
+HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
+AT_ONCE = 3
+"""Scripts that run beside each other; each keeps less than half a processor busy."""
 WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnostic-msgs",
           "lifecycle-msgs", "rosgraph-msgs", "std-srvs")  # fmt: skip
 WANTED = (*(f"ros-jazzy-{name}" for name in WHEELS), "colcon-core", "colcon-ros", "cyclonedds")
@@ -66,23 +71,87 @@ def install(folder):
     return done.stderr[-300:] if done.returncode else ""
 
 
+@dataclass(frozen=True)
+class Job:
+    """A script of this folder around a node: ``python SCRIPT SCENARIO *words [NODE]``.
+
+    ``scenario`` is a text; ``rows`` go into a file, whose path a word {rows} becomes.  ``compiled``
+    are the settings of the node in C that takes the place of that in Python.
+    """
+
+    script: str
+    scenario: str
+    words: tuple[str, ...] = ()
+    compiled: tuple[str, ...] | None = None
+    rows: object = None
+
+
+def in_both(script, scenario, words=(), compiled=(), rows=None):
+    """The job with either node, by a word for it."""
+    settings = (*compiled, "discovery_time=0.0")
+    return {
+        "Python": Job(script, scenario, words, None, rows),
+        "C": Job(script, scenario, words, settings, rows),
+    }
+
+
 @pytest.fixture(scope="session")
-def environment():
+def report(request, ros, tmp_path_factory):
+    """The JSON that a job prints, by its name in a module's JOBS.
+
+    Nodes and scripts mostly wait: those of all modules that are tested run AT_ONCE, each in a
+    domain of its own, from the moment at which the first is asked for.
+    """
+    modules = dict.fromkeys(item.module for item in request.session.items)
+    made = [module.JOBS() for module in modules if hasattr(module, "JOBS")]
+    jobs = {name: job for some in made for name, job in some.items()}
+    assert len(jobs) == sum(map(len, made))
+    folder, running = tmp_path_factory.mktemp("jobs"), set()
+
+    def run(place, job):
+        home = folder / str(place)
+        home.mkdir()
+        return report_of(job, ros, environment_of(place), home, running)
+
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        reports = {name: pool.submit(run, k, job) for k, (name, job) in enumerate(jobs.items())}
+        try:
+            yield lambda name: reports[name].result()
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in list(running):
+                process.send_signal(signal.SIGINT)  # a script kills its nodes
+
+
+def environment_of(place=0):
     """No other machine and no other test hears these nodes."""
-    local = {"ROS_DOMAIN_ID": str(1 + os.getpid() % 100)}
+    local = {"ROS_DOMAIN_ID": str(1 + (os.getpid() + place) % 100)}
     return {**os.environ, **local, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
-def report_of(script, scenario, ros, environment, folder, *more):
-    """JSON that a script around a node prints."""
+@pytest.fixture(scope="session")
+def environment():
+    """For nodes beside the jobs."""
+    return environment_of(-1)
+
+
+def report_of(job, ros, environment, folder, running):
+    """JSON that a job's script prints."""
     path = folder / "base.toml"
-    path.write_text(scenario, encoding="utf-8")
-    done = subprocess.run(
-        [ros, Path(__file__).with_name(script), path, *more],
-        env=environment, capture_output=True, text=True, timeout=600, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
-    return json.loads(done.stdout)
+    path.write_text(job.scenario, encoding="utf-8")
+    (folder / "rows.json").write_text(json.dumps(job.rows), encoding="utf-8")
+    words = [word.format(rows=folder / "rows.json") for word in job.words]
+    if job.compiled is not None:
+        words.append(str(built_node(load_scenario(path), job.compiled, ros, folder / "c")))
+    with subprocess.Popen(
+        [ros, HERE / job.script, path, *words],
+        env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        running.add(process)
+        said, cried = process.communicate(timeout=600)
+        running.discard(process)
+    assert process.returncode == 0, said[-500:] + cried[-2000:]
+    return json.loads(said)
 
 
 def built_node(scenario, settings, ros, folder):
@@ -99,27 +168,6 @@ def built_node(scenario, settings, ros, folder):
     command = ["cc", *flags, *places, *units, "-o", str(out), *links]
     subprocess.run(command, cwd=folder, check=True)
     return out
-
-
-def refusal_of(node, settings, scenario, ros, environment, folder, attempts=1):
-    """What a node prints that cannot be configured; {} in a setting is the scenario's file.
-
-    ``attempts``: on a busy machine others may be discovered too late for a refusal.
-    """
-    path = folder / "base.toml"
-    path.write_text(scenario, encoding="utf-8")
-    words = [part for word in settings for part in ("-p", word.format(path))]
-    command = [ros, "-m", "wmr_ctrl.ros2", node, "--ros-args", *words]
-    for _ in range(attempts):
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            done = subprocess.run(
-                command, env=environment, capture_output=True, text=True, check=False,
-                timeout=60 / attempts,
-            )  # fmt: skip
-            break
-    assert done.returncode == 2
-    assert "Traceback" not in done.stderr
-    return done.stderr
 
 
 def bar(found, seconds):

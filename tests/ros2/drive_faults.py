@@ -18,13 +18,16 @@ from itertools import pairwise
 import rclpy
 from drive_live import KEPT, SURE, Base
 from nav_msgs.msg import Odometry
-from outside import PUNCTUAL
+from outside import AT_ONCE, LASTS, PUNCTUAL, after
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 CRUISE = 0.25
 """Speed [m/s] of a base that follows its circle, nearly."""
+
+TOLD = 1.3
+"""Time [s] in which diagnostics tell what passed in a moment: they come each second."""
 
 
 class Broken(Base):
@@ -39,7 +42,7 @@ class Broken(Base):
     def stamp(self):
         if not self.simulated:
             return super().stamp()
-        self.time += round(0.02e9 * self.rate)
+        self.time += round(1e9 * self.period * self.rate)
         now = rclpy.time.Time(nanoseconds=self.time).to_msg()
         self.clock.publish(Clock(clock=now))
         return now
@@ -63,7 +66,7 @@ class Broken(Base):
             if first:
                 first()
             self.spoil = spoil or self.spoil
-            self.go(1.0)
+            self.go(TOLD if first else LASTS)
             self.spoil = Base.spoil
             if self.pause < PUNCTUAL:
                 break
@@ -76,7 +79,23 @@ class Broken(Base):
             "steps": max((a[1] - b[1] for a, b in pairwise(seen)), default=0),
             "said": sorted(set(self.said)),
             "last": seen[-1][1] if seen else None,
+            "drives": max((v for _, v in seen[-10:]), default=0.0),
         }
+
+    def out_of_order(self, message: Odometry) -> bool:
+        """Send a message, and after it one that is older."""
+        after(0.004, lambda: self.odometry.publish(message))
+        stamp = message.header.stamp
+        earlier = stamp.sec * 1_000_000_000 + stamp.nanosec - 75_000_000
+        message.header.stamp = rclpy.time.Time(nanoseconds=earlier).to_msg()
+        return True
+
+    def refused(self) -> int:
+        """How many messages were refused for their order, as diagnostics tell it."""
+        word = "odometry repeated or out of order"
+        self.values.clear()
+        self.go(5, lambda: word in self.values)
+        return int(self.values.get(word, 0))
 
     def reset(self) -> bool:
         return bool(self.call(Trigger, "reset", Trigger.Request()).success)
@@ -89,7 +108,7 @@ class Broken(Base):
 
 
 def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
-    given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", *more]
+    given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", *AT_ONCE, *more]
     return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
 
 
@@ -123,6 +142,18 @@ def late(message: Odometry) -> bool:
     return True
 
 
+def repeated() -> Callable[[Odometry], bool]:
+    """Odometry with the stamp of the first one."""
+    first: list[object] = []
+
+    def again(message: Odometry) -> bool:
+        first.append(message.header.stamp)
+        message.header.stamp = first[0]
+        return True
+
+    return again
+
+
 def too_fast(message: Odometry) -> bool:
     message.twist.twist.linear.x = 1.4
     return True
@@ -140,6 +171,10 @@ def in_real_time(scenario: str) -> dict[str, object]:
     try:
         for name, spoil in SPOILT.items():
             found[name] = base.fault(spoil)
+        found["repeated"] = base.fault(repeated())
+        before = base.refused()
+        found["out of order"] = base.fault(base.out_of_order)
+        found["out of order"]["refused"] = base.refused() - before
         found["pose leaps"] = base.fault(first=lambda: base.leap(1.0))
         found["too fast"] = base.fault(too_fast, first=lambda: None)
         base.go(0.5)

@@ -38,7 +38,9 @@ PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
 
 
 class Base:
-    """Odometry at its rate, of a base that moves as it is told."""
+    """Odometry each ``period`` [s], of a base that moves as it is told."""
+
+    period = RATE
 
     def __init__(self) -> None:
         self.node = rclpy.create_node("base")
@@ -51,6 +53,7 @@ class Base:
         self.pause = 0.0
         """Longest pause between two messages [s]."""
         self.said: list[str] = []
+        self.values: dict[str, str] = {}
         self.flags: list[str] = []
         """All that the node last told, where ``said`` has the gravest: a busy machine is late."""
 
@@ -61,7 +64,8 @@ class Base:
     def _told(self, message: DiagnosticArray) -> None:
         self.said += [status.message for status in message.status]
         for status in message.status:
-            self.flags = {value.key: value.value for value in status.values}["flags"].split(", ")
+            self.values = {value.key: value.value for value in status.values}
+            self.flags = self.values["flags"].split(", ")
 
     def stamp(self):
         """Time of the odometry that is sent next."""
@@ -72,6 +76,9 @@ class Base:
         """Change odometry before it is sent; whether it is sent."""
         return True
 
+    def move(self) -> None:
+        """Take the speed that a period leads to: what was commanded is there at once."""
+
     def go(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Move and send odometry; True where ``until`` came true."""
         end = time.monotonic() + seconds
@@ -79,10 +86,10 @@ class Base:
         while time.monotonic() < end and not until():
             self.pause = max(self.pause, time.monotonic() - before)
             before = time.monotonic()
+            self.move()
             x, y, yaw = self.pose
-            v, omega = self.speed
-            turn = yaw + RATE * omega
-            self.pose = [x + RATE * v * math.cos(yaw), y + RATE * v * math.sin(yaw), turn]
+            way, turn = self.period * self.speed[0], yaw + self.period * self.speed[1]
+            self.pose = [x + way * math.cos(yaw), y + way * math.sin(yaw), turn]
             message = Odometry(child_frame_id="base_link")
             message.header.stamp = self.stamp()
             message.header.frame_id = "odom"
@@ -92,7 +99,7 @@ class Base:
             message.twist.twist.linear.x, message.twist.twist.angular.z = self.speed
             if self.spoil(message):
                 self.odometry.publish(message)
-            until_next = time.monotonic() + RATE
+            until_next = time.monotonic() + self.period
             while time.monotonic() < until_next:
                 rclpy.spin_once(self.node, timeout_sec=max(0.0, until_next - time.monotonic()))
         return until()
@@ -128,8 +135,9 @@ class Base:
         return bool(self.call(SetParameters, "set_parameters", request).results[0].successful)
 
 
-def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
+def start(scenario: str, *more: str, looks: float = 0.0) -> subprocess.Popen[bytes]:
     settings = [f"scenario:={scenario}", "law:=kanayama", "reference:=path", *more]
+    settings += [f"discovery_time:={looks}"]
     given = [part for item in settings for part in ("-p", item)]
     return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
 
@@ -178,10 +186,10 @@ def main(scenario: str) -> None:
         process = start(scenario)
         base.go(30, lambda: len(base.seen) > 20)
         found["next life"] = max(abs(v) for _, v in base.seen)
-        found["refused"] = start(scenario).wait(30)
-        base.go(2.0)
+        found["refused"] = start(scenario, looks=20.0).wait(60)
+        base.go(30, lambda: bool(base.said) and "own name" not in base.said[-1])
         second = subprocess.Popen([sys.executable, "-c", TWIN])
-        found["twin"] = base.go(10, lambda: "own name" in base.said[-1])
+        found["twin"] = base.go(20, lambda: "own name" in base.said[-1])
         second.kill()
         base.said.clear()
         base.go(2.5)

@@ -82,7 +82,7 @@ def main(scenario: str, law: str, messages: str, kind: str) -> None:
     names = ["cmd_vel:=/base/cmd_vel", "odom:=/base/odom", "effort_commands:=/base/efforts"]
     settings = [f"scenario:={scenario}", f"law:={law}", "rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]",
                 "odometry_timeout:=2.0", "excess:=[1.0, 1.0]", "use_sim_time:=true",
-                "wheels:=[right, left]"]  # fmt: skip
+                "wheels:=[right, left]", "discovery_time:=0.0"]  # fmt: skip
     remaps = [part for name in (*names, f"__ns:={SPACE}") for part in ("-r", name)]
     given = [part for item in settings for part in ("-p", item)]
     command = [sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given, *remaps]

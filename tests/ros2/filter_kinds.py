@@ -77,7 +77,7 @@ def watched(process: subprocess.Popen[bytes]) -> dict[str, object]:
     """Odometry that goes away and is only watched."""
     world = Teller(process)
     world.drive()
-    return world.fault(1.5, measure=False)
+    return world.fault(measure=False)
 
 
 def governed(process: subprocess.Popen[bytes]) -> dict[str, object]:

@@ -12,11 +12,10 @@ import json
 import signal
 import subprocess
 import sys
-import time
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from outside import ON_THE_WAY, SURE, World
+from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE, World
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
@@ -47,7 +46,7 @@ class Simulated(World):
 def start(scenario: str, node: str, *more: str) -> subprocess.Popen[bytes]:
     if node:
         return subprocess.Popen([node, "--ros-args", *more])
-    given = ["-p", f"scenario:={scenario}", "-p", "odometry:=none", *more]
+    given = ["-p", f"scenario:={scenario}", "-p", "odometry:=none", *AT_ONCE, *more]
     return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *given])
 
 
@@ -80,16 +79,15 @@ def in_a_namespace(scenario: str, node: str) -> dict[str, object]:
     world, found = World(start(scenario, node, *SPACE)), {}
     try:
         world.drive()
-        world.said.clear()
         rival = world.node.create_publisher(TwistStamped, "/base/cmd_vel", SURE)
-        world.go(1.6)
-        found["rival"] = list(world.said)
+        found["rival"] = world.go_until_said("other publishers")
         world.node.destroy_publisher(rival)
-        world.go(1.6)
+        world.go_until_said("driving")
+        deaf = world.node.create_subscription(TwistStamped, "/base/cmd_vel", print, KEPT)
+        found["deaf"] = world.go_until_said("reaches it")
+        world.node.destroy_subscription(deaf)
         second = world.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
-        world.said.clear()
-        world.go(1.6)
-        found["two senders"] = list(world.said)
+        found["two senders"] = world.go_until_said("twist_mux")
         world.node.destroy_publisher(second)
         found |= {} if node else scaled(world)
         world.drive()
@@ -107,9 +105,7 @@ def in_a_namespace(scenario: str, node: str) -> dict[str, object]:
         world.process = start(scenario, node, *SPACE)
         world.go(30, command=False, until=lambda: len(world.seen) > 10)
         found["next life"] = max(abs(v) for _, v, _ in world.seen)
-        began = time.monotonic()
         world.drive()
-        found["drives after"] = time.monotonic() - began
     finally:
         world.process.kill()
         world.node.destroy_node()

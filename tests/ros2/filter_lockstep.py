@@ -1,10 +1,12 @@
 """The filter in a loop over DDS, from outside; run by a Python that has rclpy.
 
-``python filter_lockstep.py SCENARIO ROWS LAW [NODE]`` starts the filter (that in Python, or the
-program NODE) on simulated time, in a namespace, answering commands when they come.  Without a LAW
-the rows of ROWS (JSON: v, omega, stamp in ns) are the commands; with one they are odometry, and
-the drive node with that law stands between.  Each row is sent after the answer to the one before;
-the answers are printed as JSON.
+``python filter_lockstep.py SCENARIO ROWS LAW ODOMETRY [NODE]`` starts the filter (that in Python,
+or the program NODE) on simulated time, in a namespace, answering commands when they come.  Without
+a LAW ("-") the rows of ROWS (JSON: v, omega, stamp in ns) are the commands; with one they are
+odometry, and the drive node with that law stands between.  ODOMETRY is what the filter does with
+it: "none", or "watched": then it hears it before anybody hears of a command of that time, from the
+same rows, or from rows v, omega, v measured, omega measured, stamp.  Each row is sent after the
+answer to the one before; the answers are printed as JSON.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from drive_outside import SPACE, Base
 from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
 from outside import SURE
 
 WIDE = ["rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]", "excess:=[1.0, 1.0]"]
@@ -30,10 +33,11 @@ BEFORE = 400_000_000
 class Sender(Base):
     """Clock, commands or odometry, and what the filter says of how many it took."""
 
-    def __init__(self, drives: bool) -> None:
+    def __init__(self, drives: bool, seen: bool) -> None:
         super().__init__(efforts=False)
         if not drives:
             self.commands = self.node.create_publisher(TwistStamped, "/base/raw", SURE)
+        self.seen = self.node.create_publisher(Odometry, "/base/seen", SURE) if seen else None
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
         self.taken = 0
 
@@ -42,34 +46,53 @@ class Sender(Base):
             values = {item.key: item.value for item in status.values}
             self.taken = max(self.taken, int(values.get("commands taken", 0)))
 
+    def sample(self, row: list[float]) -> None:
+        """The clock, then odometry of its time: first for the filter, then for the drive."""
+        if self.seen:
+            self.tell_time(int(row[-1]))
+            self.measure(row[6:8], int(row[-1]))
+        super().sample(row)
+
+    def measure(self, velocity: list[float], stamp: int) -> None:
+        """Odometry for the filter."""
+        message = Odometry(child_frame_id="base_link")
+        message.header.stamp = rclpy.time.Time(nanoseconds=stamp).to_msg()
+        message.pose.pose.orientation.w = 1.0
+        message.twist.twist.linear.x, message.twist.twist.angular.z = velocity
+        self.seen.publish(message)
+
     def command(self, row: list[float]) -> None:
-        """The clock, then a command of its time."""
+        """The clock, then odometry and a command of its time."""
         message = TwistStamped()
         message.header.stamp = self.tell_time(int(row[-1]))
+        if self.seen:
+            self.measure(row[2:4], int(row[-1]))
         message.twist.linear.x, message.twist.angular.z = row[:2]
         self.commands.publish(message)
 
     def meet_all(self, first: int, step: int, drives: bool) -> None:
         """Let time pass until the filter takes commands, from here or from the drive."""
+        rest = [0.0] * (4 if self.seen else 2)
         for k in range(1500, 5, -1):
             stamp = first - BEFORE - k * step
-            self.tell_time(stamp) if drives else self.command([0.0, 0.0, stamp])
+            self.tell_time(stamp) if drives else self.command([*rest, stamp])
             self.answer(0.01)
             odometry = not drives or self.odometry.get_subscription_count()
+            odometry = odometry and (not self.seen or self.seen.get_subscription_count())
             if self.taken and self.answers and odometry:
                 break
         else:
             raise SystemExit("the nodes were never heard")
         for k in range(5, 0, -1):  # the last of these is answered at once, and not by the timer
             stamp = first - BEFORE - k * step
-            self.tell_time(stamp) if drives else self.command([0.0, 0.0, stamp])
+            self.tell_time(stamp) if drives else self.command([*rest, stamp])
             self.answer(0.5)
         end = time.monotonic() + 0.5
         while time.monotonic() < end:
             self.answer(0.1)  # what is under way; the timer is silent until the time-out
 
 
-def start(scenario: str, law: str, node: str) -> list[subprocess.Popen[bytes]]:
+def start(scenario: str, law: str, odometry: str, node: str) -> list[subprocess.Popen[bytes]]:
     """The filter, and the drive before it where a law is named."""
 
     def run(command: list[str], settings: list[str], names: list[str]):
@@ -78,23 +101,25 @@ def start(scenario: str, law: str, node: str) -> list[subprocess.Popen[bytes]]:
         return subprocess.Popen([*command, "--ros-args", *given, *remaps])
 
     python = [sys.executable, "-m", "wmr_ctrl.ros2"]
-    ours = [f"scenario:={scenario}", "odometry:=none", "trigger:=command", *WIDE]
-    ours += ["command_timeout:=2.0"]
+    ours = [f"scenario:={scenario}", f"odometry:={odometry}", "trigger:=command", *WIDE]
+    ours += ["command_timeout:=2.0", "odometry_timeout:=2.0", "discovery_time:=0.0"]
     command, settings = ([node], []) if node else ([*python, "filter"], ours)
-    names = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel"]
+    names = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel", "odom:=/base/seen"]
     nodes = [run(command, [*settings, "use_sim_time:=true"], names)]
     if law:
-        settings = [f"scenario:={scenario}", f"law:={law}", "odometry_timeout:=2.0", *WIDE]
+        settings = [f"scenario:={scenario}", f"law:={law}", "odometry_timeout:=2.0", *WIDE,
+                    "discovery_time:=0.0"]  # fmt: skip
         names = ["cmd_vel:=/base/raw", "odom:=/base/odom"]
         nodes.append(run([*python, "drive"], [*settings, "use_sim_time:=true"], names))
     return nodes
 
 
-def main(scenario: str, rows_file: str, law: str, node: str = "") -> None:
-    nodes = start(scenario, law, node)
+def main(scenario: str, rows_file: str, name: str, odometry: str, node: str = "") -> None:
+    law = name.strip("-")
+    nodes = start(scenario, law, odometry, node)
     rclpy.init()
     rows = json.loads(Path(rows_file).read_text(encoding="utf-8"))
-    sender, answers = Sender(bool(law)), []
+    sender, answers = Sender(bool(law), odometry != "none"), []
     try:
         sender.meet_all(int(rows[0][-1]), int(rows[1][-1] - rows[0][-1]), bool(law))
         began = time.monotonic()

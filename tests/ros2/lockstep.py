@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
+import pytest
 
+from wmr_ctrl import simulate
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.ros2.compiled_system import CompiledSystem
 from wmr_ctrl.ros2.drive_law import QUATERNION, heading
+from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import MEASURED, POSE
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.registry import EFFECTS
 
 THETA = MEASURED[2]
 START = 5_000_000_000
@@ -48,6 +52,13 @@ def encoder() -> CompiledSystem:
     outputs = (Output(QUATERNION, orientation(theta.sym)),)
     system = System("encode", "orientation", inputs=(theta,), outputs=outputs, period=1.0)
     return CompiledSystem(system, "encode")
+
+
+def carried_run(changes, law):
+    """The run of a law that reads the pose as a message carries it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(EFFECTS.__dict__, "plugins", (CARRIED,))
+        return simulate(load_scenario("paper-simulation", {**changes, "message.sent": 1.0}), law)
 
 
 COMMON = {"clock.duration": 3.0, "disturbance.std": 0.0}

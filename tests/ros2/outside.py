@@ -33,8 +33,14 @@ KEPT = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 RATE = 0.02
+AT_ONCE = ["-p", "discovery_time:=0.0"]
+"""For nodes that need not look for others before they start."""
 PUNCTUAL = 0.06
 """Pause between two messages of this process [s] that is no fault of its own."""
+LASTS = 0.9
+"""Time of a fault [s], longer than any time-out and the ramp after it."""
+MANY = 7
+"""Zeros in a row by which they are known to go on."""
 ON_THE_WAY = 0.2
 """Time in which what was sent before a signal has arrived [s]."""
 
@@ -104,23 +110,32 @@ class World:
 
     def drive(self) -> None:
         """A sound world until the base drives."""
-        for _ in range(120):
-            self.go(0.25)
-            if self.speed[0] > 0.49:
-                return
-        raise SystemExit(f"the base never drove: {self.speed}, {self.said[-1:]}")
+        self.go(30, until=lambda: abs(self.speed[0] - 0.5) < 1e-6)
+        if abs(self.speed[0] - 0.5) > 1e-6:
+            raise SystemExit(f"the base never drove: {self.speed}, {self.said[-1:]}")
 
-    def fault(
-        self, seconds: float = 1.0, command=None, measure=None, first=None, attempts: int = 8
-    ) -> dict[str, object]:
-        """What follows a fault: other messages, or what ``first`` does (once)."""
+    def zeros(self, count: int) -> int:
+        """Zeros among the commands since the first ``count``."""
+        return sum(1 for _, v, w in self.seen[count:] if v == w == 0)
+
+    def go_until_said(self, word: str) -> list[str]:
+        """A sound world until diagnostics have a word: what they said till then."""
+        self.said.clear()
+        self.go(10, until=lambda: any(word in text for text in self.said))
+        return sorted(set(self.said))
+
+    def fault(self, command=None, measure=None, first=None, attempts: int = 8) -> dict[str, object]:
+        """What follows a fault: other messages, or what ``first`` does (once).
+
+        It lasts until zeros have come for a while, or for LASTS.
+        """
         for _ in range(1 if first else attempts):
             self.drive()
             start, count, self.pause = time.monotonic(), len(self.seen), 0.0
             self.said.clear()
             if first:
                 first()
-            self.go(seconds, command, measure)
+            self.go(LASTS, command, measure, until=lambda count=count: self.zeros(count) > MANY)
             if self.pause < PUNCTUAL:
                 break
         seen = [(t - start, v, w) for t, v, w in self.seen[count:]]
@@ -131,8 +146,8 @@ class World:
             "largest": [max((abs(row[k]) for row in seen), default=0.0) for k in (1, 2)],
             "falls": falls[0] if falls else None,
             "zero": zeros[0] if zeros else None,
-            "silence": max((b - a for a, b in pairwise(times)), default=seconds),
-            "messages": len(seen),
+            "silence": max((b - a for a, b in pairwise(times)), default=LASTS),
+            "zeros": len(zeros),
             "curvature": [w / v for _, v, w in seen if v > 0.1][-1:],
             "said": sorted(set(self.said)),
         }
@@ -161,13 +176,13 @@ def since_first_call() -> Callable[[], float]:
     return passed
 
 
-def start(scenario: str, node: str = "", *more: str) -> subprocess.Popen[bytes]:
+def start(scenario: str, node: str = "", *more: str, **how: int) -> subprocess.Popen[bytes]:
     """The node in Python, or the program ``node``, whose settings are compiled in."""
     if node:
-        return subprocess.Popen([node, "--ros-args", *more])
-    settings = ["-p", f"scenario:={scenario}", "-p", "odometry:=required"]
+        return subprocess.Popen([node, "--ros-args", *more], **how)
+    settings = ["-p", f"scenario:={scenario}", "-p", "odometry:=required", *AT_ONCE]
     arguments = [sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *settings]
-    return subprocess.Popen([*arguments, *more])
+    return subprocess.Popen([*arguments, *more], **how)
 
 
 def of_commands(world: World) -> dict[str, object]:
@@ -217,21 +232,23 @@ def main(scenario: str, node: str = "") -> None:
     rclpy.init()
     world, found = World(process), {}
     try:
-        found["sound"] = world.fault(0.5)
+        found["sound"] = world.fault()
         found["command"] = of_commands(world)
         found["odometry"] = of_odometry(world)
         found["latched"] = {"zero": world.speed == (0.0, 0.0)}
         world.go(0.3)
         found["latched"]["stays"] = world.speed == (0.0, 0.0)
         found["latched"]["reset"] = world.call_reset()
-        found["stop"] = world.fault(0.6, first=lambda: world.stop.publish(Bool(data=True)))
+        found["stop"] = world.fault(first=lambda: world.stop.publish(Bool(data=True)))
         found["stop"]["reset while it says so"] = world.call_reset()
         world.stop.publish(Bool(data=False))
         world.go(0.3)
         found["stop"]["stays"] = world.speed == (0.0, 0.0)
         found["stop"]["reset"] = world.call_reset()
         rival = world.node.create_publisher(TwistStamped, "cmd_vel", SURE)
-        found["rival"] = world.fault(1.6)
+        began = time.monotonic()
+        found["rival"] = world.go_until_said("other publishers")
+        found["rival after"] = time.monotonic() - began
         world.node.destroy_publisher(rival)
         world.drive()
         world.seen.clear()

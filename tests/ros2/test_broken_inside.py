@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import pytest
 
-from tests.ros2.conftest import OVER_DDS, report_of
+from tests.ros2.conftest import OVER_DDS, Job
 from tests.ros2.test_drive_node import CIRCLE
 
 pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
-@pytest.mark.parametrize("name", ["drive", "filter"])
-def test_an_exception_is_a_zero_and_a_line_of_the_log(ros, environment, tmp_path, name):
-    seen = report_of("broken_inside.py", CIRCLE, ros, environment, tmp_path, name)
+NAMES = ("drive", "filter")
+
+
+def JOBS():
+    return {f"broken inside, {name}": Job("broken_inside.py", CIRCLE, (name,)) for name in NAMES}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_exception_is_a_zero_and_a_line_of_the_log(report, name):
+    seen = dict(report(f"broken inside, {name}"))
 
     assert seen.pop("alive")
     for called, found in seen.items():

@@ -2,65 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from tests.ros2.conftest import OVER_DDS, bar, refusal_of, report_of
-from tests.ros2.lockstep import BASES, CARRIED, COMMON, messages, sent_by
-from wmr_ctrl import simulate
+from tests.ros2.conftest import OVER_DDS, SLACK, TICK, Job, bar
+from tests.ros2.lockstep import BASES, COMMON, carried_run, messages, sent_by
+from tests.ros2.test_node import words_of
 from wmr_ctrl.scenario import load_scenario, to_toml
-from wmr_ctrl.world.registry import EFFECTS
 
-SCRIPT = Path(__file__).with_name("drive_outside.py")
 pytestmark = [pytest.mark.slow, OVER_DDS]
-
-
-@pytest.mark.parametrize("base", ["velocity, governor", "efforts, guard"])
-def test_every_command_on_the_wire_is_that_of_the_run(
-    ros, environment, tmp_path, monkeypatch, base
-):
-    law, changes = BASES[base]
-    (tmp_path / "base.toml").write_text(
-        to_toml(load_scenario("paper-simulation", {**COMMON, **changes}), comments=False),
-        encoding="utf-8",
-    )
-    monkeypatch.setitem(EFFECTS.__dict__, "plugins", (CARRIED,))
-    carried = load_scenario("paper-simulation", {**COMMON, **changes, "message.sent": 1.0})
-    run = simulate(carried, law)
-    rows = [[*message, stamp] for message, stamp in messages(run, carried.clock.control)]
-    (tmp_path / "rows.json").write_text(json.dumps(rows), encoding="utf-8")
-    given = [tmp_path / "base.toml", law, tmp_path / "rows.json", base.partition(",")[0]]
-    done = subprocess.run(
-        [ros, SCRIPT, *given], env=environment, capture_output=True, text=True, timeout=120,
-        check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
-    report = json.loads(done.stdout)
-
-    assert np.array(report["answers"]).tobytes() == sent_by(run).tobytes()
-    assert report["last"] == [0.0, 0.0]
-    assert report["code"] == 0
-
-
-@pytest.mark.parametrize(
-    ("settings", "said"),
-    [
-        (["scenario:={}"], "the parameter law is not set"),
-        (["scenario:={}", "law:=fastest"], "fastest"),
-        (["scenario:={}", "law:=pid", "reference:=path"], "waypoints"),
-        (["scenario:={}", "law:=pid", "reference:=goal"], "must be one of scenario, path"),
-        (["scenario:={}", "law:=pid", "wheels:=[left, left]"], "left and right"),
-        (["scenario:={}", "law:=pid", "jump:=[0.1]"], "must have two"),
-    ],
-)
-def test_what_cannot_be_configured_is_a_sentence(ros, environment, tmp_path, settings, said):
-    scenario = 'extends = "paper-simulation"\n'
-
-    assert said in refusal_of("drive", settings, scenario, ros, environment, tmp_path)
 
 
 WAY = """
@@ -99,14 +49,79 @@ std = 0.0
 )
 
 
-@pytest.fixture(scope="module")
-def life(ros, environment, tmp_path_factory):
-    return report_of("drive_live.py", WAY, ros, environment, tmp_path_factory.mktemp("life"))
+REFUSED = [
+    (["scenario:={}"], "the parameter law is not set"),
+    (["scenario:={}", "law:=fastest"], "fastest"),
+    (["scenario:={}", "law:=pid", "reference:=path"], "waypoints"),
+    (["scenario:={}", "law:=pid", "reference:=goal"], "must be one of scenario, path"),
+    (["scenario:={}", "law:=pid", "wheels:=[left, left]"], "left and right"),
+    (["scenario:={}", "law:=pid", "jump:=[0.1]"], "must have two"),
+    (["scenario:={}", "law:=mb", "odometry_timeout:=0.01"], "too short for clock.control"),
+    (["scenario:={}", "law:=pid", "-r", "odom:=1/odom"], "ROS 2 refuses the arguments"),
+]
+OVER = ("velocity, governor", "efforts, guard")
 
 
-@pytest.fixture(scope="module")
-def faults(ros, environment, tmp_path_factory):
-    return report_of("drive_faults.py", CIRCLE, ros, environment, tmp_path_factory.mktemp("faults"))
+def loops(base, law, changes):
+    """The run that a base's messages come from, and the job that sends them."""
+    scenario = load_scenario("paper-simulation", {**COMMON, **changes})
+    run = carried_run({**COMMON, **changes}, law)
+    rows = [[*message, stamp] for message, stamp in messages(run, scenario.clock.control)]
+    words = (law, "{rows}", base.partition(",")[0])
+    return run, Job("drive_outside.py", to_toml(scenario, comments=False), words, None, rows)
+
+
+def JOBS():
+    given = [["drive", words_of(settings)] for settings, _ in REFUSED]
+    refused = Job("refusals.py", 'extends = "paper-simulation"\n', ("{rows}",), None, given)
+    return {
+        "refusals of the drive": refused,
+        "life of the drive": Job("drive_live.py", WAY),
+        "faults of the drive": Job("drive_faults.py", CIRCLE),
+        "faults with efforts": Job("effort_faults.py", EFFORTS),
+        **{f"loop, {base}": loops(base, *BASES[base])[1] for base in OVER},
+    }
+
+
+EFFORTS = """
+extends = "paper-simulation"
+[clock]
+control = 0.05
+[guard]
+enabled = true
+[disturbance]
+std = 0.0
+truncate = 3.0
+"""
+
+
+@pytest.fixture
+def life(report):
+    return report("life of the drive")
+
+
+@pytest.fixture
+def faults(report):
+    return report("faults of the drive")
+
+
+@pytest.mark.parametrize("base", OVER)
+def test_every_command_on_the_wire_is_that_of_the_run(report, base):
+    run, _ = loops(base, *BASES[base])
+    found = report(f"loop, {base}")
+
+    assert np.array(found["answers"]).tobytes() == sent_by(run).tobytes()
+    assert found["last"] == [0.0, 0.0]
+    assert found["code"] == 0
+
+
+@pytest.mark.parametrize("place", range(len(REFUSED)), ids=[said for _, said in REFUSED])
+def test_what_cannot_be_configured_is_a_sentence(report, place):
+    code, cried = report("refusals of the drive")[place]
+
+    assert code == 2
+    assert REFUSED[place][1] in cried
+    assert "Traceback" not in cried
 
 
 def test_it_is_a_lifecycle_node_that_can_be_configured_twice(life):
@@ -145,7 +160,9 @@ def test_a_twin_is_told_also_for_a_while_after_its_death(life):
     assert any("own name" in text and "lease" in text for text in life["ghost"])
 
 
-TICK, TIMEOUT = 0.02, 0.1
+LASTING = ("missing", "in map", "of a laser", "no rotation", "NaN", "without stamp", "old",
+           "repeated")  # fmt: skip
+TIMEOUT = 0.1
 """Of the node [s]."""
 STEP = 2.0 * TICK * 1.01
 """Most that a tick may take off the speed [m/s]; fall is 2 m/s2."""
@@ -153,7 +170,7 @@ STEP = 2.0 * TICK * 1.01
 
 @pytest.mark.parametrize(
     "fault",
-    ["missing", "in map", "of a laser", "no rotation", "NaN", "without stamp", "old", "stopped"],
+    [*LASTING, "stopped"],
 )
 def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
     found = faults["simulated" if fault == "stopped" else "real"][fault]
@@ -192,3 +209,80 @@ def test_what_latches_waits_for_a_reset(faults):
     assert real["stopped"] == [0.0, True]
     assert real["drives again"]
     assert faults["simulated"]["drives again"]
+
+
+def test_odometry_out_of_order_is_ignored(faults):
+    found = faults["real"]["out of order"]
+    assert found["refused"] > 5
+    assert found["last"] > 0.2
+    assert not any("pose-jump" in text for text in found["said"])
+
+
+@pytest.fixture
+def efforts(report):
+    return report("faults with efforts")
+
+
+PERIOD = 0.05
+"""Of the law that gives torques [s]; a sample later than one and a half is none."""
+
+
+def in_time(found, seconds):
+    """The bar for torques: a node's ticks are periods."""
+    return seconds + 2 * max(PERIOD, found["silence"]) + SLACK
+
+
+@pytest.mark.parametrize("fault", [*LASTING, "stopped"])
+def test_without_odometry_that_counts_there_is_no_torque(efforts, fault):
+    found = efforts["simulated" if fault == "stopped" else "real"][fault]
+
+    patience = TIMEOUT if fault == "stopped" else 1.5 * PERIOD
+    assert found["zero"] <= in_time(found, patience)
+    assert found["last"] == 0.0
+    assert any("no-odometry" in text for text in found["said"])
+
+
+@pytest.mark.parametrize(
+    ("clock", "fault", "flag"),
+    [
+        ("real", "pose leaps", "pose-jump"),
+        ("simulated", "back", "time-back"),
+        ("simulated", "ahead", "time-forth"),
+    ],
+)
+def test_after_a_leap_torques_are_zero_at_once_and_the_law_begins_anew(efforts, clock, fault, flag):
+    found = efforts[clock][fault]
+
+    assert found["zero"] <= in_time(found, 0.0)
+    assert found["drives"] > 0.0
+    assert any(flag in text for text in found["said"])
+
+
+def test_with_efforts_a_stop_is_no_torque_until_a_reset(efforts):
+    real = efforts["real"]
+    assert real["stop"]["zero"] <= in_time(real["stop"], 0.0)
+    assert real["reset while stopped"] is False
+    assert real["stopped"] == [0.0, True]
+    assert real["drives again"]
+    assert efforts["simulated"]["drives again"]
+
+
+def test_with_efforts_odometry_out_of_order_is_ignored(efforts):
+    found = efforts["real"]["out of order"]
+    assert found["refused"] > 5
+    assert found["drives"] > 0.0
+    assert not any("pose-jump" in text for text in found["said"])
+
+
+def test_with_efforts_a_rival_is_told(efforts):
+    assert efforts["real"]["rival"]
+
+
+def test_with_efforts_who_stood_still_or_was_killed_begins_without_torque(efforts):
+    real = efforts["real"]
+    assert real["while frozen"] == real["after the kill"] == 0
+    assert real["thawed"] == [0.0, 0.0]
+    assert real["goes on"]
+    assert real["next life"] == 0.0
+    assert real["drives in it"]
+    assert real["interrupt"] == [0.0, 0]

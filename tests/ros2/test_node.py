@@ -7,10 +7,8 @@ import sys
 
 import pytest
 
-from tests.ros2.conftest import OVER_DDS, SLACK, bar, built_node, refusal_of, report_of
-from wmr_ctrl.scenario import load_scenario
+from tests.ros2.conftest import OVER_DDS, SLACK, TICK, Job, bar, in_both
 
-TICK = 0.02
 SCENARIO = """
 extends = "paper-simulation"
 [limits]
@@ -26,32 +24,56 @@ d = [0.05, 0.05]
 pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
-@pytest.fixture(scope="module", params=["Python", "C"])
-def node(request, ros, tmp_path_factory):
-    """Words that start the filter: none for the node in Python, or the program of that in C."""
-
-    def words(odometry):
-        if request.param == "Python":
-            return ()
-        folder = tmp_path_factory.mktemp("node")
-        path = folder / "base.toml"
-        path.write_text(SCENARIO, encoding="utf-8")
-        settings = [f"odometry={odometry}"]
-        return (str(built_node(load_scenario(path), settings, ros, folder / "c")),)
-
-    return words
-
-
-@pytest.fixture(scope="module")
-def seen(ros, environment, tmp_path_factory, node):
-    folder = tmp_path_factory.mktemp("scenario")
-    return report_of("outside.py", SCENARIO, ros, environment, folder, *node("required"))
+REFUSED = [
+    ([], "the parameter scenario is not set"),
+    (["scenario:=paper-simulation"], "no command filter"),
+    (["scenario:=none.toml"], "none.toml"),
+    (["scenario:={}", "odometry:=maybe"], "must be one of none, watched, required"),
+    (["scenario:={}", "command_timeout:=-1.0"], "command_timeout is out of its range"),
+    (["scenario:={}", "command_timeout:=1"], "Numbers need a point"),
+    (["scenario:={}", "rise:=[1.0]"], "must have two"),
+    (["scenario:={}", "fall:=[0.0, 1.0]"], "must be positive"),
+    (["scenario:={}", "trigger:=never"], "must be one of timer, command"),
+    (["scenario:={}", "-r", "__ns:=/1bad"], "ROS 2 refuses the arguments"),
+    (["scenario:={}", "--params-file", "nowhere.yaml"], "nowhere.yaml"),
+]
+"""Parameters and words of ROS that cannot be, and what is said of them."""
 
 
-@pytest.fixture(scope="module")
-def live(ros, environment, tmp_path_factory, node):
-    folder = tmp_path_factory.mktemp("live")
-    return report_of("filter_live.py", SCENARIO, ros, environment, folder, *node("none"))
+def words_of(settings):
+    """Words of a command line: each setting is a parameter, until one begins with a dash."""
+    end = next((k for k, word in enumerate(settings) if word.startswith("-")), len(settings))
+    return [part for word in settings[:end] for part in ("-p", word)] + settings[end:]
+
+
+def JOBS():
+    given = [["filter", words_of(settings)] for settings, _ in REFUSED]
+    jobs = {"refusals of the filter": Job("refusals.py", SCENARIO, ("{rows}",), None, given)}
+    for name, script, settings in (
+        ("faults", "outside.py", ("odometry=required",)),
+        ("life", "filter_live.py", ("odometry=none",)),
+        ("second vendor", "second_vendor.py", ("odometry=none",)),
+    ):
+        both = in_both(script, SCENARIO, (), settings)
+        jobs |= {f"{name}, {node}": job for node, job in both.items()}
+    jobs["useless, Python"] = Job("useless.py", SCENARIO)
+    jobs["useless, C"] = Job("useless.py", SCENARIO, (), ("discovery_time=40.0",))
+    return jobs
+
+
+@pytest.fixture(params=["Python", "C"])
+def node(request):
+    return request.param
+
+
+@pytest.fixture
+def seen(report, node):
+    return report(f"faults, {node}")
+
+
+@pytest.fixture
+def live(report, node):
+    return report(f"life, {node}")
 
 
 def drives_on(found):
@@ -71,7 +93,7 @@ def test_without_a_command_that_counts_the_base_comes_to_rest(seen, fault):
     assert found["falls"] <= bar(found, 0.25)
     assert found["zero"] <= bar(found, 0.25 + 0.25)  # 0.5 m/s at 2 m/s2
     assert "no-command" in found["said"]
-    assert found["messages"] > 20  # zeros go on: silence is death
+    assert found["zeros"] > 5  # they go on: silence is death
 
 
 @pytest.mark.parametrize(
@@ -117,7 +139,8 @@ def test_a_stop_is_zero_at_once(seen):
 
 
 def test_a_second_publisher_is_told(seen):
-    assert any("other publishers" in text for text in seen["rival"]["said"])
+    assert any("other publishers" in text for text in seen["rival"])
+    assert seen["rival after"] < 2.0 + SLACK  # looked for each second; a busy machine misses one
 
 
 def test_who_is_interrupted_sends_a_last_zero(seen):
@@ -128,6 +151,10 @@ def test_a_rival_is_found_on_the_remapped_topic(live):
     assert any(
         "/base/cmd_vel" in text and "/robot1/outside" in text for text in live["space"]["rival"]
     )
+
+
+def test_a_reader_to_whom_nothing_comes_is_told(live):
+    assert any("another QoS" in text and "reaches it" in text for text in live["space"]["deaf"])
 
 
 def test_two_senders_are_told(live):
@@ -173,22 +200,13 @@ def test_on_simulated_time_too_a_last_zero_is_sent(live):
     assert live["simulated"]["interrupt"] == [0.0, 0]
 
 
-@pytest.mark.parametrize(
-    ("settings", "said"),
-    [
-        ([], "the parameter scenario is not set"),
-        (["scenario:=paper-simulation"], "no command filter"),
-        (["scenario:=none.toml"], "none.toml"),
-        (["scenario:={}", "odometry:=maybe"], "must be one of none, watched, required"),
-        (["scenario:={}", "command_timeout:=-1.0"], "command_timeout is out of its range"),
-        (["scenario:={}", "command_timeout:=1"], "Numbers need a point"),
-        (["scenario:={}", "rise:=[1.0]"], "must have two"),
-        (["scenario:={}", "fall:=[0.0, 1.0]"], "must be positive"),
-        (["scenario:={}", "trigger:=never"], "must be one of timer, command"),
-    ],
-)
-def test_what_cannot_be_configured_is_a_sentence(ros, environment, tmp_path, settings, said):
-    assert said in refusal_of("filter", settings, SCENARIO, ros, environment, tmp_path)
+@pytest.mark.parametrize("place", range(len(REFUSED)), ids=[said for _, said in REFUSED])
+def test_what_cannot_be_configured_is_a_sentence(report, place):
+    code, cried = report("refusals of the filter")[place]
+
+    assert code == 2
+    assert REFUSED[place][1] in cried
+    assert "Traceback" not in cried
 
 
 def test_without_ros_a_sentence_says_so():
@@ -204,43 +222,23 @@ def test_without_ros_a_sentence_says_so():
 
 
 @pytest.mark.parametrize(
-    ("kind", "topic", "reliable", "said"),
+    ("other", "said"),
     [
-        ("Twist", "cmd_vel_in", True, "stamped:=true or false"),
-        ("TwistStamped", "cmd_vel", True, "other publishers"),
-        ("Bool", "wmr_filter/stop", False, "another QoS"),
+        ("type", "as geometry_msgs/msg/Twist, where this node has geometry_msgs/msg/TwistStamped"),
+        ("rival", "other publishers on /rival/cmd_vel: "),
+        ("stop", "another QoS"),
+        ("odometry", "where this node has nav_msgs/msg/Odometry"),
     ],
 )
-def test_who_makes_it_useless_is_a_sentence_at_configure(
-    ros, environment, tmp_path, kind, topic, reliable, said
-):
-    """Commands of another type, a second publisher, and a stop that would not be heard."""
-    script = OTHER.format(kind=kind, topic=topic, reliable=reliable)
-    with subprocess.Popen([ros, "-c", script], env=environment, stdout=subprocess.PIPE) as other:
-        try:
-            assert other.stdout.readline() == b"there\n"
-            given = "filter", ["scenario:={}"], SCENARIO, ros, environment, tmp_path
-            assert said in refusal_of(*given, attempts=5)
-        finally:
-            other.kill()
+def test_who_makes_it_useless_is_a_sentence_at_configure(report, node, other, said):
+    """Commands or odometry of another type, a second publisher, and a stop that is not heard."""
+    code, cried = report(f"useless, {node}")[other]
+
+    assert code == 2
+    assert said in cried
+    assert "Traceback" not in cried
 
 
-OTHER = """
-import time, rclpy
-from geometry_msgs.msg import Twist, TwistStamped
-from std_msgs.msg import Bool
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy as R
-rclpy.init()
-node = rclpy.create_node("other")
-qos = QoSProfile(depth=1, reliability=R.RELIABLE if {reliable} else R.BEST_EFFORT)
-publisher = node.create_publisher({kind}, "{topic}", qos)
-print("there", flush=True)
-time.sleep(60)
-"""
-
-
-def test_another_vendor_commands_and_reads_it(ros, environment, tmp_path, node):
+def test_another_vendor_commands_and_reads_it(report, node):
     """Cyclone DDS without ROS at both ends: a command passes, and its absence ends in rest."""
-    found = report_of("second_vendor.py", SCENARIO, ros, environment, tmp_path, *node("none"))
-
-    assert found == {"driving": [0.5, 0.25], "after": [0.0, 0.0]}
+    assert report(f"second vendor, {node}") == {"driving": [0.5, 0.25], "after": [0.0, 0.0]}

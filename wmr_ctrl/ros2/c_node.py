@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from wmr_ctrl.filter.gate import GATE_FLAGS, GateSettings
 from wmr_ctrl.results import write_all
 from wmr_ctrl.ros2.diagnosis import ERRORS, WARNINGS
 from wmr_ctrl.ros2.filter_core import core_files
-from wmr_ctrl.ros2.native import HAPPENINGS, c_text
+from wmr_ctrl.ros2.native import HAPPENINGS, c_text, in_ns
 from wmr_ctrl.ros2.parameters import FILTER, TRIGGERS, Default
 from wmr_ctrl.scenario import Scenario
 
@@ -23,12 +24,14 @@ INTERFACES = (
     "std_msgs", "std_srvs",
 )  # fmt: skip
 """ROS packages that the node is compiled against, without and with messages."""
+RMW = "rmw_implementation"
+"""ROS package of the middleware's own functions; the wheels have Fast DDS's in its place."""
 LINKED = (
-    *(f"-l{name}" for name in LIBRARIES),
+    *(f"-l{name}" for name in (*LIBRARIES, "rmw_fastrtps_cpp")),
     *(f"-l{name}__rosidl_{kind}_c" for name in INTERFACES for kind in ("generator", "typesupport")),
 )
 """Words for a linker, where there is no ament_cmake to find them."""
-SOURCES = ("filter_node.h", "filter_node.c", "filter_connect.c")
+SOURCES = ("filter_node.h", "filter_node.c", "filter_connect.c", "filter_graph.c")
 NAME = "wmr_filter_node"
 GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
 """Parameters of ``wmr_filter`` that are compiled into the node."""
@@ -38,13 +41,15 @@ GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
 class NodeSettings:
     """What is compiled into the node: its gate, ``frame`` of base and commands, kind of message.
 
-    ``at_once``: a command is answered when it comes, where one is due.
+    ``at_once``: a command is answered when it comes, where one is due.  ``discovery``: how long
+    others are looked for before it starts [s].
     """
 
     gate: GateSettings = field(default_factory=GateSettings)
     frame: str = "base_link"
     stamped: bool = True
     at_once: bool = False
+    discovery: float = float(FILTER["discovery_time"].default)  # type: ignore[arg-type]
 
 
 def node_settings(given: Sequence[str]) -> NodeSettings:
@@ -61,6 +66,7 @@ def node_settings(given: Sequence[str]) -> NodeSettings:
         settings,
         frame=str(values.pop("base_frame", settings.frame)),
         stamped=bool(values.pop("stamped", settings.stamped)),
+        discovery=float(values.pop("discovery_time", settings.discovery)),  # type: ignore[arg-type]
     )
     pairs = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
     known = {item.name for item in fields(GateSettings)}
@@ -78,17 +84,27 @@ def _parsed(word: str) -> tuple[str, Default]:
     default = FILTER[name].default
     if isinstance(default, str):
         return name, text
+    value = _like(default, text)
+    if value is None:
+        raise ArgumentError(f"{name} = {text!r} must be like its default: {json.dumps(default)}.")
+    low, high = FILTER[name].range or (-math.inf, math.inf)
+    if isinstance(value, float) and not low <= value <= high:
+        raise ArgumentError(f"{name} = {text} is out of its range: {low:g} to {high:g}.")
+    return name, value
+
+
+def _like(default: Default, text: str) -> Default | None:
+    """A value of JSON that has the default's kind; None for another."""
     try:
         value = json.loads(text)
         if isinstance(default, list):
             pair = [float(part) for part in value]
-            if len(pair) == len(default):
-                return name, pair
-        elif isinstance(default, bool) == isinstance(value, bool):
-            return name, type(default)(value)
+            return pair if len(pair) == len(default) else None
+        if isinstance(default, bool) == isinstance(value, bool):
+            return type(default)(value)
     except (ValueError, TypeError):
         pass
-    raise ArgumentError(f"{name} = {text!r} must be like its default: {json.dumps(default)}.")
+    return None
 
 
 def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
@@ -97,7 +113,7 @@ def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
     engine, context = text_engine(Path(__file__).parent / "templates"), {
-        "name": NAME, "packages": (*LIBRARIES, *INTERFACES), "kept": kept(scenario, settings),
+        "name": NAME, "packages": (*LIBRARIES, RMW, *INTERFACES), "kept": kept(scenario, settings),
         "kind": "TwistStamped" if settings.stamped else "Twist", "libraries": " ".join(LINKED),
     }  # fmt: skip
     written = ("CMakeLists.txt", "package.xml", "README.md")
@@ -136,6 +152,7 @@ def _header(scenario: Scenario, settings: NodeSettings) -> str:
     defined: Mapping[str, object] = {
         "WMR_STAMPED": int(settings.stamped),
         "WMR_AT_ONCE": int(settings.at_once),
+        "WMR_DISCOVERY": f"INT64_C({in_ns(settings.discovery)})",
         "WMR_BASE_FRAME": _quoted(settings.frame),
         "WMR_KEPT": _quoted(kept(scenario, settings)),
         "WMR_FLAGS": len(GATE_FLAGS),

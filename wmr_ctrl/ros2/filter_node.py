@@ -47,8 +47,9 @@ class FilterNode(SafeNode[FilterCore]):
         """Topics as in the page."""
         kind = command_kind(self.stamped)
         self.out = self.create_lifecycle_publisher(kind, "cmd_vel", SURE)
-        self.listen(kind, "cmd_vel_in", self._on_command, LATEST)
+        # rclpy takes what waits in this order: a command is answered with the odometry before it.
         self.listen(Odometry, "odom", self._on_odometry, LATEST)
+        self.listen(kind, "cmd_vel_in", self._on_command, LATEST)
 
     def send(self, command: tuple[float, float]) -> None:
         """Publish velocities [m/s, rad/s]."""

@@ -36,8 +36,6 @@ KEPT = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-LOOK = 1.0
-"""Time [s] in which those are looked for, before a node is configured, who make it useless."""
 LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
 
 
@@ -174,7 +172,7 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     def _look(self) -> None:
         """Raise WmrError where somebody else commands the base, or nothing of a sender is heard."""
-        end = time.monotonic() + LOOK
+        end = time.monotonic() + float(self.value("discovery_time"))  # type: ignore[arg-type]
         while time.monotonic() < end:
             problem = graph.useless(self, self.out, self._heard)
             if problem:

@@ -34,6 +34,11 @@ _SHARED: Table = {
     "excess": Stated(
         [0.05, 0.1], "m/s, rad/s beyond the limits at which odometry stops the base", POSITIVE
     ),
+    "discovery_time": Stated(
+        3.0,
+        "s; how long others who void the promise are looked for at configure",
+        range=(0.0, 60.0),
+    ),
     "base_frame": Stated("base_link", "child frame of odometry, frame of commands"),
     "stamped": Stated(True, "TwistStamped commands; false: Twist"),
     "autostart": Stated(True, "configure and activate at once; false: by a lifecycle manager"),

@@ -25,14 +25,15 @@ def _interrupt(_number: int, _frame: object) -> None:
 
 def spin(make: Callable[[], SafeNode[Core]], arguments: list[str]) -> int:
     """Run a node until it is interrupted; 0, or 2 where it cannot be configured at once."""
-    # ROS' own handlers end the context before a last zero can be sent.
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
     try:
+        # ROS' own handlers end the context before a last zero can be sent.
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, _interrupt)
         node, code = make(), 0
-    except WmrError as error:
-        sys.stderr.write(f"error: {' '.join(str(error).split())}\n")
+    except Exception as error:  # rclpy's own for a namespace or a file of parameters have no base
+        what = "" if isinstance(error, WmrError) else "ROS 2 refuses the arguments: "
+        sys.stderr.write(f"error: {what}{' '.join(str(error).split())}\n")
         rclpy.try_shutdown()
         return 2
     executor = SingleThreadedExecutor()

@@ -1,0 +1,144 @@
+"""Faults around the drive on a base that takes wheel efforts, from outside over DDS.
+
+``python effort_faults.py SCENARIO`` plays a base with mass and dry friction, breaks one thing after
+the other and prints what was seen as JSON, as `drive_faults` does: a value is the larger of both
+torques, so that zero is no torque at all.  Run by a Python that has rclpy.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+
+import rclpy
+from drive_faults import SPOILT, Broken, repeated
+from drive_live import Base
+from outside import AT_ONCE, ON_THE_WAY, SURE
+from std_msgs.msg import Bool, Float64MultiArray
+
+MASS, INERTIA, FRICTION, RADIUS, HALF_TRACK = 50.0, 5.4, 0.08 * 50.0 * 9.81, 0.1, 0.25
+"""Those of the scenario [kg, kg m2, N, m, m]."""
+
+
+class Wheels(Broken):
+    """A base that is pushed by its wheels, and slowed by friction."""
+
+    period = 0.05
+
+    def __init__(self, simulated: bool) -> None:
+        super().__init__(simulated)
+        self.torque = 0.0, 0.0
+        self.node.create_subscription(Float64MultiArray, "effort_commands", self._pushed, SURE)
+
+    def _pushed(self, message: Float64MultiArray) -> None:
+        left, right = message.data
+        self.torque = right, left
+        self.seen.append((time.monotonic(), max(abs(right), abs(left))))
+
+    def move(self) -> None:
+        right, left = self.torque
+        v, omega = self.speed
+        v += self.period * (right + left) / RADIUS / MASS
+        slower = self.period * FRICTION / MASS
+        v = math.copysign(max(abs(v) - slower, 0.0), v)
+        omega += self.period * (right - left) * HALF_TRACK / RADIUS / INERTIA
+        self.speed = v, omega
+
+    def drives(self) -> bool:
+        return self.speed[0] > 0.1 and any(self.torque)
+
+    def until_it_drives(self) -> bool:
+        return self.go(30, self.drives)
+
+
+def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
+    given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", *AT_ONCE, *more]
+    return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
+
+
+def in_real_time(scenario: str) -> dict[str, object]:
+    process, found = start(scenario), {}
+    base = Wheels(simulated=False)
+    try:
+        for name, spoil in SPOILT.items():
+            found[name] = base.fault(spoil)
+        found["repeated"] = base.fault(repeated())
+        before = base.refused()
+        found["out of order"] = base.fault(base.out_of_order)
+        found["out of order"]["refused"] = base.refused() - before
+        found["pose leaps"] = base.fault(first=lambda: base.leap(1.0))
+        found["stop"] = base.fault(first=lambda: base.stop.publish(Bool(data=True)))
+        found["reset while stopped"] = base.reset()
+        base.stop.publish(Bool(data=False))
+        base.go(0.3)
+        found["stopped"] = [max(map(abs, base.torque)), base.reset()]
+        found["drives again"] = base.until_it_drives()
+        rival = base.node.create_publisher(Float64MultiArray, "effort_commands", SURE)
+        base.said.clear()
+        found["rival"] = base.go(10, lambda: any("other publishers" in text for text in base.said))
+        base.node.destroy_publisher(rival)
+        base.until_it_drives()
+        process.send_signal(signal.SIGSTOP)
+        base.go(ON_THE_WAY)
+        base.seen.clear()
+        base.go(0.6)
+        found["while frozen"] = len(base.seen)
+        base.torque = 0.0, 0.0  # a base's own time-out
+        process.send_signal(signal.SIGCONT)
+        base.go(0.3)
+        found["thawed"] = [value for _, value in base.seen][:2]
+        found["goes on"] = base.until_it_drives()
+        process.kill()
+        process.wait()
+        base.go(ON_THE_WAY)
+        base.seen.clear()
+        base.go(0.5)
+        found["after the kill"] = len(base.seen)
+        base.torque = 0.0, 0.0
+        process = start(scenario)
+        base.spoil = SPOILT["missing"]
+        base.go(30, lambda: len(base.seen) > 5)
+        found["next life"] = max(value for _, value in base.seen)
+        base.spoil = Base.spoil
+        found["drives in it"] = base.until_it_drives()
+        process.send_signal(signal.SIGINT)
+        base.go(10, lambda: process.poll() is not None)
+        base.go(ON_THE_WAY)
+        found["interrupt"] = [base.seen[-1][1], process.wait(10)]
+    finally:
+        process.kill()
+        base.node.destroy_node()
+    return found
+
+
+def on_simulated_time(scenario: str) -> dict[str, object]:
+    process, found = start(scenario, "-p", "use_sim_time:=true"), {}
+    base = Wheels(simulated=True)
+    try:
+        base.until_it_drives()
+        found["back"] = base.fault(first=lambda: base.to(-10.0))
+        found["ahead"] = base.fault(first=lambda: base.to(10.0))
+
+        def still() -> None:
+            base.rate = 0.0
+
+        found["stopped"] = base.fault(first=still)
+        base.rate = 1.0
+        found["drives again"] = base.until_it_drives()
+    finally:
+        process.kill()
+        base.node.destroy_node()
+    return found
+
+
+def main(scenario: str) -> None:
+    rclpy.init()
+    print(json.dumps({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)}))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
