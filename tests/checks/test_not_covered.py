@@ -44,7 +44,7 @@ def test_friction_after_a_change_counts_too(told):
     limited = {"actuator.tau_max": 3.0}
     (warning,) = told("pid", limited, scenario="paper-simulation", key="actuator.tau_max")
 
-    assert "friction takes 95.6 N" in warning.sentence
+    assert "friction needs 95.6 N" in warning.sentence
 
 
 @pytest.mark.parametrize(("delay", "warned"), [(0.009, False), (0.01, True)])

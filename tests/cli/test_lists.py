@@ -7,12 +7,19 @@ import re
 import tomllib
 from collections import Counter
 from importlib import import_module
+from itertools import chain
+from pathlib import Path
 
 import pytest
 
+from wmr_ctrl import checks
 from wmr_ctrl.api import scenario_of
+from wmr_ctrl.checks.outlook import IN_PART
+from wmr_ctrl.cli.check_sentences import REMEDIES, remedy
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws import LAWS
+from wmr_ctrl.results import OBJECTED
+from wmr_ctrl.results.remarks import SHORT
 from wmr_ctrl.scenario import load_scenario, preset_names
 
 
@@ -93,11 +100,27 @@ def test_check_answers_first_and_on_one_screen(wmr):
 
     assert found.exit_code == 0
     assert found.stdout.startswith("paper-experiment-literal is valid")
-    assert "Not guarded: |v1| <= 1 m/s and |omega| <= 1.5 rad/s are not promised" in flat(promised)
+    assert "Not guarded: |v1| <= 1 m/s and |omega| <= 1.5 rad/s are not guaranteed" in flat(
+        promised
+    )
     rows = table.partition("─\n")[2].partition("\n\n")[0].splitlines()
     assert [row.split()[0] for row in rows if not row.startswith(" ")] == list(LAWS)
-    assert len(lines) < 36
+    assert len(lines) < 40
+    assert "  gains.nn.eta: lower gains.nn.eta, or raise gains.nn.rho1" in lines
     assert max(map(len, lines)) <= 80
+
+
+def test_every_objection_and_remark_has_a_remedy():
+    """But for those of a law's own gains, and for remarks that only narrow a promise."""
+    objections = Path(checks.__file__).parent.glob("*.py")
+    literal = (
+        re.findall(r"[ (]Warning\(\s*\"([a-z._A-Z]+)\"", file.read_text()) for file in objections
+    )
+    keys = {*chain(*literal), *(set(SHORT) - {*IN_PART})} - {"base.kind", OBJECTED, "corridor-left"}
+
+    assert len(keys) > 15
+    assert keys <= set(REMEDIES)
+    assert all(len(f"  {remedy(key)}") <= 80 for key in keys)
 
 
 def flat(text: str) -> str:
@@ -107,8 +130,8 @@ def flat(text: str) -> str:
 @pytest.mark.parametrize(
     ("guard", "said"),
     [
-        ("--guard", "Guarded: |v1| <= 1 m/s and |omega| <= 1.5 rad/s are promised while"),
-        ("--no-guard", "are not promised. --guard would promise them."),
+        ("--guard", "Guarded: |v1| <= 1 m/s and |omega| <= 1.5 rad/s are guaranteed while"),
+        ("--no-guard", "are not guaranteed. --guard would guarantee them."),
     ],
 )
 def test_check_says_what_is_promised(wmr, guard, said):
@@ -134,7 +157,7 @@ def test_check_has_every_finding_by_its_name(wmr):
         told = wmr("check", "paper-simulation", "--only", name).stdout
         assert told.count("  - ") >= 1
         assert set(told.splitlines()) <= set(every.splitlines())
-    assert "--only 'gains.mb.eta': nothing of that name. There is pid, smc," in flat(
+    assert "--only 'gains.mb.eta' is not among the findings: pid, smc," in flat(
         wmr("check", "paper-simulation", "--only", "gains.mb.eta").stderr
     )
 

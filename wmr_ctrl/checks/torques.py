@@ -74,7 +74,7 @@ def weak_drives(loop: Loop) -> Iterator[Warning]:
     if friction >= thrust:
         yield Warning(
             KEY,
-            f"{KEY} = {most:g} N m gives {thrust:.3g} N of thrust at most, and friction takes "
+            f"{KEY} = {most:g} N m gives at most {thrust:.3g} N of thrust, and friction needs "
             f"{friction:.3g} N: the robot cannot keep moving. Raise it above "
             f"{friction * scenario.robot.r / 2:.3g} N m.",
             "Eq. (4)",
@@ -86,25 +86,26 @@ def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
     tyres, sentences = grip(setup.scenario), list[str]()
     first, steady = max(map(abs, first_torques(setup))), reference_torque(setup.scenario)
     if first > tyres.spin:
-        end = "on a rigid body they slide, and fling it when they bite again"
+        end = "slide on a rigid body, and throw it forward when they grip again"
         if first > tyres.lift:
-            end = f"and beyond {tyres.lift:.3g} N m the robot turns over on its caster"
+            end = f"and above {tyres.lift:.3g} N m the robot turns over on its caster"
         remedy = (
             f"Up to {KEY} = {math.floor(100 * tyres.keep) / 100:g} no wheel slides within "
             "limits.v_u1 (actuator.traction = true keeps to that); --plant mujoco shows a run on "
             "tyres."
             if tyres.keep > 0
-            else "At limits.v_u1 no torque is sure of its grip: lower the limits or state better "
+            else "At limits.v_u1 no torque is certain to grip: lower the limits or state better "
             "tyres."
         )
         sentences.append(
-            f"At its first sample {setup.name} asks a wheel for {first:.3g} N m; the wheels of "
+            f"At its first sample {setup.name} demands {first:.3g} N m of a wheel; the wheels of "
             f"[body] spin from {tyres.spin:.3g} N m on, {end}. {remedy}"
         )
     if steady > tyres.keep:
         sentences.append(
-            f"The reference asks a wheel for up to {steady:.3g} N m, and the tyres of [body] are "
-            f"sure of {tyres.keep:.3g} N m at limits.v_u1. Ask for a slower or smoother reference."
+            f"The reference needs up to {steady:.3g} N m at a wheel, and the tyres of [body] are "
+            f"certain to transmit only {tyres.keep:.3g} N m at limits.v_u1. Ask for a slower or "
+            "smoother reference."
         )
     return tuple(Warning(KEY, sentence, GRIP) for sentence in sentences)
 

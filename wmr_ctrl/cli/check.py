@@ -30,11 +30,13 @@ if TYPE_CHECKING:
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
 NONE = "-"
-"""Cell of a table for what there is not."""
+"""Cell of a table that has no value."""
+FINDINGS = "findings"
+"""Column of the keys of objections and notes."""
 
 
 class Note(NamedTuple):
-    """Told of a law, of all of several (None) or of the scenario (""), by key or subject."""
+    """A finding on a law, on all of several (None) or on the scenario (""), by key or subject."""
 
     law: str | None
     key: str
@@ -67,13 +69,13 @@ class Answers:
     "chosen",
     metavar="NAME",
     multiple=True,
-    help="Ask about this law only. May be given several times.  [default: all]",
+    help="Check this law only. May be given several times.  [default: all]",
 )
-@click.option("-v", "--verbose", is_flag=True, help="Print every finding, not the table alone.")
+@click.option("-v", "--verbose", is_flag=True, help="Print every finding below the table.")
 @click.option(
     "--only",
     metavar="NAME",
-    help="Print the findings on NAME alone: a law, a key that the table names, guard, filter, "
+    help="Print only the findings on NAME: a law, a key from the table, guard, filter, "
     "stability, run or corridor.",
 )
 @guard_option
@@ -91,10 +93,10 @@ def check(
 ) -> None:
     """Validate a scenario, and say what theory and one run of each law predict.
 
-    SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0, and for two
-    million plant steps at most; where it can be certified, the output has the largest distance from
-    the path. The promise comes first, then a table of the laws. The exit code is 0 if the scenario
-    is valid, whatever the warnings, and 2 if it is not.
+    SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0, for at most
+    two million plant steps. The output begins with what is guaranteed; then a table compares the
+    laws, with the certified distance from the path where there is one, and lists what to change.
+    The exit code is 0 if the scenario is valid, whatever the warnings, and 2 if it is not.
     """
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.scenario import inherited, parse_assignments
@@ -224,10 +226,10 @@ def _head(answers: Answers) -> Iterator[str]:
     if answers.taken:
         listed = ", ".join(item.key for item in answers.taken)
         yield wrapped(
-            f"Not stated, and so the paper's or the preset's (--only inherited): {listed}."
+            f"Not stated, so taken from the paper or the preset (--only inherited): {listed}."
         )
     if any(run.settings.duration < lasts for run in answers.runs.values()):
-        yield wrapped(f"Each law is run for {MOST_STEPS} plant steps alone, not to its end.")
+        yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
 
 
 def _table(answers: Answers) -> Iterator[str]:
@@ -239,23 +241,33 @@ def _table(answers: Answers) -> Iterator[str]:
     about = {
         "law": "",
         "verdict": "",
-        "stable\n[ms]": f"longest stable clock.control; now {period}",
-        "off\n[mm]": f"RMS distance from its place in the {place}, seed 0",
-        "guard\n[%]": "samples that it changed, the worse axis",
-        "corridor\n[mm]": "the most that it can be pushed off its place, certified",
-        "because of": "where to start; in brackets what is no objection",
+        "stable\n[ms]": f"longest stable clock.control, which is {period} here",
+        "off\n[mm]": f"RMS distance from the desired position in the {place}, seed 0",
+        "guard\n[%]": "share of samples that the guard changed, on the worse axis",
+        "corridor\n[mm]": "certified largest distance from the desired position",
+        FINDINGS: "objections by key; in brackets notes, which need no change",
     }
     columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)
     shown = {
         name: cells
         for name, cells in zip(about, columns, strict=True)
-        if set(cells) != {NONE} or name == "because of"
+        if set(cells) != {NONE} or name == FINDINGS
     }
     yield table(zip(*shown.values(), strict=True), tuple(shown))
     yield ""
     for name in filter(about.get, shown):
         yield wrapped(f"{name.partition(chr(10))[0]}: {about[name]}", hang="  ")
-    yield wrapped("Why, and what to change: --only NAME, a law or a key above; -v tells all.")
+    yield from _remedies(answers)
+    yield wrapped("Reasons and details: --only NAME, with a law or key from the table; or -v.")
+
+
+def _remedies(answers: Answers) -> Iterator[str]:
+    """What to change for each objection of the table, a line for each key."""
+    keys = dict.fromkeys(key for law in answers.warned for key in _reasons(answers, law))
+    lines = [check_sentences.remedy(key) for key in keys if not key.startswith("(")]
+    if lines:
+        yield "\nWhat to change:"
+        yield from (wrapped(line, indent="  ", hang="    ") for line in lines)
 
 
 def _cells(answers: Answers, law: str) -> Iterator[str]:
@@ -281,7 +293,7 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
 
 
 def _digits(value: float) -> str:
-    return f"{float(f'{value:.3g}'):g}"
+    return "<0.001" if 0 < value < 1e-3 else f"{float(f'{value:.3g}'):g}"
 
 
 def _reasons(answers: Answers, law: str) -> Iterator[str]:
@@ -336,7 +348,7 @@ def _about(answers: Answers, name: str) -> list[Note]:
     chosen = [item for item in every if name in (item.law, item.key)]
     if not chosen:
         names = dict.fromkeys((*answers.warned, *(item.key for item in every)))
-        raise ArgumentError(f"--only {name!r}: nothing of that name. There is {', '.join(names)}.")
+        raise ArgumentError(f"--only {name!r} is not among the findings: {', '.join(names)}.")
     return chosen
 
 

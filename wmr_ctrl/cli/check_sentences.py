@@ -14,7 +14,42 @@ if TYPE_CHECKING:
 
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
-NOT_THE_PATH = "how well the path is followed is not"
+NOT_THE_PATH = "tracking of the path is not"
+REMEDIES = {
+    "law": "start nearer, switch the guard on, or choose a law that knows the limit",
+    "model": "correct model.m, model.I or model.mu, start nearer, or take nn",
+    "model.m": "lower the gains (`wmr-ctrl tune`), or state the mass more accurately",
+    "reference": "ask for a slower reference, or raise limits.v_u2",
+    "clock.control": "shorten clock.control, or lower the gains (`wmr-ctrl tune`)",
+    "clock.plant": "shorten clock.plant, or raise robot.v_s",
+    "disturbance.std": "try several seeds, start nearer, or switch the guard on",
+    "initial.velocity": "start well inside the limits",
+    "gains.kinematics.k": "raise it, or take a law that knows or learns friction",
+    "gains.nn.eta": "lower gains.nn.eta, or raise gains.nn.rho1",
+    "actuator.delay": "lower the gains, or shorten clock.control and the delay",
+    "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
+    "guard.dbar": "shorten clock.control, or narrow guard.M_min and guard.dbar",
+    "guard.alpha": "lower guard.alpha, or measure the velocity better",
+    "filter.kind": 'set filter.kind = "clip" or "governor"',
+    "filter.trust": "make the filter's intervals cover the base",
+    "limit-violated": "switch the guard on, start nearer, or slow the reference",
+    "not-tracked": "see the other findings; else change gains or metrics.tolerance",
+    "goal-not-reached": "see the other findings; else change gains or clock.duration",
+    "too-fast": "ask for a slower reference, or raise limits.v_u1",
+    "oscillates": "lower the gains, or shorten clock.control and the delay",
+    "chatter": "lower the gains, or measure better (finer encoders, a longer window)",
+    "saturated": "raise actuator.tau_max, or ask for a slower reference",
+    "guard-holds-back": "shorten clock.control, narrow the bounds, or drive slower",
+    "obstacle": "choose another path, or start elsewhere",
+}
+"""What to change for an objection or a remark, by its key."""
+TUNE = "lower the gains (`wmr-ctrl tune`), or measure better"
+
+
+def remedy(key: str) -> str:
+    """A line on what to change for an objection; for keys without one, where to read about it."""
+    other = TUNE if key.startswith("gains.") else f"see --only {key}"
+    return f"{key}: {REMEDIES.get(key, other)}"
 
 
 def promise(setup: Setup) -> str:
@@ -31,28 +66,31 @@ def promise(setup: Setup) -> str:
     if setup.takes_velocity:
         facts = filter_facts(setup)
         if facts is None:
-            return f'No filter: {limits} are not promised. Set filter.kind = "clip" or "governor".'
+            return (
+                f'No filter: {limits} are not guaranteed. Set filter.kind = "clip" or "governor".'
+            )
         if facts.broken:
-            return f"Filtered, but nothing is promised: {facts.broken[0]}"
+            return f"Filtered, but nothing is guaranteed: {facts.broken[0]}"
         return (
-            f"Filtered: {limits} are promised while the base is as it is stated (--only filter); "
-            f"{NOT_THE_PATH}."
+            f"Filtered: {limits} are guaranteed while the base is within its stated bounds (--only "
+            f"filter); {NOT_THE_PATH}."
         )
     if not case.guard.enabled:
         try:
             void = settle(override(case, {"guard.enabled": True}), None).void
         except ScenarioError as error:
             first, _, _ = str(error).partition(". ")
-            return f"Not guarded: {limits} are not promised. --guard is refused: {first}."
-        would = f"would not promise them for certain: {void}" if void else "would promise them."
-        return f"Not guarded: {limits} are not promised. --guard {would}"
+            return f"Not guarded: {limits} are not guaranteed. --guard is refused: {first}."
+        would = f"would not guarantee them either: {void}" if void else "would guarantee them."
+        return f"Not guarded: {limits} are not guaranteed. --guard {would}"
     if setup.void:
-        return f"Guarded, but {limits} are not promised for certain: {setup.void}"
+        return f"Guarded, but {limits} are not guaranteed: {setup.void}"
     starts = zip(case.initial.velocity, early_speed(setup.guard), case.limits.v_u1, strict=True)
     late = any(abs(speed) + gained > most for speed, gained, most in starts)
     return (
-        f"Guarded: {limits} are promised{', once the speed is back from its start,' * late} while "
-        f"masses, pushes and errors stay within what is counted on (--only guard); {NOT_THE_PATH}."
+        f"Guarded: {limits} are guaranteed{', once the speed is back from its start,' * late} "
+        f"while masses, pushes and errors stay within the guard's bounds (--only guard); "
+        f"{NOT_THE_PATH}."
     )
 
 
@@ -86,11 +124,11 @@ def guard_lines(setup: Setup) -> Iterator[str]:
     parts += [_late(known[name]) for name in ("delay", "lag")]
     ages = [known[name] for name in ("age", "window") if any(known[name].value)]
     parts += [f"{item.name} {_digits(item.value)} s{_made(item)}" for item in ages]
-    yield f"the guard counts on {'; '.join(parts)}"
+    yield f"the guard assumes {'; '.join(parts)}"
     price = speed_price(setup.scenario, setup.guard)
     yield (
-        f"it leaves at most {speeds(price.usable)} against friction; the reference asks for at "
-        f"most {speeds(price.asked)}"
+        f"it leaves at most {speeds(price.usable)} against friction; the reference needs at most "
+        f"{speeds(price.asked)}"
     )
 
 
@@ -103,10 +141,10 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     if facts is None:
         return
     limits = speeds(setup.scenario.limits.v_u1)
-    held = "is not promised to keep" if facts.broken else "keeps"
+    held = "is not guaranteed to keep" if facts.broken else "keeps"
     yield (
         f"the filter ({facts.statement}) {held} {limits}; it leaves {speeds(facts.usable_speed)} "
-        "on the weakest base that is stated"
+        "on the weakest base within the stated bounds"
     )
     gain = "gain" if setup.scenario.filter.loop == "first-order" else "peak gain"
     costs = {
@@ -127,9 +165,9 @@ def inherited_robot(taken: Sequence[InheritedValue]) -> str:
         return ""
     listed = ", ".join(f"{item.key} = {item.value} {item.unit}".rstrip(" 1") for item in taken)
     return (
-        f"The file does not state {listed}: these are the paper's robot, or that of the preset "
-        "which the file extends. State what is yours in its tables; `wmr-ctrl scenarios "
-        "paper-simulation --toml` prints them with their meaning."
+        f"The file does not state {listed}: these values are those of the paper's robot, or of the "
+        "preset that the file extends. State your own; `wmr-ctrl scenarios paper-simulation "
+        "--toml` prints all keys with their meaning."
     )
 
 
@@ -140,11 +178,11 @@ def sight(run: Run) -> str:
 
     parts, shares, times = tracking(run), guard_share(run), arrival(run)
     away = " and ".join(
-        f"{part['position_rms']:.3g} m RMS from its place in the {place}"
+        f"{part['position_rms']:.3g} m RMS from the desired position in the {place}"
         for place, part in zip((driving(run), "end"), parts.values(), strict=True)
         if part is not None and part["position_rms"] is not None
     )
-    away = away or ("it ended early" if run.monitor.stopped else "over before it could be judged")
+    away = away or ("it ended early" if run.monitor.stopped else "too short to be judged")
     verdict = "tracked" if tracked(run) else "not tracked"
     held = ""
     if run.guard and shares is not None:

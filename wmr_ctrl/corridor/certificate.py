@@ -86,8 +86,8 @@ class Certifier:
         if setup.takes_velocity:
             raise NoCorridorError("a base that takes velocities is not covered")
         if setup.control_law.inside is None:
-            able = " and ".join(name for name, law in LAWS.items() if law.inside is not None)
-            raise NoCorridorError(f"of the laws {able} have one, away from their limits")
+            able = ", ".join(name for name, law in LAWS.items() if law.inside is not None)
+            raise NoCorridorError(f"only {able} have one, away from their limits")
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
         self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup))
         try:

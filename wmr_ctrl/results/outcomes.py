@@ -155,8 +155,8 @@ _SENTENCES = {
     ),
     Outcome.BOUNDS_LEFT: (
         "The run completed within its limits ({extremes}), but the {left} moved in a way that the "
-        "guard's bounds do not admit, so its guarantee does not cover this run. Widen guard.dbar, "
-        "or guard.M_min and guard.M_max."
+        "guard's bounds do not explain, so its guarantee does not cover this run. Widen "
+        "guard.dbar, or guard.M_min and guard.M_max."
     ),
     Outcome.LIMIT_VIOLATED: (
         "The velocity limit was broken, first by the {violation}; {steps} beyond a limit "
@@ -164,22 +164,22 @@ _SENTENCES = {
         "inside the limits, or ask for a slower reference."
     ),
     Outcome.DIVERGED: (
-        "The run ended early because of the {stop}: it reached {bound} {unit}, which no robot "
-        "survives. Shorten clock.control, lower the law's gains, or start nearer to the reference."
+        "The run ended early because of the {stop}: it reached {bound} {unit}, which counts as "
+        "diverged. Shorten clock.control, lower the law's gains, or start nearer to the reference."
     ),
     Outcome.NON_FINITE: (
         "The run ended early because of the {stop}: it was no longer a finite number. Shorten "
         "clock.control and clock.plant, and look for gains or torques that overflow."
     ),
     Outcome.TIPPED: (
-        "The robot fell over: at t = {tipped} s its axis leant by more than body.tilt_max. {slip} "
+        "The robot fell over: at t = {tipped} s it tilted by more than body.tilt_max. {slip} "
         "Limit the wheel torques (actuator.tau_max or actuator.traction; `wmr-ctrl check` names "
         "the largest torque without spin or fall), start nearer to the reference, or lower the "
         "centre of mass."
     ),
     Outcome.SLIPPED: (
         "The run completed within its velocity limits ({extremes}), but the wheels slipped: from t "
-        "= {slipped} s on, at most by {most} m/s. What the laws and the guard assume did not hold "
+        "= {slipped} s on, at most by {most} m/s. The assumptions of laws and guard did not hold "
         "there. Limit the wheel torques (actuator.tau_max or actuator.traction; `wmr-ctrl check` "
         "names the largest torque without spin)."
     ),
@@ -213,7 +213,7 @@ def _rigid(seen: RigidMonitor | None) -> dict[str, str]:
     """A rigid body's numbers, as the sentences need them."""
     if seen is None:
         return {}
-    slip = "Its wheels had kept their grip."
+    slip = "Its wheels did not slip."
     if seen.slipped is not None:
         most = f"at most by {seen.max_slip:.3g} m/s"
         slip = f"Its wheels slipped from t = {seen.slipped:.6g} s on, {most}."

@@ -109,7 +109,7 @@ def _not_tracked(run: Run) -> Iterator[Remark]:
         if part is not None and part["position_rms"] is not None
     ]
     if not parts:
-        yield Remark("not-tracked", "The run ended before what is judged of it was over.")
+        yield Remark("not-tracked", "The run ended before the part that is judged was over.")
         return
     yield Remark(
         "not-tracked",
@@ -129,7 +129,7 @@ def _too_fast(run: Run) -> Iterator[Remark]:
             yield Remark(
                 "too-fast",
                 f"The desired motion reaches |{name}| = {asked:.4g} {unit}, above the limit of "
-                f"{limit:g} {unit}: no law may follow it. Ask for a slower reference.",
+                f"{limit:g} {unit}: no law is allowed to follow it. Ask for a slower reference.",
             )
 
 
@@ -148,8 +148,8 @@ def _not_arrived(run: Run) -> Iterator[Remark]:
         yield Remark(
             "goal-not-reached",
             f"At the end the robot was {away:.3g} m from the goal; metrics.tolerance is "
-            f"{settings.tolerance:g} m. A desired motion at rest corrects no sideways error: ask "
-            "for a slower end (reference.a_max) or a law that tracks closer.",
+            f"{settings.tolerance:g} m. At rest a sideways error is not corrected: slow down the "
+            "end of the path (reference.a_max), or use a law that tracks more closely.",
         )
 
 
@@ -160,7 +160,7 @@ def _touched(run: Run) -> Iterator[Remark]:
         yield Remark(
             "obstacle",
             f"At t = {time:.4g} s the body reached {-gap:.3g} m into keep_out[{place}] of the "
-            "reference. Lead the path farther from it, or start closer to the path.",
+            "reference. Move the path away from it, or start closer to the path.",
         )
 
 
@@ -186,7 +186,7 @@ def _oscillates(run: Run) -> Iterator[Remark]:
             yield Remark(
                 "oscillates",
                 f"{name} sways about the desired one by {percent(share)} of its limit RMS, more "
-                f"than {percent(SWAY)}: this is no steady drive. {CALMER}",
+                f"than {percent(SWAY)}: the robot does not drive steadily. {CALMER}",
             )
             return
 
@@ -219,7 +219,7 @@ def _saturated(run: Run) -> Iterator[Remark]:
         yield Remark(
             "saturated",
             f"A wheel is at its torque limit of {outlook.tau_max:.4g} N m in {percent(share)} of "
-            "the samples: what the law asks for is not what drives. Lower the law's gains, raise "
+            "the samples: the law's torque is not delivered. Lower the law's gains, raise "
             "actuator.tau_max, or ask for a slower or smoother reference.",
         )
 
@@ -228,15 +228,15 @@ def _exact_pose(run: Run) -> Iterator[Remark]:
     if run.outlook is not None and run.outlook.exact_pose:
         yield Remark(
             "exact-pose",
-            "The encoders give velocities alone, and the law was shown the true pose at every "
-            "sample: position errors of this run are smaller than a robot's can be. State its pose "
+            "The encoders give only velocities, and the law saw the true pose at every sample: "
+            "position errors of this run are smaller than those of a real robot. State its pose "
             "sensor: sensor.pose_noise, pose_period, pose_delay.",
         )
 
 
 def _objected(run: Run) -> Iterator[Remark]:
     for item in run.outlook.objections if run.outlook is not None else ():
-        yield Remark(OBJECTED, f"`wmr-ctrl check` objects, whatever this run showed: {item}")
+        yield Remark(OBJECTED, f"`wmr-ctrl check` objects, even if this run went well: {item}")
 
 
 def _held_back(run: Run) -> Iterator[Remark]:
@@ -246,8 +246,8 @@ def _held_back(run: Run) -> Iterator[Remark]:
         yield Remark(
             "guard-holds-back",
             f"In the {driving(run)} the guard changed the thrust in {thrust} and the moment in "
-            f"{moment} of the samples: the law asks for more than the limits, less what the guard "
-            f"keeps back, admit. Ask for a slower reference, shorten clock.control, or {TIGHTER}.",
+            f"{moment} of the samples: the law demands more than the limits minus the guard's "
+            f"reserve. Ask for a slower reference, shorten clock.control, or {TIGHTER}.",
         )
 
 
