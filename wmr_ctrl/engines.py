@@ -103,6 +103,6 @@ def check_plant(plant: str, engine: str = "native") -> None:
         raise UnknownNameError("plant", plant, PLANTS)
     if plant != "ode" and engine != "native":
         raise ArgumentError(
-            f"the plant {plant!r} runs beside compiled laws only, and the engine asked for is "
-            f"{engine!r}. Take the engine native, or the plant ode."
+            f"the plant {plant!r} works only with compiled laws, and the engine is {engine!r}. "
+            "Choose the engine native, or the plant ode."
         )

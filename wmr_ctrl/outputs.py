@@ -41,7 +41,7 @@ def write_output(what: str, options: ExportOptions) -> list[Path]:
     """
     for name in options:
         if name not in read_by(what):
-            raise ArgumentError(f"the output {what!r} does not read {name}. Leave it out.")
+            raise ArgumentError(f"the output {what!r} does not use {name}. Leave it out.")
     given: dict[str, Any] = {**options}
     if what in ("modelica", "simulink"):
         chosen = options.get("scenario", SCENARIO)

@@ -137,7 +137,7 @@ def test_a_bad_plan_is_refused_by_its_key(changes, error, words):
 def test_a_plan_without_a_key_is_refused(tmp_path):
     (tmp_path / "empty.toml").write_text("# nothing yet\n")
 
-    with pytest.raises(ArgumentError, match=r"empty\.toml says nothing"):
+    with pytest.raises(ArgumentError, match=r"empty\.toml is empty"):
         load_plan(tmp_path / "empty.toml")
 
 

@@ -77,7 +77,7 @@ def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
         ('laws = ["nno"]', (), "no law is named 'nno'"),
         ("seeds = ", (), "not valid TOML"),
         ("[grid]\nrobot.mm = [1.0]", (), "robot.mm"),
-        ("", (), "says nothing"),
+        ("", (), "is empty"),
         ("seeds = 1", ("--executor", "spark"), "no executor is named 'spark'"),
     ],
 )
@@ -94,7 +94,7 @@ def test_a_scenario_s_file_is_called_so(wmr, tmp_path):
     (tmp_path / "robot.toml").write_text('title = "mine"\n[robot]\nm = 30.0\n')
     told = " ".join(wmr("study", tmp_path / "robot.toml", "--out", tmp_path / "s").stderr.split())
 
-    assert "robot.toml is a scenario, no plan of a study" in told
+    assert "robot.toml is a scenario, not a study plan" in told
     assert 'scenario = "robot.toml"' in told
 
 

@@ -309,7 +309,7 @@ def test_a_cache_that_everybody_may_write_is_refused(folder, part, built_before)
     (folder / part).chmod(0o1777)
     compiler = Compiler()
 
-    with pytest.raises(CacheError, match=r"may be written by everybody.*chmod o-w"):
+    with pytest.raises(CacheError, match=r"is writable for everybody.*chmod o-w"):
         build_cached(SOURCES, compiler)
     assert compiler.calls == 0
     (folder / part).chmod(0o755)
@@ -323,7 +323,7 @@ def test_a_cache_below_a_folder_that_everybody_may_write_is_refused(folder):
     cache_folder._usable.cache_clear()
     folder.parent.chmod(0o777)
 
-    with pytest.raises(CacheError, match=r"lies in .*written by everybody.*chmod o-w"):
+    with pytest.raises(CacheError, match=r"lies in .*writable for everybody.*chmod o-w"):
         build_cached(SOURCES, compiler)
     folder.parent.chmod(0o1777)  # nobody can rename there what another one owns, as in /tmp
     build_cached(SOURCES, compiler)

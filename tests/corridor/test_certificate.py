@@ -202,7 +202,7 @@ REFUSED = {
     "the effect encoder": ("robot-10ms", {}, "prox"),
     "counts late commands": ("safe-simulation", {"actuator.delay": 0.005}, "prox"),
     "unstable": ("safe-simulation", {"clock.control": 0.1, "guard.enabled": False}, "prox"),
-    "acts by the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
+    "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
     "may grow as large": ("safe-experiment", EXACT_POSE, "prox"),
 }
 

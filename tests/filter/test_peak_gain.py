@@ -130,7 +130,7 @@ def test_enclosures_hold_exact_results(a, b, c):
         ({"kp": None}, "filter.kp is missing"),
         ({"ki": (330.0, 270.0)}, "wrong way round"),
         ({"ki": (0.0, 330.0)}, "filter.ki"),
-        ({"kind": "governor", "tau": (0.2, 0.3)}, "begins to fall at once"),
+        ({"kind": "governor", "tau": (0.2, 0.3)}, "responds at once"),
         ({"gain": (0.9, 1.1)}, "reaches its command at rest"),
         ({"push": (110.0, 0.0)}, "alone drives the base to 1.07"),
         ({"channels": "wheels"}, "different masses"),
@@ -197,7 +197,7 @@ def test_the_corner_is_enclosed_as_balls_of_200_bits_have_it():
     ],
 )
 def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(name, stated):
-    with pytest.raises(ScenarioError, match=r"N <= 100 filter.gain\[2\] must hold") as error:
+    with pytest.raises(ScenarioError, match=r"N <= 100 filter.gain\[2\] is required") as error:
         command_filter(scenario(**stated))
     least = float(str(error.value).split(f"filter.{name}[1] of at least ")[1].split(",")[0])
     advised = scenario(**stated | {name: (least, stated[name][1])})

@@ -45,7 +45,7 @@ def test_a_foreign_fmu_needs_a_map(foreign):
 
 def test_a_law_beside_a_foreign_controller_is_refused(foreign, mapped):
     given = {"controller": foreign(*THEIRS), "map_file": mapped(CONTROLLER_MAP)}
-    with pytest.raises(ArgumentError, match=r"'pid' says nothing of the controller .*Leave"):
+    with pytest.raises(ArgumentError, match=r"'pid' has no effect: the controller .*Leave"):
         cosimulate(SHORT, "pid", **given)
 
 

@@ -245,5 +245,5 @@ def test_it_is_one_file_written_whole(tmp_path, text):
 def test_options_that_it_does_not_read_are_refused(wmr, tmp_path):
     done = wmr("export", "modelica", "--out", tmp_path, "--fmi", "2")
     assert done.exit_code == 2
-    assert "modelica does not read it" in done.stderr
+    assert "modelica does not use it" in done.stderr
     assert not list(tmp_path.iterdir())

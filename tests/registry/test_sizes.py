@@ -40,11 +40,11 @@ def parquet() -> bytes:
 
 BOMBS: dict[str, tuple[Callable[[], bytes], Callable[[Path], object], str]] = {
     "a.npz": (lambda: zipped("run.json"), load_run, "more than its own size"),
-    "a.parquet": (parquet, load_run, "more than its size can be true of"),
+    "a.parquet": (parquet, load_run, "more than a file of its size can hold"),
     "a.fmu": (
         lambda: zipped("modelDescription.xml"),
         lambda path: FmuFile(path, "plant"),
-        "which its own size cannot be true of",
+        "which is implausible for its size",
     ),
 }
 

@@ -122,10 +122,10 @@ def test_a_picture_has_what_there_is(recorded, commands_alone):
     ("words", "word"),
     [
         (["--animate", "out.gif"], "has no x_measured, y_measured, theta_measured, v1_measured"),
-        (["--film", "out.mp4"], "cannot be made again"),
+        (["--film", "out.mp4"], "cannot be simulated"),
         (["--out", "out.npz"], "must end in .csv"),
         (["--topics", "odom=/nowhere"], "no topic /nowhere"),
-        (["--topics", "odom"], "is no ROLE=NAME"),
+        (["--topics", "odom"], "must be ROLE=NAME"),
     ],
 )
 def test_what_cannot_be_is_a_sentence_and_no_file(commands_alone, tmp_path, words, word):

@@ -140,7 +140,7 @@ def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch)
         (("--out", "a.csv"), "must end in .toml"),
         (("--out", "no/a.toml"), "Create the folder first"),
         (("--law", "lqr"), "no law is named"),
-        (("--hold", "gains.pid.Kp"), "what a search for prox moves is gains.prox.rho"),
+        (("--hold", "gains.pid.Kp"), "a search for prox varies gains.prox.rho"),
         (("--set", "gains.prox.wo=0"), "above zero"),
     ],
 )

@@ -54,7 +54,7 @@ class PlanTable(Section):
         """Raise ScenarioError where a law or flag stands twice."""
         for name, listed in (("laws", self.laws), ("guard", self.guard)):
             if len(set(listed)) < len(listed):
-                raise ScenarioError(f"{name} = {show(listed)} has one twice; give each once.")
+                raise ScenarioError(f"{name} = {show(listed)} has a value twice; give each once.")
 
 
 class Seeds(Section, key="seeds"):
@@ -86,13 +86,13 @@ def load_plan(path: str | Path) -> Study:
     file = Path(path)
     raw = parse_toml(read_text(file, "plan"), file)
     if not raw:
-        raise ArgumentError(f'{file} says nothing. Give at least one key, such as laws = ["nn"].')
+        raise ArgumentError(f'{file} is empty. Give at least one key, such as laws = ["nn"].')
     alone = {"title", "extends", "changes", "gains", "reference", *sections()} - {*KEYS}
     if alone & raw.keys():
         raise ArgumentError(
-            f"{file} is a scenario, no plan of a study. A plan names one and says what is run on "
-            f'it: scenario = "{file.name}", laws = ["prox"], seeds = 20 in a file of its own. One '
-            f"run of it is `wmr-ctrl run {file}`."
+            f"{file} is a scenario, not a study plan. A plan is a file of its own that names a "
+            f'scenario and what to run on it: scenario = "{file.name}", laws = ["prox"], seeds = '
+            f"20. For one run use `wmr-ctrl run {file}`."
         )
     return plan_of(raw, file.parent)
 

@@ -29,10 +29,8 @@ if TYPE_CHECKING:
 
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
-NONE = "-"
-"""Cell of a table that has no value."""
-FINDINGS = "findings"
-"""Column of the keys of objections and notes."""
+NONE, FINDINGS = "-", "findings"
+"""Cell of a table that has no value; column of the keys of objections and notes."""
 
 
 class Note(NamedTuple):
@@ -217,18 +215,14 @@ def _head(answers: Answers) -> Iterator[str]:
     case = answers.scenario
     yield wrapped(f"{case.name} is valid{f' ({case.title})' if case.title else ''}.")
     yield wrapped(check_sentences.promise(answers.setup))
-    arrival, lasts = case.reference.arrival, case.clock.duration
-    if arrival is not None:
-        late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
-        early = f", but the run ends at {lasts:g} s: lengthen clock.duration"
-        end = early if arrival > lasts else ""
-        yield wrapped(f"The desired motion comes to rest at its goal at t = {late}{end}.")
+    if case.reference.arrival is not None:
+        yield wrapped(check_sentences.rest(case.reference.arrival, case.clock.duration))
     if answers.taken:
         listed = ", ".join(item.key for item in answers.taken)
         yield wrapped(
             f"Not stated, so taken from the paper or the preset (--only inherited): {listed}."
         )
-    if any(run.settings.duration < lasts for run in answers.runs.values()):
+    if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
 
 
@@ -257,17 +251,9 @@ def _table(answers: Answers) -> Iterator[str]:
     yield ""
     for name in filter(about.get, shown):
         yield wrapped(f"{name.partition(chr(10))[0]}: {about[name]}", hang="  ")
-    yield from _remedies(answers)
-    yield wrapped("Reasons and details: --only NAME, with a law or key from the table; or -v.")
-
-
-def _remedies(answers: Answers) -> Iterator[str]:
-    """What to change for each objection of the table, a line for each key."""
     keys = dict.fromkeys(key for law in answers.warned for key in _reasons(answers, law))
-    lines = [check_sentences.remedy(key) for key in keys if not key.startswith("(")]
-    if lines:
-        yield "\nWhat to change:"
-        yield from (wrapped(line, indent="  ", hang="    ") for line in lines)
+    yield from check_sentences.remedies(key for key in keys if not key.startswith("("))
+    yield wrapped("Reasons and details: --only NAME, with a law or key from the table; or -v.")
 
 
 def _cells(answers: Answers, law: str) -> Iterator[str]:

@@ -46,10 +46,22 @@ REMEDIES = {
 TUNE = "lower the gains (`wmr-ctrl tune`), or measure better"
 
 
-def remedy(key: str) -> str:
-    """A line on what to change for an objection; for keys without one, where to read about it."""
-    other = TUNE if key.startswith("gains.") else f"see --only {key}"
-    return f"{key}: {REMEDIES.get(key, other)}"
+def remedies(keys: Iterable[str]) -> Iterator[str]:
+    """What to change for objections, a line for each; for others than `REMEDIES`, where to read."""
+    for place, key in enumerate(keys):
+        other = TUNE if key.startswith("gains.") else f"see --only {key}"
+        head = "" if place else "\nWhat to change:\n"
+        yield f"{head}  {key}: {REMEDIES.get(key, other)}"
+
+
+def rest(arrival: float, duration: float) -> str:
+    """When the desired motion comes to rest [s], and whether the run ends before."""
+    late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
+    early = f", but the run ends at {duration:g} s: lengthen clock.duration"
+    return (
+        f"The desired motion comes to rest at its goal at t = {late}"
+        f"{early if arrival > duration else ''}."
+    )
 
 
 def promise(setup: Setup) -> str:

@@ -34,8 +34,8 @@ def show_drive(
     check_output(out, (".csv",), "--out of a drive")
     if film:
         raise ArgumentError(
-            "--film makes a run once more on the rigid body, and a robot's drive cannot be made "
-            "again. Take --animate."
+            "--film simulates a run again on the rigid body, and a recorded drive cannot be "
+            "simulated. Use --animate."
         )
     _draw([drive], plot, animate)
     if out:

@@ -82,7 +82,7 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
     for item in context.command.params:
         source = context.get_parameter_source(str(item.name))
         if item.name in names and source is click.core.ParameterSource.COMMANDLINE:
-            message = f"{what} does not read it. Leave it out."
+            message = f"{what} does not use it. Leave it out."
             raise click.BadParameter(message, param_hint=item.opts[0])
 
 
@@ -129,13 +129,15 @@ def codegen(
 
     opt.check_folder(out, "--out")
     if params and not ros2:
-        raise click.BadParameter("it is for --ros2 alone. Leave it out.", param_hint="--param")
+        raise click.BadParameter(
+            "it needs --ros2. Add that, or leave it out.", param_hint="--param"
+        )
     case = opt.load(scenario, assignments)
     if not ros2:
         paths = write_package(law, Path(out), case, float32=float32)
     elif law != FILTER or float32:
         raise click.BadParameter(
-            "the node in C is that of the command filter, in double precision: write "
+            "the node in C is available for the command filter in double precision only: write "
             "`codegen filter --ros2`, without --float32.",
             param_hint="--ros2",
         )

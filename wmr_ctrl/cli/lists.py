@@ -40,7 +40,7 @@ def scenarios(
         raise click.UsageError("--toml and --json exclude each other.")
     if kind is not None:
         if name or as_toml or as_json or assignments:
-            raise click.UsageError("--reference KIND stands alone.")
+            raise click.UsageError("--reference KIND cannot be combined with other options.")
         click.echo(reference_text(kind))
     elif name is not None:
         _print(name, as_json, assignments)

@@ -59,7 +59,7 @@ jobs_option = click.option(
 topics_option = click.option(
     "--topics",
     metavar="ROLE=NAME,...",
-    help="Of a bag: odom=, cmd=, joints= and effort= name topics, right= and left= joints.",
+    help="For a bag: topics as odom=, cmd=, joints= and effort=, wheel joints as right= and left=.",
 )
 scenario_argument = click.argument("scenario", metavar="[SCENARIO]", default=SCENARIO)
 scenario_option = click.option(
@@ -115,7 +115,7 @@ def roles(topics: str | None) -> dict[str, str]:
     """Names by role, as ``--topics`` has them; raises ArgumentError for what is no pair."""
     pairs = [part.partition("=") for part in topics.split(",")] if topics else []
     if bad := ["".join(pair) for pair in pairs if not all(pair)]:
-        raise ArgumentError(f"--topics: {bad[0]!r} is no ROLE=NAME, as in odom=/base/odom.")
+        raise ArgumentError(f"--topics: {bad[0]!r} must be ROLE=NAME, such as odom=/base/odom.")
     return {role.strip(): name.strip() for role, _, name in pairs}
 
 

@@ -65,14 +65,14 @@ def refuse_shared(folder: Path) -> None:
     remedy = f"Take that right away (chmod o-w), or name another folder in {VARIABLE}."
     if is_shared(folder):
         raise CacheError(
-            f"the build cache {folder} may be written by everybody, and code is loaded from it. "
+            f"the build cache {folder} is writable for everybody, and code is loaded from it. "
             f"{remedy}"
         )
     for above in folder.resolve().parents:
         if is_shared(above) and not above.stat().st_mode & stat.S_ISVTX:
             raise CacheError(
-                f"the build cache {folder} lies in {above}, which may be written by everybody: "
-                "others could put a folder of theirs in its place, and code is loaded from it. "
+                f"the build cache {folder} lies in {above}, which is writable for everybody: "
+                "others could replace the folder, and code is loaded from it. "
                 f"{remedy}"
             )
 

@@ -200,8 +200,7 @@ def _compiled(
         out.unlink(missing_ok=True)
         if _FULL.search(finished.output):
             raise CacheError(
-                f"the C compiler {toolchain.name} found no space left to write in {folder}. "
-                f"{STORAGE_REMEDY}"
+                f"the C compiler {toolchain.name} found no space left in {folder}. {STORAGE_REMEDY}"
             )
         raise CompilerError(_failure(toolchain, finished, command, timeout))
     return out

@@ -209,7 +209,7 @@ class LoopGraphs(Graphs):
             if names.count(item.name) > 1:
                 raise ArgumentError(
                     f"the diagnostic {item.name!r} of an effect has the name of another column. "
-                    "Its author gives it one of its own."
+                    "The author of the effect must rename it."
                 )
         return columns
 

@@ -22,9 +22,9 @@ def check_plain_loop(setup: Setup, holder: str) -> None:
     missed = [item.title for item in acting if not _is_noise(item, scenario)]
     if missed:
         raise ArgumentError(
-            f"{holder} holds reference, controller and plant, and the scenario {scenario.name} has "
-            f"more: {', '.join(missed)}. Export the closed-loop FMU, which has all, or take that "
-            "out of the scenario."
+            f"{holder} holds only reference, controller and plant, but the scenario "
+            f"{scenario.name} also has: {', '.join(missed)}. Export the closed-loop FMU, which "
+            "includes everything, or remove this from the scenario."
         )
 
 
@@ -42,7 +42,7 @@ def check_takes_torques(scenario: Scenario, holder: str) -> None:
     """Raise ScenarioError where the base takes velocities, of which ``holder`` knows nothing."""
     if takes_velocity(scenario):
         raise ScenarioError(
-            f'base.kind = "velocity": {holder} for bases that take wheel torques alone. Runs, '
-            "lanes, studies, `check` and the closed-loop FMU have the speed loop; for these, or "
-            'without it, set base.kind = "torque".'
+            f'base.kind = "velocity": {holder} only for bases that take wheel torques. Runs, '
+            "studies, `check` and the closed-loop FMU support the base's speed loop. Use one of "
+            'these, or set base.kind = "torque".'
         )

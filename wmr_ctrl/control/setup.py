@@ -207,7 +207,7 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
     if settling and boundless:
         raise ScenarioError(
             f"guard.enabled: the effect {boundless[0]} states no bound, "
-            "so no guard can count on anything. Switch the guard off, take the effect out of "
+            "so the guard has nothing to rely on. Switch the guard off, remove the effect from "
             "the scenario, or give its Effect a bound."
         )
     bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
@@ -227,7 +227,7 @@ def check_name(scenario: str) -> None:
     """Raise ArgumentError where the name of a law stands for that of a scenario."""
     if scenario in LAWS and scenario not in preset_names():
         raise ArgumentError(
-            f"{scenario!r} is a law where a scenario belongs. The scenario comes first: "
+            f"{scenario!r} is a law, but the first argument is the scenario: "
             f'`wmr-ctrl run far-start --law {scenario}`, or simulate("far-start", "{scenario}").'
         )
 
@@ -302,9 +302,9 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
     most = grip(scenario).keep
     if most <= 0:
         raise ScenarioError(
-            "actuator.traction asks for torques at which the tyres of [body] grip, and in the "
-            "tightest turn at limits.v_u1 there is none. Lower limits.v_u1, or state better tyres "
-            "(body.tyre) or less friction."
+            "actuator.traction limits torques to what the tyres of [body] can transmit, and in "
+            "the tightest turn at limits.v_u1 that is nothing. Lower limits.v_u1, or state better "
+            "tyres (body.tyre) or less friction."
         )
     return override(scenario, {"actuator.tau_max": min(most, scenario.actuator.tau_max)})
 

@@ -59,7 +59,7 @@ class Enclosure:
 
     def _decided(self, op: int, yes: bool, no: bool) -> bool:
         if yes == no:
-            raise OpenBoxError(f"{self.name}: a condition (operation {op}) goes both ways")
+            raise OpenBoxError(f"{self.name}: a condition (operation {op}) cannot be decided")
         return yes
 
 

@@ -73,7 +73,9 @@ def bounded_inputs(setup: Setup) -> Inputs:
     if scenario.section(Lag).lag_spread > 0:
         raise NoCorridorError("actuator.lag_spread > 0: a lag that varies is not covered")
     if len(surroundings(scenario).headings) > 1:
-        raise NoCorridorError("what acts by the heading, such as a slope, is not covered")
+        raise NoCorridorError(
+            "an effect that depends on the heading, such as a slope, is not covered"
+        )
     sensor, period = scenario.section(PoseSensor), scenario.clock.control
     if sensor.pose_period > period * (1 + 1e-9) or sensor.pose_dropout > 0:
         raise NoCorridorError(

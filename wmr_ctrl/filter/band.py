@@ -281,8 +281,9 @@ def enclosed(scenario: Scenario, axis: int) -> Band:
     if not known.left <= LARGEST_LEFT:
         raise ScenarioError(
             f"filter: after {MOST_COMMANDS} periods of clock.control = {T:g} s the step response "
-            f"of {NAMES[axis]} may still be {known.left:.2g} from its end, and the band counts "
-            'through no more. Narrow the intervals, take a longer period, or filter.kind = "clip".'
+            f"of {NAMES[axis]} may still be {known.left:.2g} from its final value, and the band "
+            "looks no further. Narrow the intervals, choose a longer period, or set filter.kind = "
+            '"clip".'
         )
     return known
 

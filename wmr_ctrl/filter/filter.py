@@ -49,9 +49,10 @@ def check_filter(scenario: Scenario) -> None:
     for i in AXES:
         if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]:
             raise ScenarioError(
-                f"filter.loop: commands within 1 drive the base to {peaks[i].gain:.3g}, its peak "
-                f"gain N, and N <= {LARGEST_PEAK:g} filter.gain[2] must hold: a loop that hardly "
-                f"damps has no such limit. {_damped(scenario, i)}, if the base damps that much."
+                f"filter.loop: commands of at most 1 can drive the base to {peaks[i].gain:.3g}, "
+                f"its peak gain N. N <= {LARGEST_PEAK:g} filter.gain[2] is required: a loop with "
+                "hardly any damping leaves no useful limit. "
+                f"{_damped(scenario, i)}, if the base has that much damping."
             )
         if reached[i] >= limits[i] * (1 - ROUNDING):
             least = f"{stated[i] * limits[i] / reached[i]:.3g}"

@@ -64,8 +64,8 @@ def schedule(scenario: Scenario) -> Schedule:
     if span > MOST_PERIODS:
         raise ScenarioError(
             f"filter: delay, age of odometry and losses span {span:.0f} control periods of {T:g} s "
-            f"and the governor counts through at most {MOST_PERIODS}. State shorter ones, or take "
-            'filter.kind = "clip", which needs none of them.'
+            f"and the governor handles at most {MOST_PERIODS}. State shorter ones, or set "
+            'filter.kind = "clip", which does not depend on them.'
         )
     return plan
 

@@ -29,8 +29,8 @@ def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> Non
         )
     if isinstance(gains, Predicting) and gains.delay > 0:
         raise ScenarioError(
-            f"{type(gains).KEY}.delay = {gains.delay:g} s: the law predicts over torques that it "
-            'sent, and base.kind = "velocity" is sent velocities. Set it to 0.'
+            f"{type(gains).KEY}.delay = {gains.delay:g} s: the law predicts from the torques that "
+            'it sent, but with base.kind = "velocity" it sends velocities. Set it to 0.'
         )
     refuse_broken_hypotheses(scenario, bound)
 
@@ -57,8 +57,8 @@ def refuse_broken_hypotheses(scenario: Scenario, bound: Bound) -> None:
     sentences = broken_hypotheses(scenario, bound)
     if sentences and not scenario.filter.trust:
         raise ScenarioError(
-            f'filter.kind = "{scenario.filter.kind}" promises nothing here. {sentences[0]} To run '
-            "it all the same, without promise, set filter.trust = true."
+            f'filter.kind = "{scenario.filter.kind}" guarantees nothing here. {sentences[0]} To '
+            "run it nevertheless, without guarantee, set filter.trust = true."
         )
 
 

@@ -42,8 +42,8 @@ def refuse_contradictions(scenario: Scenario, bound: Bound) -> None:
         return
     for item in contradictions(scenario, bound):
         raise ScenarioError(
-            f"{item.sentence} The guard would count on what this scenario breaks. If that is "
-            "meant, as in a trial of a broken bound, set guard.trust = true."
+            f"{item.sentence} The guard would rely on a bound that this scenario breaks. If that "
+            "is intended, as in a trial of a broken bound, set guard.trust = true."
         )
 
 

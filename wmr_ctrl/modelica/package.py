@@ -230,7 +230,7 @@ def _reference(scenario: Scenario) -> Mapping[str, object]:
     if system.x.numel() or [item.signal for item in system.inputs] != [TIME]:
         raise ArgumentError(
             f"the reference {scenario.reference_kind.name} has memory, which the Modelica package "
-            "has no form for. Choose another reference.kind, or export the reference as an FMU."
+            "cannot represent. Choose another reference.kind, or export the reference as an FMU."
         )
     parameters = members(system.params)
     numbers = [_array(_elements(system.params))] if parameters else []

@@ -51,7 +51,7 @@ def write_page(
     checked_seeds([seed])
     if seed >= LARGEST_SEED:
         raise ArgumentError(
-            f"seed = {seed} is beyond what a browser counts to; take one below 2^53."
+            f"seed = {seed} is too large for a browser's numbers; choose one below 2^53."
         )
     target = check_writable(out)
     for name in laws or ():

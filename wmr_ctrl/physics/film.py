@@ -66,8 +66,9 @@ def moments_of(loop: RunnableLoop, run: Run, most: int) -> Moments:
     table = np.array(positions)
     if len(table) != run.rows or not np.array_equal(table[:, :2].T, (run["x"], run["y"])):
         raise ArgumentError(
-            "the run does not come out the same here, and its log does not tell how the body lay. "
-            "Make it anew on this machine and with this version, and film that."
+            "simulated again on this machine, the run differs, and its log does not contain the "
+            "orientation of the body. Make a new run on this machine with this version, and film "
+            "that."
         )
     step = max(1, -(-run.rows // most))
     rows = np.unique(np.append(np.arange(0, run.rows, step), run.rows - 1))
@@ -107,9 +108,9 @@ def _painter() -> Worker:
         else:
             return worker
     raise MissingExtraError(
-        f"no picture in three dimensions can be painted here ({'; '.join(reasons)}). Install the "
-        "extra physics, which brings PyOpenGL, and EGL or OSMesa (apt install libegl1 libosmesa6), "
-        f"or set {CHOICE} to what is there; --animate draws the run without either."
+        f"3-D pictures cannot be rendered here ({'; '.join(reasons)}). Install the extra physics, "
+        "which includes PyOpenGL, and EGL or OSMesa (apt install libegl1 libosmesa6), or set "
+        f"{CHOICE} to what is available; --animate draws the run without any of these."
     )
 
 

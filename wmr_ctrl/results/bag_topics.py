@@ -80,7 +80,7 @@ def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> Run
         return load_run(path) if not topics and holds_run(path) else read_topics(path, topics)
     if topics:
         raise ArgumentError(
-            f"topics are those of a bag, and {str(path)!r} is none. Leave them out."
+            f"topics can only be given for a bag, and {str(path)!r} is not one. Leave them out."
         )
     return load_run(path)
 
@@ -96,8 +96,8 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> Re
     asked = dict(topics or {})
     if unknown := sorted(set(asked) - set(ROLES) - set(SIDES)):
         raise ArgumentError(
-            f"topics: {', '.join(unknown)} is no role. Name topics as {', '.join(ROLES)}, and the "
-            f"wheels' joints as {' and '.join(SIDES)}."
+            f"topics: unknown role {', '.join(unknown)}. Name topics as {', '.join(ROLES)}, and "
+            f"the wheels' joints as {' and '.join(SIDES)}."
         )
     numbers = {"odom": _of_odometry, "cmd": _of_twist, "joints": _of_joints(asked)}
     with opened_bag(path) as (connections, messages):

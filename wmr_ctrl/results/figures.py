@@ -305,8 +305,8 @@ class FigureRegistry:
         for place, figure in enumerate(foreign):
             if figure.name in {other.name for other in (*_OURS, *foreign[:place])}:
                 raise ArgumentError(
-                    f"the figure {figure.name!r} of another package has the name of another one. "
-                    "Its author gives it a name of its own."
+                    f"the figure {figure.name!r} of another package has the name of an existing "
+                    "one. The author of that package must rename it."
                 )
         return foreign
 

@@ -165,7 +165,7 @@ def _npz_of(run: Run) -> bytes:
 def _run_in_npz(data: bytes) -> Run:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         if sum(item.file_size for item in archive.infolist()) > len(data):
-            raise ValueError("it says to hold more than its own size, and runs are not compressed")
+            raise ValueError("it claims more than its own size, and runs are not compressed")
         metadata = _parsed(archive.read(_JSON_MEMBER))
         names = [signal.name for signal in _signals_in(metadata)]
         columns = {name: _array(archive.read(f"{name}.npy")) for name in names}
@@ -229,7 +229,7 @@ def _run_in_parquet(data: bytes) -> Run:
     file = library("pyarrow.parquet").ParquetFile(io.BytesIO(data))
     numbers = file.metadata.num_rows * file.metadata.num_columns
     if not may_unpack(len(data), np.dtype(float).itemsize * numbers):
-        raise ValueError(f"it says to hold {numbers} numbers, more than its size can be true of")
+        raise ValueError(f"it claims {numbers} numbers, more than a file of its size can hold")
     table = file.read()
     metadata = _parsed((table.schema.metadata or {}).get(_JSON_KEY, b"null"))
     columns = {}

@@ -78,7 +78,7 @@ def _parsed(word: str) -> tuple[str, Default]:
     name, _, text = word.partition("=")
     if name not in GIVEN:
         raise ArgumentError(
-            f"{name!r} is no parameter that is compiled into the node. There are: "
+            f"{name!r} is not a parameter that can be compiled into the node. These can: "
             f"{', '.join(GIVEN)}."
         )
     default = FILTER[name].default

@@ -131,7 +131,7 @@ class Filter(Section, key="filter"):
         if self.tau is not None and self.tau[1] > 1e6 * self.tau[0]:
             raise ScenarioError(
                 f"filter.tau = [{self.tau[0]!r}, {self.tau[1]!r}] spans more than a factor of "
-                "1e6, for which nothing can be said. Narrow the interval."
+                "1e6, too wide for any guarantee. Narrow the interval."
             )
 
     def interval(self, name: str) -> tuple[float, float]:
@@ -151,8 +151,8 @@ class Filter(Section, key="filter"):
         if self.loop != "first-order" and self.kind == "governor":
             raise ScenarioError(
                 f'filter.kind = "governor" does not hold for filter.loop = "{self.loop}": it '
-                "counts on a speed that begins to fall at once, and a loop with a state of its own "
-                'does not. Take filter.kind = "clip" or "band".'
+                "relies on a speed that responds at once, which a loop with an internal state does "
+                'not. Set filter.kind = "clip" or "band".'
             )
         if self.loop == "pi" and (any(self.d) or self.gain != (1.0, 1.0)):
             raise ScenarioError(

@@ -78,8 +78,8 @@ def sections() -> dict[str, type[Section]]:
     own = EFFECTS.sections()
     if taken := own.keys() & {*SECTIONS, *OTHER_KEYS, "extends"}:
         raise ArgumentError(
-            f"an effect of another package has the table {sorted(taken)[0]!r}, which a scenario "
-            "has for something else. Its author gives its section another KEY."
+            f"an effect of another package uses the table {sorted(taken)[0]!r}, which a scenario "
+            "already has. The author of the effect must give its section another KEY."
         )
     return {**SECTIONS, **own}
 

@@ -64,10 +64,10 @@ def planned_tasks(
     if len(scenarios) not in (1, count):
         raise ArgumentError(
             f"overrides has {len(scenarios)} entries for {count} seeds; give one for all runs, or "
-            "one a seed."
+            "one per seed."
         )
     if starts is not None and (len(starts) != count or any(len(row) != 5 for row in starts)):
-        raise ArgumentError(f"starts must have the shape ({count}, 5), a row a seed.")
+        raise ArgumentError(f"starts must have the shape ({count}, 5), one row per seed.")
     listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
     different, loops = list(dict.fromkeys(listed)), dict[Scenario, RunnableLoop]()
     for k, scenario in enumerate(different):
@@ -157,7 +157,7 @@ def checked_starts(
         rows = [tuple(map(float, row)) for row in starts]
     except (TypeError, ValueError):
         raise ArgumentError(
-            "starts must hold five numbers a run: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."
+            "starts must hold five numbers per run: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."
         ) from None
     each = list(scenarios) * (len(rows) if len(scenarios) == 1 else 1)
     if len(each) != len(rows):

@@ -52,13 +52,13 @@ class TuningPlan:
             raise ArgumentError(f"weight = {self.weight} must be finite and not negative.")
         if not tunable(LAWS[self.law]):
             raise ArgumentError(
-                f"the law {self.law!r} names no gains to be tuned: give it `tuned`."
+                f"the law {self.law!r} names no gains to be tuned: list them in its `tuned`."
             )
         unknown = [key for key in self.hold if key not in tunable(LAWS[self.law])]
         if unknown or not self.searched:
             raise ArgumentError(
-                f"hold = {', '.join(self.hold)}: what a search for {self.law} moves is "
-                f"{', '.join(tunable(LAWS[self.law]))}; hold some of these, and not all."
+                f"hold = {', '.join(self.hold)}: a search for {self.law} varies "
+                f"{', '.join(tunable(LAWS[self.law]))}; hold some of these, but not all."
             )
 
     @property

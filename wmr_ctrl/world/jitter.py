@@ -80,8 +80,8 @@ def check(scenario: Scenario) -> None:
     if jitter > clock.control:
         raise ScenarioError(
             f"actuator.jitter = {jitter!r} s must be at most clock.control = {clock.control!r} s: "
-            "of two commands on their way the later would overtake the earlier, and only one can "
-            f"wait. Lower it to {clock.control:g} s, or put what is sure into actuator.delay."
+            "a command could otherwise overtake the one before it. "
+            f"Lower it to {clock.control:g} s, or put the constant part into actuator.delay."
         )
 
 

@@ -118,7 +118,7 @@ class EffectRegistry:
             if effect.name in {other.name for other in others} or effect.section.KEY in keys:
                 raise ArgumentError(
                     f"the effect {effect.title} has the name or the table of another one. Its "
-                    "author gives it a name and a section.KEY of its own."
+                    "author must give it a different name and section.KEY."
                 )
         return foreign
 

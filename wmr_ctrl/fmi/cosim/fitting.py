@@ -71,8 +71,8 @@ def unguarded(path: str | Path, setup: Setup) -> Setup | None:
         return None
     if remembered(law_graph(bare)):
         raise ArgumentError(
-            f"{path} has no guard in it, and {setup.name} counts on the torque that it commanded "
-            "itself. Export it with the guard in it (guard.enabled = true), or leave it out."
+            f"{path} contains no guard, and {setup.name} relies on the torque that it commanded. "
+            "Export it with the guard (guard.enabled = true), or leave it out."
         )
     return bare
 

@@ -265,7 +265,7 @@ def plant_outputs(
     _check_complete(by_target, STATE, "plant")
     if rolling and PATH.name not in by_target:
         raise ArgumentError(
-            f"a sensor of the scenario counts the way that the wheels roll, and the map's "
+            f"a sensor of the scenario measures the distance that the wheels roll, and the map's "
             f"[plant.outputs] does not give {PATH.name}. Add a row for it [m] (and one for "
             f"{SKID.name} [rad] if the wheels slip), or leave that sensor out."
         )

@@ -183,8 +183,8 @@ def _cosim_setup(
     theirs = controller is not None and within is None
     if theirs and law is not None:
         raise ArgumentError(
-            f"law = {law!r} says nothing of the controller {controller}, which is somebody else's "
-            "and brings a law of its own. Leave the law out."
+            f"law = {law!r} has no effect: the controller {controller} is a foreign FMU with a "
+            "law of its own. Leave the law out."
         )
     setup = settle(scenario_given(scenario), law if law is not None else within or STAND_IN)
     check_takes_torques(setup.scenario, "co-simulation couples FMUs")

@@ -41,8 +41,8 @@ class FmuFile:
                 unpacked = sum(item.file_size for item in archive.infolist())
             if not may_unpack(os.path.getsize(self.path), unpacked):
                 raise ArgumentError(
-                    f"it is {unpacked / 1e6:.0f} MB unpacked, which its own size cannot be true "
-                    "of. Check where it is from."
+                    f"it is {unpacked / 1e6:.0f} MB unpacked, which is implausible for its size. "
+                    "Check where it comes from."
                 )
             self.description = _fmpy.read_model_description(self.path)
         except Exception as error:  # FMPy raises bare Exceptions

@@ -30,7 +30,7 @@ class ReferenceRegistry(Mapping[str, ReferenceKind]):
         for name in (name for name in names if names.count(name) > 1):
             raise ArgumentError(
                 f"two references are called {name!r}. The author of the one in another package "
-                "gives it a name of its own."
+                "must rename it."
             )
         return foreign
 
