@@ -13,7 +13,7 @@ from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import style
 from wmr_ctrl.report.course import course_of
 from wmr_ctrl.report.drawing import FAR
-from wmr_ctrl.report.plot_run import overview, plot_run
+from wmr_ctrl.report.plot_run import plot_run
 from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import frames, scene_of
 from wmr_ctrl.results import Monitor
@@ -61,12 +61,6 @@ def test_places_that_cannot_be_written_are_refused(tmp_path, name):
     assert not list(tmp_path.iterdir())
 
 
-def drawn(run):
-    """The figure of a run."""
-    with style.house_style():
-        return overview(run).figure()
-
-
 def labels(figure):
     """What stands under the axes of a figure."""
     return [axes.get_xlabel() for axes in figure.findobj(Axes)]
@@ -74,17 +68,17 @@ def labels(figure):
 
 def test_a_velocity_out_of_view_is_said_and_its_limit_seen():
     wild = build(duration=1.0, v1=np.linspace(0, 30.2, 100))
-    figure = drawn(wild)
+    figure = plot_run(wild)
     (axes,) = [one for one in figure.findobj(Axes) if one.get_title("left").startswith("v₁")]
 
     assert axes.get_xlabel().endswith("(out of view: ↑ 30.2)")
     assert axes.get_ylim()[1] == pytest.approx(FAR)
-    assert not any("out of view" in text for text in labels(drawn(build())))
+    assert not any("out of view" in text for text in labels(plot_run(build())))
 
 
 def test_no_remark_lies_over_curves():
     errors = np.linspace([3.0, -2.0, 20.0], [0.0, 0.0, -70.0], 100)
-    figure = drawn(build(duration=1.0, e=errors))
+    figure = plot_run(build(duration=1.0, e=errors))
     texts = [text.get_text() for axes in figure.findobj(Axes) for text in axes.texts]
     titles = [axes.get_title("left") for axes in figure.findobj(Axes)]
 
@@ -113,7 +107,7 @@ def test_a_course_is_drawn_and_filmed():
     assert scene.course == course
     assert scene.size == pytest.approx(0.08 / 0.25)
     assert scene.view[1] > 2
-    titles = [axes.get_title("left") for axes in drawn(run).findobj(Axes)]
+    titles = [axes.get_title("left") for axes in plot_run(run).findobj(Axes)]
     assert "Path (dots: reference, squares: waypoints)" in titles
 
 

@@ -88,6 +88,8 @@ ALONG: Mapping[str, tuple[str, ...]] = {
 """Elements that keep their proportion to the one that is moved, and are not moved by themselves."""
 WIDER = 5.0
 AXES = ("linear", "angular")
+ENDS = ("least", "most")
+"""Elements of a pair that bounds one number."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +144,6 @@ def _control(
         span = max(low, bounds[0]), min(high, bounds[1])
     log = span[0] > 0 and span[1] / span[0] > 8
     along = ALONG.get(name, ())
-    axis = f" ({AXES[i]})" if signal.size == 2 and len(set(signal.units)) == 2 else ""
-    meaning = f"{signal.meaning}{axis}"
+    parts = ENDS if signal.meaning.startswith("bounds of") else AXES
+    meaning = f"{signal.meaning} ({parts[i]})" if signal.size == 2 else signal.meaning
     return Control(name, group, signal.units[i], meaning, span, bounds, log, along)

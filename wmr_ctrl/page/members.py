@@ -13,7 +13,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.velocity_loop import VelocityLoopGains
-from wmr_ctrl.report.style import DASHED, DOTTED, Look, look
+from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.speed_loop import takes_velocity
 
@@ -39,15 +39,14 @@ UNLIMITED = 1e3
 """Rate of commands [m/s2, rad/s2] that nothing holds back."""
 SMOOTH = [2.5, 3.2]
 """Rates of Nav2's velocity smoother as it ships [m/s2, rad/s2]."""
-WAYS: Mapping[str, tuple[str, str, str]] = {
-    "clipped": ("at the limit", "#d6336c", "commands clipped at the limit"),
-    "smoothed": ("smoothed", "#e69f00", "the usual smoother, then clipped at the limit"),
-    "clip": ("filter, clip", "#1f77c9", "command filter, memoryless"),
-    "governor": ("filter, governor", "#00956d", "command filter, from odometry"),
-    "band": ("filter, band", "#5b0e3b", "command filter, from what it sent"),
+WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
+    "clipped": ("at the limit", "#d6336c", "-", "commands clipped at the limit"),
+    "smoothed": ("smoothed", "#e69f00", DASHED, "the usual smoother, then clipped at the limit"),
+    "clip": ("filter, clip", "#1f77c9", DASH_DOT, "command filter, memoryless"),
+    "governor": ("filter, governor", "#00956d", DOTTED, "command filter, from odometry"),
+    "band": ("filter, band", "#5b0e3b", DASHED, "command filter, from what it sent"),
 }
-"""Label, colour and title of each way to limit commands."""
-DASHES = ("-", DASHED, DOTTED)
+"""Label, colour, dashes and title of each way to limit commands; several laws dash as laws."""
 
 
 def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...]:
@@ -58,10 +57,10 @@ def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...
     members = []
     for number, law in enumerate(laws):
         for way, overrides in _ways(scenario, law):
-            label, colour, title = WAYS[way]
-            own = Look(
-                f"{law}, {label}" if several else label, colour, DASHES[number % len(DASHES)]
-            )
+            label, colour, dash, title = WAYS[way]
+            if several:
+                label, dash = f"{law}, {label}", DASHES[number % len(DASHES)]
+            own = Look(label, colour, dash)
             members.append(PageMember(f"{law}-{way}", law, own, f"{law}: {title}", overrides))
     return tuple(members)
 

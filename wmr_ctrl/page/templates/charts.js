@@ -43,7 +43,7 @@ class Sheet {
 }
 
 // `what`: column, marks (limits and thresholds) of the fleet; most (of the marks) and share (of the rows) that
-// are shown, floor, ceiling and least top of the range.
+// are shown, floor, ceiling and least top of the range; times: what a number is written as, over what it is.
 class Chart extends Sheet {
   constructor(canvas, what) {
     super(canvas);
@@ -82,7 +82,7 @@ class Chart extends Sheet {
       for (let k = 0; k < values.length; ++k) { if (values[k] < low) low = values[k]; else if (values[k] > high) high = values[k]; }
       for (const [arrow, value, left] of [["▲", high, high > top], ["▼", low, low < bottom]]) {
         if (!left) continue;
-        const text = `${arrow} ${look.laws[law].label} ${shownNumber(value, 2)}`, [x, y] = ends[arrow];
+        const text = `${arrow} ${look.laws[law].label} ${shownNumber(value * (this.what.times ?? 1), 2)}`, [x, y] = ends[arrow];
         pen.fillStyle = look.laws[law].colour;
         pen.strokeText(text, x, y);
         pen.fillText(text, x, y);
@@ -125,12 +125,12 @@ class Chart extends Sheet {
       pen.moveTo(frame.left, Y(value));
       pen.lineTo(frame.right, Y(value));
       pen.stroke();
-      pen.fillText(shownNumber(value), frame.left - 5, Y(value));
+      pen.fillText(shownNumber(value * (this.what.times ?? 1)), frame.left - 5, Y(value));
     }
-    pen.textAlign = "center";
     pen.textBaseline = "top";
     const every = niceAbove((to - from) / 4);
     for (let t = Math.ceil(from / every) * every; t <= to; t += every) {
+      pen.textAlign = X(t) < frame.left + 14 ? "left" : "center"; // clear of the number beside the corner
       if (X(t) < frame.right - 14) pen.fillText(`${shownNumber(t)} s`, X(t), frame.low + 4);
     }
   }

@@ -13,7 +13,7 @@ const CHARTS = [
   { id: "turning", column: "turning", most: 2.5, marks: (fleet) => limitsOf(fleet, 2) },
   { id: "V1", column: "V1", floor: 0, least: 0.01, share: 0.99, marks: () => [] },
   { id: "margin", column: "margin", floor: -0.5, ceiling: 1, marks: () => [{ value: 0, beyond: -1 }] },
-  { id: "distance", column: "distance", floor: 0, least: 0.05, marks: () => [] },
+  { id: "distance", column: "distance", floor: 0, least: 0.05, times: 1000, marks: () => [] },
 ];
 
 function limitsOf(fleet, axis) {
@@ -356,7 +356,7 @@ class Page {
   }
 }
 
-const length = (metres) => (!Number.isFinite(metres) ? "–" : metres < 1 ? `${shownNumber(100 * metres, 2)} cm` : `${shownNumber(metres, 2)} m`);
+const length = (metres) => (!Number.isFinite(metres) ? "–" : metres < 1 ? `${shownNumber(1000 * metres, 2)} mm` : `${shownNumber(metres, 2)} m`);
 
 // A short line in a law's colour and dashes.
 function swatch(law) {
