@@ -48,8 +48,8 @@ def scenario_of(
 ) -> Scenario:
     """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
 
-    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` switches it
-    (None: as the scenario says).  Raises ScenarioError or UnknownNameError, each naming the key.
+    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` True or False
+    replaces guard.enabled.  Raises ScenarioError or UnknownNameError, each naming the key.
 
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
@@ -86,8 +86,8 @@ def simulate(
     "fmu" (our own FMUs of reference, controller and plant, coupled in order); ``plant`` is "ode"
     (the paper's plane model) or "mujoco" (a rigid body on tyres, [body] of the scenario: extra
     physics, engine native); ``guard`` switches the velocity guard on or off (None: as the scenario
-    says).  Leaving the velocity limit, diverging or turning non-finite is the Run's outcome, never
-    an exception.  Raises UnknownNameError, ScenarioError, ArgumentError (seed) or CompilerError.
+    says).  A run that breaks the velocity limit, diverges or becomes non-finite is returned with
+    that outcome.  Raises UnknownNameError, ScenarioError, ArgumentError (seed) or CompilerError.
 
     >>> run = simulate("paper-simulation-nominal", "pid", overrides={"clock.duration": 5.0})
     >>> print(run.outcome)
@@ -125,12 +125,12 @@ def simulate_runs(
     jobs: int | None = None,
     progress: types.Progress | None = None,
 ) -> list[Run]:
-    """One whole Run per seed, several robots at a time on each core.
+    """One complete Run per seed, computed several at a time on each core.
 
-    The same bits as `simulate`, for any number of ``jobs`` (threads, or processes for the ``plant``
-    "mujoco"; default: one per core) and any vector instructions.  `simulate_many` gives figures
-    only, which takes no memory.  ``progress`` is called with the share that is done.  Errors as in
-    `simulate`.
+    The results equal those of `simulate` bit for bit, for any number of ``jobs`` (threads, or
+    processes for the ``plant`` "mujoco"; default: one per core) and any vector instructions.
+    `simulate_many` returns only figures and needs no memory for logs.  ``progress`` is called with
+    the completed share.  Raises the same errors as `simulate`.
 
     >>> runs = simulate_runs("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
     >>> [run.monitor.violations for run in runs]
@@ -157,14 +157,14 @@ def simulate_many(
     jobs: int | None = None,
     progress: types.Progress | None = None,
 ) -> RunTable:
-    """Figures of one run per seed as arrays, several robots at a time on each core.
+    """Figures of one run per seed as arrays, computed for several runs at a time on each core.
 
-    ``overrides`` is one mapping for all runs, or one a seed; ``starts`` (n, 5) are states at t = 0
-    in the scenario's ``frames``: x, y [m], theta [rad], v1 [m/s], omega [rad/s].
-    ``figures``: names of further figures of the catalogue, those of other packages too.
-    ``plant`` "mujoco" is the rigid body: ``jobs`` are processes then, and the table has slip, wheel
-    speed, tilt and tip margin too.  Results do not depend on ``jobs``.  Ctrl-C ends all threads
-    within a sample, and processes at once.  Errors as in `simulate`.
+    ``overrides`` is one mapping for all runs, or one per seed; ``starts`` (n, 5) are the states at
+    t = 0 in the scenario's ``frames``: x, y [m], theta [rad], v1 [m/s], omega [rad/s].
+    ``figures`` names further figures of the catalogue, including those of other packages.
+    With ``plant`` "mujoco", the rigid body, ``jobs`` are processes, and the table also has slip,
+    wheel speed, tilt and tip margin.  Results do not depend on ``jobs``.  Ctrl-C ends all threads
+    within one sample, and processes at once.  Raises the same errors as `simulate`.
 
     >>> table = simulate_many("paper-simulation", "mb", range(3), {"clock.duration": 5.0})
     >>> table["violations"]
@@ -195,10 +195,10 @@ def reproduce(
 ) -> Verdicts:
     """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
 
-    ``quick`` takes 3 seeds; ``with_ours`` adds the comparison of all laws, ours too, with and
-    without the guard (about a minute more), a section of the report and ours.csv; ``with_physics``
-    the plane model beside the rigid body (some minutes more), a section and rigid.csv.  Nothing is
-    written before all runs are done; ``.as_expected`` of the result tells whether the verdicts are
+    ``quick`` uses 3 seeds.  ``with_ours`` adds a comparison of all laws, including ours, with and
+    without the guard (about a minute): a section of the report and ours.csv.  ``with_physics``
+    compares the plane model with the rigid body (some minutes): a section and rigid.csv.  Files are
+    written after all runs are done; ``.as_expected`` of the result is True if the verdicts equal
     the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
     (physics) before the first run.
     """
@@ -246,12 +246,12 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
 
 @checks_arguments
 def export_fmu(what: str, **options: Unpack[types.ExportOptions]) -> list[Path]:
-    """Write FMUs, or what else other tools read; returns the files' paths.
+    """Write FMUs, or files for other simulation tools, and return their paths.
 
     Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.  ``what`` =
-    "ssp" is the SSP package, which also takes somebody else's ``plant`` and ``controller`` with a
-    ``map_file``, ``delay_known`` and ``flat``; "modelica" the package WheeledRobot.mo, which has
-    every law and reads scenario and out; "simulink" the kit of ``law``.
+    "ssp" writes an SSP package, which also takes a foreign ``plant`` and ``controller`` with a
+    ``map_file``, ``delay_known`` and ``flat``; "modelica" writes the package WheeledRobot.mo with
+    every law (options scenario and out); "simulink" writes the kit for ``law``.
     """
     from wmr_ctrl.outputs import write_output
 
@@ -284,7 +284,7 @@ def cosimulate(
 def linearize(
     scenario: str | Path | Scenario, law: str = "nn", at: float | None = None, guard: bool = False
 ) -> LinearReport:
-    """Poles, margins, limits, ``at`` a time [s] of the reference; ``guard``: inactive there."""
+    """Poles, margins, limits, at time ``at`` [s] of the reference; the ``guard`` must not act."""
     from wmr_ctrl.linear import report_linear
 
     return report_linear(scenario_of(scenario), law, at, guard=guard)
@@ -294,14 +294,14 @@ def linearize(
 def prove(
     only: Iterable[str] = (), progress: Callable[[float, Entry], None] | None = None
 ) -> Ledger:
-    """Check the paper's equations by machine; ``progress(share, entry)`` after each."""
+    """Check the ledger's entries by machine; ``progress(share, entry)`` is called after each."""
     from wmr_ctrl.proofs import prove as check_all
 
     return check_all(tuple(only), progress)
 
 
 def bench(progress: types.Progress | None = None) -> types.BenchReport:
-    """Measure the generated code against hand-written C, NumPy and CasADi; about a minute."""
+    """Measure the generated code against hand-written C, NumPy and CasADi (about a minute)."""
     installed = find_spec("wmr_ctrl._benchmarks")  # in a checkout they lie beside wmr_ctrl
     module = import_module("wmr_ctrl._benchmarks.bench" if installed else "benchmarks.bench")
     measured: types.Measurements = module.run_bench(progress)
@@ -310,10 +310,10 @@ def bench(progress: types.Progress | None = None) -> types.BenchReport:
 
 @checks_arguments
 def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> CompiledLaw:
-    """The law's compiled controller, to be called sample by sample on arrays that stay in place.
+    """The law's compiled controller, to be called sample by sample.
 
-    Write ``u`` (order: ``inputs``), call ``step()``, read the torque.  Raises UnknownNameError,
-    ScenarioError or CompilerError; ``step()`` raises ArgumentError for a sample that is refused.
+    Write ``u`` (in the order of ``inputs``), call ``step()``, read the torques.  Raises
+    UnknownNameError, ScenarioError or CompilerError; ``step()`` raises ArgumentError for bad input.
 
     >>> law = compile_law("mb")
     >>> law.u[:] = [0, 0, -1.57, 0.2, 0.1, 0, 0, -0.5, -0.5, -0.7, 0, 0]
@@ -334,7 +334,7 @@ def compile_loop(
     overrides: types.Overrides | None = None,
     guard: bool | None = None,
 ) -> RunnableLoop:
-    """The closed loop of ``law`` on ``scenario``, compiled for many runs at a time.
+    """The closed loop of ``law`` on ``scenario``, compiled for many simultaneous runs.
 
     For `wmr_ctrl.sim.many` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
     """

@@ -53,7 +53,7 @@ COLUMNS = (
     type=float,
     default=1e-9,
     metavar="X",
-    help="Columns of two saved runs this close, in their unit or relative to their range, agree.",
+    help="Largest difference, in a column's unit or relative to its range, that counts as equal.",
 )
 @plot_option
 @animate_option
@@ -74,14 +74,14 @@ def compare(
     topics: str | None,
     as_json: bool,
 ) -> None:
-    """Put laws on one scenario side by side, or saved runs (.npz, .csv, .parquet or .mcap).
+    """Compare laws on one scenario, or saved runs (.npz, .csv, .parquet or .mcap), side by side.
 
-    With --law, SCENARIO (a preset or TOML file) is run with each of the laws, and a table has the
+    With --law, SCENARIO (a preset or TOML file) is run with each of the laws, and a table shows the
     figures of all. For saved runs the same table is printed. For two runs, their differences are
     listed as well: which columns differ, by how much and when. The exit code is then 0 if they are
     equal or agree within the tolerance, and 1 if they differ or have no sample in common. A robot's
-    own ROS 2 bag may stand for a run; then of the runs only that is compared which such a bag can
-    have: pose, velocities, commands, torques and wheels.
+    own ROS 2 bag may take the place of a run; then only the columns that a bag can have are
+    compared: pose, velocities, commands, torques and wheels.
     """
     check_outputs(plot=plot, animate=animate)
     if laws is not None:

@@ -28,18 +28,19 @@ if TYPE_CHECKING:
     "--law",
     type=opt.LawName(),
     metavar="NAME",
-    help="Control law; see `wmr-ctrl laws`; not beside somebody else's controller.  [default: the "
-    "controller's if it is ours, else nn]",
+    help="Control law; see `wmr-ctrl laws`. Not with a foreign controller.  [default: that of the "
+    "controller if it is ours, else nn]",
 )
 @opt.guard_option
-@click.option("--plant", metavar="FILE.fmu", help="Plant in place of ours.")
-@click.option("--controller", metavar="FILE.fmu", help="Controller in place of ours.")
+@click.option("--plant", metavar="FILE.fmu", help="Plant to use instead of ours.")
+@click.option("--controller", metavar="FILE.fmu", help="Controller to use instead of ours.")
 @click.option("--map", "map_file", metavar="FILE.toml", help="Names and units of foreign FMUs.")
 @click.option(
     "--master",
     default="gauss-seidel",
     metavar="gauss-seidel|jacobi",
-    help="One after the other (as the native loop), or all at once: one step of delay.",
+    help="Step the FMUs one after the other (like the native loop), or all at once, which delays "
+    "the torque by one step.",
 )
 @click.option(
     "--know-delay",

@@ -14,7 +14,7 @@ SEEDS, QUICK = 20, 3
 
 
 @click.command(short_help="Rerun the paper's Sections V and VI and judge its claims.")
-@click.option("--quick", is_flag=True, help=f"{QUICK} seeds: the same claims, sooner.")
+@click.option("--quick", is_flag=True, help=f"Only {QUICK} seeds, in less time.")
 @click.option(
     "--seeds",
     type=click.IntRange(min=1),
@@ -25,12 +25,12 @@ SEEDS, QUICK = 20, 3
 @click.option(
     "--with-ours",
     is_flag=True,
-    help="Then compare all laws, ours too, with and without the guard: about a minute more.",
+    help="Also compare all laws, including ours, with and without the guard: a minute more.",
 )
 @click.option(
     "--with-physics",
     is_flag=True,
-    help="Then put the laws on a rigid body with tyres: minutes more; needs the extra physics.",
+    help="Also run the laws on a rigid body with tyres: minutes more; needs the extra physics.",
 )
 @click.option("--out", default="reproduction", metavar="DIR", help="Folder for the results.")
 @opt.debug_option
@@ -47,9 +47,9 @@ def reproduce(
     """Rerun the paper's Sections V and VI with all laws, and judge its claims.
 
     Writes DIR/report.html (one self-contained file), every panel of Fig. 3 and Fig. 5 as SVG and
-    PNG, table.csv and claims.json; with --with-ours also ours.csv, and a section on what lies past
-    the paper; with --with-physics rigid.csv, and a section on the robot as a rigid body on tyres.
-    The exit code is 0 if every verdict is the one that this release states, 1 if not.
+    PNG, table.csv and claims.json. --with-ours adds ours.csv and a section on results beyond the
+    paper, --with-physics adds rigid.csv and a section on the robot as a rigid body on tyres. The
+    exit code is 0 if every verdict equals the one committed with this release, and 1 if not.
     """
     opt.check_folder(out, "--out")
     from wmr_ctrl import api
@@ -82,8 +82,8 @@ def reproduce(
     "--only",
     multiple=True,
     metavar="ID",
-    help="Only this entry: an id, its beginning, or a pattern such as 'guard.*'. May be repeated; "
-    "what was checked is then printed in full.",
+    help="Check only this entry: an id, its beginning, or a pattern such as 'guard.*'. May be "
+    "repeated; the entries are then printed in full.",
 )
 @click.option("--json", "file", metavar="FILE", help="Also write all entries to FILE (.json).")
 @click.option(
@@ -95,16 +95,16 @@ def reproduce(
 @click.option(
     "--anew",
     is_flag=True,
-    help="Take nothing from the committed ledger: neither what altering functions did, nor what "
-    "another solver said, nor which engine to ask first.",
+    help="Ignore what the committed ledger recorded: the effect of altering functions, other "
+    "solvers' answers, and which engine to try first.",
 )
 @opt.debug_option
 def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
-    Claims are about the expressions from which the C is generated. Every verdict is found again,
-    and so are the functions that an entry names. The exit code is 1 where a verdict differs from
-    the committed one, and 3 where a proving package is missing, so that entries are NOT_CHECKED.
+    Claims are about the expressions from which the C is generated. Every verdict is derived again,
+    and so are the functions that an entry names. The exit code is 1 if a verdict differs from the
+    committed one, and 3 if a proving package is missing, so that some entries are NOT_CHECKED.
     """
     from wmr_ctrl.proofs.command import run_export, run_prove
 
@@ -129,12 +129,12 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     "--at",
     type=float,
     metavar="SECONDS",
-    help="Time of the reference at which figures are taken.  [default: where it drives fastest]",
+    help="Time on the reference for the figures.  [default: where it is fastest]",
 )
 @click.option(
     "--guard",
     is_flag=True,
-    help="Switch the velocity guard on; refused where it acts on the reference at that time.",
+    help="Switch the velocity guard on; refused if it acts on the reference at that time.",
 )
 @click.option(
     "--plot",
@@ -154,10 +154,10 @@ def linearize(
 ) -> None:
     """Linearise the closed loop along the reference, exactly: poles, margins, stability limits.
 
-    Around the circle and the line the loop is time-invariant in error coordinates.  Along other
-    references poles and margins are those at one time, which is printed. Spectral radius (without
-    --at) and largest stable period are those of a whole period of the reference, or of its worst
-    point where it does not repeat.
+    On a circle or a line the loop is time-invariant in error coordinates.  On other references,
+    poles and margins are those at one time, which is printed. The spectral radius (without --at)
+    and the largest stable period cover a whole period of the reference, or its worst point if it
+    does not repeat.
     """
     from wmr_ctrl.linear import report_linear
 
@@ -183,7 +183,7 @@ def linearize(
 def bench(file: str | None) -> None:
     """Measure generated C against hand-written C and NumPy, interleaved in one run.
 
-    Ratios carry over from one machine to another; FILE has the times too.
+    Ratios are comparable between machines, times are not; FILE has both.
     """
     opt.check_output(file, (".json",), "--json")
     from wmr_ctrl import api

@@ -32,16 +32,16 @@ if TYPE_CHECKING:
 @click.argument(
     "what", metavar="plant|LAW|reference|guard|filter|closed-loop|ssp|modelica|simulink"
 )
-@click.option("--law", default="nn", metavar="NAME", help="Law of closed-loop, ssp and simulink.")
+@click.option("--law", default="nn", metavar="NAME", help="Law for closed-loop, ssp and simulink.")
 @opt.scenario_option
 @opt.set_option
 @click.option("--fmi", default="both", type=click.Choice(["2", "3", "both"]), help="FMI version.")
 @click.option(
     "--target", default="host", metavar="host|all|PLATFORM", help="Platforms to build for."
 )
-@click.option("--plant", metavar="FILE.fmu", help="ssp: plant in place of ours, with a map.")
-@click.option("--controller", metavar="FILE.fmu", help="ssp: controller in place of ours.")
-@click.option("--map", "map_file", metavar="FILE.toml", help="ssp: names and units of these.")
+@click.option("--plant", metavar="FILE.fmu", help="ssp: plant to use instead of ours.")
+@click.option("--controller", metavar="FILE.fmu", help="ssp: controller to use instead of ours.")
+@click.option("--map", "map_file", metavar="FILE.toml", help="ssp: names and units of these FMUs.")
 @click.option(
     "--know-delay",
     "delay_known",
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     help="ssp: build the law for torques that act a period late.",
 )
 @click.option(
-    "--flat", is_flag=True, help="ssp: without connectors of the system, for ecos and libcosim."
+    "--flat", is_flag=True, help="ssp: only connections between parts, for ecos and libcosim."
 )
 @click.option("--out", default=".", metavar="DIR", help="Folder to write into.")
 @opt.debug_option
@@ -58,9 +58,9 @@ def export(
 ) -> None:
     """Write wmr_WHAT.fmi2.fmu and wmr_WHAT.fmi3.fmu, wmr.ssp or WheeledRobot.mo into a folder.
 
-    FMUs need no runtime and hold their sources, a page of documentation and a reference result.
-    The Modelica package has plant, every law and a loop of each, as equations and functions; the
-    Simulink kit an S-function of one law, and a script that builds the loop.
+    FMUs need no runtime and include their sources, a page of documentation and a reference result.
+    The Modelica package has the plant, every law and a loop with each, as equations and functions.
+    The Simulink kit has an S-function of one law and a script that builds the loop.
     """
     from wmr_ctrl import api
     from wmr_ctrl.fmi.extra import steps_fmus
@@ -99,7 +99,9 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
 @opt.scenario_option
 @opt.set_option
 @click.option("--float32", is_flag=True, help="Single precision throughout.")
-@click.option("--ros2", is_flag=True, help="The filter as a node of ROS 2 in C, on rcl alone.")
+@click.option(
+    "--ros2", is_flag=True, help="Write the filter as a ROS 2 node in C that needs only rcl."
+)
 @click.option(
     "--param",
     "params",
@@ -118,12 +120,12 @@ def codegen(
     params: tuple[str, ...],
     out: str,
 ) -> None:
-    """Write header, source, example, test vectors and build files of one law into a folder.
+    """Write a law as C99: header, source, example, test vectors and build files.
 
     LAW may be `filter`: the command filter of a scenario with filter.kind = "clip",
     "governor" or "band".
 
-    No heap, no input or output, no globals: the caller owns the law's memory.
+    The code uses no heap, no input or output and no globals: the caller owns the law's memory.
     """
     from wmr_ctrl.codegen.package import FILTER, write_package
 
@@ -165,7 +167,7 @@ def codegen(
     "laws",
     multiple=True,
     metavar="NAME",
-    help="A law that can be chosen on the page.  May be given several times.  [default: all]",
+    help="A law to offer on the page.  May be given several times.  [default: all]",
 )
 @opt.seed_option
 @opt.debug_option
@@ -174,10 +176,10 @@ def page(
 ) -> None:
     """Write one HTML file, without server or network, that runs the closed loop in a browser.
 
-    It contains the compiled loop of this program, with the same numbers to the bit. For the paper's
-    simulation it tells a story in five steps; for another scenario it shows that one, and for a
-    base that takes velocities several ways to limit its commands. The first page takes a minute or
-    two to compile.
+    It contains the compiled loop of this program and gives the same numbers bit for bit. For the
+    paper's simulation it tells a story in five steps. For another scenario it shows that scenario,
+    and for a base that takes velocities it compares several ways to limit the commands. The first
+    page takes a minute or two to compile.
     """
     from wmr_ctrl import api
 

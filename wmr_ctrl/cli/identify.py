@@ -38,11 +38,11 @@ if TYPE_CHECKING:
     type=click.Choice(["torque", "velocity"]),
     default="torque",
     show_default=True,
-    help="Commands that the base takes: wheel torques, or (v, omega).",
+    help="What the base takes as commands: wheel torques, or (v, omega).",
 )
-@click.option("--out", metavar="FILE", help="Scenario with what was identified: .toml.")
+@click.option("--out", metavar="FILE", help="Scenario to write, with the results: .toml.")
 @click.option(
-    "--robot", metavar="S", help="Scenario with what is known: wheels, counts, limits, gains."
+    "--robot", metavar="S", help="Scenario with known values: wheels, counts, limits, gains."
 )
 @set_option
 @topics_option
@@ -53,14 +53,16 @@ if TYPE_CHECKING:
     help="Torque at a wheel per ampere [N.m/A], for current_right [A] and current_left [A].",
 )
 @click.option("--plot", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
-@click.option("--report", metavar="FILE", help="One page with all of it: .html.")
-@click.option("--propose", metavar="FILE", help="A more informative drive, as t, v, omega: .csv.")
+@click.option("--report", metavar="FILE", help="Write a report with all results: .html.")
+@click.option(
+    "--propose", metavar="FILE", help="Write a more informative drive, as t, v, omega: .csv."
+)
 @click.option(
     "--floor",
     default=4.0,
     metavar="M",
     show_default=True,
-    help="Metres across that --propose may use, with the start in the middle.",
+    help="Width [m] of the area that --propose may use, with the start in the middle.",
 )
 @json_option("Print parameters, bounds, remarks and score as one JSON document.")
 @debug_option
@@ -80,16 +82,16 @@ def identify(
 ) -> None:
     """Fit mass, inertia, friction, delay and lag to LOG, with 95 % intervals.
 
-    With --base velocity: gain, time constant or frequency and damping, delay and acceleration
-    limit of a base's own speed loop, and its peak gain, from v_command [m/s] and omega_command
-    [rad/s] beside the measured motion.
+    With --base velocity, fit the base's own speed loop: gain, time constant (or frequency and
+    damping), delay, acceleration limit and peak gain. The log then needs v_command [m/s] and
+    omega_command [rad/s] as well as the measured motion.
 
     LOG is a CSV file, a ROS 2 bag (its folder, .mcap or .db3; extra `logs`) or a saved run. Columns
     of a CSV file have the names of a run's columns, with units: t [s], wheel_counts[1] [1] (right),
     wheel_counts[2] [1] (left), tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and
-    omega_measured [rad/s]. For each parameter the output says whether the log determines it
-    ("told", "roughly", "not told"). FILE is a scenario for check, run, tune and codegen, with the
-    numbers for a guard. A faulty log is refused in one paragraph (exit code 2).
+    omega_measured [rad/s]. For each parameter the output says whether the log determines it:
+    "told", "roughly" or "not told". The scenario written by --out is for check, run, tune and
+    codegen, and has the numbers for a guard. A faulty log ends with a message and exit code 2.
     """
     check_output(out, (".toml",), "--out")
     check_output(plot, (".png", ".svg", ".pdf"), "--plot")

@@ -31,9 +31,9 @@ Docs = dict[str, dict[str, tuple[Any, str, str]]]
 def scenarios(
     name: str | None, as_toml: bool, as_json: bool, kind: str | None, assignments: tuple[str, ...]
 ) -> None:
-    """List the scenarios that come along, one line each; or print one in full.
+    """List the built-in scenarios, one line each, or print one in full.
 
-    With NAME (a preset or a TOML file) prints every field with its unit and meaning, and every
+    With NAME (a preset or a TOML file), print every field with its unit and meaning, and every
     gain of every law: a file to edit and run.
     """
     if as_toml and as_json:

@@ -48,7 +48,7 @@ figures_option = opt.json_option("Print outcome and figures as one JSON document
     "--engine",
     default="native",
     metavar="native|numpy|fmu",
-    help="Compiled C; the same graphs without a compiler, slower; or our own FMUs, coupled.",
+    help="Compiled C; without a compiler, slower; or coupled FMUs of our own.",
 )
 @click.option(
     "--plant",
@@ -102,7 +102,9 @@ def run(
 )
 @click.argument("file", metavar="RUN")
 @click.option(
-    "--out", metavar="FILE", help="Save it once more: .npz, .csv, .parquet or .mcap; a drive: .csv."
+    "--out",
+    metavar="FILE",
+    help="Save it as .npz, .csv, .parquet or .mcap; a robot's drive as .csv.",
 )
 @plot_option
 @animate_option
@@ -111,12 +113,12 @@ def run(
 @figures_option
 @opt.debug_option
 def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None) -> None:
-    """Print how a saved run went, and draw, film or convert it; only --film makes it once more.
+    """Print how a saved run went, and draw, film or convert it; only --film simulates it again.
 
     RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote (.npz, .csv, .parquet or .mcap), or
-    a robot's own ROS 2 bag (its folder, .mcap or .db3; extra `logs`). Of such a drive the columns
-    are listed with their rates, gaps and ranges, then what is missing, by name; it has no desired
-    motion, so nothing is judged.
+    a robot's own ROS 2 bag (its folder, .mcap or .db3; extra `logs`). For a bag, the columns are
+    listed with their rates, gaps and ranges, and then the missing ones. A bag has no desired
+    motion, so there is no verdict.
     """
     from wmr_ctrl.results.bag_topics import load_drive
     from wmr_ctrl.results.drive import RecordedDrive

@@ -27,12 +27,14 @@ if TYPE_CHECKING:
     ),
 )
 @click.argument("words", metavar="PLAN.toml | plot DIR | parquet DIR", nargs=-1, required=True)
-@click.option("--out", metavar="DIR", help="Folder of the results; an interrupted one goes on.")
+@click.option(
+    "--out", metavar="DIR", help="Folder for the results; an interrupted study continues."
+)
 @click.option(
     "--executor",
     default="threads",
     metavar="E",
-    help="threads, dask (processes here) or dask://HOST:PORT.",
+    help="threads, dask (local processes) or dask://HOST:PORT.",
 )
 @opt.jobs_option
 @opt.json_option("Print what was made as one JSON document.")
@@ -40,12 +42,12 @@ if TYPE_CHECKING:
 def study(
     words: tuple[str, ...], out: str | None, executor: str, jobs: int | None, as_json: bool
 ) -> None:
-    """Make all runs of PLAN.toml, and write DIR/table.csv with one row per run.
+    """Run everything that PLAN.toml names, and write DIR/table.csv with one row per run.
 
     A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
     ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
     number of jobs, and after interruptions. `study plot DIR` draws its pictures, `study parquet
-    DIR` writes the table by columns too. Where the guard refused every run, the exit code is 1.
+    DIR` also writes the table by columns. If the guard refused every run, the exit code is 1.
     """
     if words[0] in ("plot", "parquet") and len(words) == 2:
         from wmr_ctrl.campaign.study_store import write_columns
@@ -122,36 +124,40 @@ class SeedRange(click.ParamType):
 )
 @click.option("--out", required=True, metavar="FILE", help="Scenario with the gains found: .toml.")
 @click.option(
-    "--seeds", type=SeedRange(), default="1:4", metavar="A:B", help="Trained on: A to B-1."
+    "--seeds", type=SeedRange(), default="1:4", metavar="A:B", help="Training seeds, A to B-1."
 )
 @click.option(
-    "--test-seeds", type=SeedRange(), default="7101:7106", metavar="C:D", help="Tested with."
+    "--test-seeds",
+    type=SeedRange(),
+    default="7101:7106",
+    metavar="C:D",
+    help="Test seeds, C to D-1.",
 )
 @click.option(
     "--trials",
     type=click.IntRange(min=1),
     default=200,
     metavar="N",
-    help="Sets of gains that are tried; rounded up to whole generations.",
+    help="Number of gain sets to try; rounded up to whole generations.",
 )
 @click.option(
     "--weight",
     type=float,
     default=1e-3,
     metavar="W",
-    help="Metres of position error that 1 N m of torque change from sample to sample is worth.",
+    help="Metres of position error that weigh as much as a torque change of 1 N m per sample.",
 )
 @click.option(
     "--hold",
     multiple=True,
     metavar="KEY",
-    help="A gain that stays, such as gains.kinematics.k, which laws share. May be repeated.",
+    help="Do not change this gain, such as gains.kinematics.k, which laws share. May be repeated.",
 )
 @click.option(
     "--merit",
     type=click.Choice(("tracking", "corridor")),
     default="tracking",
-    help="Distance in runs (tracking), or the certified one of `check` (corridor).",
+    help="Minimise the distance in runs (tracking) or the certified one of `check` (corridor).",
 )
 @opt.jobs_option
 @opt.set_option
@@ -171,14 +177,14 @@ def tune(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Search for gains that track with little torque, also if the robot's mass differs.
+    """Search for gains that track well with little torque, even if the robot's mass differs.
 
     Minimises the root of the mean of position_rms^2 + (W torque_change_rms)^2 over the training
-    seeds, for the scenario's robot and for 0.6 and 1.6 times the believed mass, the guard off. With
-    --merit corridor the certified corridor takes the place of position_rms; where none is certified
-    it counts as 1 m and what a linear loop would leave. Writes the scenario with these gains, and
-    shows how they perform on test seeds and on references that were not used for training. An
-    interrupted search continues when the command is repeated.
+    seeds, for the scenario's robot and for 0.6 and 1.6 times the assumed mass, with the guard off.
+    With --merit corridor the certified corridor takes the place of position_rms; gains without a
+    certificate count as 1 m plus what a linear loop would leave. Writes the scenario with the gains
+    found, and shows how they perform on test seeds and on references that were not used for
+    training. An interrupted search continues when the command is repeated.
     """
     opt.check_output(out, (".toml",), "--out")
     from wmr_ctrl import tuning
