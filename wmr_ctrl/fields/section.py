@@ -45,13 +45,13 @@ def quantity(
 
     Type and size follow from ``default``: a float is a number, an int a whole number, a bool a
     flag, a str a text (one of ``options`` if given), a tuple of floats a vector of that length,
-    ``None`` a number that may be left out, ``REQUIRED`` a number that must be given.  ``kind``
-    overrules this (``"points"`` is a list of pairs of any length, ``"shapes"`` one of circles and
+    ``None`` an optional number, ``REQUIRED`` a number that must be given.  ``kind``
+    overrides this (``"points"`` is a list of pairs of any length, ``"shapes"`` one of circles and
     polygons, ``"mapping"`` a table, ``"numbers"`` a table of numbers, ``"texts"`` and ``"flags"``
     lists of those); ``size`` makes a field that may be left out a vector.  Bounds hold for every
     element, in ``unit``; ``infinite`` admits inf.
-    Beyond the sizes ``usual`` (left out: those of the unit) it is asked whether the unit is meant.
-    ``multiple_of`` is the key of a time, of which this one is a whole multiple: at most ``most``
+    For values outside ``usual`` (default: the range of the unit) `check` asks if the unit is right.
+    ``multiple_of`` is the key of a time of which this one is a whole multiple: at most ``most``
     times it, unless that is 0.  ``orientation``: which element, from 1, is an orientation of the
     plane, 0 along +Y; a scenario's ``frames`` says how files state it.
     """

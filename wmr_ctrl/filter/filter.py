@@ -149,7 +149,7 @@ class CommandFilter:
         self.start()
 
     def start(self) -> None:
-        """Begin anew: the base is anywhere within its limits, and stands on no command."""
+        """Restart: the base may have any speed within its limits, and no command is active."""
         self._x = ca.DM(self.system.x0)
 
     @checks_arguments
@@ -160,14 +160,14 @@ class CommandFilter:
         age: float = 0.0,
         dt: float | None = None,
     ) -> Filtered:
-        """The safe command (v [m/s], omega [rad/s]) nearest to ``command``, and what is told.
+        """The safe command (v [m/s], omega [rad/s]) nearest to ``command``, and flags.
 
         ``measured``: the odometry's velocities, ``age`` [s] old, if there are any.  ``dt`` [s]:
-        time since the last step, the clock's period unless given.  A command that is no number
+        time since the last step, by default the clock's period.  A command that is not a number
         gives (0, 0) and the flag "refused"; further flags are "limited", "unused" (no odometry was
         used), "bounds-left" (odometry contradicts the stated bounds: one of them is wrong), "late"
-        (the step came outside its jitter) and "unsound" (parameters that no filter can keep, such
-        as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong lengths.
+        (the step came outside its jitter) and "unsound" (parameters that no filter can satisfy,
+        such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong lengths.
         """
         asked = _pair(command, "command")
         u = list(asked)

@@ -192,11 +192,11 @@ class FilterBounds:
 
 @dataclass(frozen=True)
 class BaseIdentification(ABC):
-    """What a log told of a robot.
+    """Results of an identification.
 
     ``parameters`` maps a name to (value, low, high, told, seconds), SI units; ``bounds`` are the
-    guard's or the filter's numbers; ``score`` says how the held-out third was foretold;
-    ``scenario`` runs as it is.
+    numbers for the guard or the filter; ``score`` says how well the held-out third was predicted;
+    ``scenario`` can be run as it is.
     """
 
     name: str

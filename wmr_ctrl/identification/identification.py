@@ -78,10 +78,10 @@ PLACES = {
 
 @dataclass(frozen=True)
 class Identification(BaseIdentification):
-    """What a log shows of a base that takes torques.
+    """Results for a base that takes torques.
 
-    ``fit`` is the one that is reported, ``white`` the one whose residuals the bounds are made of,
-    ``trained`` that of the first two thirds alone.
+    ``fit`` is the reported one, ``white`` the one from whose residuals the bounds are made, and
+    ``trained`` the fit to the first two thirds only.
     """
 
     bounds: GuardBounds

@@ -66,9 +66,9 @@ PLACES = {
 
 @dataclass(frozen=True)
 class VelocityIdentification(BaseIdentification):
-    """What a log shows of a base that takes velocities.
+    """Results for a base that takes velocities.
 
-    ``fits``: of v and omega, if driven; ``trained``: those of the first two thirds alone.
+    ``fits``: of v and omega, if driven; ``trained``: those to the first two thirds only.
     """
 
     bounds: FilterBounds

@@ -84,7 +84,7 @@ class LawContext:
         return self.parameters.take(f"gains.{self.law}.{name}")
 
     def own(self, cls: type[S]) -> S:
-        """The law's gains, which are of class ``cls``: options that decide the graph's form."""
+        """The law's gains, of class ``cls``: options that decide the form of the graph."""
         assert isinstance(self.gains, cls), f"{self.law}: gains are not {cls}"
         return self.gains
 
@@ -111,16 +111,16 @@ class LawContext:
 
     @cached_property
     def mass(self) -> ca.SX:
-        """Diagonal of the believed M1."""
+        """Diagonal of the model's M1."""
         return reduced_mass(self.parameters.take("model.m"), self.parameters.take("model.I"))
 
     @cached_property
     def friction(self) -> ca.SX:
-        """Believed F1 at the measured velocity."""
+        """The model's F1 at the measured velocity."""
         return self.friction_at(self.v)
 
     def friction_at(self, v: ca.SX) -> ca.SX:
-        """Believed F1 at velocity v (2,)."""
+        """The model's F1 at velocity v (2,)."""
         take = self.parameters.take
         return friction(take("model.mu"), take("model.m"), take("robot.g"), take("robot.v_s"), v)
 

@@ -24,10 +24,10 @@ class Traits:
     """Properties of a law, as its author states them.
 
     ``auxiliary``: Eq. (7) is its outer loop.  ``barrier``: it evaluates the barrier function.
-    ``model``: it believes a mass and a friction.  ``theorem``: the paper's theorem whose claim is
-    about it, 0 for none.  ``estimates``: its memory holds an estimate that is learnt on the way,
-    so that what holds at the start need not hold later.  ``observer``: its memory holds a
-    disturbance observer, which is linear and part of every linear statement about the loop.
+    ``model``: it assumes a mass and a friction.  ``theorem``: the paper's theorem about it, 0 for
+    none.  ``estimates``: its memory holds an estimate that is learnt during the run, so statements
+    about the start need not hold later.  ``observer``: its memory holds a disturbance observer,
+    which is linear and part of every linear statement about the loop.
     """
 
     auxiliary: bool = False
@@ -57,9 +57,9 @@ class Law:
     """A control law: name, gains, graph, traits and what its file says.
 
     ``build(context)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
-    names those of its gains that a search may move, all positive.  ``command(context)``, where
-    there is one, gives the law of a base that takes velocities, whose output is the velocity
-    `ASKED`; a law without drives such a base by the force it asks for (`control/velocity.py`).
+    names those of its gains that a search may change, all positive.  ``command(context)``, if
+    given, is the law for a base that takes velocities, whose output is the velocity
+    `ASKED`; a law without it drives such a base through an adapter (`control/velocity.py`).
     ``inside(context)`` is the law away from its limits, for those that have a corridor.
     """
 

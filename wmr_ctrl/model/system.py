@@ -39,7 +39,7 @@ class Output:
 
 @dataclass(frozen=True)
 class Draw:
-    """Random numbers that a block is given at each of its samples: independent, a pair of two.
+    """Random numbers for each sample of a block: one or two independent numbers.
 
     ``kind``: "uniform" on [-1, 1), or "normal" with ``bound`` standard deviations as the largest
     (a pair beyond it is drawn again).  ``wanted``: a truth value of the parameters; where it is 0
@@ -62,7 +62,7 @@ class System:
     ``period`` is None for a continuous block, whose ``update`` is the state's rate; otherwise the
     block is sampled with that period [s] and ``update`` is the next state.  All vectors are columns
     in the order of their ports.  ``draws`` are random inputs, which only a loop can supply;
-    ``transport`` is how long the inputs take before they arrive [s], kept by a queue, no graph.
+    ``transport`` is the delay of the inputs [s], implemented by a queue, not in the graph.
     """
 
     name: str

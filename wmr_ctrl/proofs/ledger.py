@@ -32,14 +32,14 @@ class Entry:
     ``equations`` are numbers of the paper; ``form`` is printed, corrected or ours.
     ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``); given
     where the verdict is REFUTED.  ``mutation_refuted`` tells whether the same method refuted the
-    altered claim, ``satisfied_at`` is a point that meets the hypotheses.  ``graph_hash`` holds the
+    altered claim, ``satisfied_at`` is a point that meets the hypotheses.  ``graph_hash`` covers the
     graphs of claim and altered claim, which outputs are hypotheses and by which relations, and the
     method with its regions and boxes; it is empty where no graph is behind the entry.
     ``versions`` are those of the packages that decided.  ``altered`` has the product's functions
     that the graph holds, as ``module:function``, each with the entry's verdict where the function
-    is altered: REFUTED, OPEN, PROVED if nothing is noticed, empty if that is still to be tried.
+    is altered: REFUTED, OPEN, PROVED if it makes no difference, empty if not tried yet.
     ``premises`` are entries that the claim rests on, ``confirmed_by`` further solvers that agree.
-    ``seconds`` are the processor's.
+    ``seconds`` is processor time.
     """
 
     id: str

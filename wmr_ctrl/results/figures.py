@@ -46,8 +46,8 @@ class Sum:
 class Figure:
     """A number of a run: name, SI unit, meaning, and how to take it (None where it has none).
 
-    ``sum``: the loop's sums that it is made from where no log is kept; ``key``: the key of
-    ``run --json`` that has it, by itself or as an element; empty for one that stands in `figures`.
+    ``sum``: the loop's sums from which it is computed without a log; ``key``: the key of
+    ``run --json`` that contains it, by itself or as an element; empty for one in `figures`.
     """
 
     name: str

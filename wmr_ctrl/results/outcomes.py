@@ -58,12 +58,12 @@ class Monitor:
     beyond a limit by more than rounding (1e-12 of it); ``first_violation``: time [s] and axis of
     the first of them;
     ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none);
-    ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not admit,
+    ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not explain,
     with the guard on or off.
     ``failure``: what else ended the run early, such as an FMU that refused a step.
     ``d_least``: largest of the logged d_least [N, N m], to be compared with ``Settings.dbar``; None
-    where it was not watched.
-    ``rigid``: what a rigid body showed; None for the plane model.
+    if it was not monitored.
+    ``rigid``: findings on a rigid body; None for the plane model.
     Raises ArgumentError where the fields contradict one another.
     """
 
@@ -129,9 +129,9 @@ class Outcome(StrEnum):
     FAILED = "failed"
 
     def sentence(self, monitor: Monitor, guard: bool = False) -> str:
-        """Event, time [s], axis and remedy, for the run that was watched.
+        """What happened, with time [s], axis and remedy, from what the monitor saw.
 
-        ``guard`` tells whether the velocity guard was on.
+        ``guard``: whether the velocity guard was on.
         """
         text = _GUARDED if guard and self is Outcome.LIMIT_VIOLATED else _SENTENCES[self]
         linear, angular = monitor.max_abs_v

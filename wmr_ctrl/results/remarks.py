@@ -53,7 +53,7 @@ CALMER = "Lower the law's gains, or shorten clock.control and the drives' delay.
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """One thing to know: a key for scripts and a text of what, by how much, and the remedy."""
+    """One finding: a key for scripts, and a text that says what, by how much, and the remedy."""
 
     key: str
     text: str

@@ -53,12 +53,12 @@ class CountedNumbers:
 class Settings(CountedNumbers):
     """Clocks, limits and windows under which a run was made.
 
-    ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as asked for;
+    ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as requested;
     ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
     before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s];
     ``tolerance``: position error that counts as tracked [m], None where not known;
     ``plant_kind``: "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which
-    the desired motion comes to rest for good [s], None where it never does; ``keep_out``: circles
+    the desired motion comes to rest for good [s], None if it never does; ``keep_out``: circles
     and polygons that a body of ``radius`` [m] must not touch; ``frames``: how the columns state
     orientations, as in a scenario.
     Raises ArgumentError where a number is not finite or not positive.

@@ -76,7 +76,7 @@ def median(values: Iterable[float | None]) -> float | None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RunTable(Mapping[str, Column]):
-    """Many runs: an array by name, one row a run, in the order in which they were asked.
+    """Many runs: arrays by name, with one row per run, in the order in which they were requested.
 
     Columns are figures of the catalogue in their units (NaN: the run has none) and labels:
     ``seed`` and ``outcome`` (text) always; ``tracked`` (bool, RMS of drive and end against
@@ -106,7 +106,7 @@ class RunTable(Mapping[str, Column]):
 
     @checks_arguments
     def to_dataframe(self) -> pandas.DataFrame:
-        """One row a run, one number a column; units in ``attrs``.  Raises MissingExtraError."""
+        """One row per run, one number per column; units in ``attrs``.  Raises MissingExtraError."""
         return table_frame(self.columns, {figure.name: figure.unit for figure in FIGURES})
 
     @checks_arguments
@@ -122,16 +122,16 @@ class RunTable(Mapping[str, Column]):
         return len(self.columns)
 
     def records(self) -> list[dict[str, object]]:
-        """Each run as plain values by name; None where it has no such number."""
+        """Each run as plain values by name; None if it has no such number."""
         lists = {name: [plain(x) for x in column.tolist()] for name, column in self.items()}
         return [dict(zip(lists, row, strict=True)) for row in zip(*lists.values(), strict=True)]
 
     def at(self, places: NDArray[np.intp] | NDArray[np.bool_]) -> RunTable:
-        """The rows of these places, or where a mask is true."""
+        """The rows with these indices, or where a mask is true."""
         return RunTable({name: column[places] for name, column in self.items()})
 
     def where(self, **labels: object) -> RunTable:
-        """The rows that have each of these labels; None: whatever they have."""
+        """The rows that have each of these labels; a label of None matches all rows."""
         mask = np.full(self.rows, True)
         for name, wanted in labels.items():
             if wanted is not None:

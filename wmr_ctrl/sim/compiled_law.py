@@ -29,13 +29,13 @@ class Call(ct.Structure):
 
 
 class CompiledLaw:
-    """One control sample of a law: ``torque = law.step()`` on arrays that stay in place.
+    """One control sample of a law: ``torque = law.step()``, on arrays that are reused.
 
     Write the inputs into ``u`` (order: ``inputs``; reference, pose, velocity) and call `step`: it
     returns ``torque`` (right, left) [N m] and moves the law's memory ``x`` (order: ``state``) to
     the next sample.  ``parameters`` may be changed in place, in the order of ``parameter_names``.
-    None of the four arrays may be replaced by another one.  A sample is refused where an input is
-    not a number, or beyond 1e12 in size: ArgumentError, torques 0, the memory as it was.
+    Do not replace any of the four arrays by another one.  A sample with an input that is not a
+    number, or beyond 1e12 in size, is refused: ArgumentError, torques 0, memory unchanged.
     """
 
     def __init__(self, loop: CompiledLoop) -> None:

@@ -57,7 +57,7 @@ WORSE = 0.05
 
 @dataclass(frozen=True)
 class WorseFigure:
-    """A figure of the test that tuning made worse: on which reference and robot, from and to."""
+    """A figure of the test that tuning made worse: its reference, robot, and both values."""
 
     reference: str
     mass: float

@@ -88,18 +88,19 @@ class Bound:
     which mass and inertia may differ from the robot's [kg, kg m2].
 
     Late drives: a command takes over between ``delay - jitter`` and ``delay`` [s] after it was
-    given, anew for each command, and is followed by a first order whose time constant lies within
-    ``lag`` = (smallest, largest) [s] and may vary in between; a constant one has both the same.
+    given, which may differ for each command, and is followed by a first-order lag whose time
+    constant lies within ``lag`` = (smallest, largest) [s] and may vary; a constant one has both
+    the same.
 
     Late sensors: the velocity is the mean over a ``window`` [s] that ended ``age`` [s] ago, to
     within nbar.
 
     Bases that take velocities: the command that arrives is off by at most ``command`` [m/s, rad/s].
-    ``hidden`` says what the governor of commands does not know of, ``overshoots`` what passes its
-    command, each in a sentence that begins with the key at fault.
+    ``hidden`` says what the governor does not take into account, ``overshoots`` what makes the
+    base overshoot its command, each in a sentence that begins with the key at fault.
 
-    ``void`` says what assumption the effect breaks whatever the numbers are, in a sentence that
-    begins with the key at fault: then the guard filters but promises nothing.
+    ``void`` says which assumption the effect breaks, whatever its numbers, in a sentence that
+    begins with the key at fault: the guard then filters but guarantees nothing.
     """
 
     dbar: Pair = (0.0, 0.0)
@@ -167,17 +168,17 @@ class Effect:
     System, ``bound(scenario)`` what it adds to the guard's assumptions; without a bound the guard
     refuses to be switched on.
 
-    It acts where a field of its section differs from its default: one of ``switches``, where some
-    are named, or as ``acts(scenario)`` says; a command or speed loop only on a base that takes
-    velocities.  The System's period is that of the rate.  It is part of the loop where it acts;
-    with ``always`` it is so cheap that it is always there and its numbers decide.
+    It acts if a field of its section differs from its default: one of ``switches``, if these are
+    named, or as ``acts(scenario)`` says; a command or speed loop only on a base that takes
+    velocities.  The System's period is that of the rate.  It is part of the loop if it acts;
+    with ``always`` (for cheap effects) it is always part of the loop, and its numbers decide.
 
-    ``shape`` lists the keys of numbers that decide the form of its graph, such as how much it
-    remembers; all others it reads as parameters.  ``check(scenario)`` raises ScenarioError where
-    its numbers do not go with those of other tables.  What it does to the loop near a reference is
-    in the figures of stability, but for what its graph rounds, which they name.
+    ``shape`` lists the keys of numbers that decide the form of its graph, such as the length of its
+    memory; all others are read as parameters.  ``check(scenario)`` raises ScenarioError if its
+    numbers do not fit those of other tables.  The stability figures include its effect on the loop
+    near a reference, except for rounding in its graph, which they name.
 
-    ArgumentError for what is no effect: a drive acts in each step, a sensor in each sample.
+    ArgumentError for an invalid effect: a drive acts in each step, a sensor in each sample.
     """
 
     name: str
@@ -238,7 +239,7 @@ class Effect:
             self._call("check", self.check, scenario)
 
     def system(self, scenario: Scenario) -> System:
-        """Its System; ArgumentError for one that its role and rate have no place for."""
+        """Its System; ArgumentError for one that does not fit its role and rate."""
         system = self._call("build", self.build, scenario)
         if not isinstance(system, System):
             raise ArgumentError(f"the effect {self.title} builds {show(system)}, not a System.")
