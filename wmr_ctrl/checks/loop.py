@@ -16,13 +16,8 @@ from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.laws.law import Traits, commands_predicted
+from wmr_ctrl.model import kinematics
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.kinematics import (
-    auxiliary_rate,
-    auxiliary_velocity,
-    error_rotation,
-    tracking_error,
-)
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.world.phases import Phase, drag
@@ -115,8 +110,8 @@ class Loop:
         scenario, k = self.scenario, ca.DM(self.setup.kinematics.k)
         reference = sample(scenario, np.zeros(1))[0]
         pose_d, v_d = ca.DM(reference[:3]), ca.DM(reference[3:5])
-        e = tracking_error(ca.SX(pose_d), ca.SX(ca.DM(scenario.initial.pose)))
-        v_c0 = auxiliary_velocity(e, ca.SX(v_d), ca.SX(k))
+        e = kinematics.tracking_error(ca.SX(pose_d), ca.SX(ca.DM(scenario.initial.pose)))
+        v_c0 = kinematics.auxiliary_velocity(e, ca.SX(v_d), ca.SX(k))
         flat = [np.asarray(ca.evalf(item)).ravel() for item in (e, v_c0)]
         return StartPoint(reference, flat[0], np.array(scenario.initial.velocity), flat[1])
 
@@ -247,7 +242,7 @@ class Loop:
         """
         s, v_d, rate = ca.SX.sym("s", ROBOT), ca.SX.sym("v_d", 2), ca.SX.sym("r", 2)
         core = self.core
-        pose_d, robot = error_rotation(ca.SX(0)).T @ s[:3], self.scenario.robot
+        pose_d, robot = kinematics.error_rotation(ca.SX(0)).T @ s[:3], self.scenario.robot
         known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, rate, s[3:])), strict=True))
         names = [item.signal.name for item in remembered(core)]
         forces = ca.SX.sym("forces", 2 * len(names))
@@ -279,7 +274,7 @@ class Loop:
         """At e = 0 the auxiliary velocity is v_d, and v_d' can be chosen such that it stays."""
         v, v_c0, core = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2), self.core
         e, k = ca.SX.zeros(3), ca.SX(ca.DM(self.setup.kinematics.k))
-        rate = -auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
+        rate = -kinematics.auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
         forces = ca.SX.zeros(2 * len(remembered(core)))
         force, _ = self.act(ca.vertcat(e, v), v_c0, rate, core.x, forces, core.p)
         slope = ca.diag(ca.jacobian(force, v))

@@ -14,18 +14,9 @@ from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 
+from wmr_ctrl.codegen import emit
 from wmr_ctrl.codegen.cache import cached_text
 from wmr_ctrl.codegen.dialect import HEADER, SCALAR, Dialect
-from wmr_ctrl.codegen.emit import (
-    PREPARED,
-    QUALIFIERS,
-    Kernel,
-    definition,
-    framed,
-    length,
-    preparation,
-    prototype,
-)
 from wmr_ctrl.model import graph
 from wmr_ctrl.model.graph import PARAMETERS, SELECT, Graph
 
@@ -34,15 +25,15 @@ _LENGTH = re.compile(r"#define WMR_(\w+) (\d+)\n")
 
 
 def sources(
-    constants: Mapping[str, int | str], kernels: Iterable[Kernel], dialect: Dialect = SCALAR
+    constants: Mapping[str, int | str], kernels: Iterable[emit.Kernel], dialect: Dialect = SCALAR
 ) -> dict[str, str]:
     """File name to text of the generated sources; ``constants`` get the prefix WMR_."""
     listed = tuple(kernels)
     texts = [cached_definition(item, dialect) for item in listed]
     lengths = {match[1]: match[2] for text in texts if (match := _LENGTH.match(text))}
     counts = "\n".join(f"#define WMR_{k} {value}" for k, value in {**constants, **lengths}.items())
-    signatures = [preparation(item, dialect) for item in listed if item.prepared]
-    signatures += [prototype(item, dialect) for item in listed]
+    signatures = [emit.preparation(item, dialect) for item in listed if item.prepared]
+    signatures += [emit.prototype(item, dialect) for item in listed]
     bodies = "\n".join(_LENGTH.sub("", text) for text in texts)
     include = f'#include "{dialect.header}"'
     return {
@@ -52,7 +43,7 @@ def sources(
     }
 
 
-def plain_sources(kernels: Iterable[Kernel], name: str) -> dict[str, str]:
+def plain_sources(kernels: Iterable[emit.Kernel], name: str) -> dict[str, str]:
     """``name.h`` and ``name.c``: every operation one line, no loops, no branches.
 
     Quick to write, for functions whose speed does not matter.
@@ -60,7 +51,7 @@ def plain_sources(kernels: Iterable[Kernel], name: str) -> dict[str, str]:
     listed = tuple(kernels)
     bodies = "\n".join(_cached(item, "plain", _plain_definition) for item in listed)
     return {
-        f"{name}.h": _header(name.upper(), "", map(prototype, listed)),
+        f"{name}.h": _header(name.upper(), "", map(emit.prototype, listed)),
         f"{name}.c": f'{_BANNER}#include "{name}.h"\n\n#include "{HEADER}"\n\n{bodies}',
     }
 
@@ -68,32 +59,32 @@ def plain_sources(kernels: Iterable[Kernel], name: str) -> dict[str, str]:
 def _header(name: str, head: str, signatures: Iterable[str]) -> str:
     listed = "\n".join(f"{signature};" for signature in signatures)
     return (
-        f"{_BANNER}#ifndef WMR_{name}_H\n#define WMR_{name}_H\n\n{head}{QUALIFIERS}\n{listed}\n\n"
-        "#endif\n"
+        f"{_BANNER}#ifndef WMR_{name}_H\n#define WMR_{name}_H\n\n"
+        f"{head}{emit.QUALIFIERS}\n{listed}\n\n#endif\n"
     )
 
 
-def _exported(item: Kernel, dialect: Dialect) -> str:
+def _exported(item: emit.Kernel, dialect: Dialect) -> str:
     """The kernel by itself, with its preparation where it has one."""
-    head = prototype(replace(item, prepared=False), dialect)
+    head = emit.prototype(replace(item, prepared=False), dialect)
     shown = head.replace("WMR_KERNEL void wmr_", "WMR_EXPORT void wmr_export_")
     inputs, lines = item.inputs, ""
     if item.prepared:
-        inputs = (*inputs, PREPARED)
+        inputs = (*inputs, emit.PREPARED)
         lines = (
-            f"    {dialect.real} {PREPARED}[{length(item)} + 1];\n"
-            f"    wmr_{item.name}_prepare({PARAMETERS}, {PREPARED});\n"
+            f"    {dialect.real} {emit.PREPARED}[{emit.length(item)} + 1];\n"
+            f"    wmr_{item.name}_prepare({PARAMETERS}, {emit.PREPARED});\n"
         )
     lines += f"    wmr_{item.name}({', '.join((*inputs, *item.outputs))});\n"
     return f"{shown};\n{shown}\n{{\n{lines}}}\n"
 
 
-def cached_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
+def cached_definition(item: emit.Kernel, dialect: Dialect = SCALAR) -> str:
     """`emit.definition` of a kernel, from the cache if it was written before."""
-    return _cached(item, repr(dialect), partial(definition, dialect=dialect))
+    return _cached(item, repr(dialect), partial(emit.definition, dialect=dialect))
 
 
-def _cached(item: Kernel, style: str, write: Callable[[Kernel], str]) -> str:
+def _cached(item: emit.Kernel, style: str, write: Callable[[emit.Kernel], str]) -> str:
     """Text of a kernel in a style, from the cache if it was written before."""
     form = repr((item.name, item.inputs, item.outputs, item.prepared, style))
     parts = (_fingerprint(), item.meaning, form, item.function.serialize())
@@ -101,10 +92,10 @@ def _cached(item: Kernel, style: str, write: Callable[[Kernel], str]) -> str:
     return cached_text(key, lambda: write(item))
 
 
-def _plain_definition(item: Kernel) -> str:
+def _plain_definition(item: emit.Kernel) -> str:
     """A kernel with an assignment for each operation."""
     places = (*item.inputs, *item.outputs)
-    return framed(item, prototype(item), item.graph, places, _lines(item.graph))
+    return emit.framed(item, emit.prototype(item), item.graph, places, _lines(item.graph))
 
 
 @cache

@@ -20,19 +20,9 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.plan import SOBOL
+from wmr_ctrl.report import style
 from wmr_ctrl.report.drawing import save_figure
 from wmr_ctrl.report.study_table import StudyTable, read_study
-from wmr_ctrl.report.style import (
-    DOTTED,
-    GRID,
-    LIMIT,
-    MUTED,
-    house_style,
-    look,
-    shown,
-    unit_text,
-    with_unit,
-)
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
 
@@ -55,7 +45,7 @@ def plot_study(folder: str | Path) -> list[Path]:
     """
     table = read_study(Path(folder))
     written = []
-    with house_style():
+    with style.house_style():
         for name, figure in _drawings(table):
             for suffix in (".svg", ".png"):
                 path = Path(folder) / f"{name}{suffix}"
@@ -84,7 +74,7 @@ def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
 
 def _label(table: StudyTable, name: str) -> str:
     unit = table.scale(name)[1]
-    return f"{name} [1]" if unit == "1" else with_unit(name, unit)
+    return f"{name} [1]" if unit == "1" else style.with_unit(name, unit)
 
 
 def _values(table: StudyTable, mask: NDArray[np.bool_]) -> Floats:
@@ -125,12 +115,12 @@ def _by_group(table: StudyTable) -> Figure:
     all_values = np.concatenate([*everything.values()])
     above = int((all_values > top).sum())
     if above:
-        unit = unit_text(table.scale(table.figure)[1])
-        most = shown(float(all_values.max()))
+        unit = style.unit_text(table.scale(table.figure)[1])
+        most = style.shown(float(all_values.max()))
         axes.set_xlabel(f"{above} runs are above the view, up to {most} {unit}".rstrip())
     why = fill(_missing(table), int(14 * wide))
     if all_values.size:
-        axes.set_title(why, color=MUTED, fontsize="small", fontweight="normal")
+        axes.set_title(why, color=style.MUTED, fontsize="small", fontweight="normal")
     else:
         _say(axes, why)
     return figure
@@ -143,18 +133,18 @@ def _missing(table: StudyTable) -> str:
 def _say(axes: Axes, text: str) -> None:
     """A text in the place of what cannot be drawn."""
     axes.set_yticks([])
-    axes.text(0.5, 0.5, text, ha="center", va="center", color=MUTED, fontsize="small",
+    axes.text(0.5, 0.5, text, ha="center", va="center", color=style.MUTED, fontsize="small",
               transform=axes.transAxes)  # fmt: skip
 
 
 def _colour(group: str) -> str:
-    return look(group.split(",")[0]).colour
+    return style.look(group.split(",")[0]).colour
 
 
 def _label_of(group: str, join: str = ", ") -> str:
     """Law and guard."""
     law, _, guard = group.partition(",")
-    return look(law).label + (f"{join}guarded" if guard else "")
+    return style.look(law).label + (f"{join}guarded" if guard else "")
 
 
 def _by_factor(table: StudyTable) -> Figure:
@@ -166,7 +156,7 @@ def _by_factor(table: StudyTable) -> Figure:
         for k, group in enumerate(table.groups):
             of_group, colour = table.group == group, _colour(group)
             # Lines in the law's colour: a box may be thinner than its outline.
-            line = {"color": colour, "linestyle": DOTTED if "guarded" in group else "-"}
+            line = {"color": colour, "linestyle": style.DOTTED if "guarded" in group else "-"}
             face = to_rgba(colour, 0.15 if "guarded" in group else 0.45)
             axes.boxplot(
                 [_values(table, of_group & (bins.places == b)) for b in range(bins.count)],
@@ -187,7 +177,7 @@ def _by_factor(table: StudyTable) -> Figure:
         if key == keys[0] and count > 1:
             axes.legend(ncols=4, loc="lower left", bbox_to_anchor=(0, 1.0))
     if why := _missing(table):
-        figure.suptitle(fill(why, 100), color=MUTED, fontsize="small")
+        figure.suptitle(fill(why, 100), color=style.MUTED, fontsize="small")
     return figure
 
 
@@ -238,7 +228,7 @@ def _maps(table: StudyTable, name: str) -> Figure:
         ax.set(xlabel=_label(table, keys[0]), ylabel=_label(table, keys[1]))
     figure.colorbar(image, ax=list(axes), label=_SHARES.get(name, f"median {_label(table, name)}"))
     if any(np.isnan(part).any() for part in cells):
-        figure.suptitle("hatched: no run there", color=MUTED, fontsize="small")
+        figure.suptitle("hatched: no run there", color=style.MUTED, fontsize="small")
     return figure
 
 
@@ -259,7 +249,7 @@ def _map(
 ) -> AxesImage:
     colours = "RdYlBu_r" if name == "violated" else "viridis"
     axes.grid(visible=False)
-    axes.patch.set(hatch="////", edgecolor=GRID)
+    axes.patch.set(hatch="////", edgecolor=style.GRID)
     image = axes.imshow(
         cells, origin="lower", aspect="auto", cmap=colours, vmin=ends[0], vmax=ends[1]
     )
@@ -268,7 +258,7 @@ def _map(
         ticks(bins.ticks[::step], bins.labels[::step])
     whole = name == "violated" and np.isfinite(cells).all() and min(cells.shape) > 1
     if whole and cells.min() < 0.5 < cells.max():
-        axes.contour(cells, [0.5], colors=LIMIT, linewidths=1.0)
+        axes.contour(cells, [0.5], colors=style.LIMIT, linewidths=1.0)
     return image
 
 
@@ -314,7 +304,10 @@ def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
     }  # fmt: skip
     means = np.bincount(places, values) / np.bincount(places)
     indices = analyze.analyze(problem, means, calc_second_order=False, seed=0)
-    for shift, key, label, colour in ((-0.18, "S1", "first", KEPT), (0.18, "ST", "total", MUTED)):
+    for shift, key, label, colour in (
+        (-0.18, "S1", "first", KEPT),
+        (0.18, "ST", "total", style.MUTED),
+    ):
         axes.bar(np.arange(len(ranges)) + shift, indices[key], 0.34, label=label, color=colour,
                  yerr=indices[f"{key}_conf"], capsize=2, error_kw={"lw": 0.8})  # fmt: skip
     axes.set_ylabel(f"Sobol index of {table.figure} [1]")

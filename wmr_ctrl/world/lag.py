@@ -10,18 +10,7 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import (
-    UNIFORM,
-    Draw,
-    Number,
-    Parameters,
-    System,
-    draw,
-    outputs,
-    port,
-    ports,
-    stack,
-)
+from wmr_ctrl.model import system
 from wmr_ctrl.signals import TORQUE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
@@ -43,26 +32,26 @@ class Lag(Section, key="actuator"):
     )
 
 
-def build(scenario: Scenario) -> System:
+def build(scenario: Scenario) -> system.System:
     """System of the plant's rate: torque that arrives to torque that acts [N m]."""
-    torque, acting, p = ports(TORQUE), port(ACTING), Parameters(scenario)
-    wanted = stack(item.sym for item in torque)
+    torque, acting, p = system.ports(TORQUE), system.port(ACTING), system.Parameters(scenario)
+    wanted = system.stack(item.sym for item in torque)
     time = p.take("actuator.lag")
-    draws: tuple[Draw, ...] = ()
+    draws: tuple[system.Draw, ...] = ()
     if scenario.section(Lag).lag_spread > 0:
         spread = p.take("actuator.lag_spread")
-        draws = (draw(NUMBERS, UNIFORM, spread > 0, held=True),)
+        draws = (system.draw(NUMBERS, system.UNIFORM, spread > 0, held=True),)
         time = time * (1 + spread * draws[0].port.sym[0])
     decay = ca.exp(-p.take("clock.plant") / time)
     following = followed(wanted, decay, acting.sym)
-    return System(
+    return system.System(
         "lag",
         "first-order lag of the drives",
         inputs=torque,
         state=(acting,),
         params=p.ports,
         update=following,
-        outputs=outputs(TORQUE, following),
+        outputs=system.outputs(TORQUE, following),
         draws=draws,
     )
 
@@ -97,7 +86,7 @@ def stepped(lag: float, step: float) -> float:
     return equivalent_lag(step, math.expm1(step / lag))
 
 
-def equivalent_lag(step: Number, growth: Number) -> Number:
+def equivalent_lag(step: system.Number, growth: system.Number) -> system.Number:
     """The same for growth = exp(step/lag) - 1, a number or a symbol."""
     return step / growth
 

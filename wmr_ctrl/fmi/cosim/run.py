@@ -17,13 +17,7 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import guard_model, parallel
-from wmr_ctrl.fmi.cosim.fitting import (
-    check_parts,
-    check_start,
-    check_structure,
-    law_within,
-    unguarded,
-)
+from wmr_ctrl.fmi.cosim import fitting
 from wmr_ctrl.fmi.cosim.mapping import TORQUES, PartMap, load_map
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
 from wmr_ctrl.fmi.cosim.parts import (
@@ -179,7 +173,7 @@ def _cosim_setup(
 ) -> CosimSetup:
     controller = files["controller"]
     maps = load_map(map_file) if map_file is not None else {}
-    within = law_within(controller)
+    within = fitting.law_within(controller)
     theirs = controller is not None and within is None
     if theirs and law is not None:
         raise ArgumentError(
@@ -192,7 +186,7 @@ def _cosim_setup(
     foreign = theirs or "controller" in maps
     bare = None
     if controller is not None and not foreign and setup.scenario.guard.enabled:
-        bare = unguarded(controller, setup)
+        bare = fitting.unguarded(controller, setup)
     return CosimSetup(setup, own, bare, foreign, files, maps, at_once)
 
 
@@ -219,17 +213,17 @@ def _run(
         plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
-    check_parts(case.setup, parts.plant)
+    fitting.check_parts(case.setup, parts.plant)
     for name, slave in slaves.items():
         if name in maps:
             starts = maps[name].start
         else:  # an FMU of ours that may come from another scenario gets this one's numbers
-            check_structure(slave.path, case.models[name])
+            fitting.check_structure(slave.path, case.models[name])
             single = (v for v in case.models[name].variables if not (v.array or v.integer))
             given = (v for v in single if v.parameter or v.role is Role.START)
             starts = {v.name: v.start for v in given}
         slave.begin(scenario.clock.duration, starts)
-    check_start(scenario, parts.plant)
+    fitting.check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
     facts |= {"delay": "known to the controller"} if case.own is not case.setup else {}
