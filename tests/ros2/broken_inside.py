@@ -7,7 +7,6 @@ seen is printed as JSON.
 
 from __future__ import annotations
 
-import json
 import sys
 import threading
 import time
@@ -16,7 +15,7 @@ import rclpy
 from drive_live import Base
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE
+from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE, tell
 from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import Bool
@@ -118,7 +117,7 @@ def main(scenario: str, name: str) -> None:
     ended.set()
     thread.join(5.0)
     time.sleep(ON_THE_WAY)
-    print(json.dumps(found))
+    tell(found)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ on simulated time that stops, goes back and leaps ahead.
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import time
@@ -18,7 +17,7 @@ from itertools import pairwise
 import rclpy
 from drive_live import KEPT, SURE, Base
 from nav_msgs.msg import Odometry
-from outside import AT_ONCE, LASTS, PUNCTUAL, after
+from outside import AT_ONCE, LASTS, PUNCTUAL, after, tell
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
@@ -213,7 +212,7 @@ def on_simulated_time(scenario: str) -> dict[str, object]:
 
 def main(scenario: str) -> None:
     rclpy.init()
-    print(json.dumps({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)}))
+    tell({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)})
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ seen as JSON.
 
 from __future__ import annotations
 
-import json
 import math
 import signal
 import subprocess
@@ -21,7 +20,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry, Path
-from outside import KEPT, ON_THE_WAY, RATE, SURE
+from outside import KEPT, ON_THE_WAY, RATE, SURE, tell
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
@@ -200,7 +199,7 @@ def main(scenario: str) -> None:
     finally:
         process.kill()
         second.kill()
-    print(json.dumps(found))
+    tell(found)
 
 
 if __name__ == "__main__":

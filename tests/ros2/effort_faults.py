@@ -7,7 +7,6 @@ torques, so that zero is no torque at all.  Run by a Python that has rclpy.
 
 from __future__ import annotations
 
-import json
 import math
 import signal
 import subprocess
@@ -17,7 +16,7 @@ import time
 import rclpy
 from drive_faults import SPOILT, Broken, repeated
 from drive_live import Base
-from outside import AT_ONCE, ON_THE_WAY, SURE
+from outside import AT_ONCE, ON_THE_WAY, SURE, tell
 from std_msgs.msg import Bool, Float64MultiArray
 
 MASS, INERTIA, FRICTION, RADIUS, HALF_TRACK = 50.0, 5.4, 0.08 * 50.0 * 9.81, 0.1, 0.25
@@ -137,7 +136,7 @@ def on_simulated_time(scenario: str) -> dict[str, object]:
 
 def main(scenario: str) -> None:
     rclpy.init()
-    print(json.dumps({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)}))
+    tell({"real": in_real_time(scenario), "simulated": on_simulated_time(scenario)})
 
 
 if __name__ == "__main__":

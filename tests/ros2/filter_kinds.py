@@ -7,7 +7,6 @@ says of odometry that is there, and of none.  What was seen is printed as JSON.
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import time
@@ -16,7 +15,7 @@ from itertools import pairwise
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
-from outside import SURE, World, start
+from outside import SURE, World, start, tell
 
 SENDER = """
 import time, rclpy
@@ -105,9 +104,10 @@ def main(scenario: str, kind: str, node: str = "") -> None:
     process = start(scenario, node, *given)
     rclpy.init()
     try:
-        print(json.dumps(KINDS[kind](process)))
+        found = KINDS[kind](process)
     finally:
         process.kill()
+    tell(found)
 
 
 if __name__ == "__main__":

@@ -8,14 +8,13 @@ was seen is printed as JSON.
 
 from __future__ import annotations
 
-import json
 import signal
 import subprocess
 import sys
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE, World
+from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE, World, tell
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
@@ -135,7 +134,7 @@ def on_simulated_time(scenario: str, node: str) -> dict[str, object]:
 def main(scenario: str, node: str = "") -> None:
     rclpy.init(args=["--ros-args", *SPACE])
     space, simulated = in_a_namespace(scenario, node), on_simulated_time(scenario, node)
-    print(json.dumps({"space": space, "simulated": simulated}))
+    tell({"space": space, "simulated": simulated})
 
 
 if __name__ == "__main__":

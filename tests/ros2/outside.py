@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import signal
 import subprocess
 import sys
@@ -158,6 +159,13 @@ class World:
         return bool(future.result() and future.result().success)
 
 
+def tell(found: object) -> None:
+    """Print what was seen as JSON and end, before rclpy takes itself down: that may crash."""
+    sys.stdout.write(json.dumps(found))
+    sys.stdout.flush()
+    os._exit(0)
+
+
 def after(pause: float, *messages) -> None:
     """Messages one by one, with a pause [s] in which the node reads each."""
     for send in messages:
@@ -259,7 +267,7 @@ def main(scenario: str, node: str = "") -> None:
         found["interrupt"] = {"last": last, "code": process.wait(10)}
     finally:
         process.kill()
-    print(json.dumps(found))
+    tell(found)
 
 
 if __name__ == "__main__":

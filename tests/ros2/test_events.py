@@ -1,0 +1,134 @@
+"""Whatever comes, in any order and at any time: what leaves a core is in the stated set."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.ros2.clocks import Moment
+from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
+from wmr_ctrl.ros2.filter_core import FilterCore
+from wmr_ctrl.scenario import load_scenario
+
+MS = 1_000_000
+EVENTS = 6_000
+GAIN, PUSH, RIM = 1.1, 0.05, 1.2
+TOP = ((1.0 - PUSH) / GAIN, (2.0 - PUSH) / GAIN)
+STATED = {
+    "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.7, 1.4], "clock.control": 0.02,
+    "filter.kind": "clip", "filter.gain": [0.9, GAIN], "filter.d": [PUSH, PUSH],
+    "filter.wheel_speed": RIM, "base.kind": "velocity", "base.tau": [0.05, 0.05],
+    "disturbance.std": 0.0,
+}  # fmt: skip
+WILD = (math.nan, math.inf, -math.inf, 1e300, -5.0, 0.0, 0.3, 2.0)
+FRAMES = ("base_link", "", "map", "laser")
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario("paper-simulation", STATED)
+
+
+def at_the_rim(command, half_track):
+    """Largest speed of a wheel over the ground that a command may lead to [m/s]."""
+    v, omega = map(abs, command)
+    return GAIN * (v + half_track * omega) + PUSH * (1 + half_track)
+
+
+def inside(command, half_track):
+    """Each axis within its limit over the gain, and each wheel's speed over the ground, too."""
+    v, omega = map(abs, command)
+    rim = at_the_rim(command, half_track)
+    return v <= TOP[0] and omega <= TOP[1] and rim <= RIM * (1 + 1e-12)
+
+
+class Chaos:
+    """Random messages and moments: clocks that stop, leap and go back, processes that stand."""
+
+    def __init__(self, seed):
+        self.draws = np.random.default_rng(seed)
+        self.ros, self.steady = 1_000_000 * MS, 7_000 * MS
+
+    def now(self):
+        draw = self.draws
+        self.steady += int(draw.choice([0, MS, 20 * MS, 700 * MS], p=[0.1, 0.4, 0.49, 0.01]))
+        leap = draw.choice([0, 1, 20, -10_000, 10_000], p=[0.1, 0.4, 0.49, 0.005, 0.005])
+        self.ros = max(1, self.ros + int(leap) * MS)
+        return Moment(self.ros, self.steady, bool(draw.random() < 0.5))
+
+    def number(self):
+        wild = self.draws.random() < 0.15
+        return float(self.draws.choice(WILD) if wild else 0.5 * self.draws.normal())
+
+    def stamp(self):
+        return int(self.draws.choice([0, self.ros, self.ros - 90 * MS, self.ros + 40 * MS, 5]))
+
+    def frame(self, *right):
+        return str(self.draws.choice(FRAMES)) if self.draws.random() < 0.1 else right[0]
+
+    def turn(self):
+        yaw = 0.3 * self.draws.normal()
+        whole = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+        return whole if self.draws.random() < 0.9 else (0.0, self.number(), 0.0, self.number())
+
+
+@pytest.mark.parametrize("at_once", [False, True])
+@pytest.mark.parametrize("odometry", ["none", "watched", "required"])
+def test_a_filter_sends_what_it_may_whatever_comes(scenario, at_once, odometry):
+    core = FilterCore(
+        scenario, GateSettings(odometry=odometry, rise=(50.0, 50.0)), "base_link", at_once=at_once
+    )
+    core.start()
+    chaos, sent, half_track, rim = Chaos(3), 0, scenario.robot.l, 0.0
+    for _ in range(EVENTS):
+        now, draw, gated = chaos.now(), chaos.draws.random(), None
+        core.see(now)
+        if draw < 0.4:
+            pair = chaos.number(), chaos.number()
+            _, gated = core.command(pair, chaos.stamp(), chaos.frame("base_link"), now)
+        elif draw < 0.7:
+            pair = chaos.number(), chaos.number()
+            core.measure(pair, chaos.turn(), chaos.stamp(), chaos.frame("base_link"), now)
+        elif draw < 0.95:
+            gated = core.tick(now)
+        elif draw < 0.97:
+            gated = core.halt(bool(chaos.draws.random() < 0.3), now)
+        else:
+            core.reset()
+        if gated:
+            sent += gated.command != (0.0, 0.0)
+            assert inside(gated.command, half_track)
+            rim = max(rim, at_the_rim(gated.command, half_track))
+    assert sent > EVENTS / 100  # it was not at rest all the time
+    assert rim > 0.99 * RIM or odometry == "required"  # which is seldom there for long
+
+
+def test_a_drive_sends_what_it_may_whatever_comes(scenario):
+    core = DriveCore(settle(scenario, "kanayama"), DriveSettings())
+    chaos, sent, stamp, pose = Chaos(4), 0, 0, np.zeros(2)
+    for _ in range(EVENTS // 4):
+        now, draw, gated = chaos.now(), chaos.draws.random(), None
+        core.see(now)
+        if draw < 0.75:
+            sound = chaos.draws.random() < 0.9
+            stamp, pose = now.ros, pose + 0.001 * chaos.draws.normal(size=2)
+            speeds = (0.2, 0.1) if sound else (chaos.number(), chaos.number())
+            turn = (0.0, 0.0, 0.0, 1.0) if sound else chaos.turn()
+            message = (*map(float, pose), *turn, *speeds)
+            stamp = stamp if sound else chaos.stamp()
+            child = chaos.frame("base_link") if not sound else "base_link"
+            _, gated = core.odometry(message, stamp, "odom", child, now)
+        elif draw < 0.98:
+            gated = core.tick(now)
+        elif draw < 0.985:
+            gated = core.halt(bool(chaos.draws.random() < 0.3), now)
+        else:
+            core.reset()
+        if gated:
+            sent += gated.command != (0.0, 0.0)
+            assert inside(gated.command, scenario.robot.l)
+    assert sent > EVENTS / 1000
