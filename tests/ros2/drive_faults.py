@@ -82,11 +82,12 @@ class Broken(Base):
         }
 
     def out_of_order(self, message: Odometry) -> bool:
-        """Send a message, and after it one that is older."""
-        after(0.004, lambda: self.odometry.publish(message))
+        """Send one that is older than the message before, so that a slow reader misses this one."""
         stamp = message.header.stamp
         earlier = stamp.sec * 1_000_000_000 + stamp.nanosec - 75_000_000
         message.header.stamp = rclpy.time.Time(nanoseconds=earlier).to_msg()
+        after(0.004, lambda: self.odometry.publish(message))
+        message.header.stamp = stamp
         return True
 
     def refused(self) -> int:

@@ -208,7 +208,7 @@ def of_commands(world: World) -> dict[str, object]:
         "in map": world.fault(command=lambda: world.command(frame="map")),
         "wild": world.fault(command=lambda: world.command(5.0, 3.0)),
         "out of order": world.fault(
-            command=lambda: after(0.004, world.command, lambda: world.command(0.1, ago=0.2))
+            command=lambda: after(0.004, lambda: world.command(0.1, ago=0.2), world.command)
         ),
     }
     world.commands = best
@@ -229,7 +229,7 @@ def of_odometry(world: World) -> dict[str, object]:
         "old": world.fault(measure=lambda: world.measure(ago=0.5)),
         "repeated": world.fault(measure=lambda: world.measure(ago=ago())),
         "out of order": world.fault(
-            measure=lambda: after(0.004, world.measure, lambda: world.measure(1.4, ago=0.09))
+            measure=lambda: after(0.004, lambda: world.measure(1.4, ago=0.09), world.measure)
         ),
         "too fast": world.fault(first=lambda: None, measure=lambda: world.measure(1.4)),
     }
