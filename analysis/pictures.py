@@ -234,8 +234,9 @@ def identified() -> Figure:
     page = (tutorials / "log.md").read_text(encoding="utf-8")
     (known,) = re.findall(r"<!-- file: known.toml -->\n```\w+\n(.*?)```", page, re.S)
     scenario = loads_scenario(known)
+    found = wmr_ctrl.identify(tutorials / "robot-log.csv", known=scenario)
     with house_style():
-        return drawing_of(wmr_ctrl.identify(tutorials / "robot-log.csv", known=scenario)).figure()
+        return drawing_of(found, found.traces()).figure()
 
 
 def velocity() -> Figure:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.results.compare import Comparison
     from wmr_ctrl.results.drive import RecordedDrive
 
+LEAST = 1e-3
+"""Smaller figures [mm, m/s, rad/s, N m] are not written out."""
 HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 COLUMNS = (
     ("position_rms_last_quarter", 1e3),
@@ -205,7 +207,12 @@ def _row(name: str, run: Run) -> tuple[str, ...]:
 
     values: dict[str, Any] = values_of(run, [FIGURES[figure] for figure, _ in COLUMNS])
     cells = [
-        "-" if values[figure] is None else f"{factor * values[figure]:.3g}"
+        "-" if values[figure] is None else _shown(factor * values[figure])
         for figure, factor in COLUMNS
     ]
     return (name, *cells, run.outcome.value)
+
+
+def _shown(value: float) -> str:
+    """Three digits, as long as they say something: a long number breaks its neighbours' words."""
+    return f"<{LEAST:g}" if 0 < abs(value) < LEAST else f"{value:.3g}"

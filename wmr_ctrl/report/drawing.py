@@ -206,7 +206,7 @@ def shade_limits(axes: Axes, limit: float) -> None:
     axes.set_ylim(low, high)
 
 
-FAR = 3.0
+FAR = 4.0
 """A velocity is drawn up to so many times its limit."""
 
 

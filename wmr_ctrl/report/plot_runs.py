@@ -22,6 +22,7 @@ from wmr_ctrl.report.drawing import (
     one_axes,
     plot_reference,
     save_figure,
+    say_below,
     switch_handles,
     target_of,
     thin,
@@ -96,6 +97,8 @@ def _distance(part: SubFigure, lines: Lines) -> None:
     for run, colour, dash in lines.values():
         far = np.maximum(1e3 * distance(run), _LEAST)
         axes.plot(*thin(run.time, far), color=colour, ls=dash, lw=0.9)
+    if axes.dataLim.ymin <= _LEAST:
+        say_below(axes, f"less is drawn at {_LEAST:g} mm")
     axes.set_yscale("log")
     plain = FuncFormatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_major_formatter(plain)
