@@ -82,7 +82,7 @@ class TorqueLimited(Section, key="gains"):
     """Gains of a law that brings a torque limit of its own, which counts where it is smaller."""
 
     tau_max: float = quantity(
-        20.0, "N.m", "torque limit of the law's own, beside actuator.tau_max", above=0.0
+        20.0, "N.m", "the law's own torque limit, in addition to actuator.tau_max", above=0.0
     )
 
 
@@ -110,7 +110,7 @@ class Predicting(Section, key="gains"):
     delay: float = quantity(
         0.0,
         "s",
-        "delay over which the law predicts, at most the drives' true one; 0 = not at all",
+        "delay over which the law predicts, at most that of the drives; 0: no prediction",
         minimum=0.0,
         maximum=10.0,
     )

@@ -26,7 +26,7 @@ class ModelBasedGains(BarrierChoice, key="gains.mb"):
         (15.0, 57.6), "1/s", "decay rate of V1 per axis, Eq. (9)", above=0.0
     )
     decay: str = quantity(
-        "rate", "1", "what rho means: a rate, or exact over T", options=("rate", "exact")
+        "rate", "1", "meaning of rho: a rate, or the exact decay over T", options=("rate", "exact")
     )
 
 

@@ -52,7 +52,7 @@ class NetworkGains(BarrierChoice, key="gains.nn"):
         "explicit", "1", "Euler step of the weights", options=("explicit", "semi-implicit")
     )
     regressor: str = quantity(
-        "ratio", "1", "what the network sees of the barrier", options=("ratio", "q")
+        "ratio", "1", "the barrier's quantity that the network uses", options=("ratio", "q")
     )
 
 

@@ -43,16 +43,20 @@ WIDEST = 1.5
 class PursuitGains(VelocityLoopGains, key="gains.pursuit"):
     """Lengths and speeds of the pursuit, and gains of the velocity loop below it."""
 
-    lookahead: float = quantity(1.5, "s", "way ahead of the reference, as time", above=0.0)
-    distance: tuple[float, float] = quantity((0.3, 0.9), "m", "bounds of the way ahead", above=0.0)
-    k: float = quantity(1.0, "1/s", "how it keeps pace with the reference", minimum=0.0)
+    lookahead: float = quantity(1.5, "s", "lookahead time along the reference", above=0.0)
+    distance: tuple[float, float] = quantity(
+        (0.3, 0.9), "m", "bounds of the lookahead distance", above=0.0
+    )
+    k: float = quantity(
+        1.0, "1/s", "gain on the distance from the reference along the path", minimum=0.0
+    )
     radius: float = quantity(
         0.9, "m", "radius of an arc below which it drives slower, 0: never", minimum=0.0
     )
-    slowest: float = quantity(0.25, "m/s", "speed below which no arc slows it down", minimum=0.0)
+    slowest: float = quantity(0.25, "m/s", "lowest speed to which an arc reduces it", minimum=0.0)
     turn: float = quantity(1.8, "rad/s", "speed of turning on the spot", above=0.0)
     turn_from: float = quantity(
-        0.785, "rad", "angle to the point from which it turns on the spot", above=0.0,
+        0.785, "rad", "angle to the lookahead point above which it turns on the spot", above=0.0,
         maximum=3.15,
     )  # fmt: skip
 

@@ -44,7 +44,7 @@ class VelocityLoopGains(Predicting, key="gains"):
     )
     wo: float = quantity(5.0, "1/s", "bandwidth of the disturbance observer, 0 = off", minimum=0.0)
     share: float = quantity(
-        0.95, "1", "share of limits.v_u1 that is commanded at most", above=0.0, maximum=1.0
+        0.95, "1", "largest command as a share of limits.v_u1", above=0.0, maximum=1.0
     )
     a_max: tuple[float, float] = quantity(
         (2.0, 6.0), "m/s2, rad/s2", "largest rate of the command", above=0.0

@@ -30,13 +30,13 @@ class Filter(Section, key="filter"):
         usual=(1e-3, 20),
     )  # fmt: skip
     gain: tuple[float, float] = quantity(
-        (1.0, 1.0), "1", "bounds of speed over command at rest", above=0
+        (1.0, 1.0), "1", "bounds of the steady-state speed divided by the command", above=0
     )
     d: tuple[float, float] = quantity(
-        (0.0, 0.0), "m/s, rad/s", "speed at which a push alone would end", minimum=0
+        (0.0, 0.0), "m/s, rad/s", "steady speed that a push alone would cause", minimum=0
     )
     odometry: tuple[float, float] | None = quantity(
-        None, "m/s, rad/s", "bound of odometry's error; left out: it is not used",
+        None, "m/s, rad/s", "bound of the odometry's error; left out: no odometry is used",
         minimum=0, size=2,
     )  # fmt: skip
     age: float = quantity(0.0, "s", "largest age of odometry", minimum=0, usual=(0, 2))
@@ -44,22 +44,24 @@ class Filter(Section, key="filter"):
         (0.0, 0.0), "s", "bounds of a command's delay, which may vary", minimum=0,
         usual=(0, 2),
     )  # fmt: skip
-    losses: int = quantity(0, "1", "most commands in a row that are lost", minimum=0)
-    jitter: float = quantity(0.0, "s", "how far samples may lie from the clock's period", minimum=0)
+    losses: int = quantity(0, "1", "largest number of consecutive lost commands", minimum=0)
+    jitter: float = quantity(
+        0.0, "s", "largest deviation of a sample from the clock's period", minimum=0
+    )
     hold: float = quantity(
-        0.0, "s", "how long the base keeps a command that nothing follows, then stops",
+        0.0, "s", "time for which the base keeps its last command before it stops",
         minimum=0, usual=(0, 10),
     )  # fmt: skip
     scale: str = quantity(
         "curvature",
         "1",
-        "both axes by one factor, each by its own, or first turning (driving), then the other",
+        "scale both axes by one factor, each by its own, or turning or driving first",
         options=SCALES,
     )
     channels: str = quantity(
         "body",
         "1",
-        "speeds that follow their commands by themselves: v and omega, or each wheel's",
+        "speeds with a loop of their own: v and omega, or each wheel",
         options=CHANNELS,
     )
     wheel_speed: float | None = quantity(
@@ -72,30 +74,30 @@ class Filter(Section, key="filter"):
         None, "rad/s", "bounds of a second-order loop's natural frequency", above=0, size=2
     )
     mass: tuple[float, float] | None = quantity(
-        None, "kg", "bounds of the mass that PI loops drive", above=0, size=2
+        None, "kg", "bounds of the mass, for PI loops", above=0, size=2
     )
     inertia: tuple[float, float] | None = quantity(
-        None, "kg.m2", "bounds of the inertia that PI loops drive", above=0, size=2
+        None, "kg.m2", "bounds of the inertia, for PI loops", above=0, size=2
     )
     kp: tuple[float, float] | None = quantity(
-        None, "N.s/m", "bounds of a PI loop's gain, of both wheels, at the rim", above=0,
+        None, "N.s/m", "bounds of a PI loop's gain, both wheels together, at the rim", above=0,
         size=2,
     )  # fmt: skip
     ki: tuple[float, float] | None = quantity(
-        None, "N/m", "bounds of its integral gain, of both wheels, at the rim", above=0,
+        None, "N/m", "bounds of its integral gain, both wheels together, at the rim", above=0,
         size=2,
     )  # fmt: skip
     friction: tuple[float, float] = quantity(
-        (0.0, 0.0), "N.s/m", "bounds of the friction that grows with speed", minimum=0
+        (0.0, 0.0), "N.s/m", "bounds of the viscous friction", minimum=0
     )
     push: tuple[float, float] = quantity(
         (0.0, 0.0), "N, N.m", "largest push on a base with PI loops", minimum=0
     )
     slew: tuple[float, float] | None = quantity(
-        None, "m/s2, rad/s2", "how fast the clip of a linear loop lets commands change", size=2,
-        above=0,
+        None, "m/s2, rad/s2", "fastest change of commands that a linear loop's clip allows",
+        size=2, above=0,
     )  # fmt: skip
-    trust: bool = quantity(False, "1", "whether a broken hypothesis is let pass in a run")
+    trust: bool = quantity(False, "1", "allow runs in which a hypothesis does not hold")
 
     def relate(self) -> None:
         """Intervals are the right way round, and a filter has what it counts on."""

@@ -29,12 +29,12 @@ class Robot(Section, key="robot"):
 class Model(Section, key="model"):
     """Model of the laws; a field that is left out is the robot's, before any change."""
 
-    m: float | None = quantity(None, "kg", "mass that the laws believe; left out: robot.m", above=0)
+    m: float | None = quantity(None, "kg", "mass that the laws assume; default: robot.m", above=0)
     I: float | None = quantity(
-        None, "kg.m2", "inertia that the laws believe; left out: robot.I", above=0
+        None, "kg.m2", "inertia that the laws assume; default: robot.I", above=0
     )
     mu: float | None = quantity(
-        None, "1", "friction that the laws believe; left out: robot.mu", minimum=0
+        None, "1", "friction that the laws assume; default: robot.mu", minimum=0
     )
 
 
@@ -45,22 +45,25 @@ class Body(Section, key="body"):
     """
 
     tyre: float = quantity(0.8, "1", "friction between tyre and ground", above=0)
-    grip: float = quantity(0.02, "s", "time in which a tread that slides is stopped", minimum=0.005)
+    grip: float = quantity(0.02, "s", "time in which a sliding tread is stopped", minimum=0.005)
     height: float = quantity(0.12, "m", "centre of mass above the ground", above=0)
     caster: float = quantity(0.3, "m", "axle to the casters in front and behind", above=0)
     caster_gap: float = quantity(5e-4, "m", "casters above the ground", minimum=0)
     flatness: float = quantity(
-        0.55, "1", "inertia in pitch and in roll over that in yaw", minimum=0.5
+        0.55, "1", "ratio of the inertia in pitch and roll to that in yaw", minimum=0.5
     )
     wheel: str = quantity(
         "sphere",
         "1",
-        "tyre: touches in a point, or in a line that scrubs",
+        "tyre: point contact, or line contact that scrubs in turns",
         options=("sphere", "cylinder"),
     )
     wheel_width: float = quantity(0.04, "m", "width of a cylinder's tread", above=0)
     radius: float | None = quantity(
-        None, "m", "axle's midpoint to the body's farthest point, for keep_out", above=0
+        None,
+        "m",
+        "distance from the axle's midpoint to the body's farthest point, for keep_out",
+        above=0,
     )
     wheel_mass: float = quantity(1.5, "kg", "mass of each wheel, part of robot.m", above=0)
     slope: float = quantity(
@@ -70,12 +73,12 @@ class Body(Section, key="body"):
         minimum=0,
         maximum=math.pi / 4,
     )
-    uphill: float = quantity(0.0, "rad", "orientation that looks uphill, 0 along +Y", orientation=1)
+    uphill: float = quantity(0.0, "rad", "uphill direction, 0 along +Y", orientation=1)
     slip_max: float = quantity(
-        0.1, "m/s", "tread over ground; beyond, the robot has slipped", above=0
+        0.1, "m/s", "speed of the tread over the ground above which the robot has slipped", above=0
     )
     tilt_max: float = quantity(
-        0.5, "rad", "axis from the ground's normal; beyond, it has tipped", above=0,
+        0.5, "rad", "tilt of the axis above which the robot has tipped", above=0,
         maximum=math.pi / 2,
     )  # fmt: skip
 
@@ -87,7 +90,7 @@ class Limits(Section, key="limits"):
         (1.0, 1.5), "m/s, rad/s", "limits of |v1| and |omega|", above=0
     )
     v_u2: tuple[float, float] = quantity(
-        (0.8, 1.3), "m/s, rad/s", "thresholds from which the barrier acts", above=0
+        (0.8, 1.3), "m/s, rad/s", "thresholds above which the barrier acts", above=0
     )
     clip: float = quantity(
         1e-6, "m/s, rad/s", "barrier terms see |v| clipped to v_u1 - clip", above=0
@@ -153,13 +156,13 @@ class Metrics(Section, key="metrics"):
     """
 
     split: float | None = quantity(
-        None, "s", "split into before and after; left out: half the duration", above=0
+        None, "s", "time that separates before and after; default: half the duration", above=0
     )
-    rms_from: float = quantity(2.0, "s", "the torque's RMS is taken from here on", minimum=0)
+    rms_from: float = quantity(2.0, "s", "start of the torque's RMS", minimum=0)
     tolerance: float = quantity(
         0.05,
         "m",
-        "RMS of the position error, in the drive and at the end, that counts as tracked",
+        "largest RMS position error, in the drive and at the end, that counts as tracked",
         above=0,
     )
 
@@ -168,7 +171,7 @@ class CorridorSettings(Section, key="corridor"):
     """Settings of the certified corridor, which no run reads."""
 
     start: tuple[float, float, float] = quantity(
-        (0.0, 0.0, 0.0), "m, m, rad", "how far e may be off at first", minimum=0
+        (0.0, 0.0, 0.0), "m, m, rad", "largest initial error e", minimum=0
     )
     cells: int = quantity(
         0, "1",
@@ -202,30 +205,32 @@ class Guard(Section, key="guard"):
     ``trust`` says that it is meant.  A robot that is not what is believed is run, without promise.
     """
 
-    enabled: bool = quantity(False, "1", "whether the guard filters the law's force")
-    trust: bool = quantity(
-        False, "1", "whether stated bounds count though the scenario breaks them"
-    )
+    enabled: bool = quantity(False, "1", "switch the guard on")
+    trust: bool = quantity(False, "1", "accept stated bounds although the scenario breaks them")
     map: str = quantity(
         "linear-first",
         "1",
-        "which axis the wheels serve first behind the guard",
+        "axis that gets the wheel torques first",
         options=("linear-first", "rotation-first"),
     )
     mass_margin: float = quantity(
-        0.1, "1", "share by which M_min, M_max go beyond the model's", minimum=0, below=1
+        0.1,
+        "1",
+        "share by which M_min and M_max extend beyond the model's mass",
+        minimum=0,
+        below=1,
     )
     M_min: tuple[float, float] | None = quantity(
-        None, "kg, kg.m2", "smallest mass and inertia possible", above=0, size=2
+        None, "kg, kg.m2", "smallest possible mass and inertia", above=0, size=2
     )
     M_max: tuple[float, float] | None = quantity(
-        None, "kg, kg.m2", "largest mass and inertia possible", above=0, size=2
+        None, "kg, kg.m2", "largest possible mass and inertia", above=0, size=2
     )
     dbar: tuple[float, float] | None = quantity(
         None, "N, N.m", "bound of the disturbance force", minimum=0, size=2
     )
     d_model: tuple[float, float] = quantity(
-        (0.0, 0.0), "N, N.m", "what a derived dbar gets beside the noise", minimum=0
+        (0.0, 0.0), "N, N.m", "added to a dbar that is derived from the noise", minimum=0
     )
     nbar: tuple[float, float] | None = quantity(
         None, "m/s, rad/s", "bound of the velocity's error", minimum=0, size=2
@@ -242,13 +247,13 @@ class Guard(Section, key="guard"):
     lag: tuple[float, float] | None = quantity(
         None,
         "s",
-        "bounds of the drives' time constant, which may vary; the same twice: constant",
+        "bounds of the drives' time constant, which may vary; equal bounds: constant",
         minimum=0,
         size=2,
         usual=(0, 2),
     )
     alpha: float | None = quantity(
-        None, "1/s", "rate at which the limit may be approached, at most 1/T", above=0
+        None, "1/s", "fastest rate of approach to the limit, at most 1/T", above=0
     )
     brake: tuple[float, float] | None = quantity(
         None, "N, N.m", "largest force with which the guard brakes", minimum=0, size=2
@@ -257,7 +262,7 @@ class Guard(Section, key="guard"):
         0.5, "1", "share of spare wheel torque for linear braking", minimum=0, maximum=1
     )
     f_min: tuple[float, float] = quantity(
-        (0.0, 0.0), "N, N.m", "friction that is sure to act above f_speed", minimum=0
+        (0.0, 0.0), "N, N.m", "friction that certainly acts above f_speed", minimum=0
     )
     f_speed: tuple[float, float] = quantity(
         (0.0, 0.0), "m/s, rad/s", "speed above which f_min acts", minimum=0

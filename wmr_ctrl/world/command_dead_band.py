@@ -16,7 +16,7 @@ class CommandDeadBand(Section, key="base"):
     """Size of the dead band."""
 
     deadband: tuple[float, float] = quantity(
-        (0.0, 0.0), "m/s, rad/s", "smaller commands are taken for 0", minimum=0
+        (0.0, 0.0), "m/s, rad/s", "smaller commands count as 0", minimum=0
     )
 
 

@@ -24,9 +24,9 @@ MISSED = Signal("commands_missed", "1", "commands lost in a row")
 class CommandLoss(Section, key="base"):
     """Largest number of commands lost in a row, and the time-out."""
 
-    losses: int = quantity(0, "1", "most commands in a row that are lost", minimum=0)
+    losses: int = quantity(0, "1", "largest number of consecutive lost commands", minimum=0)
     timeout: float = quantity(
-        math.inf, "s", "silence after which the base stops; inf: it never does", above=0,
+        math.inf, "s", "time without a command after which the base stops; inf: never", above=0,
         infinite=True, usual=(0, 10),
     )  # fmt: skip
 

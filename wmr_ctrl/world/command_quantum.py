@@ -16,7 +16,7 @@ class CommandQuantum(Section, key="base"):
     """Step of the command."""
 
     quantum: tuple[float, float] = quantity(
-        (0.0, 0.0), "m/s, rad/s", "step to whose multiples commands are rounded, 0: none",
+        (0.0, 0.0), "m/s, rad/s", "commands are rounded to multiples of this, 0: none",
         minimum=0,
     )  # fmt: skip
 

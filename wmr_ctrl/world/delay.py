@@ -35,7 +35,7 @@ class Delay(Section, key="actuator"):
     """Constant delay of the torque."""
 
     delay: float = queued("delay of the torque")
-    unmodelled_delay: float = queued("further delay that laws and observer do not know of")
+    unmodelled_delay: float = queued("further delay, unknown to laws and observer")
 
 
 def build(scenario: Scenario) -> System:

@@ -25,7 +25,7 @@ class Jitter(Section, key="actuator"):
     jitter: float = quantity(
         0.0,
         "s",
-        "a command comes by up to this later than delay, a multiple of clock.plant",
+        "largest delay of a command beyond delay, a multiple of clock.plant",
         minimum=0,
         usual=(0, 2),
         multiple_of="clock.plant",

@@ -18,7 +18,7 @@ OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 class PoseDelay(Section, key="sensor"):
     """Age of a pose when it comes."""
 
-    pose_delay: float = remembered("age of a pose that comes")
+    pose_delay: float = remembered("age of a pose on arrival")
 
 
 def build(scenario: Scenario) -> System:

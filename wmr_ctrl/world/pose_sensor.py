@@ -39,11 +39,9 @@ class PoseSensor(Section, key="sensor"):
         usual=(0, 5),
     )
     correction: float = quantity(
-        1.0, "1", "share of the pose's difference that is corrected", above=0, maximum=1
+        1.0, "1", "share of the difference to a measured pose that is corrected", above=0, maximum=1
     )
-    pose_dropout: float = quantity(
-        0.0, "1", "probability that a pose does not come", minimum=0, below=1
-    )
+    pose_dropout: float = quantity(0.0, "1", "probability that a pose is lost", minimum=0, below=1)
 
     @property
     def perfect(self) -> bool:

@@ -73,7 +73,7 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
     )
 
     traction: bool = quantity(
-        False, "1", "whether wheel torques stay where the tyres of [body] are sure to grip"
+        False, "1", "limit wheel torques to what the tyres of [body] can certainly transmit"
     )
 
     @property
@@ -94,7 +94,7 @@ class Base(
     tau_believed: tuple[float, float] | None = quantity(
         None,
         "s",
-        "time constants that laws believe; left out: tau, of a PI loop mass over kp",
+        "time constants that laws assume; default: tau, for a PI loop mass over kp",
         size=2,
         above=0,
         usual=(0, 5),

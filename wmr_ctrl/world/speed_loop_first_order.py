@@ -25,7 +25,10 @@ class FirstOrderGains(Section, key="base"):
         (0.2, 0.2), "s", "time constants of the first-order loop", above=0, usual=(0, 5)
     )
     gain: tuple[float, float] = quantity(
-        (1.0, 1.0), "1", "speed over command at rest, of the first-order loop", above=0
+        (1.0, 1.0),
+        "1",
+        "steady-state speed divided by the command, of the first-order loop",
+        above=0,
     )
 
 

@@ -23,11 +23,11 @@ INTEGRAL = Signal("f_integral", "N, N.m", "integral force of the speed loop", 2)
 class PiLoopGains(Section, key="base"):
     """Gains of the PI loop: of both wheels together, at their rim."""
 
-    kp: float = quantity(150.0, "N.s/m", "gain of the PI loop, of both wheels", above=0)
-    ki: float = quantity(300.0, "N/m", "integral gain of the PI loop, of both wheels", minimum=0)
-    antiwindup: bool = quantity(
-        True, "1", "whether the integral rests while the wheels are at their limit"
+    kp: float = quantity(150.0, "N.s/m", "gain of the PI loop, both wheels together", above=0)
+    ki: float = quantity(
+        300.0, "N/m", "integral gain of the PI loop, both wheels together", minimum=0
     )
+    antiwindup: bool = quantity(True, "1", "stop the integral while the wheels are at their limit")
 
 
 def build(scenario: Scenario) -> System:

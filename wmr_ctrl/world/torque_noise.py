@@ -26,7 +26,11 @@ class TorqueNoise(Section, key="disturbance"):
 
     std: float = quantity(1.0, "N.m", "standard deviation of the torque on each wheel", minimum=0)
     truncate: float = quantity(
-        math.inf, "1", "draw again beyond this many std; inf: never", above=0, infinite=True
+        math.inf,
+        "1",
+        "noise beyond this many std is drawn again; inf: never",
+        above=0,
+        infinite=True,
     )
 
 

@@ -24,7 +24,7 @@ class VelocityLoss(Section, key="sensor"):
     """Largest number of velocities lost in a row."""
 
     velocity_losses: int = quantity(
-        0, "1", "most measured velocities in a row that are lost", minimum=0
+        0, "1", "largest number of consecutive lost velocities", minimum=0
     )
 
 

@@ -21,7 +21,7 @@ class VelocityMean(Section, key="sensor"):
     """Window and age of the measured velocity."""
 
     velocity_window: float = remembered("time over which the velocity is averaged")
-    velocity_age: float = remembered("how long ago that time ended")
+    velocity_age: float = remembered("age of the end of that window")
 
 
 def build(scenario: Scenario) -> System:

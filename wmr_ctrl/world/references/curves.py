@@ -17,9 +17,7 @@ class Circle(Reference):
     """Circle through the origin, as in Section V: x = R sin wt, y = R - R cos wt."""
 
     radius: float = quantity(2.0, "m", "radius of the desired circle", minimum=1e-6)
-    rate: float = quantity(
-        0.1, "rad/s", "angular rate of the desired motion; negative: driven backwards"
-    )
+    rate: float = quantity(0.1, "rad/s", "angular rate of the desired motion; negative: backwards")
 
 
 def circle(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:

@@ -40,7 +40,7 @@ class Reference(Section, key="reference"):
     keep_out: tuple[tuple[float, ...] | tuple[tuple[float, float], ...], ...] = quantity(
         (),
         "m",
-        "what the body must not touch: circles [x, y, r], polygons [[x, y], ...]",
+        "obstacles: circles [x, y, r], polygons [[x, y], ...]",
         kind="shapes",
     )
 

@@ -77,14 +77,14 @@ class Waypoints(Reference):
         kind="points",
     )
     speed: float = quantity(0.2, "m/s", "speed wherever no limit is lower", minimum=1e-6)
-    v_max: float | None = quantity(None, "m/s", "largest v1_d, in place of speed", minimum=1e-6)
+    v_max: float | None = quantity(None, "m/s", "largest v1_d, instead of speed", minimum=1e-6)
     omega_max: float = quantity(1.0, "rad/s", "largest |v2_d|", minimum=1e-6)
     a_max: float = quantity(0.2, "m/s2", "largest rate of v1_d", minimum=1e-6)
     alpha_max: float = quantity(1.0, "rad/s2", "largest rate of v2_d", minimum=1e-6)
     tolerance: float | None = quantity(
         None,
         "m",
-        "how far a corner may be cut; left out: smooth through all points",
+        "how far a corner may be cut; left out: a smooth path through all points",
         minimum=1e-6,
         usual=(0, 5),
     )
