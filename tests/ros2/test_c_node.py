@@ -59,8 +59,8 @@ def test_a_frame_is_a_text_of_c_whatever_is_in_it():
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("speed=1", "no parameter that is compiled"),
-        ("scenario=mine.toml", "no parameter that is compiled"),
+        ("speed=1", "not a parameter that can be compiled"),
+        ("scenario=mine.toml", "not a parameter that can be compiled"),
         ("rise=[1.0]", "must be like its default"),
         ("rise=fast", "must be like its default"),
         ("command_timeout=[1.0]", "must be like its default"),

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, Self, TypeVar
 
 from wmr_ctrl.errors import ScenarioError, choices
@@ -24,6 +25,7 @@ class Angle(Protocol):
 
 
 T = TypeVar("T", bound=Angle)
+Q = TypeVar("Q", bound=Any)
 
 PAPER = "paper"
 FRAMES = {PAPER: 0.0, "rep103": math.pi / 2}
@@ -59,6 +61,16 @@ def inward(theta: T, frames: str) -> T:
     bit for every ``y = inward(x)``, since x is then the double nearest to y + pi/2, or y is exact.
     """
     return theta - FRAMES[frames] if FRAMES[frames] else theta
+
+
+def theta_of(quaternion: Sequence[Q], atan2: Callable[[Q, Q], Q]) -> Q:
+    """Orientation [rad] as inside, up to whole turns, of a pose as ROS has it: (x, y, z, w).
+
+    Its yaw by REP 103 less a quarter turn, of any tilt and length; numbers, arrays and symbols,
+    whose ``atan2`` is given.
+    """
+    x, y, z, w = quaternion
+    return atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z) - FRAMES["rep103"]
 
 
 def described(text: str, frames: str) -> str:

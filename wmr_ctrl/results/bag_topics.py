@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.fields.orientation import theta_of
 from wmr_ctrl.results.bag import (
     JOINTS,
     ODOMETRY,
@@ -256,7 +257,6 @@ def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
     """Velocities, and poses where they are of the robot's motion; theta = yaw - pi/2."""
     columns = _named(SPEEDS, topic.values[:, :2])
     x, y, *turn = topic.values[:, 2:].T
-    qx, qy, qz, qw = turn
     reason = ""
     if topic.frame.rpartition("/")[2] == MAP:
         reason = "they are in the frame map, in which poses jump"
@@ -267,8 +267,7 @@ def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
     if reason:
         remarks.append(f"{topic.name}: poses are left out, since {reason}.")
         return columns
-    yaw = np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy**2 + qz**2))
-    pose = np.column_stack((x, y, np.unwrap(yaw) - math.pi / 2))
+    pose = np.column_stack((x, y, np.unwrap(theta_of(turn, np.arctan2))))
     return columns | _named(POSES, pose)
 
 

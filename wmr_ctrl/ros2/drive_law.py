@@ -15,6 +15,7 @@ from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import controller, unfiltered_controller
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.orientation import theta_of
 from wmr_ctrl.filter.channels import SENT
 from wmr_ctrl.model.kinematics import tracking_error
 from wmr_ctrl.model.system import Output, System, port, stack
@@ -46,9 +47,7 @@ def heading(quaternion: ca.SX, near: ca.SX) -> ca.SX:
 
     Of all its turns it is the one nearest to ``near`` [rad], so that it goes on through +-pi.
     """
-    x, y, z, w = ca.vertsplit(quaternion)
-    yaw = ca.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
-    theta = yaw - ca.pi / 2
+    theta = theta_of(ca.vertsplit(quaternion), ca.atan2)
     turns = ca.floor((near - theta) / (2 * ca.pi) + 0.5)
     return theta + 2 * ca.pi * turns
 
