@@ -27,6 +27,9 @@ OF_LINEAR_LOOPS = "memoryless clip, for linear loops with peak gains up to {0:.4
 BEHIND_SLEW = (
     "clip of commands that change by at most {0:.4g} m/s2, {1:.4g} rad/s2, for linear loops"
 )
+WITHIN_FORCE = (
+    "band, for linear loops whose numbers stay as they are, within {0:.4g} N, {1:.4g} N.m"
+)
 MILLISECOND = 1e-3
 PER_CENT = 1e-2
 SETTLED = 40.0
@@ -75,6 +78,8 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
         if stated.slew is not None:  # what varies of a delay is what costs
             statement, strong = BEHIND_SLEW.format(*stated.slew), None
             late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
+        if stated.force is not None:
+            statement = WITHIN_FORCE.format(*stated.force)
         swung = _swung(scenario, usable)
         return FilterFacts(
             stated.kind, statement, high, usable, late, strong, broken, overshoot(scenario), swung
@@ -95,6 +100,8 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
     filtering, stated = CommandFilter(scenario), scenario.filter
     if not filtering.governs:
         steps = MOST_COMMANDS if stated.kind == "band" else 1
+        if stated.force is not None:  # it speeds up no faster than that
+            steps *= 8
         if stated.slew is not None:
             limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
             steps = math.ceil(max(V / a for V, a in limits) / scenario.clock.control) + 1

@@ -12,7 +12,8 @@ behind the tables left exp(-rate t) for both brackets.  A change D to the comman
 - D^- low(s) to the first and D^- high(s) - D^+ low(s) to the second.  It is admitted where both
 stay within c = (V - delta)/K for all s, and also if the command 0 follows a period later: so 0 is
 always admitted, and the admitted commands are an interval around it.  A delay that is constant
-moves all of this in time, for every command alike.
+moves all of this in time, for every command alike.  Motors that give only so much force:
+`force_band`.
 """
 
 from __future__ import annotations
@@ -57,12 +58,16 @@ kept back against rounding."""
 
 @dataclass(frozen=True)
 class ResponseTable:
-    """Bounds of the step response on each piece, the last one for ever, and how the tail fades."""
+    """Bounds of the step response on each piece, the last one for ever, and how the tail fades.
+
+    ``rest``: where the response ends.
+    """
 
     low: ca.SX
     high: ca.SX
     left: ca.SX
     fading: ca.SX
+    rest: int = 1
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ class Forecast:
     def changed(self, to: ca.SX, table: ResponseTable) -> Forecast:
         """The same with another command from now on."""
         up, down = ca.fmax(to - self.u, 0), ca.fmax(self.u - to, 0)
-        high, low = table.high[:-1] - 1, 1 - table.low[:-1]
+        high, low = table.high[:-1] - table.rest, table.rest - table.low[:-1]
         return Forecast(
             self.over + up * high + down * low,
             self.under + up * low + down * high,
@@ -108,7 +113,7 @@ class Forecast:
         held, *stopped = self.lines(c, table, inverse)
         later = reduce(ca.fmin, (held[PIECES:], *stopped))  # piece by piece: a loop in C
         first, last = ca.vertsplit(held[:PIECES]), later[-1]
-        return ca.fmax(reduce(ca.fmin, (_least(later[:-1]), last, *first)), 0)
+        return ca.fmax(reduce(ca.fmin, (least_of(later[:-1]), last, *first)), 0)
 
     def lines(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> list[ca.SX]:
         """Largest u of each condition: for v held, then for v and -v where 0 follows, twice."""
@@ -141,7 +146,7 @@ def _younger(values: ca.SX, worse: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:
     return ca.vertcat(values[: -PIECES - 1], reduce(worse, last))
 
 
-def _least(values: ca.SX) -> ca.SX:
+def least_of(values: ca.SX) -> ca.SX:
     """The least element, by halves, which are loops in C."""
     while values.numel() > 1:
         half = (values.numel() + 1) // 2
@@ -149,10 +154,25 @@ def _least(values: ca.SX) -> ca.SX:
     return values
 
 
-class BandGovernor:
-    """The graph of the band's step; its state is the forecast of each axis."""
+CONDITIONS = {
+    "held_high": "for v held, by the largest response",
+    "held_low": "for v held, by the least response",
+    "stop_high": "for v where 0 follows, by the largest response",
+    "stop_high_back": "for -v where 0 follows, by the largest response",
+    "stop_low": "for v where 0 follows, by the least response",
+    "stop_low_back": "for -v where 0 follows, by the least response",
+}
 
-    def __init__(self, scenario: Scenario) -> None:
+
+class BandGovernor:
+    """The graph of the band's step; its state is the forecast of each axis.
+
+    ``conditions``: names of those that it holds its commands to.
+    """
+
+    conditions: tuple[str, ...] = tuple(CONDITIONS)
+
+    def __init__(self, scenario: Scenario, further: tuple[Port, ...] = ()) -> None:
         """Take the ports, and enclose the family's step responses."""
         self.scenario, self.asked = scenario, port(ASKED)
         pushes = [item.push for item in peak_gains(scenario)]
@@ -160,27 +180,44 @@ class BandGovernor:
         self.state = [_forecast(axis, len(tables[axis].low)) for axis in AXES]
         self.last = port(LAST)
         known = [_table(axis, tables[axis], scenario.clock.control) for axis in AXES]
-        delta, slopes = port(DELTA, pushes), [_slopes(axis, *known[axis][:2]) for axis in AXES]
+        delta, slopes = port(DELTA, pushes), [self._slopes(axis, *known[axis][:2]) for axis in AXES]
         ports = (
             delta,
             *(item for own in known for item in own),
             *(s for own in slopes for s in own),
+            *further,
         )
         self.p = Parameters(scenario, ports)
         gain = self.p.take("filter.gain")
-        self.tables = [ResponseTable(*(item.sym for item in own)) for own in known]
+        self.tables = [
+            ResponseTable(low.sym, high.sym, left.sym, fading.sym)
+            for low, high, left, fading in known
+        ]
         self.inverse = [[item.sym for item in own] for own in slopes]
         numbers = ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), delta.sym
         self.channels = channels_of(scenario, self.p, numbers, ca.SX(0))
         self.sound = sound(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
 
+    def _slopes(self, axis: int, low: Port, high: Port) -> list[Port]:
+        """What the conditions divide by, worked out once: divisions take most of a step's time."""
+        inverse = ca.Function("inverse", [low.sym, high.sym], inverse_slopes(low.sym, high.sym))
+        values = [item.full().ravel() for item in inverse(low.value, high.value)]
+        return [
+            port(
+                Signal(f"filter.{name}_{NAMES[axis]}", "1", f"1 over the slope {what}", len(own)),
+                own,
+            )
+            for (name, what), own in zip(CONDITIONS.items(), values, strict=True)
+            if name in self.conditions
+        ]
+
     @property
     def forecasts(self) -> list[Forecast]:
         """What is known at the sample."""
         return [
-            Forecast(over.sym, under.sym, tail.sym, self.last.sym[axis])
-            for axis, (over, under, tail) in enumerate(self.state)
+            Forecast(over.sym, under.sym, tail.sym, self.last.sym[number % len(AXES)])
+            for number, (over, under, tail) in enumerate(self.state)
         ]
 
     @cached_property
@@ -214,7 +251,10 @@ class BandGovernor:
     def system(self) -> System:
         """The sampled System."""
         pairs = zip(self.forecasts, self.tables, strict=True)
-        after = [was.changed(self.sent[i], t).later(t) for i, (was, t) in enumerate(pairs)]
+        after = [
+            was.changed(self.sent[number % len(AXES)], table).later(table)
+            for number, (was, table) in enumerate(pairs)
+        ]
         flags = ca.if_else(self.sound, limited(self.sent, self.command) + self.refused, UNSOUND)
         parts = [part for f in after for part in (f.over, f.under, f.tail)]
         return System(
@@ -249,26 +289,6 @@ def _table(axis: int, known: Band, T: float) -> tuple[Port, Port, Port, Port]:
         port(Signal(f"filter.left_{name}", "1", f"{name} from its command, behind"), known.left),
         port(Signal(f"filter.fading_{name}", "1", "what stays of that in a period"), fading),
     )
-
-
-def _slopes(axis: int, low: Port, high: Port) -> list[Port]:
-    """What the conditions divide by, worked out once: divisions take most of a step's time."""
-    inverse = ca.Function("inverse", [low.sym, high.sym], inverse_slopes(low.sym, high.sym))
-    values = [item.full().ravel() for item in inverse(low.value, high.value)]
-    return [
-        port(Signal(f"filter.{name}_{NAMES[axis]}", "1", f"1 over the slope {what}", len(own)), own)
-        for (name, what), own in zip(CONDITIONS.items(), values, strict=True)
-    ]
-
-
-CONDITIONS = {
-    "held_high": "for v held, by the largest response",
-    "held_low": "for v held, by the least response",
-    "stop_high": "for v where 0 follows, by the largest response",
-    "stop_high_back": "for -v where 0 follows, by the largest response",
-    "stop_low": "for v where 0 follows, by the least response",
-    "stop_low_back": "for -v where 0 follows, by the least response",
-}
 
 
 def enclosed(scenario: Scenario, axis: int) -> Band:

@@ -47,7 +47,7 @@ class Span:
         """Enclosure of the difference."""
         return self + -_span(other)
 
-    def __mul__(self, other: Span | float) -> Span:
+    def __mul__(self, other: Span | Floats | float) -> Span:
         """Enclosure of the product."""
         given = _span(other)
         corners = [a * b for a in (self.lo, self.hi) for b in (given.lo, given.hi)]
@@ -145,7 +145,7 @@ def _rolling(x: Span, function: Callable[[Floats], Floats], steep: Floats, least
     return Span(low - 1e-12 * (1 + np.abs(low)), high + 1e-12 * (1 + np.abs(high)))
 
 
-def _span(value: Span | float) -> Span:
+def _span(value: Span | Floats | float) -> Span:
     return value if isinstance(value, Span) else Span.of(value)
 
 

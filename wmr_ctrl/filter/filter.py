@@ -18,6 +18,7 @@ from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.filter.band import BandGovernor
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
+from wmr_ctrl.filter.force_band import ForceBand
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.filter.peak_gain import PeakGain, peak_gains, pi_loop
 from wmr_ctrl.model.system import System
@@ -126,6 +127,8 @@ def filter_system(scenario: Scenario) -> System:
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
     check_filter(scenario)
+    if scenario.filter.force is not None:
+        return ForceBand(scenario).system
     return BUILDERS[scenario.filter.kind](scenario).system
 
 

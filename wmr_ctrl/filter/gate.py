@@ -79,11 +79,12 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
 
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
-    if scenario.filter.slew is not None:
+    slow = {"slew": scenario.filter.slew, "force": scenario.filter.force}
+    for name in (name for name, value in slow.items() if value is not None):
         raise ScenarioError(
-            "filter.slew: a gate sends 0 at once where the program that it stands in stops, and "
-            "the clip counts on commands that change slowly. Leave it out, and filter.kind = "
-            '"clip" or "band" holds behind a gate.'
+            f"filter.{name}: a gate sends 0 at once where the program that it stands in stops, and "
+            "this filter counts on commands that change as it sent them. Leave it out: without it "
+            'filter.kind = "clip" or "band" holds behind a gate.'
         )
     inner = filter_system(scenario)
     ports = {item.signal: item for item in inner.inputs}

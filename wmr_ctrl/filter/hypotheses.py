@@ -111,12 +111,7 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
             "[[changes]] gives the robot another mass while it drives, and the peak gain is that "
             "of loops that stay as they are. Leave mass and inertia as they are."
         )
-    if math.isfinite(scenario.actuator.tau_max):
-        yield (
-            f"actuator.tau_max = {scenario.actuator.tau_max:g} N.m: behind a torque limit the "
-            "integral of the loop may wind up, and the speed then passes its command by more than "
-            "the peak gain says. Leave it out, if commands stay low enough for the motors."
-        )
+    yield from _of_weak_motors(scenario)
     pushes = bound.dbar[0] + largest_friction(scenario), bound.dbar[1]
     for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):
         if push > stated.push[axis] * (1 + ROUNDING):
@@ -129,6 +124,27 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
         yield (
             "base.quantum rounds the command, which a filter for PI loops does not count. Set it "
             "to 0."
+        )
+
+
+def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
+    """A torque limit that the loop may reach."""
+    most, force, robot = scenario.actuator.tau_max, scenario.filter.force, scenario.robot
+    if math.isinf(most):
+        return
+    if force is None:
+        yield (
+            f"actuator.tau_max = {most:g} N.m: behind a torque limit the integral of the loop may "
+            "wind up, and the speed then passes its command by more than the peak gain says. State "
+            'filter.force with filter.kind = "band", which keeps the loop within what its motors '
+            "give, or leave it out, if commands stay low enough for the motors."
+        )
+        return
+    needed = robot.r * (force[0] + force[1] / robot.l) / 2
+    if needed > most * (1 + ROUNDING):
+        yield (
+            f"actuator.tau_max = {most:g} N.m: filter.force = [{force[0]:g}, {force[1]:g}] may ask "
+            f"a wheel for {needed:.4g} N.m, r (F + moment/l)/2. State less force."
         )
 
 

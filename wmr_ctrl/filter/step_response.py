@@ -13,6 +13,7 @@ the ends of pieces of time.  Within a piece e is as near to its ends as e'' lets
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,16 +33,23 @@ LAG_PIECES = 200
 
 @dataclass(frozen=True)
 class Cells:
-    """Parts of a family: intervals of a, b and gamma; ``b`` - a^2/4 is ``w2``."""
+    """Parts of a family: intervals of a, b and gamma; ``w2`` is b - a^2/4.
+
+    Of PI loops also of ``mass``, ``kp`` and ``ki``; 0 else.
+    """
 
     a: Span
     b: Span
     gamma: Span
     w2: Span
+    mass: Span
+    kp: Span
+    ki: Span
 
     def __getitem__(self, part: slice) -> Cells:
         """Some of the cells, as a column."""
-        return Cells(*(item[part, None] for item in (self.a, self.b, self.gamma, self.w2)))
+        every = (self.a, self.b, self.gamma, self.w2, self.mass, self.kp, self.ki)
+        return Cells(*(item[part, None] for item in every))
 
 
 @dataclass(frozen=True)
@@ -73,7 +81,9 @@ def pi_cells(loop: PiLoop) -> Cells:
     high = np.minimum((Span.of(c.hi) / most).hi, (Span.of(a.hi) - Span.of(kp.lo) / most).hi)
     low = np.maximum((Span.of(c.lo) / least).lo, (Span.of(a.lo) - Span.of(kp.hi) / least).lo)
     gamma = Span(np.maximum(low, 0.0), np.maximum(high, 0.0))
-    return Cells(a, b, gamma, b - 0.25 * square(a))
+    mass = Span(light, heavy)
+    own_kp, own_ki = _shared(a * mass - c, kp), _shared(b * mass, ki)
+    return Cells(a, b, gamma, b - 0.25 * square(a), mass, own_kp, own_ki)
 
 
 def cells_of(scenario: Scenario, axis: int) -> Cells:
@@ -90,6 +100,11 @@ def _beside(place: Floats, low: Floats, high: Floats) -> Span:
     return Span(inside * (1 - 2.0**-50), inside * (1 + 2.0**-50))
 
 
+def _shared(x: Span, y: Span) -> Span:
+    """What two enclosures of one number have in common."""
+    return Span(np.maximum(x.lo, y.lo), np.minimum(x.hi, y.hi))
+
+
 def _quotient(x: Span, y: Span) -> Span:
     """Range of x/y, both positive and independent."""
     return Span((Span.of(x.lo) / Span.of(y.hi)).lo, (Span.of(x.hi) / Span.of(y.lo)).hi)
@@ -99,7 +114,8 @@ def second_order_cells(frequency: tuple[float, float], damping: tuple[float, flo
     """Cells of (w0, z)."""
     w0, z = _grid(Span.of(*frequency), Span.of(*damping))
     a, b = 2 * z * w0, square(w0)
-    return Cells(a, b, a, b * (1 - square(z)))
+    none = Span.of(np.zeros_like(a.lo))
+    return Cells(a, b, a, b * (1 - square(z)), none, none, none)
 
 
 def _grid(first: Span, second: Span) -> tuple[Span, Span]:
@@ -111,31 +127,88 @@ def _grid(first: Span, second: Span) -> tuple[Span, Span]:
 
 def deviation(cells: Cells, t: Span) -> tuple[Span, Span]:
     """e and e' at times t (a row)."""
-    faded, x = exp(-0.5 * cells.a * t), cells.w2 * square(t)
-    turning, swinging = cosine(x), t * sine_over(x)
+    faded, turning, swinging = _swing_of(cells, t)
     e = faded * (turning + (cells.gamma - 0.5 * cells.a) * swinging)
-    phi, rate = faded * swinging, faded * (turning - 0.5 * cells.a * swinging)
+    rate, phi = _modes(faded, turning, swinging, cells.a)
     return e, -((cells.a - cells.gamma) * rate) - cells.b * phi
+
+
+def _modes(faded: Span, turning: Span, swinging: Span, a: Span) -> tuple[Span, Span]:
+    """phi' and phi, the response to an impulse of 1/(s^2 + a s + b)."""
+    return faded * (turning - 0.5 * a * swinging), faded * swinging
+
+
+def _swing_of(cells: Cells, t: Span) -> tuple[Span, Span, Span]:
+    """exp(-a t/2), cos(w t) and sin(w t)/w."""
+    x = cells.w2 * square(t)
+    return exp(-0.5 * cells.a * t), cosine(x), t * sine_over(x)
 
 
 def band(cells: Cells, T: float, pieces: int, most: int) -> Band:
     """Bounds of the family's step responses; ``pieces`` a period, ``most`` periods at most."""
-    rate = _slowest(cells)
-    periods = int(np.clip(np.ceil(SWINGS / (rate * T)), 4, most))
-    times = np.arange(periods * pieces + 1) * (T / pieces)
+    rate, times = _slowest(cells), _times(cells, T, pieces, most)
     low, high = np.full(len(times) - 1, np.inf), np.full(len(times) - 1, -np.inf)
     left = 0.0
-    for start in range(0, len(cells.a.lo), CHUNK):
-        part = cells[start : start + CHUNK]
-        e, speed = deviation(part, Span(_down(times)[None], _up(times)[None]))
-        energy = square(speed) + part.b * square(e)
-        bent = (part.a + root(part.b)) * root(energy) * ((T / pieces) ** 2 * (1 + 1e-12) / 8)
-        upper = _up(np.maximum(e.hi[:, :-1], e.hi[:, 1:]) + bent.hi[:, :-1])
-        lower = _down(np.minimum(e.lo[:, :-1], e.lo[:, 1:]) - bent.hi[:, :-1])
+    for part, e, speed in _responses(cells, times):
+        lower, upper = _between(part, e, speed, T / pieces)
         low = np.minimum(low, _down(1 - np.max(upper, axis=0)))
         high = np.maximum(high, _up(1 - np.min(lower, axis=0)))
         left = max(left, float(_left(part, e, speed, rate).max()))
     return Band(np.maximum(low, 0.0), high, left, rate)
+
+
+def force_band(cells: Cells, T: float, pieces: int, most: int) -> Band:
+    """The same for M S', the force that speeds a base with a PI loop up behind a step.
+
+    It ends at 0.  e' fulfils the equation of e, so that its pieces are bounded alike, and at their
+    ends M S' is kp and ki times what a, b and time alone make.
+    """
+    rate, times = _slowest(cells), _times(cells, T, pieces, most)
+    low, high = np.full(len(times) - 1, np.inf), np.full(len(times) - 1, -np.inf)
+    left = 0.0
+    for part, e, speed in _responses(cells, times):
+        bend = -(part.a * speed) - part.b * e
+        pulled, pushed = _modes(
+            *_swing_of(part, Span(_down(times)[None], _up(times)[None])), part.a
+        )
+        ends = _shared(part.kp * pulled + part.ki * pushed, -(part.mass * speed))
+        bent = part.mass * _bent(part, speed, bend, T / pieces)
+        force = Span(np.minimum(ends.lo[:, :-1], ends.lo[:, 1:]),
+                     np.maximum(ends.hi[:, :-1], ends.hi[:, 1:]))  # fmt: skip
+        force = Span((force - bent).lo, (force + bent).hi)
+        low, high = np.minimum(low, force.lo.min(axis=0)), np.maximum(high, force.hi.max(axis=0))
+        left = max(left, float((part.mass * _left(part, speed, bend, rate)).hi.max()))
+    return Band(low, high, left, rate)
+
+
+def _times(cells: Cells, T: float, pieces: int, most: int) -> Floats:
+    periods = int(np.clip(np.ceil(SWINGS / (_slowest(cells) * T)), 4, most))
+    return np.asarray(np.arange(periods * pieces + 1) * (T / pieces))
+
+
+def _responses(cells: Cells, times: Floats) -> Iterator[tuple[Cells, Span, Span]]:
+    """Some cells after the other, with e and e' of each at all times."""
+    for start in range(0, len(cells.a.lo), CHUNK):
+        part = cells[start : start + CHUNK]
+        e, speed = deviation(part, Span(_down(times)[None], _up(times)[None]))
+        yield part, e, speed
+
+
+def _between(cells: Cells, x: Span, slope: Span, length: float) -> tuple[Floats, Floats]:
+    """Bounds of a response x on each piece, from what it and its slope are at the ends."""
+    bent = _bent(cells, x, slope, length).hi
+    upper = _up(np.maximum(x.hi[:, :-1], x.hi[:, 1:]) + bent)
+    lower = _down(np.minimum(x.lo[:, :-1], x.lo[:, 1:]) - bent)
+    return lower, upper
+
+
+def _bent(cells: Cells, x: Span, slope: Span, length: float) -> Span:
+    """How far a response is from the line between the ends of each piece, at most.
+
+    Its energy never grows, so that of a piece's start bounds how much it bends.
+    """
+    energy = square(slope[..., :-1]) + cells.b * square(x[..., :-1])
+    return (cells.a + root(cells.b)) * root(energy) * (length**2 * (1 + 1e-12) / 8)
 
 
 def lag(cells: Cells) -> float:
@@ -148,12 +221,9 @@ def lag(cells: Cells) -> float:
     times = np.linspace(0.0, 2 * SWINGS / rate, LAG_PIECES + 1)
     longest = float(_up(np.diff(times).max()))
     longest_lag = 0.0
-    for start in range(0, len(cells.a.lo), CHUNK):
-        part = cells[start : start + CHUNK]
-        e, speed = deviation(part, Span(_down(times)[None], _up(times)[None]))
-        energy = square(speed[..., :-1]) + part.b * square(e[..., :-1])
-        bent = (part.a + root(part.b)) * root(energy) * (longest**2 * (1 + 1e-12) / 8)
-        mean = 0.5 * (e.magnitude[..., :-1] + e.magnitude[..., 1:]) + bent
+    for part, e, speed in _responses(cells, times):
+        mean = 0.5 * (e.magnitude[..., :-1] + e.magnitude[..., 1:])
+        mean = mean + _bent(part, e, speed, longest)
         behind = Span.of(_left(part, e, speed, rate)) / rate
         total = np.sum(mean.hi, axis=1, keepdims=True) * (1 + LAG_PIECES * 2.0**-52)
         longest_lag = max(longest_lag, float((Span.of(total) * longest + behind).hi.max()))

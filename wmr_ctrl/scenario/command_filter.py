@@ -93,6 +93,10 @@ class Filter(Section, key="filter"):
     push: tuple[float, float] = quantity(
         (0.0, 0.0), "N, N.m", "largest push on a base with PI loops", minimum=0
     )
+    force: tuple[float, float] | None = quantity(
+        None, "N, N.m", "largest force and moment that motors behind PI loops surely give", size=2,
+        above=0,
+    )  # fmt: skip
     slew: tuple[float, float] | None = quantity(
         None, "m/s2, rad/s2", "fastest change of commands that a linear loop's clip allows",
         size=2, above=0,
@@ -119,6 +123,12 @@ class Filter(Section, key="filter"):
             self._relate_band()
         if self.slew is not None:
             self._relate_slew()
+        if self.force is not None and (self.kind, self.loop) != ("band", "pi"):
+            raise ScenarioError(
+                'filter.force is for filter.kind = "band" with filter.loop = "pi": the other '
+                "filters know no force. A base that never overshoots is kept by the clip, however "
+                "weak its motors are. Leave it out."
+            )
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.scale = "axes" limits v and omega each by itself, which wheels do not '

@@ -43,6 +43,7 @@ THEMES = (
     ("gate", "The gate before a base"),
     ("filter_loops", "The command filter of bases that take velocities"),
     ("filter_band", "The command filter of bases that take velocities"),
+    ("filter_force", "The command filter of bases that take velocities"),
     ("filter_rounding", "The command filter of bases that take velocities"),
     ("world", "Encoders and wheels"),
     ("drive_bounds", "Motors and late drives"),

@@ -1,0 +1,198 @@
+"""The band of a base whose motors give only so much force: speed and force, held within both.
+
+A PI loop is linear as long as its motors give what it asks for, F = M v' + c v - d.  Commands lead
+to the part sum of Delta_j M S'(age_j) of M v', which fades to 0 behind each change and lies between
+tables of M S' over the whole family (`step_response.force_band`).  So with
+
+    |sum of Delta_j M S'(age_j)| <= f,    f = filter.force - c_max V - N dbar
+
+the loop never asks for more than filter.force, since |c v| <= c_max V and pushes make it give at
+most N dbar, N its peak gain.  What is known of speed and of force ahead, if the command stays as it
+is, is a `Forecast` each.  A change is admitted where both stay within c and f for ever if the new
+command is held: so the old command always is, and the admitted ones are an interval around it.
+Zero at once may take more force than there is: a stop is the fastest admitted ramp.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property, lru_cache
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.band import (
+    FLATTEST,
+    MOST_COMMANDS,
+    NAMES,
+    PIECES,
+    BandGovernor,
+    Forecast,
+    ResponseTable,
+    least_of,
+)
+from wmr_ctrl.filter.channels import AXES, ROUNDING, TINY, scaled
+from wmr_ctrl.filter.governor import largest_command
+from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains, pi_loop
+from wmr_ctrl.filter.step_response import Band, force_band, pi_cells
+from wmr_ctrl.model.system import Port, port
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import LARGEST, Signal
+
+UNITS = ("N", "N.m")
+ROOM = Signal("filter.force_room", "N, N.m", "force that is left to change the speed", 2)
+
+
+def force_room(scenario: Scenario) -> tuple[float, float]:
+    """f of both axes [N, N m].  ScenarioError where nothing is left to change the speed with."""
+    settings, l = scenario.filter, scenario.robot.l
+    assert settings.force is not None  # the band asks for it
+    arms, peaks, left = (1.0, l**2), peak_gains(scenario), []
+    for i in AXES:
+        friction = settings.friction[1] * arms[i] * scenario.limits.v_u1[i]
+        pushed = peaks[i].gain * settings.push[i]
+        needed = (friction + pushed) * (1 + 2.0**-40)
+        left.append(settings.force[i] - needed)
+        if left[i] <= ROUNDING * settings.force[i]:
+            raise ScenarioError(
+                f"filter.force[{i + 1}] = {settings.force[i]:g} {UNITS[i]} leaves nothing to "
+                f"change the speed with: friction at the limit takes up to {friction:.4g}, and "
+                f"against pushes the loop may give {pushed:.4g}. State more than {needed:.4g}, a "
+                "smaller push or friction, or a lower limit."
+            )
+    return left[0], left[1]
+
+
+def force_table(scenario: Scenario, axis: int) -> tuple[Port, Port, Port]:
+    """Tables of M S' of an axis, the last entry for ever, and what is left behind them."""
+    known, arm = _tables(pi_loop(scenario, axis), scenario.clock.control), scenario.robot.l**2
+    share = (1.0, arm)[axis] * (1 + 2.0**-50)  # the loop's numbers are at the rim
+    low, high = np.append(known.low, -known.left), np.append(known.high, known.left)
+    name, unit = NAMES[axis], ("N.s/m", "N.m.s")[axis]
+    own = (
+        (f"filter.least_force_{name}", f"least force behind a step of {name}", _wider(low, share)),
+        (
+            f"filter.most_force_{name}",
+            f"largest force behind a step of {name}",
+            -_wider(-high, share),
+        ),
+        (f"filter.left_force_{name}", f"force behind the tables of {name}", [known.left * share]),
+    )
+    least, most, left = (
+        port(Signal(key, unit, meaning, len(values)), values) for key, meaning, values in own
+    )
+    return least, most, left
+
+
+def _wider(low: np.ndarray, share: float) -> np.ndarray:
+    """Lower bounds times ``share``, rounded down."""
+    return np.asarray(low * share - 2.0**-49 * np.abs(low * share))
+
+
+@lru_cache(maxsize=8)
+def _tables(loop: PiLoop, T: float) -> Band:
+    return force_band(pi_cells(loop), T, PIECES, MOST_COMMANDS)
+
+
+def force_forecast(axis: int, size: int) -> tuple[Port, Port, Port]:
+    """What is known of an axis' force: bounds of it and of its negative, ahead and far ahead."""
+    name, unit = NAMES[axis], UNITS[axis]
+    return (
+        port(Signal(f"over_force_{name}", unit, f"bound of the force on {name}, ahead", size)),
+        port(Signal(f"under_force_{name}", unit, f"bound of its negative on {name}, ahead", size)),
+        port(Signal(f"tail_force_{name}", unit, f"bound of the force on {name}, far ahead")),
+    )
+
+
+def inverse_force_slopes(table: ResponseTable) -> tuple[ca.SX, ca.SX]:
+    """1 over high and over -low where they are positive, else 0: there a change takes no force."""
+    least = FLATTEST * table.high[0]
+    return _inverse(table.high, least), _inverse(-table.low, least)
+
+
+def _inverse(slope: ca.SX, least: ca.SX) -> ca.SX:
+    return ca.if_else(slope > 0, 1 / ca.fmax(slope, least), 0)
+
+
+def speed_steps(known: Forecast, c: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Largest rise and fall of the command that keep v and -v within c; ``inverse``: 1/high."""
+    above, below = _rooms(known, c, known.u)
+    return _most(above * inverse), _most(below * inverse)
+
+
+def force_steps(known: Forecast, f: ca.SX, inverse: tuple[ca.SX, ca.SX]) -> tuple[ca.SX, ca.SX]:
+    """The same for the force and its negative, within f."""
+    above, below = _rooms(known, f, ca.SX(0))
+    up, down = inverse
+    rise = ca.fmin(_line(above, up), _line(below, down))
+    fall = ca.fmin(_line(above, down), _line(below, up))
+    return _most(rise), _most(fall)
+
+
+def _rooms(known: Forecast, most: ca.SX, held: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """What is left of ``most`` on each piece and behind them, above and below."""
+    over, under = (ca.vertcat(item, known.tail) for item in (known.over, known.under))
+    return most - (over + held), most - (under - held)
+
+
+def _line(room: ca.SX, inverse: ca.SX) -> ca.SX:
+    return ca.if_else(inverse > 0, room * inverse, LARGEST)
+
+
+def _most(lines: ca.SX) -> ca.SX:
+    """The least of all lines, by halves, and at least 0: holding on is always admitted."""
+    return ca.fmax(least_of(lines), 0)
+
+
+class ForceBand(BandGovernor):
+    """The graph of the step; its state is the forecast of both speeds, then of both forces."""
+
+    conditions = ("held_high",)
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Take the ports, and enclose the family's step responses and what force they take."""
+        tables = [force_table(scenario, axis) for axis in AXES]
+        self.room = port(ROOM, force_room(scenario))
+        slopes = [self._force_slopes(axis, *tables[axis][:2]) for axis in AXES]
+        further = (item for own in (*tables, *slopes) for item in own)
+        super().__init__(scenario, (self.room, *further))
+        for axis, (least, most, left) in enumerate(tables):
+            fading = self.tables[axis].fading
+            self.tables.append(ResponseTable(least.sym, most.sym, left.sym, fading, rest=0))
+            self.state.append(force_forecast(axis, least.signal.size - 1))
+        self.force_inverse = [(up.sym, down.sym) for up, down in slopes]
+
+    def _force_slopes(self, axis: int, least: Port, most: Port) -> tuple[Port, Port]:
+        table = ResponseTable(least.sym, most.sym, ca.SX(0), ca.SX(0), rest=0)
+        inverse = ca.Function("inverse", [least.sym, most.sym], inverse_force_slopes(table))
+        name, size = NAMES[axis], least.signal.size
+        up, down = (item.full().ravel() for item in inverse(least.value, most.value))
+        return (
+            port(Signal(f"filter.force_up_{name}", "1", "1 over the force of a rise", size), up),
+            port(Signal(f"filter.force_down_{name}", "1", "1 over that of a fall", size), down),
+        )
+
+    @cached_property
+    def ends(self) -> list[tuple[ca.SX, ca.SX]]:
+        """Least and largest command of each axis that are admitted."""
+        both = []
+        for i in AXES:
+            bounds, speed, force = self.channels[i].bounds, *self.forecasts[i :: len(AXES)]
+            c = largest_command(bounds.V, bounds)
+            steps = (
+                speed_steps(speed, c, self.inverse[i][0]),
+                force_steps(force, self.room.sym[i], self.force_inverse[i]),
+            )
+            rise, fall = (ca.fmin(*pair) for pair in zip(*steps, strict=True))
+            both.append((speed.u - fall, speed.u + rise))
+        return both
+
+    @cached_property
+    def sent(self) -> ca.SX:
+        """The command (2,): scaled as far as the ends away from 0 say, then within both ends."""
+        back = [ca.fmax(ca.fmin(least, -TINY), -LARGEST) for least, _ in self.ends]
+        room = [ca.fmin(ca.fmax(most, TINY), LARGEST) for _, most in self.ends]
+        asked = [ca.if_else(self.sound, r, 0) for r in self.command]
+        safe = scaled(asked, self.channels, back, room, self.scenario.filter.scale)
+        within = (ca.fmin(ca.fmax(safe[i], ends[0]), ends[1]) for i, ends in enumerate(self.ends))
+        return ca.if_else(self.sound, ca.vertcat(*within), 0)
