@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 import shutil
 import signal
 import subprocess
@@ -27,7 +28,9 @@ AT_ONCE = 3
 """Scripts that run beside each other; each keeps less than half a processor busy."""
 WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnostic-msgs",
           "lifecycle-msgs", "rosgraph-msgs", "std-srvs")  # fmt: skip
-WANTED = (*(f"ros-jazzy-{name}" for name in WHEELS), "colcon-core", "colcon-ros", "cyclonedds")
+AMENT = ("ament-cmake", "ament-package", "ament-cmake-include-directories")
+WANTED = (*(f"ros-jazzy-{name}" for name in (*WHEELS, *AMENT)), "cmake", "colcon-cmake",
+          "colcon-core", "colcon-ros", "cyclonedds")  # fmt: skip
 """ROS 2, what builds its packages, and another vendor's DDS."""
 SLACK, TICK = 0.15, 0.02
 """Time [s] that DDS may take, beside time-outs and ticks; a tick of the nodes that are tested."""
@@ -68,7 +71,15 @@ def install(folder):
         text=True,
         check=False,
     )
-    return done.stderr[-300:] if done.returncode else ""
+    if done.returncode:
+        return done.stderr[-300:]
+    # The wheels' files for CMake name places on the machine that built them: headers of Python and
+    # NumPy, which nothing here includes, and a library that is within another.
+    for file in folder.glob("share/*/cmake/*.cmake"):
+        text = file.read_text(encoding="utf-8")
+        mended = re.sub(r"/opt/python/[^\";]*", str(folder / "include"), text)
+        file.write_text(re.sub(r"/usr/lib64/[^\";]*", "m", mended), encoding="utf-8")
+    return ""
 
 
 @dataclass(frozen=True)
@@ -154,16 +165,20 @@ def report_of(job, ros, environment, folder, running):
     return json.loads(said)
 
 
+def with_python():
+    """Words for a linker: the wheels' librcl wants libpython."""
+    python, shared = sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("LDLIBRARY")
+    yield from ("-Wl,--allow-shlib-undefined,--no-as-needed", f"-Wl,-rpath,{python}")
+    yield f"{python}/{shared}"
+
+
 def built_node(scenario, settings, ros, folder):
     """The filter as a node in C, compiled with the headers and libraries of the wheels."""
     write_node(folder, scenario, node_settings(settings))
     prefix, out = ros.parent.parent, folder / NAME
     units = [path.name for path in folder.glob("*.c")]
     places = [f"-I{path}" for path in (prefix / "include").iterdir()]
-    # The wheels' librcl wants libpython.
-    python, shared = sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("LDLIBRARY")
-    links = ["-Wl,--allow-shlib-undefined,--no-as-needed", f"-L{prefix}/lib", *LINKED]
-    links += [f"-Wl,-rpath,{python}", f"{python}/{shared}", "-lm"]
+    links = [*with_python(), f"-L{prefix}/lib", *LINKED, "-lm"]
     flags = ["-std=gnu11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
     command = ["cc", *flags, *places, *units, "-o", str(out), *links]
     subprocess.run(command, cwd=folder, check=True)

@@ -12,9 +12,11 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 import yaml
 
-from tests.ros2.conftest import OVER_DDS, ROOT
+from tests.ros2.conftest import OVER_DDS, ROOT, with_python
 from tests.ros2.test_node import SCENARIO
+from wmr_ctrl.ros2.c_node import NAME, write_node
 from wmr_ctrl.ros2.parameters import DRIVE, FILTER
+from wmr_ctrl.scenario import load_scenario
 
 PACKAGE = ROOT / "ros" / "wmr_ctrl_ros"
 TABLES = {"filter": FILTER, "drive": DRIVE}
@@ -159,3 +161,34 @@ def test_without_an_environment_a_sentence_says_so(installed, python, said):
 
     assert done.returncode == 2
     assert said in done.stderr
+
+
+@pytest.mark.slow
+@OVER_DDS
+def test_the_node_in_c_is_a_package_of_ament_cmake(ros, environment, tmp_path):
+    """Built by colcon as it was written, and started: a parameter that it has not ends it."""
+    (tmp_path / "base.toml").write_text(SCENARIO, encoding="utf-8")
+    write_node(tmp_path / "src" / NAME, load_scenario(tmp_path / "base.toml"))
+    prefix = str(ros.parent.parent)
+    paths = {"PATH": f"{ros.parent}{os.pathsep}{os.environ['PATH']}", "CMAKE_PREFIX_PATH": prefix}
+    found = {
+        **os.environ,
+        **paths,
+        "AMENT_PREFIX_PATH": prefix,
+        "COLCON_LOG_PATH": str(tmp_path / "log"),
+    }
+    done = subprocess.run(
+        [ros, "-m", "colcon", "build", "--cmake-args",
+         f"-DCMAKE_EXE_LINKER_FLAGS={' '.join(with_python())}"],
+        cwd=tmp_path, env=found, capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    program = tmp_path / "install" / NAME / "lib" / NAME / NAME
+    started = subprocess.run(
+        [ros, "-c", "import os, sys; os.execv(sys.argv[1], sys.argv[1:])", program,
+         "--ros-args", "-p", "rise:=[9.0, 9.0]"],
+        env=environment, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+
+    assert started.returncode == 2
+    assert "the parameter rise cannot be set" in started.stderr
