@@ -90,8 +90,24 @@ class TestSpec:
         """The bound as readers write it, empty if there is none."""
         for sign, bound in (("≥", self.at_least), ("≤", self.at_most)):
             if bound is not None:
-                return f"{sign} {f'{bound:g}' if bound >= 1e-3 else shown(bound, 1)}"
+                text = f"{self.scale * bound:g}" if bound >= 1e-3 else shown(self.scale * bound, 1)
+                return f"{sign} {text}"
         return ""
+
+    @property
+    def scale(self) -> float:
+        """What a number is multiplied by for readers: lengths are in mm."""
+        return 1e3 if self.unit == "m" else 1.0
+
+    @property
+    def label(self) -> str:
+        """What is measured, and the unit in which readers see it."""
+        unit = f" [{'mm' if self.unit == 'm' else self.unit}]" if self.unit else ""
+        return f"{self.text}{' (stand-in)' if self.stand_in else ''}{unit}"
+
+    def written(self, value: float | None) -> str:
+        """A number as readers see it."""
+        return shown(None if value is None else self.scale * value)
 
     def keeps(self, value: float | None) -> bool:
         """True if a value keeps the bound; a missing one never does."""

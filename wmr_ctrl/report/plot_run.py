@@ -82,12 +82,13 @@ def _draw(figure: Figure, run: Run) -> None:
     note += ", a rigid body on tyres" if run.monitor.rigid else ""
     switch = switch_time(run)
     note += "" if switch is None else f"; the robot changes at {switch:g} s (vertical line)"
+    tube = _tube(run)
+    note += "" if tube is None else "; errors, dotted: certified from a start on the path"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
     rest = (_SIZE[1] - _HEAD) / 4.4
     heights = (_HEAD, 1.4 * rest, rest, rest, rest)
     grid = figure.add_gridspec(5, 2, height_ratios=heights, hspace=0.0, wspace=0.0)
     parts = [figure.add_subfigure(grid[row, column]) for row in range(1, 5) for column in (0, 1)]
-    tube = _tube(run)
     _path(parts[0], run, tube)
     _facts(parts[1], run)
     _velocity(parts[2], run, 0)
@@ -191,8 +192,6 @@ def _errors(
         most = scale * float((tube.heading if len(columns) == 1 else tube.position) or 0.0)
         end = run.time[-1] if tube.until is None else min(tube.until, run.time[-1])
         axes.hlines((-most, most), 0, end, color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
-        axes.annotate("certified from a start on the path", (end, most), size=6.5, xytext=(-2, 2),
-                      textcoords="offset points", ha="right", color=LIMIT)  # fmt: skip
     if farthest > SMALL:
         narrow = scale * NARROW
         axes.set_yscale("symlog", linthresh=narrow)

@@ -167,7 +167,7 @@ class Plane extends Sheet {
       const word = member.ended ? `${label} gave up` : seen.beyond ? `${label} too fast` : label;
       const metres = Math.hypot(seen.x - this.view.x, seen.y - this.view.y);
       const text = away ? `${word}, ${shownNumber(metres, 2)} m away` : word;
-      if (away) x = clamp(x, edge, this.width - pen.measureText(text).width - 8);
+      x = clamp(x, edge, this.width - pen.measureText(text).width - 8);
       pen.textAlign = "left";
       pen.lineWidth = 4;
       pen.strokeStyle = look.paper;
