@@ -11,29 +11,31 @@ With r = exp(-pi z/w), w = sqrt(1 - z^2) what half a swing leaves (0 for z >= 1)
     PI loop        N = 1 + 2 o/(1 - r),  o = exp(-2 z acos(z)/w),  z = kp/(2 sqrt(ki M)),  c = 0
     its push       4 z exp(-z acos(z)/w)/(1 - r) dbar/(kp + c),    z = (kp + c)/(2 sqrt(ki M))
 
-N falls with z and with c, the last rises with z at one kp + c (`filter.peak-worst`), so that each
-is largest at one corner of the family, whatever the other numbers are.  There it is computed in
-intervals that are rounded outward.
+N is enclosed over the whole family: boxes that cover its numbers are halved, each bounded in
+intervals that are rounded outward, until none may hold more than what was seen by a few millionths.
+No corner is taken for the worst; `filter.peak-worst` says which one is.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from functools import lru_cache
 
 import numpy as np
 
-from wmr_ctrl.filter.enclosure import Span, exp, increasing, root, square
+from wmr_ctrl.filter.enclosure import Floats, Span, exp, increasing, root, square
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.symbolic import ca
 
-NEAR_ONE = 2.0**-20
-"""Dampings nearer to 1 are taken for one so far away, on the side where the bound is larger."""
+NEAR_ONE = 2.0**-5
+"""Dampings nearer to 1 have bounds of their own, where w hardly differs from 0."""
+OFF_ONE = 2.0**-20
+"""Single dampings nearer to 1 are taken for one so far below, where the bound is larger."""
+TOLERANCE = 2.0**-16
+MOST_ROUNDS, MOST_BOXES = 100, 100_000
 
 PI = Span.of(np.pi, np.nextafter(np.pi, np.inf))
-
-Value = TypeVar("Value", Span, "ca.SX")
-"""A formula's quantity: an interval, or a symbol for a proof of it."""
+HALF_PI = 0.5 * PI
 
 
 @dataclass(frozen=True)
@@ -58,14 +60,122 @@ class PiLoop:
 
     def peak(self, push: float) -> PeakGain:
         """Peak gain of the whole family; ``push`` [N] is the largest of its disturbances."""
-        (M, M_max), (ki, ki_max), kp, c = self.M, self.ki, self.kp[0], self.c[0]
-        least = Span.of(kp) / (2 * root(Span.of(ki_max) * M_max))
-        gain = pi_gain(*_swing(_off_one(float(least.lo), -1)))
-        held = Span.of(kp) + c
-        most = held / (2 * root(Span.of(ki) * M))
-        damping = _off_one(float(most.hi), 1)
-        pushed = float((pi_push(*_swing(damping)) * push / held).hi) if push else 0.0
-        return PeakGain(float(gain.hi), pushed)
+        gain, pushed = _peak(self)
+        return PeakGain(gain, float((Span.of(pushed) * push).hi) if push else 0.0)
+
+
+@lru_cache(maxsize=64)
+def _peak(loop: PiLoop) -> tuple[float, float]:
+    """N of a family, and what a push of 1 N leads to, over boxes that cover it."""
+    M, kp, ki, c = (Span.of(*pair) for pair in (loop.M, loop.kp, loop.ki, loop.c))
+    s = root(ki * M)
+    return largest(_gain_bound, kp / s, c / s), largest(_push_bound, kp + c, s)
+
+
+def largest(bound: Callable[[Span, Span], Floats], first: Span, second: Span) -> float:
+    """Bound from above of a function of two numbers on a box, hardly larger than its largest value.
+
+    ``bound``: the same on many boxes at once.  Boxes are halved until none is left that may hold a
+    value beyond what was seen in the middle of some, by a share of `TOLERANCE`.
+    """
+    x, y = (Span(np.atleast_1d(item.lo), np.atleast_1d(item.hi)) for item in (first, second))
+    wide = [_width(item) for item in (x, y)]
+    seen, most = -np.inf, -np.inf
+    for _ in range(MOST_ROUNDS):
+        upper = np.nan_to_num(bound(x, y), nan=np.inf)
+        middle = (Span.of(0.5 * (item.lo + item.hi)) for item in (x, y))
+        seen = max(seen, float(bound(*middle).max()))
+        left = upper > seen * (1 + TOLERANCE)
+        most = max(most, float(upper[~left].max(initial=-np.inf)))
+        if not left.any() or left.sum() > MOST_BOXES:
+            break
+        x, y = _halves(x[left], y[left], wide)
+    return max(most, float(upper[left].max(initial=-np.inf)))
+
+
+def _width(x: Span) -> float:
+    """Length of a box's side; inf for one that roundings alone made, which is not cut."""
+    length = float(x.hi[0] - x.lo[0])
+    return length if length > 2.0**-40 * float(x.size[0]) + 2.0**-900 else np.inf
+
+
+def _halves(x: Span, y: Span, wide: Sequence[float]) -> tuple[Span, Span]:
+    """Both halves of boxes, cut across the side that is longer of the first box's."""
+    across = (x.hi - x.lo) / wide[0] >= (y.hi - y.lo) / wide[1]
+    cut_x, cut_y = 0.5 * (x.lo + x.hi), 0.5 * (y.lo + y.hi)
+    lower = Span(x.lo, np.where(across, cut_x, x.hi)), Span(y.lo, np.where(across, y.hi, cut_y))
+    upper = Span(np.where(across, cut_x, x.lo), x.hi), Span(np.where(across, y.lo, cut_y), y.hi)
+    linear, angular = (
+        Span(np.concatenate([a.lo, b.lo]), np.concatenate([a.hi, b.hi]))
+        for a, b in zip(lower, upper, strict=True)
+    )
+    return linear, angular
+
+
+def _gain_bound(b: Span, drag: Span) -> Floats:
+    """Upper bounds of N for b = kp/sqrt(ki M) and drag = c/sqrt(ki M), 2 z = b + drag.
+
+    The overshoot is rho exp(-z t0), rho^2 = 1 - b drag, and t0 the first zero of the impulse
+    response: with y = b z - 1 acot(y/(b w))/w for z < 1, artanh(b w/y)/w for z > 1 where there is
+    one.  Near z = 1 both are b/rho times arcsin(q)/q, q^2 = (b/rho)^2 (1 - z^2), where y > 0; in
+    any case they are at least b over rho, or over y.
+    """
+    z = 0.5 * (b + drag)
+    y, rho, w = b * z - 1, root(1 - b * drag), _frequency(z)
+    turned = increasing(np.arctan, y / _positive(b * w))
+    swinging = ((HALF_PI - turned) / _positive(w)).lo
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(y.hi > 0, (Span.of((b * w).lo) / _positive(y)).lo, np.inf)
+        creeping = np.where(
+            share < 1, (increasing(np.arctanh, Span.of(np.minimum(share, 1 - 2.0**-53)))
+                        / _positive(w)).lo, np.inf,
+        )  # fmt: skip
+        slope = b / _positive(rho)
+        least = np.where(y.hi > 0, np.minimum(slope.lo, (b / _positive(y)).lo), slope.lo)
+        arc = _arc(square(slope) * ((1 - z) * (1 + z)))
+        near = np.where(y.lo > 0, np.maximum(least, (slope * Span.of(arc)).lo), least)
+    t0 = np.select([z.hi < 1 - NEAR_ONE, z.lo > 1 + NEAR_ONE], [swinging, creeping], near)
+    over = rho * exp(-(Span.of(z.lo) * Span.of(np.maximum(t0, 0.0))))
+    return (1 + 2 * over / _positive(1 - _left(z, w))).hi
+
+
+def _push_bound(k: Span, s: Span) -> Floats:
+    """Upper bounds of 2 exp(-z acos(z)/w)/((1 - r) s) with z = k/(2 s): what 1 N leads to."""
+    z = k / (2 * s)
+    w = _frequency(z)
+    swinging = ((HALF_PI - increasing(np.arctan, z / _positive(w))) / _positive(w)).lo
+    creeping = (increasing(np.arccosh, Span.of(np.maximum(z.lo, 1.0))) / _positive(w)).lo
+    near = _arc((1 - z) * (1 + z))
+    ratio = np.select([z.hi < 1 - NEAR_ONE, z.lo > 1 + NEAR_ONE], [swinging, creeping], near)
+    faded = exp(-(Span.of(z.lo) * Span.of(np.maximum(ratio, 0.0))))
+    return (2 * faded / (_positive(1 - _left(z, w)) * s)).hi
+
+
+def _frequency(z: Span) -> Span:
+    """sqrt(|1 - z^2|)."""
+    return root(((1 - z) * (1 + z)).magnitude)
+
+
+def _arc(x: Span) -> Floats:
+    """Lower bounds of arcsin(q)/q, q^2 = x, which is arsinh(q)/q, q^2 = -x, below 0; it grows.
+
+    The first terms of its series, beyond which all are positive for x > 0 and alternate for x < 0;
+    0 where x may be beyond -1.
+    """
+    least = Span.of(np.clip(x.lo, -1.0, 1.0))
+    cubic = 1 + least * (Span.of(1.0) / 6 + least * (Span.of(3.0) / 40 + least * 15 / 336))
+    return np.where(x.lo >= -1, cubic.lo, 0.0)
+
+
+def _left(z: Span, w: Span) -> Span:
+    """r = exp(-pi z/w), 0 from z = 1 on."""
+    left = exp(-(PI * Span.of(z.lo) / _positive(Span.of(w.hi))))
+    return Span(np.zeros_like(z.lo), np.where(z.lo >= 1, 0.0, left.hi))
+
+
+def _positive(x: Span) -> Span:
+    """The part of intervals that is above 2^-100, where only that is of use."""
+    return Span(np.maximum(x.lo, 2.0**-100), np.maximum(x.hi, 2.0**-100))
 
 
 def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
@@ -99,24 +209,9 @@ def second_order(damping: float, gain: float, d: float) -> PeakGain:
 
     ``d``: the speed at which the push alone would end.
     """
-    z, _, left = _swing(_off_one(damping, -1))
-    most = second_order_gain(z, left)
+    _, _, left = _swing(_off_one(damping, -1))
+    most = (1 + left) / (1 - left)  # r = exp(-pi/sqrt(1/z^2 - 1)) falls with z
     return PeakGain(float((most * gain).hi), float((most * d).hi) if d else 0.0)
-
-
-def second_order_gain(z: Value, left: Value) -> Value:
-    """(1 + r)/(1 - r) with r = ``left``; z is not needed."""
-    return (1 + left) / (1 - left)
-
-
-def pi_gain(z: Value, ratio: Value, left: Value) -> Value:
-    """1 + 2 exp(-2 z acos(z)/w)/(1 - r), ``ratio`` = acos(z)/w."""
-    return 1 + 2 * _exp(-2 * z * ratio) / (1 - left)
-
-
-def pi_push(z: Value, ratio: Value, left: Value) -> Value:
-    """4 z exp(-z acos(z)/w)/(1 - r)."""
-    return 4 * z * _exp(-(z * ratio)) / (1 - left)
 
 
 def overshoot(scenario: Scenario) -> tuple[float, float]:
@@ -157,17 +252,13 @@ def _least_damping(loop: PiLoop) -> float:
 
 def _overshoot(scenario: Scenario, damping: float) -> float:
     z, ratio, left = _swing(_off_one(damping, -1))
-    own = left if scenario.filter.loop == "second-order" else _exp(-2 * z * ratio)
+    own = left if scenario.filter.loop == "second-order" else exp(-2 * z * ratio)
     return float(own.hi)
-
-
-def _exp(value: Value) -> Value:
-    return exp(value) if isinstance(value, Span) else ca.exp(value)
 
 
 def _off_one(z: float, way: int) -> float:
     """The damping, or one that is not near 1, smaller for ``way`` -1 and larger for 1."""
-    return 1 + way * NEAR_ONE if abs(z - 1) < NEAR_ONE else z
+    return 1 + way * OFF_ONE if abs(z - 1) < OFF_ONE else z
 
 
 def _swing(damping: float) -> tuple[Span, Span, Span]:

@@ -112,7 +112,7 @@ def peak_worst() -> None:
     given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= (V - "
     "delta)/N and |d| <= dbar, measurable functions of time",
     by=HAND,
-    premises="filter.peak-worst filter.sent-clip-linear filter.sent-clip-angular",
+    premises="filter.sent-clip-linear filter.sent-clip-angular",
 )
 def peak_gain() -> None:
     """|v| <= N max|u| + delta <= V at every instant, N = int |g|, delta = int |g_d| dbar, for g and
