@@ -79,7 +79,8 @@ def _poles(report: LinearReport, panels: Panels) -> None:
         put(report.adaptive_poles, "o", LIMIT, "with learning, rightmost")
     axes.axvline(0, color=LIMIT, lw=0.8, label="stable on its left")
     axes.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
-    axes.set_title(f"{_name(report)}: poles around the reference")
+    rightmost = shown(float(report.poles.real.max()))
+    axes.set_title(f"{_name(report)}: poles around the reference, rightmost at {rightmost} 1/s")
 
 
 def _sample_time(report: LinearReport, panels: Panels) -> None:
