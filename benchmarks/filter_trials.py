@@ -119,7 +119,7 @@ def wrong(kind: str, **changes: Any) -> Callable[[int, int], Floats]:
 class Family:
     """Linear loops: intervals of their numbers, their push, and what the filter is told of them.
 
-    ``corners``: the share of its members that lie at corners.
+    ``corners``: the share of its members that lie at corners; ``force``: what its motors give [N].
     """
 
     numbers: Mapping[str, tuple[float, float]]
@@ -127,6 +127,7 @@ class Family:
     told: Mapping[str, Any]
     second_order: bool
     corners: float = 0.5
+    force: float = np.inf
 
     def bases(self, rng: np.random.Generator, count: int) -> tuple[Floats, Floats, Floats]:
         """Members as stacks of A, b, e."""
@@ -178,7 +179,7 @@ def _climbed(
     """Largest |v| of drawn trials, then of those that climb from the worst of them."""
     bases = true.bases(rng, count)
     asked, pushes = _demands(rng, bases, true.push)
-    worst = driven(bases, filtering.sender(count), asked, pushes, T)
+    worst = driven(bases, filtering.sender(count), asked, pushes, T, true.force)
     yield worst
     best = np.argsort(worst)[-max(1, count // CLIMBERS) :]
     bases = bases[0][best], bases[1][best], bases[2][best]
@@ -190,7 +191,7 @@ def _climbed(
             other[i, start : start + size] = rng.choice([-9.0, 0.0, 9.0, rng.uniform(-1, 1)])
             start = rng.integers(0, SAMPLES)
             pushed[i, start : start + size] *= -1
-        again = driven(bases, filtering.sender(len(best)), other, pushed, T)
+        again = driven(bases, filtering.sender(len(best)), other, pushed, T, true.force)
         yield again
         better = again > worst
         asked[better], pushes[better], worst[better] = other[better], pushed[better], again[better]
@@ -225,7 +226,8 @@ def beyond(kind: str, family: Family, *ends: tuple[str, int]) -> Callable[[int, 
     for name, way in ends:
         end = 0.95 * numbers[name][0] if way < 0 else 1.05 * numbers[name][1]
         numbers[name] = (end, end)
-    return linear(kind, family, Family(numbers, family.push, {}, family.second_order, 1.0))
+    true = Family(numbers, family.push, {}, family.second_order, 1.0, family.force)
+    return linear(kind, family, true)
 
 
 def pushed(kind: str, family: Family) -> Callable[[int, int], Floats]:
@@ -268,6 +270,8 @@ def unlike_wheels(kind: str, most: float = 1.1) -> Callable[[int, int], Floats]:
 FREE_PI = replace(PI, push=0.0, told={**PI.told, "push": (0.0, 0.0)})
 FREE_SWUNG = replace(SWUNG, push=0.0, told={**SWUNG.told, "d": (0.0, 0.0)})
 """The same without a push."""
+WEAK_PI = replace(FREE_PI, force=120.0, told={**FREE_PI.told, "force": (120.0, 30.0)})
+"""The same with motors that give 120 N: the force that is asked for counts, too."""
 CHAINS: Sequence[Mapping[str, Any]] = tuple(
     {"second_lag": lag, "delay": (0.0, 0.2), "losses": 3, "jitter": 0.02}
     for lag in (0.0, 0.005, 0.05, 0.3)
@@ -301,6 +305,11 @@ STATEMENTS = (
         "mass": beyond("band", FREE_PI, ("M", 1)), "kp": beyond("band", FREE_PI, ("kp", -1)),
         "ki": beyond("band", FREE_PI, ("ki", 1)),
         "all three": beyond("band", FREE_PI, ("M", 1), ("kp", -1), ("ki", 1)),
+    }),
+    Statement("band, PI loops with weak motors", linear("band", WEAK_PI, WEAK_PI), {
+        "force, by a fifth": linear("band", WEAK_PI, replace(WEAK_PI, force=96.0)),
+        "kp": beyond("band", WEAK_PI, ("kp", 1)),
+        "all": beyond("band", WEAK_PI, ("M", 1), ("kp", -1), ("ki", 1)),
     }),
     Statement("band, PI loops that are pushed", linear("band", PI, PI), {
         "push": pushed("band", PI),

@@ -371,3 +371,50 @@ def test_odometry_that_is_late_on_one_axis_alone_is_refused() -> None:
     one = based(GOVERNED, sensor__velocity_age=0.1, gyro__enabled=True)
     with pytest.raises(ScenarioError, match=r"sensor.velocity_age: one axis.*gyro"):
         settle(one, "kanayama")
+
+
+BANDED: Mapping[str, Any] = {
+    **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "kind": "band"}, "base.loop": "pi",
+}  # fmt: skip
+SLOW: Mapping[str, Any] = {
+    **OVERSHOOTING, "filter": {**OVERSHOOTING["filter"], "slew": [0.05, 0.05]}, "base.loop": "pi",
+}  # fmt: skip
+LEFT_OPEN: Mapping[str, Mapping[str, Any]] = {
+    "losses": {"base.losses": 1},
+    "a time-out": {"base.losses": 1, "base.timeout": 0.06},
+    "dead band": {"base.deadband": [0.02, 0.02]},
+    "quantum": {"base.quantum": [0.01, 0.01]},
+    "ramps": {"base.accel": [1.0, 2.0]},
+    "jerk": {"base.jerk": [5.0, 5.0]},
+    "wheels' limit": {"base.w_max": 12.0},
+    "torque limit": {"actuator.tau_max": 20.0},
+    "mass that changes": {"changes": [{"t": 2.0, "m": 52.0}]},
+    "drives behind the loop": {"actuator.lag": 0.02},
+}
+"""What neither the band's theorem nor that of slow commands covers."""
+
+
+@pytest.mark.parametrize("name", LEFT_OPEN)
+def test_what_the_band_leaves_open_is_refused_by_name(name: str) -> None:
+    with pytest.raises(ScenarioError, match="nothing here"):
+        settle(based({**BANDED, **LEFT_OPEN[name]}), "kanayama")
+
+
+@pytest.mark.parametrize("name", [item for item in LEFT_OPEN if item != "losses"])
+def test_and_what_the_clip_of_slow_commands_does(name: str) -> None:
+    """Losses are counted there, once they are stated."""
+    with pytest.raises(ScenarioError, match="nothing here"):
+        settle(based({**SLOW, **LEFT_OPEN[name]}), "kanayama")
+
+
+def test_slow_commands_count_on_losses_and_delays_that_are_stated() -> None:
+    late = {**SLOW, "base.losses": 1, "base.delay": 0.02}
+    with pytest.raises(ScenarioError, match=r"outside filter.delay"):
+        settle(based(late), "kanayama")
+    stated = {**SLOW["filter"], "delay": [0.0, 0.02]}
+    with pytest.raises(ScenarioError, match=r"filter.losses = 0 is less"):
+        settle(based({**late, "filter": stated}), "kanayama")
+    run = wmr_ctrl.simulate(based({**late, "filter": {**stated, "losses": 1}}), "kanayama",
+                            engine="numpy")  # fmt: skip
+    assert run.monitor.violations == 0
+    assert run["clip_active"].any()

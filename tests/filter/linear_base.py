@@ -53,11 +53,13 @@ def driven(
     asked: np.ndarray,
     pushes: np.ndarray,
     T: float,
+    force: float = np.inf,
 ) -> np.ndarray:
     """Largest |v| of many bases (A, b, e stacked) for what each asks for, sample by sample.
 
     ``asked`` (bases, samples), ``pushes`` (bases, samples, parts of a period); ``send`` as the
-    adversary's Sender.
+    adversary's Sender.  With a ``force`` the largest share of it that a PI loop asks for counts,
+    too, if that is larger.
     """
     A, b, e = bases
     count, samples, parts = pushes.shape
@@ -70,6 +72,9 @@ def driven(
         x[:, 2] = send(u)[0]
         for part in range(parts):
             x[:, 3] = pushes[:, k, part]
+            if np.isfinite(force):  # F = kp (u - v) + f jumps with the command
+                F = b[:, 0] / e[:, 0] * (x[:, 2] - x[:, 0]) + x[:, 1]
+                worst = np.maximum(worst, np.abs(F) / force)
             x[:, :2] = np.einsum("nij,nj->ni", both[:, :2], x)
             worst = np.maximum(worst, np.abs(x[:, 0]))
     return worst
