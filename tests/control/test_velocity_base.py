@@ -250,6 +250,11 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
     assert facts.overshoot is not None
     assert min(facts.overshoot) > 0.1
     assert facts.overshoot_cost is not None
+    if kind == "band":
+        assert facts.rise is not None
+        assert facts.rise_cost is not None
+        assert 0.3 < min(facts.rise) < max(facts.rise) < 4.0
+        assert 0.0 < min(facts.rise_cost) < max(facts.rise_cost) < 0.5
     taken = [cost / share for cost, share in zip(facts.overshoot_cost, shares, strict=True)]
     assert (0.01 if kind == "clip" else 0.0) < min(taken) < max(taken) < 0.06
 

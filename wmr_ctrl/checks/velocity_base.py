@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,7 @@ WITHIN_FORCE = (
 )
 MILLISECOND = 1e-3
 PER_CENT = 1e-2
+NEARLY = 0.9
 SETTLED = 40.0
 """Time constants after which a base is taken to have settled: e^-40 is below rounding."""
 MOST_STEPS = 5000
@@ -46,7 +47,9 @@ class FilterFacts:
     base that is stated, without push, of a command far beyond the limit; ``delay_cost``: what one
     more millisecond of delay takes of it; ``gain_cost``: what one more per cent of that gain takes;
     ``broken``: what of the theorem does not hold.  Of linear loops ``overshoot`` is the largest
-    share by which a step overshoots, and ``overshoot_cost`` what one more per cent of it takes.
+    share by which a step overshoots, and ``overshoot_cost`` what one more per cent of it takes.  Of
+    a band ``rise`` [s] is how long commands far beyond the limit take to come to NEARLY all of it,
+    and ``rise_cost`` what one more per cent of overshoot adds: its speed at rest is hardly less.
     """
 
     kind: str
@@ -58,6 +61,8 @@ class FilterFacts:
     broken: tuple[str, ...]
     overshoot: tuple[float, float] | None = None
     overshoot_cost: tuple[float, float] | None = None
+    rise: tuple[float, float] | None = None
+    rise_cost: tuple[float, float] | None = None
 
 
 def filter_facts(setup: Setup) -> FilterFacts | None:
@@ -80,10 +85,15 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
             late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
         if stated.force is not None:
             statement = WITHIN_FORCE.format(*stated.force)
-        swung = _swung(scenario, usable)
+        swung, rise = _swung(scenario, usable, usable_speed), None
+        slower = None
+        if stated.kind == "band" and (rise := rise_times(scenario)) is not None:
+            more = _swung(scenario, rise, rise_times)
+            slower = None if more is None else (-more[0], -more[1])
         return FilterFacts(
-            stated.kind, statement, high, usable, late, strong, broken, overshoot(scenario), swung
-        )
+            stated.kind, statement, high, usable, late, strong, broken, overshoot(scenario), swung,
+            rise, slower,
+        )  # fmt: skip
     delayed = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
     stronger = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
     return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)
@@ -99,12 +109,7 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
     scenario = override(scenario, {"filter.scale": "axes"})
     filtering, stated = CommandFilter(scenario), scenario.filter
     if not filtering.governs:
-        steps = MOST_COMMANDS if stated.kind == "band" else 1
-        if stated.force is not None:  # it speeds up no faster than that
-            steps *= 8
-        if stated.slew is not None:
-            limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
-            steps = math.ceil(max(V / a for V, a in limits) / scenario.clock.control) + 1
+        steps = _steps(scenario)
         asked = [10 * limit for limit in scenario.limits.v_u1]
         sent = [filtering.step(asked).command for _ in range(steps)][-1]
         return stated.gain[0] * sent[0], stated.gain[0] * sent[1]
@@ -121,28 +126,64 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
     return float(v[0]), float(v[1])
 
 
-def _swung(scenario: Scenario, usable: tuple[float, float]) -> tuple[float, float] | None:
-    """Loss of usable speed where steps of v, and of omega, overshoot by one per cent more."""
+def rise_times(scenario: Scenario) -> tuple[float, float] | None:
+    """Times [s] after which a filter sends NEARLY all of its limits; None where it never does.
+
+    Of commands far beyond them, from rest, each axis by itself; between samples on a line.
+    """
+    scenario = override(scenario, {"filter.scale": "axes"})
+    step, limits = CommandFilter(scenario).step, np.array(scenario.limits.v_u1)
+    asked = (10 * limits).tolist()
+    sent = np.array([(0.0, 0.0), *(step(asked).command for _ in range(_steps(scenario)))])
+    times = []
+    for share in (sent / (NEARLY * limits)).T:
+        if share.max() < 1:
+            return None
+        k = int(np.argmax(share >= 1))
+        times.append(scenario.clock.control * (k - (share[k] - 1) / (share[k] - share[k - 1])))
+    return times[0], times[1]
+
+
+def _swung(
+    scenario: Scenario,
+    usable: tuple[float, float],
+    of: Callable[[Scenario], tuple[float, float] | None],
+) -> tuple[float, float] | None:
+    """What ``of`` loses where steps of v, and of omega, overshoot by one per cent more."""
     key = "damping" if scenario.filter.loop == "second-order" else "kp"
     least, most = scenario.filter.interval(key)
     costs = []
     for axis in (0, 1):
         share = less_damped(scenario, axis, PER_CENT)
-        if (loss := _cost(scenario, usable, {f"filter.{key}": [share * least, most]})) is None:
+        harder = {f"filter.{key}": [share * least, most]}
+        if (loss := _cost(scenario, usable, harder, of)) is None:
             return None
         costs.append(loss[axis])
     return costs[0], costs[1]
 
 
+def _steps(scenario: Scenario) -> int:
+    """Commands after which a filter without odometry has sent all that it will."""
+    stated = scenario.filter
+    if stated.slew is not None:
+        limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
+        return math.ceil(max(V / a for V, a in limits) / scenario.clock.control) + 1
+    steps = MOST_COMMANDS if stated.kind == "band" else 1
+    return steps if stated.force is None else 8 * steps  # it speeds up no faster than that
+
+
 def _cost(
-    scenario: Scenario, usable: tuple[float, float], overrides: dict[str, list[float]]
+    scenario: Scenario,
+    usable: tuple[float, float],
+    overrides: dict[str, list[float]],
+    of: Callable[[Scenario], tuple[float, float] | None] | None = None,
 ) -> tuple[float, float] | None:
     """Loss of usable speed by a harder statement; None where the filter does not take that."""
     try:
-        less = usable_speed(override(scenario, overrides))
+        less = (of or usable_speed)(override(scenario, overrides))
     except ScenarioError:
         return None
-    return usable[0] - less[0], usable[1] - less[1]
+    return None if less is None else (usable[0] - less[0], usable[1] - less[1])
 
 
 def velocity_base(loop: Loop) -> Iterator[Warning]:

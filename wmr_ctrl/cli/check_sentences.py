@@ -161,11 +161,19 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     gain = "gain" if setup.scenario.filter.loop == "first-order" else "peak gain"
     costs = {
         "millisecond of delay": facts.delay_cost, f"per cent of {gain}": facts.gain_cost,
-        "per cent of overshoot": facts.overshoot_cost,
+        "per cent of overshoot": None if facts.rise else facts.overshoot_cost,
     }  # fmt: skip
     if facts.overshoot:
         v, omega = (f"{100 * share:.3g} %" for share in facts.overshoot)
         yield f"steps of such a base overshoot by up to {v} (linear), {omega} (angular)"
+    if facts.rise:
+        first, second = facts.rise
+        more = facts.rise_cost or (0.0, 0.0)
+        added = f"; one more per cent of overshoot adds {more[0]:.2g} s, {more[1]:.2g} s"
+        yield (
+            f"commands come to 0.9 of the limits after {first:.3g} s (linear), {second:.3g} s "
+            f"(angular){added if facts.rise_cost else ''}"
+        )
     texts = [f"one more {name} costs {speeds(cost)}" for name, cost in costs.items() if cost]
     if texts:
         yield "; ".join(texts)
