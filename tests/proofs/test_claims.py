@@ -178,6 +178,20 @@ def test_the_second_solver_agrees_where_it_is_installed() -> None:
     assert second.confirmed_by(claim.statement(CLAIMED)) == ("cvc5",)
 
 
+def test_the_second_solver_meets_the_hypotheses_at_the_recorded_point_and_not_at_another() -> None:
+    pytest.importorskip("cvc5")
+    second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
+    claim = next(claim for claim in all_claims() if claim.id == "guard.feasible")
+    point = load().by_id()[claim.id].satisfied_at
+
+    def said(values) -> str:
+        *_, hypotheses = second.obligations(claim.statement(CLAIMED), values)
+        return second.answer(hypotheses.text)
+
+    assert said(point) == "sat"
+    assert said({name: "-1" for name in point}) == "unsat"
+
+
 def test_the_second_solver_has_more_than_one_way() -> None:
     pytest.importorskip("cvc5")
     second = pytest.importorskip("wmr_ctrl.proofs.methods.second")

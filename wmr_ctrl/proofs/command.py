@@ -98,7 +98,8 @@ def provenance(ledger: Ledger, anew: bool) -> str:
     )
     return (
         f"{len(checked)} checked now, their functions searched anew; {given} given (by hand, "
-        f"definitions, open). From the record: {'nothing' if anew else taken}."
+        f"definitions, open). From the record: {'nothing' if anew else taken}. Claims are about "
+        "real numbers, but for entries whose id or method speaks of rounding."
     )
 
 

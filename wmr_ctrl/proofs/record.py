@@ -62,7 +62,7 @@ def confirmed(entry: Entry) -> Entry:
     claim = _claim_of(entry)
     if entry.confirmed_by or not claim.statement or not uses_z3(claim.method):
         return entry
-    agree = confirmed_by(claim.statement(CLAIMED))
+    agree = confirmed_by(claim.statement(CLAIMED), entry.satisfied_at)
     sys.stderr.write(f"{entry.id}: confirmed by {', '.join(agree) or 'no other'}\n")
     return replace(entry, confirmed_by=agree)
 

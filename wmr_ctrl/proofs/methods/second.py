@@ -42,14 +42,25 @@ class Obligation:
     wanted: str
 
 
-def obligations(statement: Statement) -> Iterator[Obligation]:
-    """Each goal and each domain, to be unsatisfiable; the hypotheses alone, to be satisfiable."""
+def obligations(
+    statement: Statement, point: Mapping[str, str] | None = None
+) -> Iterator[Obligation]:
+    """Each goal and each domain, to be unsatisfiable; the hypotheses alone, to be satisfiable.
+
+    Those are asked at ``point``, exact rationals as text, if one is given.
+    """
     problem = posed(statement)
     for kind, terms in (("goal", problem.wrong), ("domain", problem.undefined)):
         for number, term in enumerate(terms, 1):
             yield Obligation(f"{kind}-{number}", _text(problem, term), "unsat")
-    true = z3.BoolVal(True, problem.terms.context)
-    yield Obligation("hypotheses", _text(problem, true), "sat")
+    inputs, context = problem.terms.inputs, problem.terms.context
+    pinned = [
+        inputs[name] == z3.RealVal(value, context)
+        for name, value in (point or {}).items()
+        if name in inputs and not value.endswith("pi")
+    ]
+    here = z3.And(z3.BoolVal(True, context), *pinned)
+    yield Obligation("hypotheses", _text(problem, here), "sat")
 
 
 def _text(problem: Problem, term: Any) -> str:
@@ -65,12 +76,17 @@ def uses_z3(method: Method | None) -> bool:
     )
 
 
-def confirmed_by(statement: Statement, patience: int = PATIENCE) -> tuple[str, ...]:
-    """``("cvc5",)`` where it finds every goal and every domain unsatisfiable, too, else nothing."""
+def confirmed_by(
+    statement: Statement, point: Mapping[str, str] | None = None, patience: int = PATIENCE
+) -> tuple[str, ...]:
+    """``("cvc5",)`` where it finds every goal and every domain unsatisfiable, too, else nothing.
+
+    And the hypotheses satisfiable, at ``point`` if one is given.
+    """
     if find_spec(NAME) is None:
         return ()
-    wanted = (item for item in obligations(statement) if item.wanted == "unsat")
-    return (NAME,) if all(answer(item.text, patience) == "unsat" for item in wanted) else ()
+    every = obligations(statement, point)
+    return (NAME,) if all(answer(o.text, patience) == o.wanted for o in every) else ()
 
 
 def answer(text: str, patience: int = PATIENCE) -> str:
