@@ -189,7 +189,7 @@ def test_the_second_solver_meets_the_hypotheses_at_the_recorded_point_and_not_at
         return second.answer(hypotheses.text)
 
     assert said(point) == "sat"
-    assert said({name: "-1" for name in point}) == "unsat"
+    assert said(dict.fromkeys(point, "-1")) == "unsat"
 
 
 def test_the_second_solver_has_more_than_one_way() -> None:
