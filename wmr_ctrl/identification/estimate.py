@@ -214,7 +214,7 @@ def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
         start = fit.theta.copy()
         start[[delay, lag]] = share * late, (1 - share) * late
         start[[m, inertia]] -= lighter
-        fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, tell))
+        fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, tell, ROUGH))
     best = min(fits, key=lambda item: item.nll)
     near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
     places = [k for k, name in enumerate(names) if name in PHYSICAL]
