@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cached_property
+from itertools import product
+from typing import Any
 
 import casadi as ca
 
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import Parameters, System
+from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
-from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
@@ -104,7 +107,61 @@ WHOLE = (
 )
 
 
-claim = Claims(by=Z3(effort=150))
+ORDERS, PLACES = "<=>", ("least", "inside", "largest")
+
+
+def wheel_cases(axis: int, misread: bool) -> tuple[Case, ...]:
+    """Signs of what a bound on other wheels has between bars, times places of two limited numbers.
+
+    Misread speeds: c = mean 1/(1 + radius_i) for v1, or c (1 + track) for omega, below, at or above
+    1, and 1/(1 + radius_i) = c (1 +- e).  Torques: each 1 + radius_i below, at or above 1 for the
+    thrust, 1 + track for the moment.
+    """
+    return tuple(
+        _wheel_case(axis, misread, orders, places)
+        for orders in product(ORDERS, repeat=2)
+        for places in product(PLACES, repeat=2)
+    )
+
+
+def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
+    free = ("robot.r", "robot.l", "encoder.counts", "clock.control", "n1", "n2", "x1", "x2", "t")
+    numbers = dict.fromkeys(free, POSITIVE)
+    if misread:
+        sizes = ("limits.v_u1[1]", "limits.v_u1[2]")
+        numbers |= dict.fromkeys(sizes, POSITIVE)
+    else:
+        sizes = ("size", "size")
+        numbers |= {"size": NONNEGATIVE, "motor.step": FREE}
+
+    def values(n: Mapping[str, Any]) -> Mapping[str, Any]:
+        ratio = [{"<": 1 / (1 + n[k]), "=": 1, ">": 1 + n[k]}[o]
+                 for k, o in zip(("n1", "n2"), orders, strict=True)]  # fmt: skip
+        share = [{"least": -1, "inside": (1 - n[k]) / (1 + n[k]), "largest": 1}[place]
+                 for k, place in zip(("x1", "x2"), places, strict=True)]  # fmt: skip
+        limited = [part * n[size] for part, size in zip(share, sizes, strict=True)]
+        if misread:
+            mean = n["t"] if axis else ratio[0]
+            track = ratio[0] / mean if axis else n["t"]
+            off = {"<": -n["n2"] / (1 + n["n2"]), "=": 0, ">": n["n2"] / (1 + n["n2"])}[orders[1]]
+            radii = [1 / (mean * (1 + off)), 1 / (mean * (1 - off))]
+            told = dict(zip(("v", "omega"), limited, strict=True))
+        else:
+            track = n["t"]
+            radii = [track * part if axis else part for part in ratio]
+            told = dict(zip(("tau_right", "tau_left"), limited, strict=True))
+            told["actuator.tau_max"] = n["size"] - n["motor.step"] / 2
+        wheels = {"wheels.radius[1]": radii[0] - 1, "wheels.radius[2]": radii[1] - 1}
+        kept = {name: n[name] for name in numbers if "." in name}
+        return {**kept, **told, **wheels, "wheels.track": track - 1}
+
+    return Case(f"{' '.join(orders)}; {', '.join(places)}", numbers, values)
+
+
+HARD = Z3(effort=150)
+MISREAD = [Both(HARD, Ring(wheel_cases(axis, True))) for axis in (0, 1)]
+TORQUES = [Both(HARD, Ring(wheel_cases(axis, False))) for axis in (0, 1)]
+claim = Claims(by=HARD)
 
 
 @claim.also(
@@ -145,9 +202,10 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     "world.wheels.misread-omega",
     "and omega off by at most |c l'/l - 1| u2 + |d| u1/l",
     "The same for the turn.",
+    by=MISREAD[1],
     axis=1,
 )
-@claim("world.wheels.misread-v1", given=INSIDE)
+@claim("world.wheels.misread-v1", given=INSIDE, by=MISREAD[0])
 def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     """turns of other wheels than believed show v1 off by at most |c - 1| u1 + |d| l' u2, c and d
     the mean and half the difference of 1/(1 + radius_i).
@@ -176,9 +234,10 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     "world.wheels.moment",
     "and a moment off by at most l tau sum |(1 + track)/(1 + radius_i) - 1|/r",
     "The same for the moment, with the track.",
+    by=TORQUES[1],
     axis=1,
 )
-@claim("world.wheels.thrust", given=SIZES)
+@claim("world.wheels.thrust", given=SIZES, by=TORQUES[0])
 def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     """torques of at most tau make a thrust that is off by at most tau sum |1/(1 + radius_i) - 1|/r.
 
