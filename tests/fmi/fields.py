@@ -86,6 +86,7 @@ OTHER: Mapping[str, Any] = {
 ELSEWHERE = {
     "sensor.velocity_window",
     "sensor.velocity_age",
+    "sensor.velocity_losses",
     "actuator.jitter",
     "actuator.lag_spread",
     "actuator.traction",
