@@ -45,6 +45,7 @@ BASE: Mapping[str, object] = {
 ACTING: Mapping[str, Mapping[str, object]] = {
     "encoder": {"encoder.counts": 4096},
     "velocity mean": {"sensor.velocity_window": 0.01},
+    "velocity loss": {"sensor.velocity_losses": 2},
     "gyro": {"gyro.enabled": True, "gyro.bias": 0.01, "gyro.noise": 0.01},
     "velocity noise": {"sensor.velocity_noise": [0.002, 0.004]},
     "pose delay": {"sensor.pose_delay": 0.05},
