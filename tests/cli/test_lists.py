@@ -175,7 +175,7 @@ def test_check_runs_no_law_for_longer_than_it_says(wmr, monkeypatch):
     said = wmr("check", "paper-simulation-no-switch", "--law", "pid").stdout
     found = json.loads(wmr("check", "paper-simulation", "--law", "pid", "--json").stdout)
 
-    assert "Each law is run for 20000 plant steps alone, not to its end." in said
+    assert "Each law is run for 20000 plant steps only, not to the end." in said
     assert found["nominal_duration"] == {"pid": 20.0}
     assert load_scenario("paper-simulation").clock.duration == 80.0
 

@@ -19,7 +19,7 @@ REMEDIES = {
     "law": "start nearer, switch the guard on, or choose a law that knows the limit",
     "model": "correct model.m, model.I or model.mu, start nearer, or take nn",
     "model.m": "lower the gains (`wmr-ctrl tune`), or state the mass more accurately",
-    "reference": "ask for a slower reference, or raise limits.v_u2",
+    "reference": "ask for a slower one that moves forwards, or raise its limit",
     "clock.control": "shorten clock.control, or lower the gains (`wmr-ctrl tune`)",
     "clock.plant": "shorten clock.plant, or raise robot.v_s",
     "disturbance.std": "try several seeds, start nearer, or switch the guard on",
