@@ -124,7 +124,7 @@ def test_by_a_map_it_is_the_same_too(bare, mapped):
 
 @pytest.mark.parametrize("law", REMEMBERING)
 def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(bare, law):
-    with pytest.raises(ArgumentError, match=f"{law} counts on the torque .* guard in it"):
+    with pytest.raises(ArgumentError, match=f"{law} relies on the torque .* with the guard"):
         cosimulate(SAFE, controller=bare(law))
 
 
