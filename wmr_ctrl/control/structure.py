@@ -18,9 +18,6 @@ from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
 
-NO_FORM = ("body", "initial", "metrics")
-"""Tables that no graph reads."""
-
 
 def structure_of(setup: Setup) -> Hashable:
     """Equal for setups whose graphs are the same but for the values of parameters.

@@ -16,7 +16,15 @@ from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    elements_of,
+    equal,
+    symbols,
+)
 from wmr_ctrl.scenario import load_scenario
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
@@ -238,11 +246,7 @@ class AssembledStep:
         self.free = symbols("v u E mean share kappa gone")
         system = self.graph.system
         ports = (*system.inputs, *system.state, *system.params)
-        self.symbols = self.free | {
-            f"{item.signal.name}.{k + 1}": item.sym[k]
-            for item in ports
-            for k in range(item.signal.size)
-        }
+        self.symbols = self.free | elements_of(*ports)
         T, tau = self.graph.T, self.graph.motions[axis].tau
         self.cuts = {
             "1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / tau[0]),

@@ -21,7 +21,16 @@ from wmr_ctrl.filter.band import (
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, stacked, symbols, within
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    elements_of,
+    stacked,
+    symbols,
+    within,
+)
 from wmr_ctrl.scenario import load_scenario
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
@@ -232,11 +241,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     """
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     limits, u = graph.limits, mutation(1, 1.1) * graph.sent[axis]
-    named = {
-        f"{item.signal.name}.{k + 1}": item.sym[k]
-        for item in graph.system.inputs
-        for k in range(item.signal.size)
-    }
+    named = elements_of(*graph.system.inputs)
     cuts = {f"limit {i}": limit for i, limit in enumerate(limits)} | {"sound": graph.sound}
     goals = (*within(u, limits[axis]), at_least(u * graph.command[axis]))
     return Statement(named, goals, tuple(at_least(limit) for limit in limits), cuts)

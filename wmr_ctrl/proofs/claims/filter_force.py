@@ -21,7 +21,15 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    elements_of,
+    equal,
+    symbols,
+)
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=100))
@@ -153,11 +161,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     Nothing passes by: no number that is asked for, nor the other axis' scaling.
     """
     graph = ForceBand(load_scenario("paper-simulation", WEAK))
-    named = {
-        f"{item.signal.name}.{k + 1}": item.sym[k]
-        for item in graph.system.inputs
-        for k in range(item.signal.size)
-    }
+    named = elements_of(*graph.system.inputs)
     cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
     (least, most), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
     ordered = tuple(at_least(high, low) for low, high in graph.ends)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import casadi as ca
 
 from wmr_ctrl.filter.channels import WAYS
@@ -9,7 +11,16 @@ from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols, within
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    elements_of,
+    equal,
+    symbols,
+    within,
+)
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=60))
@@ -35,6 +46,13 @@ SLOW = LINEAR | {"filter.frequency": (4.0, 5.0), "filter.slew": (0.1, 0.1), "fil
 AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
 
 
+def inside(clip: Clip) -> Iterator[Relation]:
+    """0 < K_max and 0 <= dbar < V on both axes."""
+    for channel in clip.channels:
+        b = channel.bounds
+        yield from (above(b.K_max), at_least(b.dbar), above(b.V, b.dbar))
+
+
 @claim(
     "filter.slew-sent-{id}",
     given="every command (no number, too); K_max > 0, 0 <= delta + a reach < V, a T > 0; the "
@@ -48,19 +66,12 @@ def slew_sent(mutation: Mutation, axis: int) -> Statement:
     Commands stay within their limit and change no faster than stated, whatever is asked for.
     """
     clip = Clip(load_scenario("paper-simulation", SLOW))
-    named = {
-        f"{item.signal.name}.{k + 1}": item.sym[k]
-        for item in (clip.asked, *clip.last, *clip.p.ports)
-        for k in range(item.signal.size)
-    }
-    bounds, (before,) = [channel.bounds for channel in clip.channels], clip.last
+    named = elements_of(clip.asked, *clip.last, *clip.p.ports)
+    (before,) = clip.last
     steps = clip.p.take("filter.slew") * clip.p.take("clock.control")
-    given = [above(steps[i]) for i in (0, 1)]
-    given += [
-        part for b in bounds for part in (above(b.K_max), at_least(b.dbar), above(b.V, b.dbar))
-    ]
+    given = [*(above(steps[i]) for i in (0, 1)), *inside(clip)]
     given += within(before.sym[axis], clip.limits[axis])
-    b, u, sound = bounds[axis], clip.sent[axis], equal(clip.sound, 1)
+    b, u, sound = clip.channels[axis].bounds, clip.sent[axis], equal(clip.sound, 1)
     goals = (
         at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar),
         *within(u - before.sym[axis], steps[axis]),
@@ -80,18 +91,10 @@ def sent_clip(mutation: Mutation, axis: int) -> Statement:
     Whatever is asked for of both axes, commands stay within what the loop's peak gain admits.
     """
     clip = Clip(load_scenario("paper-simulation", LINEAR))
-    named = {
-        f"{item.signal.name}.{k + 1}": item.sym[k]
-        for item in (clip.asked, *clip.p.ports)
-        for k in range(item.signal.size)
-    }
-    bounds = [channel.bounds for channel in clip.channels]
-    given = [
-        part for b in bounds for part in (above(b.K_max), at_least(b.dbar), above(b.V, b.dbar))
-    ]
-    b, u = bounds[axis], clip.sent[axis]
+    named = elements_of(clip.asked, *clip.p.ports)
+    b, u = clip.channels[axis].bounds, clip.sent[axis]
     goal = at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar)
-    return Statement(named, (goal,), tuple(given), {"numbers are sound": clip.sound})
+    return Statement(named, (goal,), tuple(inside(clip)), {"numbers are sound": clip.sound})
 
 
 @claim(

@@ -20,7 +20,7 @@ from wmr_ctrl.filter.gate import (
 )
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, elements_of, equal
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import Signal
 
@@ -41,11 +41,7 @@ class GateStep:
         self.system, self.period = gate_system(scenario, SETTINGS), scenario.clock.control
         ports = (*self.system.inputs, *self.system.state, *self.system.params)
         self.ports = {item.signal: item.sym for item in ports}
-        self.symbols = {
-            f"{item.signal.name}.{k + 1}": item.sym[k]
-            for item in ports
-            for k in range(item.signal.size)
-        }
+        self.symbols = elements_of(*ports)
         clip = Clip(scenario)
         known = {item.signal: item.sym for item in self.system.params}
         own = ca.vertcat(*(item.sym for item in clip.p.ports))

@@ -20,7 +20,6 @@ from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import all_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
-AT_TARGET = tuple(c for c in target_cases(edges=False))
 NO_CORNER = tuple(c for c in all_cases() if "middle" not in c.label and "edge" not in c.label)
 claim = Claims(by=Ring(all_cases(), log_lemma=True))
 
