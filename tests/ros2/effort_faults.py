@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 import signal
-import subprocess
 import sys
 import time
 
 import rclpy
-from drive_faults import SPOILT, Broken, repeated
+from drive_faults import SPOILT, Broken, repeated, start
 from drive_live import Base
-from outside import AT_ONCE, ON_THE_WAY, SURE, tell
+from outside import ON_THE_WAY, SURE, tell
 from std_msgs.msg import Bool, Float64MultiArray
 
 MASS, INERTIA, FRICTION, RADIUS, HALF_TRACK = 50.0, 5.4, 0.08 * 50.0 * 9.81, 0.1, 0.25
@@ -52,11 +51,6 @@ class Wheels(Broken):
 
     def until_it_drives(self) -> bool:
         return self.go(30, self.drives)
-
-
-def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
-    given = ["-p", f"scenario:={scenario}", "-p", "law:=kanayama", *AT_ONCE, *more]
-    return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
 
 
 def in_real_time(scenario: str) -> dict[str, object]:

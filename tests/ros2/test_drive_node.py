@@ -182,7 +182,7 @@ def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
     assert any("no-odometry" in text for text in found["said"])
 
 
-@pytest.mark.parametrize(
+each_leap = pytest.mark.parametrize(
     ("clock", "fault", "flag"),
     [
         ("real", "pose leaps", "pose-jump"),
@@ -190,6 +190,9 @@ def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
         ("simulated", "ahead", "time-forth"),
     ],
 )
+
+
+@each_leap
 def test_a_leap_brakes_at_once_and_drives_on(faults, clock, fault, flag):
     found = faults[clock][fault]
 
@@ -242,14 +245,7 @@ def test_without_odometry_that_counts_there_is_no_torque(efforts, fault):
     assert any("no-odometry" in text for text in found["said"])
 
 
-@pytest.mark.parametrize(
-    ("clock", "fault", "flag"),
-    [
-        ("real", "pose leaps", "pose-jump"),
-        ("simulated", "back", "time-back"),
-        ("simulated", "ahead", "time-forth"),
-    ],
-)
+@each_leap
 def test_after_a_leap_torques_are_zero_at_once_and_the_law_begins_anew(efforts, clock, fault, flag):
     found = efforts[clock][fault]
 
