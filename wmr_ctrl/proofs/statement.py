@@ -16,7 +16,6 @@ from math import frexp
 
 import casadi as ca
 
-from wmr_ctrl.model.system import Port
 from wmr_ctrl.proofs.graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
 
 UNIT = 2.0**-53
@@ -217,15 +216,6 @@ def column(name: str, size: int, fixed: bool = False) -> dict[str, ca.SX]:
     """Fresh scalar symbols name1 to name<size>; ``fixed`` makes them parameters."""
     names = " ".join(f"{name}{i}" for i in range(1, size + 1))
     return symbols(names, names if fixed else "")
-
-
-def elements_of(*ports: Port) -> dict[str, ca.SX]:
-    """Symbols of ports by name and place, such as "tau.1"."""
-    return {
-        f"{item.signal.name}.{k + 1}": item.sym[k]
-        for item in ports
-        for k in range(item.signal.size)
-    }
 
 
 def stacked(table: Mapping[str, ca.SX], name: str, size: int) -> ca.SX:

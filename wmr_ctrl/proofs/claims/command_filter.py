@@ -14,17 +14,10 @@ from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.governor import FirstOrder, admitted, drive, largest_command, relaxed
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    elements_of,
-    equal,
-    symbols,
-)
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 from wmr_ctrl.scenario import load_scenario
 
 NUMBERS = "V dbar nbar K_min K_max kappa"

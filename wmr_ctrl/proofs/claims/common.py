@@ -28,6 +28,15 @@ NO_SERIES = (
 )
 
 
+def elements_of(*ports: Port) -> dict[str, ca.SX]:
+    """Symbols of ports by name and place, such as "tau.1"."""
+    return {
+        f"{item.signal.name}.{k + 1}": item.sym[k]
+        for item in ports
+        for k in range(item.signal.size)
+    }
+
+
 @dataclass(frozen=True)
 class BarrierAxis:
     """Symbols v, c, u1, u2 of one axis with the paper's functions of them."""

@@ -19,18 +19,10 @@ from wmr_ctrl.filter.band import (
     inverse_slopes,
 )
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    elements_of,
-    stacked,
-    symbols,
-    within,
-)
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, stacked, symbols, within
 from wmr_ctrl.scenario import load_scenario
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"

@@ -9,18 +9,10 @@ import casadi as ca
 from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    elements_of,
-    equal,
-    symbols,
-    within,
-)
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, within
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=60))
