@@ -56,6 +56,7 @@ def JOBS():
     ):
         both = in_both(script, SCENARIO, (), settings)
         jobs |= {f"{name}, {node}": job for node, job in both.items()}
+    jobs["interrupted in a destructor"] = Job("interrupted.py", SCENARIO)
     jobs["useless, Python"] = Job("useless.py", SCENARIO)
     jobs["useless, C"] = Job("useless.py", SCENARIO, (), ("discovery_time=40.0",))
     return jobs
@@ -145,6 +146,10 @@ def test_a_second_publisher_is_told(seen):
 
 def test_who_is_interrupted_sends_a_last_zero(seen):
     assert seen["interrupt"] == {"last": [0.0, 0.0], "code": 0}
+
+
+def test_an_interrupt_that_a_destructor_drops_is_heard(report):
+    assert report("interrupted in a destructor") == {"code": 0, "active": [True]}
 
 
 def test_a_rival_is_found_on_the_remapped_topic(live):
