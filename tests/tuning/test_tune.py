@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from click.testing import CliRunner
@@ -21,6 +22,9 @@ from wmr_ctrl.results.figures import FIGURES, Figure
 from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.tuning import judged, tunable
+from wmr_ctrl.tuning.gains import _costs, _start
+from wmr_ctrl.tuning.plan import TuningPlan
+from wmr_ctrl.tuning.search import Cost, Search
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
 FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}
@@ -44,7 +48,8 @@ def test_the_file_is_the_scenario_with_the_gains_that_were_found(short, once):
     assert set(once.gains) == {"gains.prox.rho", "gains.prox.wo", "gains.kinematics.k"}
     assert loaded.gains["prox"]["rho"] == once.gains["gains.prox.rho"]
     assert loaded.reference == short.reference
-    assert once.objective[1] < 0.5 * once.objective[0]
+    assert once.objective[1].metres < 0.5 * once.objective[0].metres
+    assert not once.objective[1].lost
     assert run.outcome.value == "completed"
     assert [path.name for path in once.out.parent.iterdir()] == ["prox.toml"]
 
@@ -82,8 +87,9 @@ def test_the_corridor_can_be_what_is_made_small(tmp_path):
     found = wmr_ctrl.tune(guarded, "prox", tmp_path / "a.toml", **few)
     before, after = (find_corridor(item, "prox").position for item in (guarded, found.scenario))
 
-    assert before <= found.objective[0] < 1.1 * before
-    assert after <= found.objective[1] < found.objective[0]
+    assert before <= found.objective[0].metres < 1.1 * before
+    assert after <= found.objective[1].metres < found.objective[0].metres
+    assert found.to_json()["no_corridor"] == {"before": False, "after": False}
     assert found.to_json()["merit"] == "corridor"
     assert "root of the mean of corridor^2" in found.out.read_text()
 
@@ -95,8 +101,40 @@ def test_what_has_no_certificate_costs_more_than_any_that_has_one_and_slopes():
     first, second = (find_corridor(item, "prox") for item in pushed)
 
     assert first.position is None
-    assert 1.0 < first.merit < second.merit < 1.1
-    assert find_corridor(load_scenario("safe-simulation"), "smc").merit == math.inf
+    wide = replace(find_corridor(load_scenario("safe-simulation"), "prox"), position=1e6)
+    none = find_corridor(load_scenario("safe-simulation"), "smc")
+    order = [replace(wide, position=1e-3), wide, first, second, replace(first, linear=1e6), none]
+
+    assert 0 < first.linear < second.linear < 0.1
+    assert [item.merit for item in order] == sorted({item.merit for item in order})
+
+
+def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():
+    """However far: nothing is cut off, and no distance makes up for what stands before it."""
+    order = [
+        Cost(False, 0, 1e-3), Cost(False, 0, 10.0), Cost(False, 0, 1e9), Cost(False, 1, 1e-3),
+        Cost(True, 0, 1e-3), Cost(True, 0, 10.0), Cost(True, 0, 20.0), Cost(True, 1, 0.0),
+    ]  # fmt: skip
+    search = Search({"a": (1.0,), "b": (2.0, 3.0)})
+    candidates = search.ask()
+    while len(candidates) < len(order):
+        candidates += candidates[:1]
+    search.tell(candidates[:7], order[6::-1])
+
+    assert all(first < second for first, second in pairwise(order))
+    assert search.best() == search.gains(candidates[6])
+    assert "without a corridor, 1 of the runs ended early" in order[-1].sentence
+
+
+def test_gains_whose_runs_end_early_are_counted_and_not_averaged(short):
+    plan = TuningPlan(scenario=short, law="mb", seeds=(1,), test_seeds=(2,))
+    own = _start(plan)
+    wild = {key: tuple(1e3 * value for value in values) for key, values in own.items()}
+    kept, lost = _costs(plan, [own, wild], 1)
+
+    assert not kept.lost
+    assert 1.0 < kept.metres < 3.0
+    assert lost == Cost(False, 3, math.inf)
 
 
 def test_a_merit_that_nothing_is_known_of_is_refused(tmp_path):

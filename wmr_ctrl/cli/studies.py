@@ -181,8 +181,9 @@ def tune(
 
     Minimises the root of the mean of position_rms^2 + (W torque_change_rms)^2 over the training
     seeds, for the scenario's robot and for 0.6 and 1.6 times the assumed mass, with the guard off.
-    With --merit corridor the certified corridor takes the place of position_rms; gains without a
-    certificate count as 1 m plus what a linear loop would leave. Writes the scenario with the gains
+    With --merit corridor the certified corridor takes the place of position_rms; gains with a
+    certificate come before all without one, and those are judged by what a linear loop would leave.
+    Fewer runs that end early come before a smaller objective. Writes the scenario with the gains
     found, and shows how they perform on test seeds and on references that were not used for
     training. An interrupted search continues when the command is repeated.
     """
@@ -218,7 +219,7 @@ def _text(better: Tuning) -> str:
     first, last = better.objective
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
     lines += [
-        f"objective on the training seeds: {1e3 * first:.4g} mm before, {1e3 * last:.4g} mm after",
+        f"objective on the training seeds: {first.sentence} before, {last.sentence} after",
         "",
         f"{'test seeds':<20}{'position RMS [mm]':>23}{'torque change [N m]':>25}"
         f"{'worst |v|/limit':>20}",

@@ -51,14 +51,15 @@ class Corridor:
     late: bool = False
 
     @property
-    def merit(self) -> float:
-        """Figure of merit [m] of a search, less is better: the position, where it is certified.
+    def merit(self) -> tuple[bool, float]:
+        """What a search makes small: whether it is refused, and then by how much [m].
 
-        Else 1 m more than the linear loop leaves, which has a slope; inf without such a loop.
+        Any certified corridor stands before any that is refused, however wide.  The distance is
+        the position, where one is refused what the linear loop leaves, inf without such a loop.
         """
         if self.position is not None:
-            return self.position
-        return math.inf if self.linear is None else 1.0 + self.linear
+            return False, self.position
+        return True, math.inf if self.linear is None else self.linear
 
     @property
     def sentence(self) -> str:

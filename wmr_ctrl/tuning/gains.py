@@ -6,15 +6,17 @@ Objective, to be made small: the root of the mean over all training runs of
 
 with the position's RMS over the last quarter and the torques' change over the last half of a run,
 of a path that stops over its drive (`results.measures`); with merit = "corridor" the certified
-corridor stands in the place of position_rms (`Corridor.merit`).  The runs: every training seed,
-once with the scenario as it is and once for each of `MASSES`, the true mass and inertia over the
-believed ones, without the scenario's changes.  A run that ends early counts as LOST metres.  Gains
-are searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.
+corridor stands in the place of position_rms (`Corridor.merit`), and gains that have one stand
+before all that have none.  The runs: every training seed, once with the scenario as it is and once
+for each of `MASSES`, the true mass and inertia over the believed ones, without the scenario's
+changes.  Fewer runs that end early come before a smaller objective of the others.  Gains are
+searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.
 Seeds of the test, and references that were not trained on, judge.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -23,7 +25,7 @@ import numpy as np
 
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor import Corridor, find_corridor
 from wmr_ctrl.engines import table_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
@@ -38,7 +40,7 @@ from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
 from wmr_ctrl.sim.many import checked_seeds
 from wmr_ctrl.tuning.plan import CORRIDOR, MEASURED, TRACKING, TuningPlan
-from wmr_ctrl.tuning.search import Search, Trials, digest_of
+from wmr_ctrl.tuning.search import Cost, Search, Trials, digest_of
 
 Progress = Callable[[float], None]
 
@@ -46,8 +48,8 @@ MASSES = (0.6, 1.6)
 """True over believed mass and inertia, beside the scenario's own robot."""
 REFERENCES = ("lemniscate", "line")
 """References on which the result is tried besides its own."""
-LOST, SEARCH = 10.0, 0.9
-"""Cost of a run that ended early [m]; share of the time that the search takes."""
+SEARCH = 0.9
+"""Share of the time that the search takes."""
 
 _ERRORS = ("tracking_drive_rms", "torque_change_rms")
 """Figures that are judged, less is better."""
@@ -73,7 +75,7 @@ class Tuning:
     plan: TuningPlan
     scenario: Scenario
     gains: Mapping[str, tuple[float, ...]]
-    objective: tuple[float, float]
+    objective: tuple[Cost, Cost]
     before: RunTable
     after: RunTable
     out: Path
@@ -99,14 +101,16 @@ class Tuning:
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        plan = self.plan
+        plan, (first, last) = self.plan, self.objective
         return {
             "scenario": plan.scenario.name, "law": plan.law, "out": str(self.out),
             "seeds": list(plan.seeds), "test_seeds": list(plan.test_seeds),
             "trials": plan.trials, "weight": plan.weight, "hold": list(plan.hold),
             "merit": plan.merit,
             "masses": [1.0, *MASSES],
-            "objective": dict(zip(("before", "after"), self.objective, strict=True)),
+            "objective": {"before": first.metres, "after": last.metres},
+            "ended_early": {"before": first.lost, "after": last.lost},
+            "no_corridor": {"before": first.refused, "after": last.refused},
             "gains": {key: list(value) for key, value in self.gains.items()},
             "before": self.before.records(),
             "after": self.after.records(),
@@ -217,25 +221,33 @@ def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
 
 def _costs(
     plan: TuningPlan, sets: Sequence[Mapping[str, Sequence[float]]], jobs: int | None
-) -> list[float]:
-    """The objective of each set of gains, all runs side by side."""
+) -> list[Cost]:
+    """What each set of gains costs, all runs side by side."""
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
     table = _table(cases, plan.law, plan.seeds, jobs)
-    reached = table["tracking_drive_rms"]
-    if plan.merit == CORRIDOR:
-        merits = [_corridor(with_gains(plan.scenario, gains), plan.law) for gains in sets]
-        reached = np.repeat(merits, len(reached) // len(sets))
-    position = np.where(table["stop"] > 0, LOST, reached)
-    change = np.where(table["stop"] > 0, 0.0, table["torque_change_rms"])
-    squares = np.nan_to_num(position, nan=LOST) ** 2 + (plan.weight * np.nan_to_num(change)) ** 2
-    return [float(item) for item in np.sqrt(squares.reshape(len(sets), -1).mean(axis=1))]
+    reached, change, stop = (
+        table[name].reshape(len(sets), -1)
+        for name in ("tracking_drive_rms", "torque_change_rms", "stop")
+    )
+    completed = (stop == 0) & np.isfinite(reached)
+    squares = (plan.weight * np.nan_to_num(change)) ** 2
+    costs = []
+    for k, gains in enumerate(sets):
+        refused, distance, whole = False, reached[k], completed[k]
+        if plan.merit == CORRIDOR:
+            refused, merit = _corridor(with_gains(plan.scenario, gains), plan.law).merit
+            distance = np.full(len(whole), merit)
+        runs = (distance**2 + squares[k])[whole]
+        metres = math.sqrt(runs.mean()) if len(runs) else math.inf
+        costs.append(Cost(refused, int((~whole).sum()), metres))
+    return costs
 
 
-def _corridor(scenario: Scenario, law: str) -> float:
-    """Merit [m] of a corridor, LOST where not even the linear loop has one."""
+def _corridor(scenario: Scenario, law: str) -> Corridor:
+    """The corridor of these gains, without a search for the inputs with which one closes."""
     from wmr_ctrl.corridor.masses import certified
 
-    return min(LOST, certified(settle(scenario, law), closing=False).merit)
+    return certified(settle(scenario, law), closing=False)
 
 
 def _check_corridor(scenario: Scenario, law: str) -> None:
@@ -301,6 +313,6 @@ def _document(tuning: Tuning) -> str:
         f"trials {plan.trials}, training seeds {list(plan.seeds)}, true over believed mass 1, "
         f"{', '.join(f'{ratio:g}' for ratio in MASSES)};",
         f"root of the mean of {MEASURED[plan.merit]}^2 + ({plan.weight:g} torque_change_rms)^2: "
-        f"{first:.4g} m before, {last:.4g} m after",
+        f"{first.sentence} before, {last.sentence} after",
     ]  # fmt: skip
     return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)

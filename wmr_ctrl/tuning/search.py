@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +23,30 @@ SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
 """Of the search in logarithms: its first step and its bound; digits that a gain is given with."""
 
 
+@dataclass(frozen=True, order=True)
+class Cost:
+    """What a set of gains costs, in this order: what stands first outweighs all after it.
+
+    ``refused``: there is no corridor, where one is asked for; ``lost``: runs that ended early;
+    ``metres``: the objective, of the runs that did not [m].
+    """
+
+    refused: bool
+    lost: int
+    metres: float
+
+    @property
+    def sentence(self) -> str:
+        """All of it in words."""
+        ended = f", {self.lost} of the runs ended early" if self.lost else ""
+        return f"{1e3 * self.metres:.4g} mm{' without a corridor' if self.refused else ''}{ended}"
+
+
 def digest_of(*parts: object) -> str:
     """Hash that tells one search from another."""
-    return hashlib.sha256(repr((*parts, SPREAD, WIDEST, DIGITS)).encode()).hexdigest()
+    return hashlib.sha256(
+        repr((*parts, SPREAD, WIDEST, DIGITS, [item.name for item in fields(Cost)])).encode()
+    ).hexdigest()
 
 
 class Search:
@@ -40,7 +63,7 @@ class Search:
         }  # fmt: skip
         self._engine = library("cma", "tune").CMAEvolutionStrategy(np.zeros(size), SPREAD, options)
         self.tried = self.generation = 0
-        self._best: tuple[float, Floats] = (math.inf, np.zeros(size))
+        self._best = Cost(True, sys.maxsize, math.inf), np.zeros(size)
 
     def ask(self) -> list[Floats]:
         """Candidates of the next generation; the start is one of the first."""
@@ -49,12 +72,13 @@ class Search:
             asked[0] = np.zeros_like(asked[0])
         return asked
 
-    def tell(self, candidates: Sequence[Floats], costs: Sequence[float]) -> None:
-        """Take the candidates' costs."""
-        self._engine.tell(list(candidates), list(costs))
-        at = int(np.argmin(costs))
-        if costs[at] < self._best[0]:
-            self._best = (costs[at], candidates[at])
+    def tell(self, candidates: Sequence[Floats], costs: Sequence[Cost]) -> None:
+        """Take the candidates' costs, of which the search reads no more than their order."""
+        different = sorted(set(costs))
+        self._engine.tell(list(candidates), [float(different.index(cost)) for cost in costs])
+        least = min(costs)
+        if least < self._best[0]:
+            self._best = least, candidates[costs.index(least)]
         self.tried += len(candidates)
         self.generation += 1
 
@@ -82,11 +106,11 @@ class Trials:
     def __init__(self, target: Path, digest: str) -> None:
         """Beside ``target``; raises ArgumentError where it holds another search."""
         self.path, self.digest = trials_file(target), digest
-        self.costs: list[list[float]] = []
+        self.costs: list[list[Cost]] = []
         if self.path.exists():
             self.costs = self._read()
 
-    def _read(self) -> list[list[float]]:
+    def _read(self) -> list[list[Cost]]:
         try:
             content = json.loads(self.path.read_text(encoding="utf-8"))
             digest, costs = content["search"], content["costs"]
@@ -97,17 +121,21 @@ class Trials:
                 f"{str(self.path)!r} holds the trials of another search (of another scenario, law, "
                 "seeds or weight), or is damaged. Remove it, or write the result elsewhere."
             )
-        return [[float(cost) for cost in generation] for generation in costs]
+        return [
+            [Cost(bool(refused), int(lost), float(metres)) for refused, lost, metres in generation]
+            for generation in costs
+        ]
 
-    def known(self, generation: int) -> list[float] | None:
+    def known(self, generation: int) -> list[Cost] | None:
         """Costs of a generation that was tried before."""
         return self.costs[generation] if generation < len(self.costs) else None
 
-    def keep(self, costs: list[float]) -> None:
+    def keep(self, costs: list[Cost]) -> None:
         """One generation more."""
         self.costs.append(costs)
         with atomic_text(self.path) as file:
-            json.dump({"search": self.digest, "costs": self.costs}, file)
+            costs_told = [[astuple(cost) for cost in generation] for generation in self.costs]
+            json.dump({"search": self.digest, "costs": costs_told}, file)
 
     def forget(self) -> None:
         """The search is over."""
