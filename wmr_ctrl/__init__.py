@@ -32,19 +32,25 @@ if TYPE_CHECKING:  # said without the module typing, which costs more than all e
     )
     from wmr_ctrl.filter import command_filter
     from wmr_ctrl.identification import identify
+    from wmr_ctrl.results.bag_topics import load_drive
+    from wmr_ctrl.results.compare import compare
+    from wmr_ctrl.results.drive import RecordedDrive
     from wmr_ctrl.tuning import tune
 
 __version__ = "1.0.0"
 
 __all__ = [
+    "RecordedDrive",
     "Run",
     "Scenario",
     "command_filter",
+    "compare",
     "compile_law",
     "cosimulate",
     "export_fmu",
     "identify",
     "linearize",
+    "load_drive",
     "load_run",
     "load_scenario",
     "prove",
@@ -58,13 +64,18 @@ __all__ = [
 ]
 
 
+_HOMES = {
+    "RecordedDrive": "results.drive", "command_filter": "filter", "compare": "results.compare",
+    "identify": "identification", "load_drive": "results.bag_topics", "tune": "tuning",
+}  # fmt: skip
+"""Where names are defined that are not in api.py."""
+
+
 def __getattr__(name: str) -> object:
     """Load a public name from where it is defined, once."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = {"tune": "tuning", "command_filter": "filter", "identify": "identification"}.get(
-        name, "api"
-    )
+    home = _HOMES.get(name, "api")
     value = getattr(import_module(f"wmr_ctrl.{home}"), name)
     globals()[name] = value
     return value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl import identify, simulate
+from wmr_ctrl import RecordedDrive, identify, simulate
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter import command_filter
 from wmr_ctrl.identification.propose import propose
@@ -43,6 +43,14 @@ def steps(base, seconds=30.0, seed=0):
 @pytest.fixture(scope="module")
 def found():
     return identify(steps(FIRST, 12.0), base="velocity")
+
+
+def test_a_robots_drive_gives_what_its_columns_give(found):
+    columns = {key.split(" ")[0]: np.array(row) for key, row in steps(FIRST, 12.0).items()}
+    t = columns.pop("t")
+    drive = RecordedDrive("log", dict.fromkeys(columns, t), columns)
+
+    assert identify(drive, base="velocity").to_json() == found.to_json()
 
 
 def near(item, truth):

@@ -13,19 +13,23 @@ import pytest
 import wmr_ctrl
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
 from wmr_ctrl.fields.arguments import hints_of
+from wmr_ctrl.results.drive import drive_of
 
 SHORT = {"clock.duration": 0.05}
 SCENARIO, LAW = "paper-simulation", "pid"
 RUN = partial(wmr_ctrl.simulate, SCENARIO, LAW, overrides=SHORT)
 GOOD: dict[str, dict[str, object]] = {
+    "RecordedDrive": {},
     "Run": {},
     "Scenario": {},
     "command_filter": {"scenario": "no scenario"},
+    "compare": {"first": "no run", "second": "no run"},
     "compile_law": {"law": LAW},
     "cosimulate": {"scenario": SCENARIO, "law": "no law"},
     "export_fmu": {"what": "guard", "out": "fmus"},
     "identify": {"log": "no log"},
     "linearize": {"scenario": "no scenario", "law": LAW},
+    "load_drive": {"path": "drive.mcap"},
     "load_run": {"path": "run.npz"},
     "load_scenario": {"name_or_path": SCENARIO},
     "prove": {"only": ("no entry",)},
@@ -39,6 +43,11 @@ GOOD: dict[str, dict[str, object]] = {
     "write_page": {"out": "page.html", "scenario": "no scenario"},
 }  # fmt: skip
 """Arguments of a short call; of what takes long, such as are refused when all types are right."""
+
+
+def DRIVE():
+    return drive_of(RUN())
+
 
 LONG = {
     ("cosimulate", "law"): {"None"},
@@ -118,6 +127,8 @@ METHODS = [
     (wmr_ctrl.Scenario, method) for method in ("table", "section", "number", "value")
 ] + [
     (RUN, method) for method in ("__getitem__", "signal", "save", "plot", "animate", "film")
+] + [
+    (DRIVE, method) for method in ("__getitem__", "save", "plot", "animate")
 ]  # fmt: skip
 
 
@@ -132,11 +143,13 @@ def test_every_argument_of_a_public_values_method(make, method):
     assert accepted == (["None"] if method == "plot" else [])
 
 
-def test_every_field_of_a_run():
-    run = RUN()
-    fields = {name: getattr(run, name) for name in hints_of(wmr_ctrl.Run.__init__)}
+@pytest.mark.parametrize("make", [RUN, DRIVE], ids=["run", "drive"])
+def test_every_field_of_a_result(make):
+    good = make()
+    kind = type(good)
+    fields = {name: getattr(good, name) for name in hints_of(kind.__init__)}
     refusals = [
-        refused_in_a_sentence(partial(wmr_ctrl.Run, **{**fields, name: value}))
+        refused_in_a_sentence(partial(kind, **{**fields, name: value}))
         for name in fields
         for value in BAD.values()
     ]

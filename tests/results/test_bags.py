@@ -282,7 +282,7 @@ def test_commands_show_and_compare_take_it(tmp_path):
     foreign = bag(tmp_path, odom_at(EPOCH + np.arange(0, 6, 0.1))) / "drive.mcap"
 
     assert shown.exit_code == compared.exit_code == 0, shown.stderr + compared.stderr
-    with pytest.raises(ResultFileError, match="without a saved run"):
+    with pytest.raises(ResultFileError, match="no run was saved in it"):
         load_run(foreign)
 
 

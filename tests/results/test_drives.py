@@ -14,14 +14,14 @@ pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from tests.results.conftest import build
 from tests.results.test_bags import EPOCH, JOINTS, ODOMETRY, TWIST, bag, joints, odometry, twist
+from wmr_ctrl import RecordedDrive, compare, identify, load_drive, load_run
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.errors import ArgumentError, ResultFileError, UnknownNameError, WmrError
 from wmr_ctrl.logs.log import read_log
 from wmr_ctrl.report.plot_drive import page_of
 from wmr_ctrl.report.scene import scene_of_drives
-from wmr_ctrl.results.bag_topics import load_drive, read_topics
-from wmr_ctrl.results.compare import compare_drives
-from wmr_ctrl.results.drive import UNITS, RecordedDrive, drive_of
+from wmr_ctrl.results.bag_topics import read_topics
+from wmr_ctrl.results.drive import UNITS, drive_of
 from wmr_ctrl.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY
 
 T = np.arange(0, 6, 0.1)
@@ -182,7 +182,7 @@ def test_what_was_measured_lies_between_messages_and_commands_hold():
     one = drive(fine, v1_measured=fine, v_command=np.floor(fine / 0.1 + 1e-9))
     other = drive(coarse, v1_measured=coarse, v_command=np.floor(coarse / 0.1 + 1e-9))
 
-    found = compare_drives(one, other)
+    found = compare(one, other)
 
     assert found.rows == 401
     assert column(found, "v1_measured").largest < 1e-12
@@ -195,7 +195,7 @@ def test_gaps_and_ends_are_counted_and_not_bridged():
     there = (t < 1.0) | (t > 2.0)
     broken = drive(t[there & (t < 3.0)], v1_measured=0.0)
 
-    found = compare_drives(drive(t, v1_measured=np.where(there & (t < 3.0), 0.0, 9.0)), broken)
+    found = compare(drive(t, v1_measured=np.where(there & (t < 3.0), 0.0, 9.0)), broken)
 
     assert column(found, "v1_measured").largest == 0.0
     assert found.rows == int((there & (t < 3.0)).sum())
@@ -207,22 +207,22 @@ def test_whole_turns_of_a_heading_are_no_difference_and_part_ones_are():
     turns, part = t + 6 * math.pi, t + 6 * math.pi + 0.25
 
     assert column(
-        compare_drives(drive(t, theta_measured=t), drive(t, theta_measured=turns)), "theta_measured"
+        compare(drive(t, theta_measured=t), drive(t, theta_measured=turns)), "theta_measured"
     ).largest == pytest.approx(0, abs=1e-12)
     assert column(
-        compare_drives(drive(t, theta_measured=t), drive(t, theta_measured=part)), "theta_measured"
+        compare(drive(t, theta_measured=t), drive(t, theta_measured=part)), "theta_measured"
     ).largest == pytest.approx(0.25)
 
 
 def test_nothing_in_common_is_said():
     t = np.linspace(0, 1, 11)
 
-    found = compare_drives(drive(t, v1_measured=0.0), drive(t, tau_right=0.0))
+    found = compare(drive(t, v1_measured=0.0), drive(t, tau_right=0.0))
 
     assert found.verdict == "nothing shared"
     assert "Only the first has v1_measured" in found.notes[0]
     with pytest.raises(ArgumentError, match="tolerance"):
-        compare_drives(drive(t, v1_measured=0.0), drive(t, v1_measured=0.0), -1.0)
+        compare(drive(t, v1_measured=0.0), drive(t, v1_measured=0.0), -1.0)
 
 
 def test_a_run_tells_its_base_what_it_measured():
@@ -251,3 +251,68 @@ def test_a_film_of_two_drives_holds_who_came_to_his_end(recorded):
     ended = scene.t > short.times["x_measured"][-1]
     assert np.ptp(scene.actors[1].pose[ended], axis=0).max() == 0.0
     assert scene.actors[0].colour != scene.actors[1].colour
+
+
+def test_python_takes_a_drive_as_the_commands_do(recorded, tmp_path):
+    """What the commands print and write, from the same bag without them."""
+    drive = load_drive(recorded)
+    files = [tmp_path / name for name in ("a.csv", "a.html", "b.csv", "b.html", "b.png")]
+    drive.save(files[0])
+    drive.animate(files[1])
+    words = ("--out", files[2], "--animate", files[3], "--plot", files[4], "--json")
+    told = json.loads(invoke("show", recorded, *words).stdout)
+
+    assert told == drive.summary()
+    assert told["missing"] == list(drive.missing) == ["tau_right", "tau_left"]
+    assert files[0].read_bytes() == files[2].read_bytes()
+    assert files[1].read_bytes() == files[3].read_bytes()
+    drive.plot(tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes() == files[4].read_bytes()
+    assert len(drive.plot().axes) == 5
+
+
+def test_a_column_by_its_name_and_one_that_is_not_there(recorded):
+    drive = load_drive(recorded)
+
+    assert "v1_measured" in drive
+    assert set(drive["v1_measured"]) == {0.4}
+    assert len(drive["v_command"]) == len(drive.times["v_command"]) == len(T[::2])
+    assert repr(drive) == f"<RecordedDrive {recorded.name}, 5.9 s: {', '.join(drive.columns)}>"
+    for name in ("tau_right", "x_d"):
+        assert name not in drive
+        with pytest.raises(UnknownNameError, match="v1_measured"):
+            drive[name]
+
+
+def test_a_bag_without_a_run_says_who_reads_it(recorded, commands_alone, tmp_path):
+    for place in (recorded, next(commands_alone.glob("*.mcap"))):
+        with pytest.raises(ResultFileError, match=r"no desired motion.*wmr_ctrl\.load_drive"):
+            load_run(place)
+    (tmp_path / "broken.mcap").write_bytes(b"no bag")
+    with pytest.raises(ResultFileError, match="is not a run that this release saved"):
+        load_run(tmp_path / "broken.mcap")
+    with pytest.raises(ArgumentError, match="has no x_measured"):
+        load_drive(commands_alone).animate(tmp_path / "film.html")
+
+
+def test_a_saved_run_as_a_drive_is_what_its_base_tells(tmp_path):
+    run = build(v1=0.25)
+    for name in ("run.npz", "run.mcap"):
+        run.save(tmp_path / name)
+        drive = load_drive(tmp_path / name)
+        assert drive.name == name
+        assert compare(run, drive).verdict == compare(drive, run).verdict == "equal"
+    with pytest.raises(ResultFileError, match=r"must end in \.csv"):
+        drive.save(tmp_path / "drive.npz")
+
+
+def refusal(log, **given):
+    with pytest.raises(WmrError) as caught:
+        identify(log, base="velocity", **given)
+    return str(caught.value)
+
+
+def test_identify_takes_a_drive_as_it_takes_its_bag(recorded):
+    """Of this one, which turns evenly all the time, with the same words."""
+    assert refusal(load_drive(recorded)) == refusal(recorded)
+    assert "path of a bag" in refusal(load_drive(recorded), topics={"odom": "/odom"})

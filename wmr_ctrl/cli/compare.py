@@ -148,7 +148,7 @@ def _simulated(
 
 def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run | RecordedDrive]:
     from wmr_ctrl.results.bag import is_bag
-    from wmr_ctrl.results.bag_topics import load_drive
+    from wmr_ctrl.results.bag_topics import load_source
 
     if len(sources) == 1 and (Path(sources[0]).suffix.lower() in RUNS or is_bag(sources[0])):
         raise click.UsageError("Missing argument 'RUN_B': two saved runs or more are compared.")
@@ -160,7 +160,7 @@ def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run 
     runs: dict[str, Run | RecordedDrive] = {}
     for source in sources:  # a run may be compared with itself
         name = source if source not in runs else f"{source} ({len(runs) + 1})"
-        runs[name] = load_drive(source, topics if is_bag(source) else None)
+        runs[name] = load_source(source, topics if is_bag(source) else None)
     return runs
 
 

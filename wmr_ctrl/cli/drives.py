@@ -12,14 +12,14 @@ from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Run
-from wmr_ctrl.results.drive import RecordedDrive, drive_of
+from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
 
 COLUMNS = ("", "samples", "to [s]", "gap [ms]", "least", "largest")
 FIGURES = (
     ("way [m]", "way"), ("|v1|", "max_abs_v1"), ("|omega|", "max_abs_v2"), ("torque", "tau_peak"),
 )  # fmt: skip
 """Columns of a comparison's table."""
-NOTHING_JUDGED = "A bag has no desired motion, errors, limits or V1, so nothing is judged."
+NOTHING_JUDGED = f"A bag has no {NEVER}, so nothing is judged."
 
 
 def show_drive(
@@ -55,11 +55,11 @@ def compare_sources(
     as_json: bool,
 ) -> bool:
     """Print drives beside each other, runs as their bases tell them; False where two differ."""
-    from wmr_ctrl.results.compare import compare_drives
+    from wmr_ctrl.results.compare import compare
 
     drives = [_named(name, one) for name, one in sources.items()]
     _draw(drives, plot, animate)
-    pair = compare_drives(drives[0], drives[1], tolerance) if len(drives) == 2 else None
+    pair = compare(drives[0], drives[1], tolerance) if len(drives) == 2 else None
     if not as_json:
         text = drives_text(drives)
         click.echo(text if pair is None else f"{pair}\n\n{text}")

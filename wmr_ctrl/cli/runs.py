@@ -120,11 +120,11 @@ def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None
     listed with their rates, gaps and ranges, and then the missing ones. A bag has no desired
     motion, so there is no verdict.
     """
-    from wmr_ctrl.results.bag_topics import load_drive
+    from wmr_ctrl.results.bag_topics import load_source
     from wmr_ctrl.results.drive import RecordedDrive
 
     check_outputs(**files)
-    saved = load_drive(file, opt.roles(topics))
+    saved = load_source(file, opt.roles(topics))
     if isinstance(saved, RecordedDrive):
         from wmr_ctrl.cli.drives import show_drive
 

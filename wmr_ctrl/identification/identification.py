@@ -52,12 +52,13 @@ from wmr_ctrl.logs.log import (
     Log,
     LogError,
     counted,
-    of_columns,
-    read_log,
+    log_of,
     seen_by,
     with_torques,
 )
 from wmr_ctrl.logs.samples import Samples, motion_of
+from wmr_ctrl.results import Run
+from wmr_ctrl.results.drive import RecordedDrive
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
@@ -118,7 +119,7 @@ class Identification(BaseIdentification):
 
 @checks_arguments
 def identify(
-    log: str | Path | Mapping[str, list[float]],
+    log: str | Path | Run | RecordedDrive | Mapping[str, list[float]],
     *,
     base: str = "torque",
     known: str | Path | Scenario | None = None,
@@ -127,7 +128,7 @@ def identify(
     torque_constant: float | None = None,
     progress: Progress | None = None,
 ) -> BaseIdentification:
-    """Identify a robot from a log: a CSV file, a bag, a saved run, or columns by ``name [unit]``.
+    """Identify a robot from a CSV file, a bag, a drive, a run, or columns by ``name [unit]``.
 
     ``base`` is what the base takes: "torque", or "velocity" (v, omega).
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
@@ -138,7 +139,7 @@ def identify(
     if base not in KINDS:
         raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")
     commands = TORQUES if base == "torque" else COMMAND
-    raw = of_columns("log", log) if isinstance(log, Mapping) else read_log(log, topics)
+    raw = log_of(log, topics)
     if base == "torque" or torque_constant is not None:
         raw = with_torques(raw, torque_constant)
     if raw.base is not None and takes_velocity(raw.base) != (base == "velocity"):

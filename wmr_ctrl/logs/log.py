@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.errors import ArgumentError, WmrError
 from wmr_ctrl.results import Run, drive
 from wmr_ctrl.results.bag import is_bag
-from wmr_ctrl.results.bag_topics import load_drive
+from wmr_ctrl.results.bag_topics import load_source
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.signals import POSE, TIME, VELOCITY
 from wmr_ctrl.world.encoder import COUNTS
@@ -75,6 +75,25 @@ class Log:
         return self.times[names[0]], np.column_stack([self.columns[name] for name in names])
 
 
+def log_of(
+    given: str | Path | Run | drive.RecordedDrive | Mapping[str, list[float]],
+    topics: Mapping[str, str] | None = None,
+) -> Log:
+    """A log from a file, a run, a drive, or columns by ``name [unit]``.
+
+    Raises LogError, ResultFileError, ArgumentError, MissingExtraError.
+    """
+    if isinstance(given, str | Path):
+        return read_log(given, topics)
+    if topics:
+        raise ArgumentError("topics can only be given with the path of a bag. Leave them out.")
+    if isinstance(given, Run):
+        return _of_run(given.scenario, given)
+    if isinstance(given, drive.RecordedDrive):
+        return _of_drive(given)
+    return of_columns("log", given)
+
+
 def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
     """A log from a CSV file, a saved run, or a ROS 2 bag, whose ``topics`` may be named by role.
 
@@ -85,10 +104,10 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
     suffix = place.suffix.lower()
     begins = _begins(place) if suffix == ".csv" else ""
     if is_bag(place) or topics or suffix in (".npz", ".parquet") or begins == "#":
-        loaded = load_drive(place, topics)
+        loaded = load_source(place, topics)
         if isinstance(loaded, Run):
             return _of_run(place.name, loaded)
-        return Log(place.name, loaded.times, loaded.columns, None, loaded.remarks)
+        return _of_drive(loaded)
     if os.path.isdir(place):
         raise LogError(
             f"{str(path)!r} is a folder without metadata.yaml, so no bag of ROS 2. Give a bag's "
@@ -119,6 +138,10 @@ def _of_run(name: str, run: Run) -> Log:
     columns = {s.name: run[s.name] for s in run.elements if s.name in KNOWN and s.name != TIME.name}
     base = loads_scenario(str(run.provenance["scenario_toml"]))
     return Log(name, dict.fromkeys(columns, t), columns, base, (), frozenset(columns))
+
+
+def _of_drive(one: drive.RecordedDrive) -> Log:
+    return Log(one.name, one.times, one.columns, None, one.remarks)
 
 
 def _table(path: Path) -> tuple[list[str], Floats]:

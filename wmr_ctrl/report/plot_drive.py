@@ -27,6 +27,7 @@ from wmr_ctrl.report.style import DASHED, DOTTED, INK, MUTED, colours_of, house_
 from wmr_ctrl.results import FloatArray
 from wmr_ctrl.results.drive import (
     COMMANDS,
+    NEVER,
     POSES,
     SPEEDS,
     TORQUES,
@@ -37,7 +38,7 @@ from wmr_ctrl.results.drive import (
 
 _WIDTH, _HEAD, _HIGH, _PATH = 8.3, 0.72, 1.9, 2.9
 """Width of the page; heights of its head, of a row, and of the row with the path [inch]."""
-LEFT_OUT = "A bag has no desired motion, errors, limits or V₁."
+LEFT_OUT = f"A bag has no {NEVER.replace('V1', 'V₁')}."
 PANELS: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
     ("v₁ [m/s]; dashed: as commanded", SPEEDS[:1], COMMANDS[:1]),
     ("ω [rad/s]; dashed: as commanded", SPEEDS[1:], COMMANDS[1:]),
@@ -49,15 +50,21 @@ PANELS: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
 NOTHING: FloatArray = np.zeros(0)
 
 
-def plot_drives(drives: Sequence[RecordedDrive], path: str | os.PathLike[str]) -> None:
-    """Draw drives over each other into a .png, .svg or .pdf file, whole or not at all.
+def plot_drives(
+    drives: Sequence[RecordedDrive], path: str | os.PathLike[str] | None = None
+) -> Figure:
+    """Draw drives over each other, into a .png, .svg or .pdf file too, whole or not at all.
 
     What none of them has is left out, and named.  Raises ResultFileError for another suffix or
     where the file cannot be written.
     """
-    target = target_of(path, SUFFIXES, f"drives are drawn as {', '.join(SUFFIXES)}")
+    known = f"drives are drawn as {', '.join(SUFFIXES)}"
+    target = None if path is None else target_of(path, SUFFIXES, known)
     with house_style():
-        save_figure(page_of(drives).figure(), target)
+        figure = page_of(drives).figure()
+        if target is not None:
+            save_figure(figure, target)
+    return figure
 
 
 def page_of(drives: Sequence[RecordedDrive]) -> Drawing:

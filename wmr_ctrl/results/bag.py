@@ -200,7 +200,7 @@ def rows_of_mcap(data: bytes) -> tuple[str, FloatArray]:
                 message: Any = message_types().deserialize_cdr(raw, kind)
                 data_of[kind].append(message.data)
     if len(data_of[TEXT]) != 1:
-        raise ValueError("it is a bag without a saved run; `wmr-ctrl show` reads drives")
+        raise ValueError("it is a bag without a saved run")
     return data_of[TEXT][0], np.array(data_of[ROW], dtype=np.float64)
 
 

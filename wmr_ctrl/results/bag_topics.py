@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.orientation import theta_of
 from wmr_ctrl.results.bag import (
     JOINTS,
@@ -32,6 +33,7 @@ from wmr_ctrl.results.drive import (
     WHEEL_ANGLE,
     WHEEL_SPEEDS,
     RecordedDrive,
+    drive_of,
 )
 from wmr_ctrl.results.formats import load_run
 from wmr_ctrl.results.run import FloatArray, Run
@@ -72,7 +74,19 @@ class Topic(NamedTuple):
     frame: str
 
 
-def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> Run | RecordedDrive:
+@checks_arguments
+def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> RecordedDrive:
+    """Read a robot's drive from a bag, or what the base of a saved run would have told.
+
+    ``topics`` names a bag's topics by role ("odom", "cmd", "joints", "effort") and the wheels'
+    joints ("right", "left"); without it the usual names are looked for, in any namespace.  Raises
+    ResultFileError, ArgumentError, MissingExtraError without rosbags.
+    """
+    loaded = load_source(path, topics)
+    return drive_of(loaded, Path(path).name) if isinstance(loaded, Run) else loaded
+
+
+def load_source(path: str | Path, topics: Mapping[str, str] | None = None) -> Run | RecordedDrive:
     """A saved run, or the drive in a bag; one that a run was saved in is that run without topics.
 
     Raises ResultFileError, ArgumentError, MissingExtraError.
@@ -128,6 +142,10 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> Re
         rows = part._replace(values=part.values[order[keep]])
         for name, values in _columns(role, rows, "effort" not in parts, remarks).items():
             times[name], columns[name] = (clock[keep] - first) / SECOND, values
+    if not columns:
+        raise ResultFileError(
+            f"{str(path)!r}: the messages of {', '.join(chosen)} have no numbers."
+        )
     return RecordedDrive(Path(path).name, times, columns, tuple(remarks))
 
 

@@ -1,4 +1,4 @@
-"""Comparison of two runs, or drives: differences of columns and of facts."""
+"""Comparison of two runs or drives: differences of columns and of facts."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
-from wmr_ctrl.results.drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive
+from wmr_ctrl.results.drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive, drive_of
 from wmr_ctrl.results.run import FloatArray, Run
 
 Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
@@ -62,7 +63,7 @@ class ColumnDifference:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Two runs side by side.
+    """Two runs or drives side by side.
 
     ``columns``: one entry per number that both runs log, empty if they share no sample; ``rows``:
     number of samples that they share; ``facts``: labels, settings, readings and provenance that
@@ -82,15 +83,29 @@ class Comparison:
         return comparison_text(self)
 
 
-def compare(run_a: Run, run_b: Run, tolerance: float = 1e-9) -> Comparison:
-    """Compare the columns and samples that both runs have, and list what else differs.
+@checks_arguments
+def compare(
+    first: Run | RecordedDrive, second: Run | RecordedDrive, tolerance: float = 1e-9
+) -> Comparison:
+    """Compare the columns and samples that two runs, or drives, have, and list what else differs.
 
     ``tolerance`` applies in a column's own unit or relative to its range, whichever is kinder.
     Runs whose outcomes differ over the same samples differ, however close their columns are.
+    Beside a drive a run is what its base would have told.  Times of drives count from the first
+    message of each; at those of the first, the second's commands and torques hold, and what was
+    measured is between its messages.
     Raises ArgumentError for a tolerance that is negative or not a number.
     """
     if not tolerance >= 0:
         raise ArgumentError(f"tolerance = {tolerance!r} must be zero or a positive number.")
+    if isinstance(first, Run) and isinstance(second, Run):
+        return _compare_runs(first, second, tolerance)
+    pair = (drive_of(one) if isinstance(one, Run) else one for one in (first, second))
+    drive_a, drive_b = pair
+    return _compare_drives(drive_a, drive_b, tolerance)
+
+
+def _compare_runs(run_a: Run, run_b: Run, tolerance: float) -> Comparison:
     rows_a, rows_b = _shared_rows(run_a, run_b)
     columns = tuple(
         _difference(signal.name, run_a, run_b, rows_a, rows_b)
@@ -104,16 +119,7 @@ def compare(run_a: Run, run_b: Run, tolerance: float = 1e-9) -> Comparison:
     return Comparison(columns, len(rows_a), facts, notes, tolerance, verdict)
 
 
-def compare_drives(
-    drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: float = 1e-9
-) -> Comparison:
-    """Compare columns that both drives have, at the times of the first.
-
-    There the second's commands and torques hold, and what was measured is between its messages.
-    Times count from the first message of each.  Raises ArgumentError as `compare`.
-    """
-    if not tolerance >= 0:
-        raise ArgumentError(f"tolerance = {tolerance!r} must be zero or a positive number.")
+def _compare_drives(drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: float) -> Comparison:
     shared = [name for name in UNITS if drive_a.has([name]) and drive_b.has([name])]
     rows = {name: _within(drive_a.times[name], drive_b.times[name]) for name in shared}
     columns = tuple(

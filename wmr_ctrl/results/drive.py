@@ -8,10 +8,16 @@ import os
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from wmr_ctrl.errors import ArgumentError, ResultFileError, UnknownNameError
+from wmr_ctrl.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.fields.orientation import inward
+from wmr_ctrl.fields.problems import show
+from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.signals import (
@@ -25,6 +31,9 @@ from wmr_ctrl.signals import (
     WHEEL_SPEED,
     Signal,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def names_of(signals: Sequence[Signal]) -> tuple[str, ...]:
@@ -45,6 +54,8 @@ UNITS: Mapping[str, str] = {
     for name, unit in zip(signal.elements, signal.units, strict=True)
 }  # fmt: skip
 """Columns that a drive may have, and the unit of each."""
+NEVER = "desired motion, errors, limits or V1"
+"""What no drive has."""
 
 
 @dataclass(frozen=True)
@@ -63,18 +74,46 @@ class ColumnFacts:
     largest: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RecordedDrive:
-    """Columns of a drive by name, each (N,) with its own times [s] from the first message's.
+    """A robot's drive: columns by name, each (N,) with its own times [s] from the first message's.
 
-    Units are those of `UNITS`, theta is 0 along +Y; ``remarks`` are sentences on clocks, gaps and
-    what was left out.
+    ``drive["v1_measured"]`` is a column and ``drive.times["v1_measured"]`` its times; ``missing``
+    names what it has not.  Theta is 0 along +Y; ``remarks`` are sentences on clocks, gaps and what
+    was left out.  There are neither a desired motion nor limits, so nothing is judged.  ``save``,
+    ``plot``, ``animate``, ``summary()``, `wmr_ctrl.compare` and `wmr_ctrl.identify` pass it on.
+    Raises ArgumentError where columns and times do not fit.
     """
 
     name: str
     times: Mapping[str, FloatArray]
     columns: Mapping[str, FloatArray]
     remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        sizes = {name: np.shape(values) for name, values in self.columns.items()}
+        if not sizes or sizes != {name: np.shape(t) for name, t in self.times.items()}:
+            raise ArgumentError("a drive must have at least one column, and each its times.")
+        for name, size in sizes.items():
+            if len(size) != 1 or size == (0,) or name not in UNITS:
+                raise ArgumentError(
+                    f"drive.columns[{show(name)}] must be one of {', '.join(UNITS)}, with at least "
+                    "one number and no axis but that of time."
+                )
+
+    def __repr__(self) -> str:
+        return f"<RecordedDrive {self.name}, {self.duration:.4g} s: {', '.join(self.columns)}>"
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    @checks_arguments
+    def __getitem__(self, name: str) -> FloatArray:
+        """A column, shape (N,).  Raises UnknownNameError, which names those that there are."""
+        if name not in self.columns:
+            raise UnknownNameError("column of this drive", name, self.columns)
+        return self.columns[name]
 
     def has(self, names: Sequence[str]) -> bool:
         """True if all of these columns are there."""
@@ -118,18 +157,41 @@ class RecordedDrive:
         return float(max(np.abs(self.columns[name]).max() for name in names))
 
     def summary(self) -> dict[str, object]:
-        """All that is said of it, as plain values."""
+        """Figures, columns, what is missing and remarks as ``wmr-ctrl show --json`` prints them."""
         columns = {name: asdict(fact) for name, fact in self.facts().items()}
         return {
             "drive": self.name, "duration": self.duration, **self.figures(), "columns": columns,
             "missing": list(self.missing), "remarks": list(self.remarks),
         }  # fmt: skip
 
+    @checks_arguments
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw on one page what there is; with ``path`` (.png, .svg or .pdf) write it there too.
+
+        Returns matplotlib's figure, which notebooks show.  Raises ResultFileError for a path that
+        cannot be written.
+        """
+        return cast("Figure", late_bound("plot_drives")([self], path))
+
+    @checks_arguments
+    def animate(self, path: str | os.PathLike[str]) -> None:
+        """Film the robot on its path into a .gif, .mp4 or .html file.
+
+        Raises ArgumentError, by name, where poses or velocities are missing, ResultFileError,
+        MissingExtraError for .mp4 without ffmpeg.
+        """
+        late_bound("animate_drives")([self], path)
+
+    @checks_arguments
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a .csv log that `identify` reads: t, then a column each, empty where it has none.
 
-        Raises ResultFileError where the file cannot be written.
+        Raises ResultFileError for another suffix or where the file cannot be written.
         """
+        if Path(path).suffix.lower() != ".csv":
+            raise ResultFileError(
+                f"{os.fspath(path)!r} must end in .csv: a drive is saved as a log."
+            )
         t = np.unique(np.concatenate(list(self.times.values())))
         cells = np.full((len(t), len(self.columns)), "", dtype=object)
         for place, (name, values) in enumerate(self.columns.items()):

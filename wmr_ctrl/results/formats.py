@@ -21,10 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.errors import MissingExtraError, ResultFileError
+from wmr_ctrl.errors import MissingExtraError, ResultFileError, WmrError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.limits import may_unpack
-from wmr_ctrl.results.bag import rows_of_mcap, run_as_mcap
+from wmr_ctrl.results.bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
+from wmr_ctrl.results.drive import NEVER
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.outcomes import Monitor, Outcome
@@ -54,8 +55,29 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
 def load_run(path: str | os.PathLike[str]) -> Run:
     """Read a run that `Run.save` wrote; it compares equal to the one that was saved.
 
-    Raises ResultFileError where the file is missing, damaged, or something else.
+    Raises ResultFileError where the file is missing, damaged, or something else: a robot's own bag
+    is read by `load_drive`.
     """
+    try:
+        return _loaded(path)
+    except ResultFileError as error:
+        if not _of_a_robot(path):
+            raise
+        raise ResultFileError(
+            f"{os.fspath(path)!r} is a robot's bag, and no run was saved in it: it has no {NEVER}. "
+            "Read it by wmr_ctrl.load_drive; its result names what else is missing."
+        ) from error
+
+
+def _of_a_robot(path: str | os.PathLike[str]) -> bool:
+    """Whether a path is a bag without a run."""
+    try:
+        return os.path.exists(path) and is_bag(Path(path)) and not holds_run(Path(path))
+    except WmrError:  # it cannot be opened
+        return False
+
+
+def _loaded(path: str | os.PathLike[str]) -> Run:
     _, decode = _FORMATS[check_suffix(path)]
     try:
         data = Path(path).read_bytes()
