@@ -291,12 +291,12 @@ def force(mutation: Mutation, way: int) -> Statement:
     # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
     a = QueuedAxis()
     b = a.aimed if mutation > 0 or way < 0 else a.bounds
-    cuts = {"brakes": b.braking, "largest": largest_force(b)}
+    cuts = {"brakes": b.braking, "largest": largest_force(b), "lo": floor(a["y"], b, a.coming)}
     given = [*a.stated, *a.measured]
     if way > 0:
         given += [*a.arrives(way), at_least(a["brakes"], a.net + 2 * a.held_back * a.reach)]
     else:
-        cuts["lo"], left = floor(a["y"], b, a.coming), a.leaves(mutation * a["brakes"])
+        left = a.leaves(mutation * a["brakes"])
         given += [*a.bounded, *a.arrives(way), a.safe(way, a["lo"]), left]
     goal, text = a.safe(way, a["hat"]), a.text(a["asked"], b)
     return Statement(a.symbols, (goal,), tuple(given), cuts, computed=text)
