@@ -6,8 +6,11 @@ import sys
 import threading
 
 import pytest
+from click.testing import CliRunner
 
+from wmr_ctrl import api
 from wmr_ctrl.cli import progress as module
+from wmr_ctrl.cli.exports import export
 from wmr_ctrl.cli.progress import Progress
 
 
@@ -91,3 +94,16 @@ def test_error_passes_and_the_bar_is_closed(monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with pytest.raises(ValueError, match="inside"), Progress("run"):
         raise ValueError("inside")
+
+
+def test_export_is_not_silent_while_it_compiles(monkeypatch, tmp_path):
+    said = threading.Event()
+    monkeypatch.setattr(module, "FIRST", 0.0)
+    monkeypatch.setattr(module, "TICK", 0.001)
+    monkeypatch.setattr(module.click, "echo", lambda text, err: (lines.append(text), said.set()))
+    monkeypatch.setattr(api, "export_fmu", lambda what, **_given: [said.wait(60) and what])
+    lines = []
+    result = CliRunner().invoke(export, ["nn", "--out", str(tmp_path)])
+
+    assert result.exit_code == 0
+    assert lines[0].startswith("export nn: at work for ")

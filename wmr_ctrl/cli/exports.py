@@ -70,7 +70,9 @@ def export(
     _refuse_unread(what, options.keys() - given)
     opt.check_folder(out, "--out")
     given |= {"scenario": opt.load(scenario, assignments), "out": out}
-    for path in api.export_fmu(what, **cast("ExportOptions", given)):
+    with Progress(f"export {what}", measured=False):
+        paths = api.export_fmu(what, **cast("ExportOptions", given))
+    for path in paths:
         say("wrote", str(path))
     if "arrays" in read_by(what) and not steps_fmus():
         say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")

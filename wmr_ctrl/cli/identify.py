@@ -119,14 +119,16 @@ def identify(
     if propose:
         from wmr_ctrl.identification.propose import propose as propose_drive
 
-        drive = propose_drive(result, floor)
+        with Progress("the next drive", measured=False):
+            drive = propose_drive(result, floor)
         with atomic_text(propose) as file:
             file.write(drive.to_csv())
         say("wrote", propose)
     if plot or report:
         from wmr_ctrl.report.identified import write_identification
 
-        write_identification(result, report, plot, drive)
+        with Progress("report and picture", measured=False):
+            write_identification(result, report, plot, drive)
         for path in filter(None, (plot, report)):
             say("wrote", path)
     if as_json:

@@ -117,7 +117,7 @@ class Lines:
 
     def _say(self) -> None:
         now = time.monotonic()
-        if now < self._next:
+        if now < self._next or not self._text:  # before the first phase there is nothing to name
             return
         self._next = now + INTERVAL
         if 0 < self._share < 1:
