@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         "wmr-ctrl export plant --out fmus",
         "wmr-ctrl export nn --fmi 2 --target all --out fmus",
         "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
+        "wmr-ctrl export corridor --law prox --scenario safe-simulation --out fmus",
         "wmr-ctrl export filter --scenario mine.toml --out fmus",
         "wmr-ctrl export ssp --flat --law pid --out package",
         "wmr-ctrl export ssp --plant theirs.fmu --map names.toml --out package",
@@ -30,9 +31,11 @@ if TYPE_CHECKING:
     ),
 )
 @click.argument(
-    "what", metavar="plant|LAW|reference|guard|filter|closed-loop|ssp|modelica|simulink"
+    "what", metavar="plant|LAW|reference|guard|filter|corridor|closed-loop|ssp|modelica|simulink"
 )
-@click.option("--law", default="nn", metavar="NAME", help="Law for closed-loop, ssp and simulink.")
+@click.option(
+    "--law", default="nn", metavar="NAME", help="Law for corridor, closed-loop, ssp and simulink."
+)
 @opt.scenario_option
 @opt.set_option
 @click.option("--fmi", default="both", type=click.Choice(["2", "3", "both"]), help="FMI version.")
@@ -95,11 +98,13 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
         "wmr-ctrl codegen mb --float32 --out mb_c",
         "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
         "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
+        "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
     ),
 )
 @click.argument("law")
 @opt.scenario_option
 @opt.set_option
+@click.option("--law", "watched", metavar="NAME", help="corridor: the law whose corridor it is.")
 @click.option("--float32", is_flag=True, help="Single precision throughout.")
 @click.option(
     "--ros2", is_flag=True, help="Write the filter as a ROS 2 node in C that needs only rcl."
@@ -117,6 +122,7 @@ def codegen(
     law: str,
     scenario: str,
     assignments: tuple[str, ...],
+    watched: str | None,
     float32: bool,
     ros2: bool,
     params: tuple[str, ...],
@@ -125,11 +131,12 @@ def codegen(
     """Write a law as C99: header, source, example, test vectors and build files.
 
     LAW may be `filter`: the command filter of a scenario with filter.kind = "clip",
-    "governor" or "band".
+    "governor" or "band"; or `corridor`: what tells whether the certified corridor of --law holds
+    the robot, and whether it was left.
 
     The code uses no heap, no input or output and no globals: the caller owns the law's memory.
     """
-    from wmr_ctrl.codegen.package import FILTER, write_package
+    from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, write_package
 
     opt.check_folder(out, "--out")
     if params and not ros2:
@@ -137,7 +144,18 @@ def codegen(
             "it needs --ros2. Add that, or leave it out.", param_hint="--param"
         )
     case = opt.load(scenario, assignments)
-    if not ros2:
+    if (law == CORRIDOR) != (watched is not None) or (law == CORRIDOR and (float32 or ros2)):
+        raise click.BadParameter(
+            "it belongs to `codegen corridor`, which needs it, in double precision and as C alone.",
+            param_hint="--law",
+        )
+    if watched is not None:
+        from wmr_ctrl.corridor import corridor_monitor
+        from wmr_ctrl.results import write_all
+
+        monitor = corridor_monitor(case, watched)
+        paths = tuple(write_all(files_of(CORRIDOR, monitor, case), Path(out)))
+    elif not ros2:
         paths = write_package(law, Path(out), case, float32=float32)
     elif law != FILTER or float32:
         raise click.BadParameter(

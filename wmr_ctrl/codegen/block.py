@@ -108,6 +108,14 @@ def filter_block(scenario: Scenario) -> Block:
     return replace(block, derivatives=())
 
 
+def corridor_block(system: System, scenario: Scenario) -> Block:
+    """The monitor of a corridor, whose System is given; comparisons leave it no derivatives."""
+    p = Parameters(scenario, system.params)
+    p.take("clock.control")
+    block = _block(replace(system, params=(*p.ports, port(PARALLEL))))
+    return replace(block, derivatives=())
+
+
 def reference_block(scenario: Scenario) -> Block:
     """The desired trajectory, sampled with the control period."""
     system = reference(scenario)

@@ -34,8 +34,8 @@ from wmr_ctrl.world.references import Circle
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip
-FILTER = "filter"
-"""The command filter, which is packaged as laws are."""
+FILTER, CORRIDOR = "filter", "corridor"
+"""The command filter and the corridor's monitor, which are packaged as laws are."""
 _CALL = re.compile(r"\b(?!wmr_)([a-z][a-z0-9]*)\(")
 _ROOT = re.compile(r"\bwmr_(sqrt|hypot|asin|acos)\(")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
@@ -88,11 +88,18 @@ def package_files(
         system = packaged(setup) if counting else controller(setup)
     if float32 and (scenario.guard.enabled or law == FILTER):
         system = single_precision.with_margin(system, _margin(law, scenario))
+    return files_of(law, system, scenario, float32=float32)
+
+
+def files_of(
+    law: str, system: System, scenario: Scenario, *, float32: bool = False
+) -> dict[str, str]:
+    """The same of a System that is called ``law``: a law's, the filter, the corridor's monitor."""
     context = _context(law, scenario, system, step_kernel(system), float32)
     engine = text_engine(_TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
-    if law == FILTER:
-        names |= {"example.c": "filter_example.c", "README.md": "filter_README.md"}
+    if law in (FILTER, CORRIDOR):
+        names |= {name: f"{law}_{name}" for name in ("example.c", "README.md")}
     files = {
         name: engine.get_template(f"{source}.j2").render(context) for name, source in names.items()
     }
@@ -167,6 +174,8 @@ def _context(
         "periods": [f"{1e3 * period:g} ms" for period in periods],
         "footprint": known_footprint(law, float32, guarded, step.operations),
         "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
+        "watches": law == CORRIDOR,
+        "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
         "governs": len(system.inputs) > 1, "first_order": scenario.filter.loop == "first-order",
         "tables": TABLE, "derived": _derived(scenario, law),
         "encoders": any(item.signal == COUNTS for item in system.inputs),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario.sections import Limits
-from wmr_ctrl.signals import ASKED, VELOCITY
+from wmr_ctrl.signals import ASKED, TORQUE, VELOCITY
 from wmr_ctrl.world.encoder import COUNTS
 
 Floats = NDArray[np.float64]
@@ -63,6 +63,8 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
     machine = system.function("step", [system.update, system.y])
     known = {item.signal for item in system.inputs}
     exact = _commands(system, limits) if ASKED in known else _inputs(np.array(limits.v_u1))
+    if TORQUE[0] in known:
+        exact = _watched(exact, system.u.numel())
     inputs: Floats = np.round(exact, 6)
     p, x = np.array(system.p0), np.array(system.x0)
     if any(item.signal == COUNTS for item in system.inputs):
@@ -104,6 +106,12 @@ def _commands(system: System, limits: Limits) -> Floats:
         age = 0.0 if k % 2 else -1.0
         rows.append(np.array([*asked, *measured, age, 0.0])[: system.u.numel()])
     return np.array(rows)
+
+
+def _watched(inputs: Floats, count: int) -> Floats:
+    """Desired and measured pose, velocity, and torques: what a monitor is given in the place."""
+    told = np.random.default_rng(7).uniform(-1, 1, (len(inputs), count - 8))
+    return np.hstack([inputs[:, :3], inputs[:, 7:12], told])
 
 
 def _with_counts(inputs: Floats, system: System) -> Floats:

@@ -14,7 +14,9 @@ from wmr_ctrl.corridor.answer import CorridorLeft as CorridorLeft
 from wmr_ctrl.corridor.clearance import Clearance as Clearance
 from wmr_ctrl.corridor.clearance import find_clearance
 from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.model.system import System
 from wmr_ctrl.results import Run
+from wmr_ctrl.results.frames import library
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.registry import EFFECTS
 
@@ -30,6 +32,18 @@ def find_corridor(scenario: Scenario, law: str) -> Corridor:
     Without python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
     return _of(settle(scenario, law))
+
+
+def corridor_monitor(scenario: Scenario, law: str) -> System:
+    """The monitor of a law's corridor, for what a robot measures; to be stepped at every sample.
+
+    Raises ScenarioError where there is no corridor, or none that can be watched,
+    MissingExtraError without the extra proofs.
+    """
+    library("flint", "proofs")
+    from wmr_ctrl.corridor.latch import monitor_of
+
+    return monitor_of(scenario, law)
 
 
 def left_corridor(run: Run) -> CorridorLeft | None:

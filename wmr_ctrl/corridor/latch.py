@@ -8,26 +8,22 @@ that something was not as the scenario says: a push, a mass, a measurement, the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import loop_of
-from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import CorridorLeft, bounds
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.errors import WmrError
+from wmr_ctrl.corridor.monitor import DISTANCE, IN_CORRIDOR, LEFT, MOST, Latch, monitor, seen
+from wmr_ctrl.errors import ScenarioError, WmrError
 from wmr_ctrl.fields.orientation import inward
-from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY, STARTED
-from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.model.kinematics import tracking_error
+from wmr_ctrl.model.system import System
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.signals import D_HAT, TORQUE
+from wmr_ctrl.signals import D_HAT, POSE, REFERENCE, TORQUE, VELOCITY, Signal
 
 LARGER = (1.6, 1.4, 1.2, 1.1, 1.05, 1.02)
 """Multiples of the corridor's box that are tried for Y."""
@@ -35,24 +31,8 @@ HALVINGS, STAGES = 20, 4
 """Of the search for b; times K samples after which the bound is taken once more."""
 DUST = 1e-9
 """Added to all of Y, in units of each: what a run starts with may be off by rounding."""
-SEEN = (FORCE_HAT, OLD_VELOCITY, STARTED)
-"""Memory of a law that a run's log tells; no latch of a law that has more."""
-
-
-@dataclass(frozen=True)
-class Latch:
-    """Box ``b`` of deviations of the state at samples, the ``samples`` K, and what then holds.
-
-    ``position`` [m]: the most that the robot is off its place after K samples in b, after 2 K, and
-    so on; the last holds from then on.  ``level``: the state on the reference; ``inputs``: what was
-    counted on.
-    """
-
-    box: Floats
-    samples: int
-    position: tuple[float, ...]
-    level: Floats
-    inputs: Inputs
+ALONE = {"corridor.start": (0.0, 0.0, 0.0), "corridor.cells": 0}
+"""What a latch is not about: where a robot starts, and other masses than the scenario's."""
 
 
 def latch_of(certifier: Certifier, inputs: Inputs) -> Latch | None:
@@ -82,32 +62,62 @@ def latch_of(certifier: Certifier, inputs: Inputs) -> Latch | None:
     )
 
 
+def monitor_of(scenario: Scenario, law: str) -> System:
+    """See `wmr_ctrl.corridor.corridor_monitor`."""
+    setup = settle(override(scenario, ALONE), law)
+    try:
+        certifier = Certifier(setup)
+        latch = latch_of(certifier, certifier.inputs)
+    except NoCorridorError as error:
+        raise ScenarioError(
+            f"{scenario.name} with {law} has no corridor to be watched: {error}. Change what stops "
+            "it (`wmr-ctrl check --only corridor`)."
+        ) from error
+    if latch is None:
+        raise ScenarioError(
+            f"{scenario.name} with {law}: no box about the corridor holds a robot that is in it, "
+            "so that nothing could be concluded. State smaller pushes or errors."
+        )
+    if not seen(setup, latch):
+        raise ScenarioError(
+            f"{scenario.name} with {law}: drives with delay or lag, poses that are corrected in "
+            "part and laws with a memory of their own leave states that no monitor is shown. Watch "
+            "prox or mb with ideal drives and correction = 1."
+        )
+    graph = monitor(setup, latch, measured=True)
+    box = next(item.value for item in graph.params if item.signal.name == "corridor.box")
+    if min(box) < 0:
+        raise ScenarioError(
+            f"{scenario.name} with {law}: measured poses or velocities are off by more than the "
+            "box in which a robot has to be, so that no monitor could tell that it is. State "
+            "smaller errors."
+        )
+    return graph
+
+
 def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
     """The first leaving of the corridor by a run on ``scenario`` that was settled in it."""
-    alone = {"guard.enabled": run.guard, "corridor.start": (0.0, 0.0, 0.0), "corridor.cells": 0}
     try:
-        setup = settle(override(scenario, alone), run.law)
+        setup = settle(override(scenario, {"guard.enabled": run.guard, **ALONE}), run.law)
         latch = _latch(setup)
     except WmrError:
         return None
-    if latch is None or not _seen(setup, latch):
+    if latch is None or not seen(setup, latch):
         return None
     end = min((run.settings.index(item.t) for item in scenario.changes), default=run.rows)
-    e, within = _within(run, setup, latch, end)
-    streak, since = 0, None
-    for k, held in enumerate(within):
-        if since is None:
-            streak = streak + 1 if held else 0
-            since = k if streak == latch.samples else None
-            continue
-        stage = min((k - since - 1) // latch.samples, STAGES - 1)
-        if e[k] > latch.position[stage]:
-            first, second = map(float, latch.inputs.velocity)
-            counted = bounds(float(max(latch.inputs.push)), latch.inputs.pose, (first, second))
-            mass = f"{counted} and M = {scenario.robot.m:g} kg"
-            times = float(run.time[k]), float(run.time[since])
-            return CorridorLeft(times[0], float(e[k]), latch.position[stage], times[1], mass)
-    return None
+    verdicts = _watched(run, monitor(setup, latch, measured=False), end)
+    gone = np.flatnonzero(verdicts[LEFT])
+    if not len(gone):
+        return None
+    k, since = gone[0], np.flatnonzero(verdicts[IN_CORRIDOR])[0]
+    first, second = map(float, latch.inputs.velocity)
+    counted = bounds(float(max(latch.inputs.push)), latch.inputs.pose, (first, second))
+    mass = f"{counted} and M = {scenario.robot.m:g} kg"
+    times, (off, most) = (
+        (float(run.time[k]), float(run.time[since])),
+        (verdicts[DISTANCE], verdicts[MOST]),
+    )
+    return CorridorLeft(times[0], float(off[k]), float(most[k]), times[1], mass)
 
 
 @lru_cache(maxsize=64)
@@ -119,48 +129,16 @@ def _latch(setup: Setup) -> Latch | None:
         return None
 
 
-def _seen(setup: Setup, latch: Latch) -> bool:
-    """True where the log has the whole state: no drives that remember, no memory beside SEEN."""
-    memory = [item.signal for item in loop_of(setup).core.state]
-    size = sum(item.size for item in memory)
-    ideal = (len(latch.level) - ROBOT - size) % COMMAND == 0 and setup.scenario.actuator.ideal
-    return ideal and all(item in SEEN for item in memory)
-
-
-def _within(run: Run, setup: Setup, latch: Latch, end: int) -> tuple[Floats, list[bool]]:
-    """Distances [m] from the place on the path, and whether each sample's state is in the box."""
-    rows, frames = slice(0, end), run.settings.frames
-    poses = [
-        np.stack([*(run[name][rows] for name in place), inward(run[angle], frames)[rows]])
-        for place, angle in ((("x_d", "y_d"), "theta_d"), (("x", "y"), "theta"))
-    ]
-    e = np.asarray(_errors()(*poses)).T
-    v = np.stack([run["v1"][rows], run["omega"][rows]], axis=1)
-    robot, names = setup.scenario.robot, [item.name for item in TORQUE]
-    torque = ca.SX.sym("torque", COMMAND)
-    force = ca.Function("force", [torque], [wheel_to_force(ca.SX(robot.r), ca.SX(robot.l), torque)])
-    sent = np.asarray(force(np.stack([run[name][rows] for name in names]))).T
-    memory = {FORCE_HAT: -run[D_HAT.name][rows], OLD_VELOCITY: v, STARTED: np.ones((len(v), 1))}
-    ports = loop_of(setup).core.state
-    queue = (len(latch.level) - ROBOT - sum(item.signal.size for item in ports)) // COMMAND
-    before = [*(_earlier(sent, age) for age in range(1, queue + 1)),
-              *(_earlier(memory[item.signal], 1) for item in ports)]  # fmt: skip
-    state, slack = np.hstack([e, v, *before]), np.zeros(len(latch.level))
-    at = ROBOT + COMMAND * queue
-    for item in ports:
-        if item.signal == OLD_VELOCITY:
-            slack[at : at + COMMAND] = latch.inputs.velocity
-        at += item.signal.size
-    inside = np.all(np.abs(state - latch.level) + slack <= latch.box, axis=1)
-    return np.hypot(e[:, 0], e[:, 1]), [bool(item) for item in inside]
-
-
-def _earlier(values: Floats, samples: int) -> Floats:
-    """Values so many samples ago, NaN before the first."""
-    return np.vstack([np.full((samples, values.shape[1]), np.nan), values])[: len(values)]
-
-
-@lru_cache(maxsize=1)
-def _errors() -> ca.Function:
-    desired, pose = ca.SX.sym("desired", 3), ca.SX.sym("pose", 3)
-    return ca.Function("errors", [desired, pose], [tracking_error(desired, pose)])
+def _watched(run: Run, graph: System, end: int) -> dict[Signal, Floats]:
+    """What the monitor tells of each of a run's first samples."""
+    columns = {item: run[item.name][:end] for item in (*REFERENCE[:3], *POSE, *VELOCITY, *TORQUE)}
+    for item in (REFERENCE[2], POSE[2]):
+        columns[item] = inward(columns[item], run.settings.frames)
+    columns |= {D_HAT: run[D_HAT.name][:end].T} if D_HAT.name in run.columns else {}
+    given = np.vstack([columns[item.signal] for item in graph.inputs])
+    step = graph.function("monitor", [graph.update, graph.y])
+    x, rows = np.array(graph.x0), []
+    for u in given.T:
+        x, y = step(u, x, graph.p0)
+        rows.append(y.full().ravel())
+    return dict(zip((item.signal for item in graph.outputs), np.array(rows).T, strict=True))

@@ -1,4 +1,4 @@
-"""Models of single blocks: plant, laws, reference."""
+"""Models of single blocks: plant, laws, reference, what guards, filters and watches."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from wmr_ctrl.codegen.block import (
     PARALLEL,
     Block,
+    corridor_block,
     filter_block,
     guard_block,
     law_block,
@@ -20,6 +21,7 @@ from wmr_ctrl.codegen.block import (
 from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.ranges import Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor import corridor_monitor
 from wmr_ctrl.fmi import variables
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.model.system import System
@@ -56,6 +58,16 @@ def filter_model(scenario: Scenario) -> FmuModel:
     block, T = filter_block(scenario), scenario.clock.control
     fixed = {"clock.control": (T, T)}
     return _model("filter", block.system.title.capitalize(), scenario, block, fixed=fixed)
+
+
+def corridor_model(scenario: Scenario, law: str) -> FmuModel:
+    """The monitor of a law's certified corridor: what the law is given and sends in, verdict out.
+
+    Its period is fixed, since samples are counted.
+    """
+    block, T = corridor_block(corridor_monitor(scenario, law), scenario), scenario.clock.control
+    fixed = {"clock.control": (T, T)}
+    return _model("corridor", block.system.title.capitalize(), scenario, block, fixed=fixed)
 
 
 def reference_model(scenario: Scenario) -> FmuModel:

@@ -15,7 +15,14 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import extra, xml
-from wmr_ctrl.fmi.blocks import filter_model, guard_model, law_model, plant_model, reference_model
+from wmr_ctrl.fmi.blocks import (
+    corridor_model,
+    filter_model,
+    guard_model,
+    law_model,
+    plant_model,
+    reference_model,
+)
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.files import render, write_archive
 from wmr_ctrl.fmi.model import FmuModel
@@ -48,7 +55,8 @@ def export_fmu(
     Parameters
     ----------
     what
-        "plant", "reference", "guard", "filter", "closed-loop" (of ``law``), or a law's name.
+        "plant", "reference", "guard", "filter", a law's name; or, of ``law``, "corridor" or
+        "closed-loop".
     fmi
         "2", "3" or "both".
     target
@@ -106,11 +114,13 @@ def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
             return guard_model(settle(scenario, None))
         case "filter":
             return filter_model(scenario)
+        case "corridor":
+            return corridor_model(scenario, law)
         case "closed-loop":
             return closed_loop_model(settle(scenario, law))
         case _ if what in LAWS:
             return law_model(settle(scenario, what))
-    parts = ("plant", "reference", "guard", "filter", "closed-loop")
+    parts = ("plant", "reference", "guard", "filter", "corridor", "closed-loop")
     raise UnknownNameError("FMU", what, (*parts, *LAWS))
 
 
