@@ -1,7 +1,5 @@
 """Types of what `wmr_ctrl.api` is handed and hands back, for those who check their own code."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeAlias, TypedDict

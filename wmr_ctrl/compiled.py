@@ -1,7 +1,5 @@
 """A compiled loop as plain data, for those who run it and must not wait for CasADi."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

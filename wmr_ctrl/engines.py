@@ -1,7 +1,5 @@
 """Engines: from a checked scenario and a law to a Run, compiled or by NumPy, or to many."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Named exceptions. Each message is one paragraph: what is wrong, where, and the remedy."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable
 

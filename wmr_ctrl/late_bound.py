@@ -4,8 +4,6 @@ Folders import downwards only.  A Run that draws itself and a Scenario that show
 the user's convenience; these few names are the whole of it, and importing this file loads nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from importlib import import_module
 from typing import cast

@@ -4,8 +4,6 @@ Everything that is ordered follows this page: vectors in CasADi graphs, enums in
 FMUs, columns of results, labels of plots.  It imports nothing, so that every layer may use it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

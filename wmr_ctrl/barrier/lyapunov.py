@@ -9,8 +9,6 @@ for |e2| at the start t0 of the window of length T; v1dmin <= v1d <= v1dmax; l >
 large number.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier.paper import a_term, f, lyapunov, minimiser

@@ -6,8 +6,6 @@ and tested.  Notation: c = v_c0, v the velocity, u1 = v_u1 the limit, u2 = v_u2 
 begins.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 

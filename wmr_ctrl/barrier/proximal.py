@@ -23,8 +23,6 @@ theta is 1.  Where x+ + w lies beyond the limit, theta is 0; where v itself does
 and theta is 0 or 1 so that v* has no jump as v enters.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier.stable import root, smooth_barrier, stable_barrier

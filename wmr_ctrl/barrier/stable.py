@@ -37,8 +37,6 @@ so p, a and w keep their digits down to c = u2.  Bregman distances do not see th
 why the rest of the table stays.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

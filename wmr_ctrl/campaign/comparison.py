@@ -4,8 +4,6 @@ Both bases are the paper's simulation with its noise cut at 3 standard deviation
 torque for 10 ms, the other for 100 ms.  The seeds were not used to choose anything.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files

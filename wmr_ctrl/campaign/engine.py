@@ -3,8 +3,6 @@
 The paper's sections, the comparison past the paper and every study of a user go through here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType

@@ -6,8 +6,6 @@ that all of them together hold with probability c at least, wherever the rule st
 Clopper and Pearson's interval of a share, nearly for Wilson's and for the bootstrap of a mean.
 """
 
-from __future__ import annotations
-
 import math
 from statistics import NormalDist
 

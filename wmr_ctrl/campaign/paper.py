@@ -1,7 +1,5 @@
 """Runs of the paper's Sections V and VI: which scenarios, with which laws, over which seeds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 

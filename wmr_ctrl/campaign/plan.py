@@ -6,8 +6,6 @@ then seeds (the last change fastest).  A run is what its index says, whoever mak
 order.
 """
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

@@ -5,8 +5,6 @@ What a robot with tyres ought to do stands in sentences, each judged on the rows
 A slope has a key of its own on either plant, since one inclines the ground and the other pulls.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Plans of users' studies: TOML, or tables, into a checked `Study`."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

@@ -1,7 +1,5 @@
 """Running a study: chunk after chunk by an executor, look after look, until the table is there."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait

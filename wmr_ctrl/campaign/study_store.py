@@ -7,8 +7,6 @@ table.csv       one row a run, in the order of the index; empty where a figure i
 table.parquet   the same by columns, where it is asked for; pyarrow writes it
 """
 
-from __future__ import annotations
-
 import csv
 import heapq
 import json

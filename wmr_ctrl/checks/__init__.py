@@ -5,8 +5,6 @@ period, and nothing is ever refused.  A law is told only of what it has: of Eq. 
 of a barrier or of a believed model where its `Traits` state them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Effect of a wrong model on the barrier, whose pull fades at v_u1, and on the error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

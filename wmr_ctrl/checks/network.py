@@ -1,7 +1,5 @@
 """Learning of the network: a wide one learns faster than its own loop can follow."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

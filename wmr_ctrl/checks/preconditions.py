@@ -1,7 +1,5 @@
 """Unmet preconditions on units, start, reference, gains, drives and noise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

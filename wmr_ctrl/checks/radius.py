@@ -1,7 +1,5 @@
 """Spectral radius of the linear loop along the whole reference, and where it passes 1."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial

@@ -5,8 +5,6 @@ e (3) and v (2) of the robot, what drives and sensors keep, and the law's memory
 included, but for estimates and weights.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -4,8 +4,6 @@ Plant steps follow each other between the instants at which a command takes over
 way are a shift register.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Robot, drives and sensors around a scenario's laws, linearised at any control period."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 The wheels' limit, what the motion needs, and where tyres spin or lift.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import lru_cache

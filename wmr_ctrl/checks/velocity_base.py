@@ -1,7 +1,5 @@
 """Bases that take velocities: which statement of the command filter holds, and what it leaves."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The velocity guard: what breaks its bounds, what it does not cover, leaves and shakes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -4,8 +4,6 @@ The robot's pose is seen as tracking error, Eq. (8), a remembered pose in the fr
 all else as it is.  So a motion of constant velocity has one matrix.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 

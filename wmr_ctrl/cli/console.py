@@ -1,7 +1,5 @@
 """Output of the commands: paragraphs and errors on stderr, tables and JSON on stdout."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import textwrap

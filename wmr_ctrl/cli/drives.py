@@ -1,7 +1,5 @@
 """A robot's drive, as ``show`` and ``compare`` print it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict
 

@@ -1,7 +1,5 @@
 """``wmr-ctrl reproduce``, ``prove``, ``linearize``, ``bench``: claims judged, proved, measured."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """``wmr-ctrl scenarios`` and ``laws``: what there is, and any scenario as TOML to edit."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Progress on stderr: a bar with the time left in a terminal, now and then a line elsewhere."""
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

@@ -1,7 +1,5 @@
 """A run's figures for people."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

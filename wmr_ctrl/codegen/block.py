@@ -4,8 +4,6 @@ A block's known values z lie side by side: inputs, parameters, state.  Its resul
 (continuous systems), the outputs that are no states, and the diagnostics.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Items of one function as lines of C: exponentials, sines and stores side by side, then text."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca

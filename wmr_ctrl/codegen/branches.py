@@ -5,8 +5,6 @@ the operations that only one side needs; if those are worth a branch they move i
 ``if (...) { } else { }``, and the same is done inside.  No value changes.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Sequence
 

@@ -5,8 +5,6 @@ for lanes holds the loop once for each set of vector instructions of its kind of
 same generated text; which of them runs is decided when it is used (dispatch.c).
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import platform

@@ -9,8 +9,6 @@ Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}``, ``<cache>/lock
 ``<cache>/text/<key>.c``, and ``<cache>/zig/`` for the files that zig keeps for itself.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Folder of the build cache, and its write access: code is loaded from it."""
 
-from __future__ import annotations
-
 import functools
 import logging
 import os

@@ -1,7 +1,5 @@
 """C text of an operation: in doubles for one robot, or in vectors for lanes of robots."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

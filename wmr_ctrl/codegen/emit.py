@@ -7,8 +7,6 @@ of expensive choices (`branches`) and loops of runs of like operations (`reroll`
 (`body`) in one of two dialects; a test holds all of it to CasADi's virtual machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

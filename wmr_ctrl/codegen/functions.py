@@ -1,7 +1,5 @@
 """The closed loop of a setup as CasADi functions, for a machine without a compiler."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Statements of a C function: single lines, branches, loops; and how they are scheduled."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """The kernels of one closed loop: which graphs become C, under which names, with which sizes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

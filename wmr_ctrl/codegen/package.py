@@ -1,7 +1,5 @@
 """A law as a self-contained C99 package: header, source, example, test vectors, build file."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable, Mapping

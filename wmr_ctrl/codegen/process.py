@@ -1,7 +1,5 @@
 """Run one command to its end, or kill it with everything that it started."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

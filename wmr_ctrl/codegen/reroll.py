@@ -7,8 +7,6 @@ array, backwards through the graph.
 Values of one depth never depend on each other, so any grouping of them can be put in order.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """Location of the hand-written C: beside the package in a checkout, inside it in a wheel."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from wmr_ctrl.errors import WmrError

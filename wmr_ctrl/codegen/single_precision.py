@@ -3,8 +3,6 @@
 A stand-alone package is written for ``wmr_real``, which is double or float.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

@@ -5,8 +5,6 @@ graph and finding its branches and loops takes a few tenths of a second.  Its se
 the key, with the emitter's own source.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections.abc import Callable, Iterable, Mapping

@@ -7,8 +7,6 @@ remembers that, so the trial costs milliseconds later on.  ``$WMR_CTRL_OPTIMIZE`
 compiles faster code or compiles faster; the results have the same bits.
 """
 
-from __future__ import annotations
-
 import ctypes
 import functools
 import importlib.util

@@ -1,7 +1,5 @@
 """Test vectors of a law: short runs of samples with what CasADi's virtual machine makes of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

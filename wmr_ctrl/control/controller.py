@@ -1,7 +1,5 @@
 """controller: law, guard and map onto the wheels, as one sampled System; watched or not."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, nextafter
 

@@ -7,8 +7,6 @@ The state is the fast one (the plant, then what moves with it at each step) foll
 one.  Compiled loops and FMUs are made from these graphs and know no System by name.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, cast

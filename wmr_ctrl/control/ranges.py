@@ -1,7 +1,5 @@
 """Ranges of parameters, as the scenario's fields and the laws' gains declare them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from wmr_ctrl.control.setup import KINEMATICS

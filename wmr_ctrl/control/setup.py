@@ -4,8 +4,6 @@ Everything that is built or judged for a run is handed this value; nothing below
 itself.  Numbers keep their scenario keys, so a graph's parameters can be filled without the graph.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import TypeVar

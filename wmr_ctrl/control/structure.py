@@ -5,8 +5,6 @@ texts and flags, how long vectors are, whether a number is 0 or infinite (an eff
 not), and the clock where commands under way are counted in its steps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable
 from dataclasses import fields

@@ -12,8 +12,6 @@ acted is worked back from the command that was sent, behind filter and known del
 observer does not wind up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property

@@ -5,8 +5,6 @@ are coupled from outside: sensors and disturbances in a control sample, disturba
 a plant step.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Arguments of the Python interface, checked against the annotations of whatever takes them."""
 
-from __future__ import annotations
-
 import builtins
 import inspect
 import os
@@ -88,9 +86,11 @@ def hints_of(function: Callable[..., object]) -> Mapping[str, object]:
     names = _Names(vars(sys.modules[function.__module__]))
     hints: dict[str, Any] = {}
     for key, parameter in inspect.signature(function).parameters.items():
-        if parameter.annotation is inspect.Parameter.empty:
+        hint = parameter.annotation
+        if hint is inspect.Parameter.empty:
             continue  # self
-        hint = eval(parameter.annotation, {}, names)  # our own text, evaluated as Python does
+        if isinstance(hint, str):
+            hint = eval(hint, {}, names)  # our own text, evaluated as Python does
         many = parameter.kind is inspect.Parameter.VAR_KEYWORD
         hints |= get_type_hints(get_args(hint)[0]) if many else {key: hint}
     return hints

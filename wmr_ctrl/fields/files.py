@@ -3,8 +3,6 @@
 A message quotes what it read, so a file is read only if its suffix says that it is meant.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Sequence

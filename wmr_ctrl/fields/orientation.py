@@ -3,8 +3,6 @@
 ``frames = "rep103"`` counts them from +X, as REP 103 of ROS does.  Positions are the same in both.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol, Self, TypeVar

@@ -1,7 +1,5 @@
 """Registry entries from other packages' entry points, and errors that name their source."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points

@@ -1,7 +1,5 @@
 """Wording of scenario errors: the key path first, then what is wrong, then the remedy."""
 
-from __future__ import annotations
-
 import reprlib
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Rational, Real

@@ -7,8 +7,6 @@ frozen dataclass that takes keywords; its fields are made by :func:`quantity`::
         rho: tuple[float, float] = quantity((15.0, 57.6), "1/s", "decay rates", above=0)
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager

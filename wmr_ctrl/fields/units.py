@@ -1,7 +1,5 @@
 """Values that look like a slip of units: up to which size one is usual, and what else it may be."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 

@@ -1,7 +1,5 @@
 """Cleaning of single values: what type, size and range a field accepts, and the error if not."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Models of single blocks: plant, laws, reference, what guards, filters and watches."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """Model of the closed loop: the native loop in one FMU, with its noise and its changes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 

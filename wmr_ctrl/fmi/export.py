@@ -4,8 +4,6 @@ Some tools look for an Apple processor's library in FMI 2's folder darwin64; a u
 (several libraries in one file, each for its own processor) serves them and Intel alike.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

@@ -6,8 +6,6 @@ structs, the expressions of its functions and where each of the FMU's variables 
 structs.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from importlib.util import find_spec

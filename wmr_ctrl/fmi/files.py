@@ -1,7 +1,5 @@
 """Files of an FMU or SSP: text from the templates of ``fmu/templates``, and the archive."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Mapping
 from functools import cache

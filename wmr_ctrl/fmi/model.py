@@ -1,7 +1,5 @@
 """FmuModel: content of one FMU before any file is written: variables, kernels, tables."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 

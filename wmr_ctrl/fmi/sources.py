@@ -1,7 +1,5 @@
 """C sources of one FMU: the generated tables and kernels with the hand-written files they need."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

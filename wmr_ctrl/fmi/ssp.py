@@ -4,8 +4,6 @@ Controller and plant may be somebody else's FMUs, with the map that co-simulatio
 says of names and units becomes a linear transformation of a connection.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass

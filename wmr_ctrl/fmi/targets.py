@@ -1,7 +1,5 @@
 """Platforms that FMUs are built for, and the compilers that build for them."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import platform

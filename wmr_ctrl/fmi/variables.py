@@ -1,7 +1,5 @@
 """Variables: one row per scalar, the table from which C and both XML dialects are written."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

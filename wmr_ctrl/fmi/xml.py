@@ -1,7 +1,5 @@
 """modelDescription.xml and its companions: what the templates print, decided here."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from functools import partial

@@ -1,7 +1,5 @@
 """The numbers that the guard counts on: stated, or derived from the scenario and its effects."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace

@@ -1,7 +1,5 @@
 """Guard's numbers that the scenario breaks: stated against its own, believed against the robot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

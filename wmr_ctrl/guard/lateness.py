@@ -14,8 +14,6 @@ Command j, sent j periods ago, is sure to act in one piece of time; in the piece
 is sure, either of the two may act.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace

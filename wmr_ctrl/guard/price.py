@@ -1,7 +1,5 @@
 """Cost of the guard: the steady speeds that it leaves, beside those the reference asks for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

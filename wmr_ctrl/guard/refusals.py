@@ -1,7 +1,5 @@
 """Refusal of limits that no guard, or this one, can meet: inequality, numbers, remedy."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import TypeAlias

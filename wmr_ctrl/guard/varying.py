@@ -14,8 +14,6 @@ and all that is asked of it, its end and its integral with the weights P(s) of `
 in the two differences.  The numbers before them are taken in closed form with 50 digits, once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal

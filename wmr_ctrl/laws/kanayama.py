@@ -11,8 +11,6 @@ the command overshoots the margin.
 Choose it to have something plain and good to compare with, or behind the guard.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity

@@ -9,8 +9,6 @@ exp(-rho T) of a whole period, which no period makes overshoot; barrier = "smoot
 well below the stable limit.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity

@@ -8,8 +8,6 @@ q = (v - v_c1)/A in (0, 1] instead of its unbounded inverse, barrier = "smooth" 
 Choose it when mass and friction are unknown or change.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 

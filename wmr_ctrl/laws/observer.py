@@ -9,8 +9,6 @@ limit or a guard cannot wind it up.  Per sample, with the believed mass M and fr
 and f is added to the law's force; the disturbance that it stands for is -f.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import casadi as ca

@@ -6,8 +6,6 @@ backward difference, giving a generalised force before B1^-1 (of the meanings tr
 believable wheel torques).  Choose it only to compare with: it knows no velocity limit.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity

@@ -18,8 +18,6 @@ counts on commands that have acted already cycles.  That is the reverse of the g
 is a field of its own, ``delay`` of the law's gains.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.laws.context import LawContext

@@ -23,8 +23,6 @@ where it is below actuator.tau_max.  Choose it for slow control periods, for unk
 behind the guard.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import log1p

@@ -17,8 +17,6 @@ drives forwards.
 No barrier and no theorem.  Choose it to compare with what most robots with ROS run.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity

@@ -5,8 +5,6 @@ the generalised force, and ``LAW``, the `Law` of all that.  Other packages add t
 through the entry-point group ``wmr_ctrl.laws`` (name = law, value = a `Law`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from importlib import import_module

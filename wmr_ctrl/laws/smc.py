@@ -6,8 +6,6 @@ with it says nothing about [32] itself.  s = v_c0 - v; mass and friction are est
 zero.  Choose it to compare with: it tracks best of the four because it ignores the velocity limit.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity

@@ -12,8 +12,6 @@ at which the command acts (see `prediction`).  A base that takes velocities is s
 itself, which starts from what was sent to it: behind a filter nothing winds up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import casadi as ca

@@ -3,8 +3,6 @@
 Beside it the names of what is linearised, and numerical helpers that the other files share.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 
 import casadi as ca

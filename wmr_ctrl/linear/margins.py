@@ -4,8 +4,6 @@ The loop is cut at one force at a time, the other axis closed, at the point wher
 its reference.  Margins are statements about that point: they do not see the barrier at all.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace

@@ -4,8 +4,6 @@ Continuous time (the law read continuously) or sampled with the scenario's clock
 exactly what the compiled code computes.  All signals have their names from the catalogue.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

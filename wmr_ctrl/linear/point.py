@@ -1,7 +1,5 @@
 """Points to linearise at: on the reference, or where the loop really settles."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Linear analysis of a law on a scenario, as one value, as JSON and as text."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property

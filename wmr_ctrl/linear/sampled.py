@@ -5,8 +5,6 @@ adds the loops whose weights move, and one-step safety at the barrier: the longe
 jump across either limit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 import numpy as np

@@ -4,8 +4,6 @@
 values (a remembered sample stays part of the loop), "learning" lets them move.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 import control as ct
 import numpy as np

@@ -6,8 +6,6 @@ quotients by parameters are written as the compiler is to see them.  Nothing els
 reads CasADi's instructions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

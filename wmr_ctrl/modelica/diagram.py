@@ -4,8 +4,6 @@ Modelica's units: an icon is 200 wide and 200 high around 0, x to the right, y u
 just outside of an icon's edge; a part in a diagram is its icon at half the size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias

@@ -6,8 +6,6 @@ and that function has one vector as its result (next memory, torques, diagnostic
 ordinary Modelica 3 and the one that the compilers which were tried take.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ computes nothing that is not asked for, since Modelica tools stop at the logarit
 number even where a choice throws it away.
 """
 
-from __future__ import annotations
-
 import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence

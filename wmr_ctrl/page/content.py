@@ -1,7 +1,5 @@
 """Data of the page's script: loops, scenes, numbers, looks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass

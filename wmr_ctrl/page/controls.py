@@ -3,8 +3,6 @@
 Value, unit, meaning and bounds come from the fields that the parameters are named after.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

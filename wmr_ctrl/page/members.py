@@ -4,8 +4,6 @@ There what is to be seen is the filter: the same law asks for all of the limit, 
 clipped, smoothed as is usual, or filtered in each way that the scenario's numbers admit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """The module of the page: the loops of several structures, compiled to one WebAssembly file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ not: the law, the guard, how many commands are in flight.  A variant is a choice
 loop for each law, and the numbers that the product derives for it, such as the guard's.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

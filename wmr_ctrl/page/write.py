@@ -1,7 +1,5 @@
 """Write the page: settle, compile, and put everything into one file."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

@@ -1,7 +1,5 @@
 """The paper as data: numbered equations, symbols, citation."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import dataclass
 from functools import lru_cache

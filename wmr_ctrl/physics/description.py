@@ -7,8 +7,6 @@ mu m g r/2 each: it holds the robot like the plane model's at low speed, but bra
 A wheel turns about -x, so that forward is positive.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

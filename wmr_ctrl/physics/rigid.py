@@ -1,7 +1,5 @@
 """The rigid body as a plant: torques and forces in, the plane plant's state out, step by step."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

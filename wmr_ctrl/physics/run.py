@@ -1,7 +1,5 @@
 """Runs on the rigid body: the compiled loop on one side of the wheels, MuJoCo on the other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial

@@ -4,8 +4,6 @@ Unlike those of `multiprocessing` the processes do not import the user's script 
 many runs may stand at its top level.
 """
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal

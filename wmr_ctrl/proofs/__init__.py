@@ -6,8 +6,6 @@
 {'PROVED': 1, 'REFUTED': 1}
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.proofs.ledger import Entry as Entry
 from wmr_ctrl.proofs.ledger import Ledger as Ledger
 from wmr_ctrl.proofs.ledger import load as load

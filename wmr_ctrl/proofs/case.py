@@ -4,8 +4,6 @@
 fraction fields), so that the cover of a domain by its cases can itself be proved.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction

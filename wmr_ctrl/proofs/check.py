@@ -1,7 +1,5 @@
 """One claim to one entry: the statement, its mutation, and whether its hypotheses can be met."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Command `wmr-ctrl prove`: run, print, compare with the committed ledger."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable
 from importlib.resources import files

@@ -5,8 +5,6 @@ The nodes are those of `wmr_ctrl.model.graph`, which the emitter of C is given: 
 parameter is the product that C computes.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ by the gap d = u1 - |v_c1|, which makes every root rational: v_c0 = u1 - d + 1/d
 smooth barrier).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from itertools import product
 from typing import Any

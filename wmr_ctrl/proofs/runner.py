@@ -1,7 +1,5 @@
 """All claims on two processes, longest first, with progress."""
 
-from __future__ import annotations
-
 import gc
 import os
 import threading

@@ -6,8 +6,6 @@ computed: the standard model of IEEE arithmetic without overflow and underflow. 
 all such numbers is shown of the compiled text (`assumption.libm`).
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

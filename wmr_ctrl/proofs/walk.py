@@ -5,8 +5,6 @@ a merge.  Where a condition cannot be decided the walk takes both ways, one afte
 what is to be shown must hold on each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator
 from typing import Any, Protocol
 

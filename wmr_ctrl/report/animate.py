@@ -3,8 +3,6 @@
 Each shows the desired pose too.  A film of the rigid body has its figures below the picture.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

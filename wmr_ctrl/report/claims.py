@@ -1,7 +1,5 @@
 """The paper's claims: their tests, and the verdicts by one rule for every claim."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Figures of the comparison: violations, distance after the change, ISE against T and tau_max."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """What a map of a run shows beside the path: waypoints, goal, places kept out, the robot's size."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Helpers of the figures: a figure as a value, axes placed by inches, marks, thinned traces."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

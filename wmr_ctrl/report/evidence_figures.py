@@ -1,7 +1,5 @@
 """Figures past Fig. 3 and Fig. 5: what one ISE cannot show, and where the guarantee ends."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial

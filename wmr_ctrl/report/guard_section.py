@@ -1,7 +1,5 @@
 """Numbers of the section past the paper; its words are in templates/ours.html.j2."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Figures of a LinearReport: poles, sample times, Bode and Nyquist, the barrier's pull."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeAlias

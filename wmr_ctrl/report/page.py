@@ -1,7 +1,5 @@
 """The report as one page that needs nothing but itself; its words are in the templates."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

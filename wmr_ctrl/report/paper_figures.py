@@ -1,7 +1,5 @@
 """Fig. 3 and Fig. 5 of the paper: each of the twelve panels by itself, and all on a sheet."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Drives on one page: the path, and whatever else their bags have, over time."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """One run on one page: path, velocities with their limits, errors, torques, V1, and its figures."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Several runs in one picture: paths, distance from the reference, both velocities."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Numbers, tables and figures of the section on the rigid body, beside the plane model."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

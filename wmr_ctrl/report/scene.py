@@ -1,7 +1,5 @@
 """Scene of an animation: poses at the times of the frames, and a painter of frames."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """Pictures of a study: a heat map, boxes by factor, the region where the limit is kept, indices."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The table of a study, as its pictures read it: numbers, how runs ended, why some have none."""
 
-from __future__ import annotations
-
 import csv
 import json
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """One look for every figure, number and page: colours, sizes, digits, units' signs, templates."""
 
-from __future__ import annotations
-
 import base64
 import math
 import re

@@ -1,7 +1,5 @@
 """The report's tables as plain rows of text; their captions are in the templates."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Files of a finished reproduction: figures, tables, claims and page.  Nothing is run here."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

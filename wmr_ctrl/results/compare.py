@@ -1,7 +1,5 @@
 """Comparison of two runs or drives: differences of columns and of facts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Writing files so that a reader finds the whole file or none."""
 
-from __future__ import annotations
-
 import errno
 import os
 import secrets

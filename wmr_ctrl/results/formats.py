@@ -6,8 +6,6 @@ above a header of ``name [unit]`` and a row per sample; .parquet in the file's m
 ROS 2 bag, in a message of its own.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

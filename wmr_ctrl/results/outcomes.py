@@ -3,8 +3,6 @@
 An outcome is a value, never an exception, with a sentence that says what to do about it.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Numbers of a scenario that are needed to read a finished run, the guard's assumptions too."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

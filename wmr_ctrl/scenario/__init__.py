@@ -3,8 +3,6 @@
 This layer knows nothing of control laws or symbolic expressions; gains are kept as raw values.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section as Section
 from wmr_ctrl.fields.section import quantities as quantities
 from wmr_ctrl.scenario.overrides import override as override

@@ -1,7 +1,5 @@
 """The section of the command filter: the base that it counts on, and how commands are limited."""
 
-from __future__ import annotations
-
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.scenario.sections import check_intervals

@@ -4,8 +4,6 @@ A key is dotted, with indices from 1.  A text value is TOML; failing that, a bar
 an array, and a bare word is text.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable, Mapping

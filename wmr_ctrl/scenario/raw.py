@@ -1,7 +1,5 @@
 """Scenario from and to plain dictionaries, as TOML and JSON have them, and one put over another."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from copy import deepcopy
 from numbers import Real

@@ -1,7 +1,5 @@
 """Scenario: everything that a run needs to know besides the law, checked and unchangeable."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Tables of a scenario that are no effect's and no reference's, a Section each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Loading of scenarios: presets by name, users' files by path, both with ``extends``."""
 
-from __future__ import annotations
-
 import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """A scenario as TOML text: complete, each field with its unit and meaning as a comment."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 

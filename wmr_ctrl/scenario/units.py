@@ -1,7 +1,5 @@
 """Values of a scenario that look like a slip of units, each as a question."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager

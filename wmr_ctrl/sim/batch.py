@@ -5,8 +5,6 @@ batches; everything that is a number differs from lane to lane.  Figures are add
 a run costs no memory; `run_logged` keeps the columns of a batch for as long as they are read.
 """
 
-from __future__ import annotations
-
 import ctypes as ct
 import os
 from collections.abc import Callable, Iterable, Sequence

@@ -1,7 +1,5 @@
 """A law's compiled controller, called from Python without copies, and how long it takes."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import timeit
 from typing import NoReturn

@@ -1,7 +1,5 @@
 """A compiled loop whose plant is elsewhere, sample by sample and step by step."""
 
-from __future__ import annotations
-
 import ctypes as ct
 from collections.abc import Sequence
 

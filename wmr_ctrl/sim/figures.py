@@ -1,7 +1,5 @@
 """Figures of many runs as arrays, from what the loop leaves behind without a log."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeVar
 

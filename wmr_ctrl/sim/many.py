@@ -1,7 +1,5 @@
 """Many runs side by side: as one table of arrays, or each a whole Run."""
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice

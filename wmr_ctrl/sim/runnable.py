@@ -1,7 +1,5 @@
 """A compiled loop that is ready to run, and the Run that is made of what an engine found."""
 
-from __future__ import annotations
-
 import hashlib
 import platform
 from collections.abc import Mapping

@@ -5,8 +5,6 @@ package's structs, calls the step and copies the torques out.  What Simulink's o
 is a few macros; the tests run it against a header of ours that mimics those.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path

@@ -14,8 +14,6 @@ searched as logarithms, from the scenario's own; the guard is off, so that it hi
 Seeds of the test, and references that were not trained on, judge.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace

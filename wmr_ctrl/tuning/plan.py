@@ -1,7 +1,5 @@
 """Plan of a search for gains: law, scenario, seeds, length, and what is made small."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The search behind tuning: CMA-ES over logarithms of gains, and what it tried so far on disk."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -4,8 +4,6 @@ Source: buses, radio and firmware.  The loop keeps the commands under way in its
 steps, the same that carries torques to late drives.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.values import check_count

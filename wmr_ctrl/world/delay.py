@@ -4,8 +4,6 @@ The loop keeps the commands under way in a queue of plant steps, the one thing t
 at; this System passes them on.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_count
 from wmr_ctrl.model.system import Output, Parameters, System, ports

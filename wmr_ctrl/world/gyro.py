@@ -4,8 +4,6 @@ Source: a gyro's data sheet; its bias over a run is taken as constant.  It shows
 of what other sensors make of it.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Number, Output, Parameters, System, draw, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal

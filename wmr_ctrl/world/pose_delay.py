@@ -4,8 +4,6 @@ Source: cameras and beacons take time to compute.  The pose sensor corrects its 
 late pose as if it were new, which is what a controller does that does not know better.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import System, outputs, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal

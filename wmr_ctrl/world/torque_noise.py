@@ -3,8 +3,6 @@
 Source: Section V of the paper adds such noise without saying more.
 """
 
-from __future__ import annotations
-
 import math
 
 from wmr_ctrl.fields.section import Section, quantity

@@ -4,8 +4,6 @@ Source: the mean is what any device shows that differences positions, the age wh
 adds.  An ideal one: it counts nothing in steps (see `encoder`).
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import Parameters, System, outputs, port, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal

@@ -1,7 +1,5 @@
 """Refusals before the first step: what a scenario asks for and the given FMUs cannot do."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

@@ -17,8 +17,6 @@ names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; uni
     "robot.m" = "mass"                 # for scenarios that change it
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

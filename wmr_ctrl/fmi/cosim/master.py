@@ -10,8 +10,6 @@ Sensors, disturbances, drives and monitor are the compiled ones of the loop: the
 random numbers and watch the same limits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The three parts of a co-simulation: reference, controller and plant, in our names and units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from functools import cache

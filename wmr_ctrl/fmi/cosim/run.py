@@ -1,7 +1,5 @@
 """cosimulate: FMUs in the loop, and the Run that they give."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

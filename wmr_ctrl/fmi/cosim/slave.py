@@ -1,7 +1,5 @@
 """One FMU in co-simulation, through FMPy: read, write and step with arrays made once."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import hashlib
 import os

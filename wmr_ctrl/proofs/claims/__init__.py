@@ -1,7 +1,5 @@
 """Claims by theme, in the order of the ledger."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Ours: the constant disturbance that the paper's barrier withstands, d_max = rho max V1i/A_i."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import partial
 

@@ -3,8 +3,6 @@
 Each row and each link is checked exactly, and so is that they join and reach both ends.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial

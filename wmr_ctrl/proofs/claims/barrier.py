@@ -1,7 +1,5 @@
 """The barrier function and its minimiser: Eqs. (10)-(20), (74)-(81)."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier

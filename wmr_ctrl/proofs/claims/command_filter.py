@@ -4,8 +4,6 @@ One axis, all numbers symbols.  tau, K and d may vary while a command acts, so t
 E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import casadi as ca

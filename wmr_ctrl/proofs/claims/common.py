@@ -1,7 +1,5 @@
 """Common to the claims: one axis of the barrier, and a law's System with free inner quantities."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property

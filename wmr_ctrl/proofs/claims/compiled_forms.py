@@ -1,7 +1,5 @@
 """Compiled forms equal the paper's functions; truncation of the series."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

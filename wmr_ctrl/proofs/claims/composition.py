@@ -1,7 +1,5 @@
 """Parts put together: desired motions, dead reckoning, prediction to when a command acts."""
 
-from __future__ import annotations
-
 from functools import reduce
 
 import casadi as ca

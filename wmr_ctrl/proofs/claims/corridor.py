@@ -3,8 +3,6 @@
 Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.corridor` reads it.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier.stable import smooth_barrier, stable_barrier

@@ -1,7 +1,5 @@
 """The regions of `proofs.regions` cover everything, and each chart reaches all of its region."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Drives: what lag, delay, jitter and motors add to the guard's assumptions, on their graphs."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.control.applied import followed

@@ -1,7 +1,5 @@
 """Ground, air and sensors: what they add to the guard's assumptions, on their graphs."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Errata of the paper beyond single equations, each with an exact point."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis

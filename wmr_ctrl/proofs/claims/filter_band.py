@@ -3,8 +3,6 @@
 Tables of a few pieces and the tail: every piece of longer ones is reckoned alike.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """The command filter on bases that overshoot, and on bases whose wheels are not alike."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import casadi as ca

@@ -5,8 +5,6 @@ exponential within 2^-49 of its own.  V is the limit that the text aims at, the 
 2^-26: the speed stays within V (1 + 2^-28).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

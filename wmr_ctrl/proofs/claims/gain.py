@@ -10,8 +10,6 @@ because V1/A falls to 0 there like the square root of the distance to the limit,
 altered claims have the gradient law v' = -(rho/2) A + d/M in place of (9): they are refuted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any

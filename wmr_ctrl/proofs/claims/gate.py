@@ -1,7 +1,5 @@
 """The gate before a base: what leaves it, whatever comes in, on the graph that is compiled."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import casadi as ca

@@ -6,8 +6,6 @@ What commands under way count for is in `guard_sent`; that nothing better can be
 what follows for every instant of a run, in `guard_limits`.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

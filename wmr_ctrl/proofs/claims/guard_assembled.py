@@ -1,7 +1,5 @@
 """The guard's parts in controller and simulator: axes, flag, monitor, and what is simulated."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded

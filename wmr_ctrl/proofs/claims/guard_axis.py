@@ -5,8 +5,6 @@ reads; what it makes of the room to the limit is one function.  What commands un
 are free sums, so that a statement holds for any number of them; exponentials are symbols.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

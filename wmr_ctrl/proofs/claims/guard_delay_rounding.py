@@ -6,8 +6,6 @@ a symbol: every error is bounded by a part of it.  The sums over the commands ar
 command after the other; what one of them adds is shown for any sum before it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

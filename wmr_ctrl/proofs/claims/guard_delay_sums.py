@@ -4,8 +4,6 @@ What is computed before the last command is cut off and stands for any number, s
 one command more holds for any queue.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

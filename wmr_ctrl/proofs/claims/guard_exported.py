@@ -1,7 +1,5 @@
 """The guard as it is exported: what its graphs are put together of, and that the flag is enough."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -3,8 +3,6 @@
 The flag has no tolerance, so that its own rounding is all that separates it from the theorem.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.control.controller import guard

@@ -4,8 +4,6 @@ Exponentials are symbols with what is true of them; the sums may be those of any
 That the push felt stays below Z is by hand (guard.varying.lag).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca

@@ -4,8 +4,6 @@ Statements about one sample become statements about every instant of a run by th
 (guard.lemma), used for each command under way and then for the new one, and by induction.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca

@@ -5,8 +5,6 @@ give (`proofs.statement.rounded`).  From |v| <= u1 to |v| <= u1: the guard's for
 wheels, the conversion to torques and the motion, and `guard.rounding` puts them together.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import log2

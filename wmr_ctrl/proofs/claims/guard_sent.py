@@ -3,8 +3,6 @@
 Any number of them: what one adds is shown of one, the rest of their sums.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca

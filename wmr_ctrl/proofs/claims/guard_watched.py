@@ -1,7 +1,5 @@
 """Around the exported guard: runs without it, what is kept as applied, what is kept back."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.control.controller import asking_controller, guard

@@ -1,7 +1,5 @@
 """Kinematics and dynamics: Eqs. (2)-(8), (33)-(35)."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.model import dynamics

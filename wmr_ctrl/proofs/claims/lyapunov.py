@@ -1,7 +1,5 @@
 """The barrier function in time: Eqs. (9), (21)-(30), on the functions and on the law's graph."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import casadi as ca

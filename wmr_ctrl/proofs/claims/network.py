@@ -1,7 +1,5 @@
 """The adaptive network: Eqs. (57)-(73), (82)-(88), all 64 nodes of one axis on the law's graph."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import casadi as ca

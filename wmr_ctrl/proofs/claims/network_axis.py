@@ -1,7 +1,5 @@
 """One axis of the adaptive network's law with its inner quantities free, and charts of these."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
 from typing import Any

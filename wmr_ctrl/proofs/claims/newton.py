@@ -4,8 +4,6 @@ V1 is shown to lie above each of its tangents, corner included; what that means 
 shown on the law's graph.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

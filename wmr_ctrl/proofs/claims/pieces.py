@@ -5,8 +5,6 @@ knows (sin t)^2 + (cos t)^2 = 1 at most; from a derivative's sign to the inequal
 `lemma.integration`.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.guard.delay import Tails, delayed_push, push

@@ -5,8 +5,6 @@ carried velocity v* and values of V1 stand as free numbers with what other entri
 holds none of the graphs is a LEMMA.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier.proximal import resolvent, transported

@@ -3,8 +3,6 @@
 v+, friction and the observer's force stand as free numbers with what other entries say of them.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """The sampled-data law with a wrong mass and a target that is held: what the loop comes to."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any

@@ -1,7 +1,5 @@
 """The proximal map of the barrier: that the closed form is it, and that it never expands."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier.proximal import LARGEST, resolvent, root

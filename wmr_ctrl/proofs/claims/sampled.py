@@ -6,8 +6,6 @@ The claim is that |v| <= L < v_u1 is kept.  Friction is left at 0: what is compe
 out, and the rounding of adding it is part of d.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """The smooth barrier as compiled: where it aims, that A is the slope of V1, how far A/w goes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Ours: a strict Lyapunov function near the path; a set that the saturated robot never leaves."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import casadi as ca

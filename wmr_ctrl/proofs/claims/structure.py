@@ -1,7 +1,5 @@
 """Why the barrier function works: proximal map, Moreau envelope, Bregman distance (P1-P8)."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier

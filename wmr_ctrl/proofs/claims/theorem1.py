@@ -1,7 +1,5 @@
 """The window argument of Theorem 1: the algebraic steps of Eqs. (40)-(56) on the bounds' graphs."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis

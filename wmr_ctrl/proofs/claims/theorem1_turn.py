@@ -1,7 +1,5 @@
 """The window argument of Theorem 1, continued: the robot turns, Eqs. (50)-(56); conditions on l."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Position errors: Eqs. (31)-(39), on V2 and the error dynamics of the product."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import casadi as ca

@@ -4,8 +4,6 @@ V1 enters by values at a few points, which stand as free numbers with what is kn
 V1(.; c) lies above its chords and, by w^2/2, above its minimum at v_c1.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Behind the guard: maps onto the wheels' torques that keep what the guard has secured."""
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.guard.guard import MAPS

@@ -1,7 +1,5 @@
 """Bounds that sensors, drives and ground add to the guard's assumptions, on their graphs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from itertools import product

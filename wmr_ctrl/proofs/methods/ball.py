@@ -3,8 +3,6 @@
 The box is cut until every goal holds on every part, or one is refuted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Mapping
 from fractions import Fraction
 from math import inf, isfinite, nextafter

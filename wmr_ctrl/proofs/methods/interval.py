@@ -10,8 +10,6 @@ named quantities.  The quotient of two such forms lies between the least and the
 of their coefficients, which bounds x/(x + y) near x = y = 0, where plain intervals know nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import fabs, inf, isfinite, nextafter, sqrt

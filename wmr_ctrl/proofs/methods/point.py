@@ -3,8 +3,6 @@
 This is what a counterexample must survive: hypotheses certain, goal certainly violated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from fractions import Fraction
 from math import isqrt

@@ -1,7 +1,5 @@
 """z3's engines for the reals as a portfolio: each asked by name, the patient attempts last."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from math import inf

@@ -3,8 +3,6 @@
 Of the logarithm only ln t >= 1 - 1/t (t > 0) is known.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator
 from fractions import Fraction
 from math import lcm

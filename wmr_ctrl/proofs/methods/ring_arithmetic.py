@@ -1,7 +1,5 @@
 """Arithmetic of exact algebra: values are elements of a fraction field, or undefined (None)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Mapping
 from fractions import Fraction
 from typing import Any

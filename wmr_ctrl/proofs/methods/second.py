@@ -1,7 +1,5 @@
 """A second solver: what z3 closes, as SMT-LIB 2 text, checked again by cvc5."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping

@@ -5,8 +5,6 @@ not 0, a logarithm a positive argument, a root one that is not negative, whereve
 them; the untaken side of a choice asks for nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Proof methods as light values, so that claims load without the proving packages."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from fractions import Fraction

@@ -5,8 +5,6 @@ whose last three on the other, evenly spaced towards the corner: direction and c
 continuous where it meets the lines.  Points beyond need are left out before (`simplified`).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -9,8 +9,6 @@ mapping with x and y in m, perhaps below ``position`` and that below ``pose``; h
 orientations are passed over, since the path's direction follows from its points.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import math

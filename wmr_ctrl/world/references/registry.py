@@ -4,8 +4,6 @@ Other packages add theirs through the entry-point group ``wmr_ctrl.references`` 
 value = a `ReferenceKind`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 

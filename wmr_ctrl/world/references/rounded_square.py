@@ -1,7 +1,5 @@
 """Square with smoothed corners, a closed spline path: the curvature grows and falls like sin^2."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -9,8 +9,6 @@ analysis", IEEE Transactions on Robotics, 2018).  Between the places the limits 
 afterwards, and the whole motion is stretched in time by as much as they ask for.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
