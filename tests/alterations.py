@@ -19,8 +19,8 @@ from itertools import chain
 from pathlib import Path
 
 from tests.altered_files import ALTERED_FILES, altered_copy, check_tests, copy_of_tree, failing
+from tests.proofs.noticed import CHANGES, is_noticed
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
-from wmr_ctrl.proofs.alterations import CHANGES, is_noticed
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import Entry, load
 

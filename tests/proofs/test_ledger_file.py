@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.proofs.ledger_page import GUARANTEES, page
+from tests.proofs.record import save
 from wmr_ctrl.paper import equations
 from wmr_ctrl.proofs.ledger import (
     PUBLIC_KEYS,
@@ -21,14 +23,13 @@ from wmr_ctrl.proofs.ledger import (
     load,
     stale,
 )
-from wmr_ctrl.proofs.page import GUARANTEES, page
 
 ROOT = Path(__file__).parents[2]
 ONE = Entry("a", (1,), "claim", "printed", "PROVED", graph_hash="00")
 
 
 def test_round_trip(tmp_path) -> None:
-    load().save(tmp_path / "ledger.json")
+    save(load(), tmp_path / "ledger.json")
 
     assert load(tmp_path / "ledger.json") == load()
 
@@ -117,7 +118,7 @@ def test_page_marks_stale_entries() -> None:
 
 def test_ledger_and_page_load_nothing_heavy() -> None:
     heavy = ("casadi", "sympy", "z3", "flint")
-    code = "import sys, wmr_ctrl.proofs.page as p; p.page(); "
+    code = "import sys, tests.proofs.ledger_page as p; p.page(); "
     code += f"print([m for m in {heavy} if m in sys.modules])"
     out = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT

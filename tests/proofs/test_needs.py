@@ -7,7 +7,7 @@ from dataclasses import replace
 import casadi as ca
 import pytest
 
-from wmr_ctrl.proofs import alterations
+from tests.proofs import noticed
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, at_least, symbols
@@ -22,19 +22,19 @@ def least(extra: float) -> Statement:
 
 @pytest.mark.parametrize(("extra", "fails"), [(0, False), (-1, True)])
 def test_a_refuted_statement_fails_and_a_proved_one_does_not(extra, fails) -> None:
-    assert alterations.fails(CLAIM, least(extra)) is fails
+    assert noticed.fails(CLAIM, least(extra)) is fails
 
 
 def test_an_open_end_counts_only_if_the_claim_itself_needs_no_more_patience(monkeypatch) -> None:
     hard = Statement(symbols("x"), (at_least(ca.exp(ca.SX.sym("y"))),))
     patient, quick = Z3(effort=77), Z3(effort=1)
     answers = {patient.effort: "PROVED", quick.effort: "OPEN"}
-    monkeypatch.setattr(alterations, "short_budget", lambda method: quick)
-    monkeypatch.setattr(alterations, "_verdict", lambda method, _: answers[method.effort])
+    monkeypatch.setattr(noticed, "short_budget", lambda method: quick)
+    monkeypatch.setattr(noticed, "_verdict", lambda method, _: answers[method.effort])
     claim = replace(CLAIM, method=patient)
 
-    monkeypatch.setattr(alterations, "proves_quickly", lambda key: False)
-    assert not alterations.fails(claim, hard)
+    monkeypatch.setattr(noticed, "proves_quickly", lambda key: False)
+    assert not noticed.fails(claim, hard)
 
-    monkeypatch.setattr(alterations, "proves_quickly", lambda key: True)
-    assert alterations.fails(claim, hard)
+    monkeypatch.setattr(noticed, "proves_quickly", lambda key: True)
+    assert noticed.fails(claim, hard)

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from wmr_ctrl.proofs import alterations, record
+from tests.proofs import noticed, record
 from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.check import check, graph_hash
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -152,19 +152,19 @@ def test_entries_of_another_claim_are_not_kept() -> None:
 )
 def test_what_is_left_open_is_not_caught(monkeypatch, answers, closes, verdict) -> None:
     claim, said, name = CLAIMED["guard.anchor"], iter(answers), "wmr_ctrl.guard.guard:clipped"
-    monkeypatch.setattr(alterations, "_verdict", lambda *_: next(said))
-    monkeypatch.setattr(alterations, "proves_quickly", lambda _: closes)
+    monkeypatch.setattr(noticed, "_verdict", lambda *_: next(said))
+    monkeypatch.setattr(noticed, "proves_quickly", lambda _: closes)
 
-    assert alterations.after_alteration(claim, name) == verdict
+    assert noticed.after_alteration(claim, name) == verdict
 
 
 def test_a_function_is_named_where_its_alteration_is_noticed(monkeypatch) -> None:
     said = iter((REFUTED, OPEN, PROVED, ""))
-    monkeypatch.setattr(alterations, "after_alteration", lambda *_: next(said))
-    altered = alterations.tried(CLAIMED["guard.anchor"], "abcde", {"e": REFUTED})
+    monkeypatch.setattr(noticed, "after_alteration", lambda *_: next(said))
+    altered = noticed.tried(CLAIMED["guard.anchor"], "abcde", {"e": REFUTED})
     entry = replace(ENTRY, altered=altered)
 
     assert entry.functions == ("a", "b", "e")
     assert entry.alterations == {"tried": 4, "caught": 2, "open": 1}
-    spent = alterations.tried(CLAIMED["guard.anchor"], "ab", {}, patience=0)
+    spent = noticed.tried(CLAIMED["guard.anchor"], "ab", {}, patience=0)
     assert replace(ENTRY, altered=spent).alterations is None

@@ -1,20 +1,16 @@
-"""Functions of the product in a statement's graph, and the verdicts when each of them is altered.
+"""Functions of the product in a statement's graph, found by altering their results.
 
 A statement is built by calling functions of the product.  Those calls are watched; a function is in
-the graph if another result of it gives another graph.  An entry that stays PROVED whatever is done
-to the functions in its graph says nothing of them.
+the graph if another result of it gives another graph.
 """
-
-from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import fields, is_dataclass, replace
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from importlib import import_module
 from operator import mul
-from time import process_time
 from types import FrameType, FunctionType
 from typing import Any
 
@@ -22,10 +18,8 @@ import casadi as ca
 
 from wmr_ctrl.model.system import Port
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
-from wmr_ctrl.proofs.claims import all_claims, forget
+from wmr_ctrl.proofs.claims import forget
 from wmr_ctrl.proofs.graph import ProvedGraph
-from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
-from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.traced import Traced
 
@@ -37,14 +31,6 @@ TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.system")
 """Modules that only carry expressions."""
 
 Change = Callable[[Any], Any]
-CHANGES: Mapping[str, Change] = {
-    "* 9/8": lambda x: 1.125 * x,
-    "* -1": lambda x: -x,
-    "* 8": lambda x: 8 * x,
-    "+ 1": lambda x: x + 1,
-    "/ 8": lambda x: 0.125 * x,
-}
-"""Alterations of a function's result."""
 
 
 def functions_called(build: Callable[[], object]) -> list[str]:
@@ -120,10 +106,6 @@ def changed(value: object, change: Change) -> object:
     return value
 
 
-PATIENCE = 600.0
-"""Seconds of the processor for one entry's alterations."""
-
-
 def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
     """Functions of the product that the claim's graph holds.
 
@@ -159,11 +141,11 @@ def _held(claim: Claim, factors: Mapping[str, float], digest: str) -> set[str]:
 
 def _graph(claim: Claim, factors: Mapping[str, float]) -> ProvedGraph | None:
     """The claim's graph with functions' results multiplied by numbers; None if not to be built."""
-    statement = _built(claim, {name: partial(mul, factor) for name, factor in factors.items()})
+    statement = built(claim, {name: partial(mul, factor) for name, factor in factors.items()})
     return statement.graph if statement else None
 
 
-def _built(claim: Claim, changes: Mapping[str, Change]) -> Statement | None:
+def built(claim: Claim, changes: Mapping[str, Change]) -> Statement | None:
     """The claim's statement with functions altered; None where it cannot be built like this."""
     forget()
     try:
@@ -177,80 +159,3 @@ def _built(claim: Claim, changes: Mapping[str, Change]) -> Statement | None:
     finally:
         forget()
     return statement
-
-
-def tried(
-    claim: Claim, functions: Sequence[str], known: Mapping[str, str], patience: float = PATIENCE
-) -> dict[str, str]:
-    """Verdict of the claim with each of the functions altered, where it is not ``known``.
-
-    Empty where it was not tried within so many seconds of the processor.
-    """
-    found, started = {name: known.get(name, "") for name in functions}, process_time()
-    for name in functions:
-        if not found[name] and process_time() - started < patience:
-            found[name] = after_alteration(claim, name)
-    return found
-
-
-def after_alteration(claim: Claim, name: str) -> str:
-    """REFUTED if one of the alterations of the function is, within a short budget; else OPEN if one
-    is and the claim itself is PROVED within that budget; else PROVED if all are.
-
-    Empty if nothing of this is found.
-    """
-    assert claim.method is not None
-    quick, verdicts = short_budget(claim.method), set[str]()
-    for change in CHANGES.values():
-        statement = _built(claim, {name: change})
-        verdicts |= {_verdict(quick, statement)} if statement else set()
-        if REFUTED in verdicts:
-            return REFUTED
-    if OPEN in verdicts:
-        return OPEN if proves_quickly(claim.id) else ""
-    return PROVED if verdicts else ""
-
-
-def is_noticed(claim: Claim, name: str, change: Change) -> bool:
-    """True if the claim is PROVED no longer with the function altered."""
-    statement = _built(claim, {name: change})
-    return statement is not None and fails(claim, statement)
-
-
-def fails(claim: Claim, statement: Statement) -> bool:
-    """True if the claim's method does not prove an altered statement.
-
-    That it does not within a short budget counts where it proves the claim as it is within one.
-    """
-    assert claim.method is not None
-    verdict = _verdict(short_budget(claim.method), statement)
-    if verdict == OPEN and not proves_quickly(claim.id):
-        verdict = _verdict(claim.method, statement)
-    return verdict != PROVED
-
-
-@cache
-def proves_quickly(key: str) -> bool:
-    """True if the method within a short budget proves the claim of this id."""
-    claim = next(claim for claim in all_claims() if claim.id == key)
-    assert claim.statement is not None
-    assert claim.method is not None
-    return _verdict(short_budget(claim.method), claim.statement(CLAIMED)) == PROVED
-
-
-def _verdict(method: Method, statement: Statement) -> str:
-    try:
-        return method.decide(statement).verdict
-    except KeyError:
-        return PROVED  # the graph reads an input that the method was not told of: no news
-
-
-def short_budget(method: Method) -> Method:
-    """The method within a short budget: one case that fails is enough."""
-    if isinstance(method, Both):
-        return replace(method, first=short_budget(method.first), second=short_budget(method.second))
-    if isinstance(method, Ball):
-        return replace(method, budget=min(method.budget, 400))
-    if isinstance(method, Z3):
-        return replace(method, effort=2, seconds=2)
-    return replace(method, quick=True) if isinstance(method, Ring) else method

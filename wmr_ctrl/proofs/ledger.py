@@ -3,11 +3,9 @@
 Standard library only, so that reports and documentation can show the committed ledger anywhere.
 """
 
-from __future__ import annotations
-
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -100,13 +98,6 @@ class Ledger:
         """``{"entries": [...]}`` with the public keys."""
         return json.dumps({"entries": [entry.public() for entry in self.entries]}, indent=1)
 
-    def save(self, path: Path) -> None:
-        """Write everything, for `load` (this is how the committed ledger is made)."""
-        text = json.dumps(
-            {"entries": [asdict(entry) for entry in self.entries]}, indent=1, ensure_ascii=False
-        )
-        path.write_text(text + "\n", encoding="utf-8")
-
 
 def load(path: Path = COMMITTED) -> Ledger:
     """A saved ledger; the committed one by default."""
@@ -122,10 +113,9 @@ def _entry(row: Mapping[str, Any]) -> Entry:
 
 @dataclass(frozen=True)
 class Difference:
-    """An entry whose verdict or graph is not the committed one."""
+    """An entry whose verdict is not the committed one."""
 
     id: str
-    what: str
     committed: str
     now: str
 
@@ -135,7 +125,7 @@ def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> lis
     known, found = committed.by_id(), ledger.by_id()
     ids = [*known, *(i for i in found if i not in known)] if complete else list(found)
     pairs = ((i, _verdict(known, i), _verdict(found, i)) for i in ids)
-    return [Difference(i, "verdict", old, new) for i, old, new in pairs if old != new]
+    return [Difference(i, old, new) for i, old, new in pairs if old != new]
 
 
 def stale(hashes: Mapping[str, str], committed: Ledger) -> list[str]:
@@ -154,8 +144,3 @@ def exit_code(ledger: Ledger, committed: Ledger, complete: bool = True) -> int:
 
 def _verdict(entries: Mapping[str, Entry], key: str) -> str:
     return entries[key].verdict if key in entries else "(no entry)"
-
-
-def of_equation(entries: Iterable[Entry], number: int) -> list[Entry]:
-    """Entries that speak about one equation."""
-    return [entry for entry in entries if number in entry.equations]

@@ -1,20 +1,18 @@
 """The ledger as a page of the documentation.  Standard library only."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterable, Mapping
-from importlib.resources import files
 from itertools import groupby
+from pathlib import Path
 
 from wmr_ctrl.paper import equations
-from wmr_ctrl.proofs.ledger import Entry, Ledger, load, of_equation
+from wmr_ctrl.proofs.ledger import Entry, Ledger, load
 
 HEAD = """\
 # The ledger
 
 Every claim, with its verdict. `wmr-ctrl prove` checks all of them again and compares with this
-page, which is generated (`python -m wmr_ctrl.proofs.record`). [What is proved, and what is
+page, which is generated (`python -m tests.proofs.record`). [What is proved, and what is
 not](proofs.md) says what the verdicts and methods mean. `wmr-ctrl prove --only ID` prints one entry
 in full, with the functions of the product that its graph holds.
 """
@@ -22,7 +20,7 @@ in full, with the functions of the product that its graph holds.
 GUARANTEES: list[tuple[str, list[str]]] = [
     (row["says"], row["entries"])
     for row in tomllib.loads(
-        files("wmr_ctrl.proofs").joinpath("guarantees.toml").read_text(encoding="utf-8")
+        Path(__file__).with_name("guarantees.toml").read_text(encoding="utf-8")
     )["guarantee"]
 ]
 """(what is guaranteed or denied, ids of its entries)."""
@@ -52,7 +50,7 @@ def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
 def _index(ledger: Ledger) -> str:
     rows = []
     for item in equations():
-        entries = of_equation(ledger.entries, item.number)
+        entries = [entry for entry in ledger.entries if item.number in entry.equations]
         named = ", ".join(f"{entry.id} {entry.verdict}" for entry in entries) or "-"
         cells = (f"({item.number})", _cell(item.title), item.status, _cell(item.note), named)
         rows.append(f"| {' | '.join(cells)} |\n")

@@ -1,4 +1,4 @@
-"""Make the committed ledger and its page anew: ``python -m wmr_ctrl.proofs.record [ID ...]``.
+"""Make the committed ledger and its page anew: ``python -m tests.proofs.record [ID ...]``.
 
 ``--words`` checks nothing; ``--examine`` alters the functions of the entries
 that were not tried so yet, of those that are named in any case, and asks the second solver.
@@ -8,29 +8,37 @@ With ids only those entries are checked; the others stay as committed, with the 
 today. That is refused where an entry's graph, relations or method are others by now.
 """
 
-from __future__ import annotations
-
 import argparse
+import json
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
-from wmr_ctrl.proofs.alterations import functions_of, tried
+from tests.proofs.ledger_page import page
+from tests.proofs.noticed import tried
+from wmr_ctrl.proofs.alterations import functions_of
 from wmr_ctrl.proofs.check import graph_hash
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load, stale
 from wmr_ctrl.proofs.methods.second import confirmed_by, uses_z3
-from wmr_ctrl.proofs.page import page
 from wmr_ctrl.proofs.runner import prove, selected
 
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
 
 
+def save(ledger: Ledger, path: Path) -> None:
+    """Write everything, for `load`."""
+    text = json.dumps(
+        {"entries": [asdict(entry) for entry in ledger.entries]}, indent=1, ensure_ascii=False
+    )
+    path.write_text(text + "\n", encoding="utf-8")
+
+
 def record(ledger: Ledger) -> None:
     """Save the ledger where `load` finds it, and the page in docs/."""
-    ledger.save(COMMITTED)
+    save(ledger, COMMITTED)
     PAGE.write_text(page(ledger), encoding="utf-8")
 
 
@@ -83,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     def show(share: float, entry: Entry) -> None:
         sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")
 
-    parser = argparse.ArgumentParser(prog="python -m wmr_ctrl.proofs.record", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.proofs.record", description=__doc__)
     parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
     only = parser.add_mutually_exclusive_group()
     only.add_argument("--words", action="store_true", help="check nothing, renew the words")

@@ -1,0 +1,106 @@
+"""Verdicts of entries when the product's functions are altered.
+
+An entry that stays PROVED whatever is done to the functions in its graph says nothing of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from time import process_time
+
+from wmr_ctrl.proofs.alterations import Change, built
+from wmr_ctrl.proofs.claim import CLAIMED, Claim
+from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
+from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring
+from wmr_ctrl.proofs.statement import Statement
+
+CHANGES: Mapping[str, Change] = {
+    "* 9/8": lambda x: 1.125 * x,
+    "* -1": lambda x: -x,
+    "* 8": lambda x: 8 * x,
+    "+ 1": lambda x: x + 1,
+    "/ 8": lambda x: 0.125 * x,
+}
+"""Alterations of a function's result."""
+PATIENCE = 600.0
+"""Seconds of the processor for one entry's alterations."""
+
+
+def tried(
+    claim: Claim, functions: Sequence[str], known: Mapping[str, str], patience: float = PATIENCE
+) -> dict[str, str]:
+    """Verdict of the claim with each of the functions altered, where it is not ``known``.
+
+    Empty where it was not tried within so many seconds of the processor.
+    """
+    found, started = {name: known.get(name, "") for name in functions}, process_time()
+    for name in functions:
+        if not found[name] and process_time() - started < patience:
+            found[name] = after_alteration(claim, name)
+    return found
+
+
+def after_alteration(claim: Claim, name: str) -> str:
+    """REFUTED if one of the alterations of the function is, within a short budget; else OPEN if one
+    is and the claim itself is PROVED within that budget; else PROVED if all are.
+
+    Empty if nothing of this is found.
+    """
+    assert claim.method is not None
+    quick, verdicts = short_budget(claim.method), set[str]()
+    for change in CHANGES.values():
+        statement = built(claim, {name: change})
+        verdicts |= {_verdict(quick, statement)} if statement else set()
+        if REFUTED in verdicts:
+            return REFUTED
+    if OPEN in verdicts:
+        return OPEN if proves_quickly(claim.id) else ""
+    return PROVED if verdicts else ""
+
+
+def is_noticed(claim: Claim, name: str, change: Change) -> bool:
+    """True if the claim is PROVED no longer with the function altered."""
+    statement = built(claim, {name: change})
+    return statement is not None and fails(claim, statement)
+
+
+def fails(claim: Claim, statement: Statement) -> bool:
+    """True if the claim's method does not prove an altered statement.
+
+    That it does not within a short budget counts where it proves the claim as it is within one.
+    """
+    assert claim.method is not None
+    verdict = _verdict(short_budget(claim.method), statement)
+    if verdict == OPEN and not proves_quickly(claim.id):
+        verdict = _verdict(claim.method, statement)
+    return verdict != PROVED
+
+
+@cache
+def proves_quickly(key: str) -> bool:
+    """True if the method within a short budget proves the claim of this id."""
+    claim = next(claim for claim in all_claims() if claim.id == key)
+    assert claim.statement is not None
+    assert claim.method is not None
+    return _verdict(short_budget(claim.method), claim.statement(CLAIMED)) == PROVED
+
+
+def _verdict(method: Method, statement: Statement) -> str:
+    try:
+        return method.decide(statement).verdict
+    except KeyError:
+        return PROVED  # the graph reads an input that the method was not told of: no news
+
+
+def short_budget(method: Method) -> Method:
+    """The method within a short budget: one case that fails is enough."""
+    if isinstance(method, Both):
+        return replace(method, first=short_budget(method.first), second=short_budget(method.second))
+    if isinstance(method, Ball):
+        return replace(method, budget=min(method.budget, 400))
+    if isinstance(method, Z3):
+        return replace(method, effort=2, seconds=2)
+    return replace(method, quick=True) if isinstance(method, Ring) else method
