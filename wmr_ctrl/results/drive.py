@@ -1,5 +1,7 @@
 """A robot's drive: columns that each have their own times, as a bag of its topics holds them."""
 
+from __future__ import annotations
+
 import csv
 import io
 import os
