@@ -31,7 +31,7 @@ Sets: TypeAlias = "Callable[[], tuple[Instructions, ...]]"
 os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile(
     "project",
-    max_examples=30,  # with -m '' more of them
+    max_examples=30,  # with --every-case more of them
     deadline=None,
     derandomize=True,
     print_blob=True,
@@ -47,7 +47,7 @@ def pytest_configure(config: pytest.Config) -> None:
     Garbage is looked for seldom: what tests and graphs are made of is many objects, and stays.
     """
     gc.set_threshold(50_000, 20, 50)
-    if config.getoption("markexpr") == "":
+    if config.getoption("every_case"):
         settings.load_profile("every example")
     os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
     cache = getattr(config, "cache", None)
@@ -91,7 +91,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--every-case",
         action="store_true",
-        help="with -m '': all cases of the tests in tests/many_cases.txt, not each so manieth",
+        help="more random examples; with -m '': all cases of the tests in tests/many_cases.txt",
     )
 
 
@@ -141,17 +141,18 @@ def cases_left_out(items: Iterable[pytest.Item]) -> Iterator[pytest.Item]:
     """Slow cases of the functions in many_cases.txt but for the first of each so many."""
     steps, slow = many_cases(), defaultdict(list)
     for item in items:
-        function = item.nodeid.partition("[")[0]
-        if function in steps and item.get_closest_marker("slow"):
-            slow[function].append(item)
-    for function, cases in slow.items():
-        yield from (item for place, item in enumerate(cases) if place % steps[function])
+        if item.get_closest_marker("slow"):
+            function = item.nodeid.partition("[")[0]
+            slow[item.nodeid if item.nodeid in steps else function].append(item)
+    for name in slow.keys() & steps.keys():
+        step = steps[name]
+        yield from (item for place, item in enumerate(slow[name]) if not step or place % step)
 
 
 def many_cases() -> Mapping[str, int]:
-    """Of each test function in many_cases.txt, of how many slow cases one is run."""
-    rows = map(str.split, lines_of(Path(__file__).with_name("many_cases.txt")))
-    return {function: int(step) for step, function in rows}
+    """Of each test in many_cases.txt, a function or a case, of how many slow cases one is run."""
+    rows = (line.split(maxsplit=1) for line in lines_of(Path(__file__).with_name("many_cases.txt")))
+    return {name: int(step) for step, name in rows}
 
 
 def case_of(item: pytest.Item) -> str:

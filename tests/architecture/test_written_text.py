@@ -75,7 +75,7 @@ def test_the_pattern_tells_machine_paths_from_others(text, told):
 
 def test_lists_of_tests_name_tests_that_are_there():
     for function in (*shown_cases(), *many_cases(), *long_ones()):
-        path, _, name = function.partition("::")
+        path, _, name = function_of(function).partition("::")
         assert (ROOT / path).is_dir() or (f"def {name}(" if name else "def test_") in (
             ROOT / path
         ).read_text(encoding="utf-8"), function

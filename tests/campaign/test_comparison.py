@@ -1,7 +1,8 @@
 """The comparison with and without the guard: its plan, its rows, and what it finds.
 
-By default on a few cases; `-m slow` runs those that decide, and so many that every two of law,
-factor and base meet, with and without the guard. `wmr-ctrl reproduce` runs the whole plan.
+By default on a few cases, with `-m ''` on those that decide, and with `--every-case` on so many
+that every two of law, factor and base meet, with and without the guard. `wmr-ctrl reproduce` runs
+the whole plan.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ def test_plan_has_every_case_once() -> None:
     assert {c.base for c in cases} == set(BASES)
 
 
-def test_what_is_run_slowly_brings_every_two_values_together() -> None:
+def test_what_every_case_is_brings_every_two_values_together() -> None:
     def pairs(plan: Iterable[PlannedRun]) -> set[object]:
         rows = ((c.law, c.name, c.base, c.guard) for c, _ in plan)
         return {pair for row in rows for pair in combinations(enumerate(row), 2)}

@@ -152,12 +152,7 @@ def test_a_reference_is_moved_by_the_scenario_s_key(page: Path, tmp_path: Path) 
 
 
 @pytest.mark.slow
-def test_one_file_below_its_size_that_asks_nobody(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As it ships: other tests' pages are compiled at -O0, whose code is larger by far."""
-    monkeypatch.delenv("WMR_CTRL_OPTIMIZE", raising=False)
-    page = wmr_ctrl.write_page(tmp_path / "robot.html")
+def test_one_file_below_its_size_that_asks_nobody(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
 
     assert page.stat().st_size < 1_500_000
