@@ -32,7 +32,7 @@ def test_the_truth_is_near_every_interval(found):
 def test_mass_inertia_delay_and_lag_are_near_the_truth(found):
     for name in MAIN:
         assert found.parameters[name].value == pytest.approx(getattr(TRUTH, name), rel=0.2)
-    assert found.parameters["m"].verdict == "told"
+    assert found.parameters["m"].verdict == "determined"
 
 
 @pytest.mark.slow
@@ -149,8 +149,8 @@ def test_a_circle_tells_no_friction_apart_and_says_so():
     found = identify(log_of(columns, 0), overrides=KNOWN)
 
     for name in ("Fc", "Fv", "c"):
-        assert found.parameters[name].verdict == "not told", name
-    assert any("cannot be told apart" in text for text in found.remarks)
+        assert found.parameters[name].verdict == "undetermined", name
+    assert any("cannot be separated" in text for text in found.remarks)
 
 
 def test_the_scenario_loads_and_its_numbers_are_the_estimates(found):
@@ -161,7 +161,7 @@ def test_the_scenario_loads_and_its_numbers_are_the_estimates(found):
     assert scenario == found.scenario
     assert scenario.robot.m == found.parameters["m"].value
     assert scenario.guard.M_min[0] <= found.parameters["m"].low * (1 + 1e-9)
-    assert "told" in text
+    assert "determined" in text
     assert scenario.guard.enabled, found.remarks
 
 

@@ -53,7 +53,7 @@ def test_after_a_circle_the_proposed_drive_tells_what_the_circle_could_not():
     better = identify(log_of(driven_by(drive), 0), overrides=KNOWN)
 
     for name in ("Fc", "Fv", "c"):
-        assert poor.parameters[name].verdict == "not told"
+        assert poor.parameters[name].verdict == "undetermined"
     for name in ("m", "I", "Fc", "c", "delay"):
-        assert better.parameters[name].verdict == "told", name
+        assert better.parameters[name].verdict == "determined", name
         assert better.parameters[name].share < poor.parameters[name].share / 2

@@ -65,14 +65,14 @@ def test_a_first_order_base_gives_its_numbers_back(found):
         assert near(found.parameters[f"gain{axis}"], FIRST["gain"][axis - 1])
         assert near(found.parameters[f"delay{axis}"], FIRST["delay"])
         for name in ("tau", "gain", "delay"):
-            assert found.parameters[f"{name}{axis}"].verdict == "told", name
+            assert found.parameters[f"{name}{axis}"].verdict == "determined", name
     assert min(found.score.foretold) > 0.98
 
 
 def test_a_limit_that_was_never_met_is_not_told_and_has_no_upper_end(found):
     item = found.parameters["accel1"]
 
-    assert item.verdict == "not told"
+    assert item.verdict == "undetermined"
     assert item.high == np.inf
     assert item.low > 1.0
     assert any("acceleration limit" in text for text in found.remarks)
@@ -115,7 +115,7 @@ def test_a_proposed_drive_keeps_limits_and_floor_and_would_tell(found):
     ):
         assert np.abs(speed).max() <= limit
         assert fastest <= limit
-    assert {drive.expected[f"tau{axis}"] for axis in (1, 2)} == {"told"}
+    assert {drive.expected[f"tau{axis}"] for axis in (1, 2)} == {"determined"}
 
 
 def test_what_is_no_log_of_such_a_base_is_refused_by_name():

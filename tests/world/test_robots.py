@@ -1,4 +1,4 @@
-"""Robots as one has them: presets keep the limit behind guard or filter, and leave it without."""
+"""Everyday robots: presets keep the limit behind guard or filter, and leave it without."""
 
 from __future__ import annotations
 

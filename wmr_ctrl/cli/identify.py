@@ -90,8 +90,8 @@ def identify(
     of a CSV file have the names of a run's columns, with units: t [s], wheel_counts[1] [1] (right),
     wheel_counts[2] [1] (left), tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and
     omega_measured [rad/s]. For each parameter the output says whether the log determines it:
-    "told", "roughly" or "not told". The scenario written by --out is for check, run, tune and
-    codegen, and has the numbers for a guard. A faulty log ends with a message and exit code 2.
+    "determined", "roughly" or "undetermined". The scenario written by --out is for check, run, tune
+    and codegen, and has the numbers for a guard. A faulty log ends with a message and exit code 2.
     """
     check_output(out, (".toml",), "--out")
     check_output(plot, (".png", ".svg", ".pdf"), "--plot")
@@ -144,7 +144,7 @@ def _text(result: BaseIdentification) -> str:
     half_of_it = {
         name: f"most of it from {item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
         for name, item in result.parameters.items()
-        if item.verdict != "told" and item.seconds[1]
+        if item.verdict != "determined" and item.seconds[1]
     }
     rows = [
         (name, f"{item.value:.5g}", f"{item.low:.4g} to {item.high:.4g}", UNITS[name], item.verdict,

@@ -19,9 +19,9 @@ from wmr_ctrl.identification.speed_loop import AXES, Fits
 from wmr_ctrl.logs.log import COMMAND, Floats
 from wmr_ctrl.scenario import Scenario, to_toml
 
-TOLD, ROUGHLY, NOT_TOLD = "told", "roughly", "not told"
+DETERMINED, ROUGHLY, UNDETERMINED = "determined", "roughly", "undetermined"
 SHARES = (0.1, 0.3)
-"""Half-width over size up to which a parameter is told, or roughly told."""
+"""Half-width over size up to which a parameter is determined, or roughly so."""
 WORDS = {
     "m": "mass", "I": "moment of inertia", "Fc": "Coulomb friction of the body",
     "Fv": "friction of speed", "c": "Coulomb friction of each wheel", "Mv": "friction of turning",
@@ -50,7 +50,7 @@ BECAUSE = {
     frozenset({"tau1", "delay1"}): "v_command changed too slowly or too little",
     frozenset({"tau2", "delay2"}): "omega_command changed too slowly or too little",
 }
-"""Pairs that cannot be told apart, and what the log lacks then."""
+"""Pairs that cannot be separated, and what the log lacks then."""
 SMALL, PART = 0.03, 0.35
 LEAST_LATE = {"delay": 0.0, "lag": LAG_LEAST}
 GRID_POINTS, SPREAD = 13, 3.5
@@ -58,8 +58,8 @@ GRID_POINTS, SPREAD = 13, 3.5
 
 
 class Estimate(NamedTuple):
-    """A value with its 95 % interval, whether the log told it, when it did [s], and the half-width
-    as a share of what the verdict compares it with.
+    """A value with its 95 % interval, whether the log determines it, the seconds with half of the
+    information, and the half-width as a share of what the verdict compares it with.
     """
 
     value: float
@@ -75,7 +75,7 @@ class Estimate(NamedTuple):
             "value": self.value,
             "low": self.low,
             "high": self.high,
-            "told": self.verdict,
+            "verdict": self.verdict,
             "seconds": list(self.seconds),
         }
 
@@ -194,7 +194,7 @@ class FilterBounds:
 class BaseIdentification(ABC):
     """Results of an identification.
 
-    ``parameters`` maps a name to (value, low, high, told, seconds), SI units; ``bounds`` are the
+    ``parameters`` maps a name to (value, low, high, verdict, seconds), SI units; ``bounds`` are the
     numbers for the guard or the filter; ``score`` says how well the held-out third was predicted;
     ``scenario`` can be run as it is.
     """
@@ -254,9 +254,9 @@ class BaseIdentification(ABC):
 
 
 def verdict(half: float, size: float) -> str:
-    """Told, roughly or not told, of a half-width and the size that it is compared with."""
+    """Whether a log determines a value: its half-width against the size it is compared with."""
     share = half / max(size, 1e-300)
-    return TOLD if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else NOT_TOLD
+    return DETERMINED if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else UNDETERMINED
 
 
 def sizes(values: Mapping[str, float], speed: Floats, period: float) -> dict[str, float]:
@@ -273,7 +273,7 @@ def sizes(values: Mapping[str, float], speed: Floats, period: float) -> dict[str
     return {name: max(abs(value), least.get(name, 0.0)) for name, value in values.items()}
 
 
-def seconds_that_told(t: Floats, share: Floats) -> tuple[float, float]:
+def informative_seconds(t: Floats, share: Floats) -> tuple[float, float]:
     """Shortest stretch [s] that has half of the information ``share`` (B,) on one parameter."""
     total, edges = share.sum(), np.linspace(t[0], t[-1], BLOCKS + 1)
     for length in range(1, BLOCKS + 1):
@@ -297,7 +297,7 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
             continue
         why = next((text for pair, text in BECAUSE.items() if pair <= set(mixed)), "")
         listed = " and ".join((", ".join(WORDS[n] for n in mixed[:-1]), WORDS[mixed[-1]]))
-        yield f"{listed} cannot be told apart" + (f": {why}." if why else " by this log.")
+        yield f"{listed} cannot be separated" + (f": {why}." if why else " by this log.")
 
 
 def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
@@ -308,7 +308,7 @@ def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
     ]
     for axis, fit, column in zip(AXES, fits, COMMAND, strict=True):
         if fit is None:
-            remarks.append(f"{column} is constant: nothing is told of that axis.")
+            remarks.append(f"{column} is constant, so the log says nothing about that axis.")
         elif "accel" not in fit.names:
             unit = ("m/s2", "rad/s2")[axis - 1]
             remarks.append(
@@ -318,13 +318,13 @@ def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
     for axis, fit in zip(AXES, fits, strict=True):
         if fit is not None:
             names = [f"{name}{axis}" for name in fit.names]
-            unsure = {name for name in names if estimates[name].verdict != TOLD}
+            unsure = {name for name in names if estimates[name].verdict != DETERMINED}
             remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
-    vague = [name for name, item in estimates.items() if item.verdict == NOT_TOLD and
+    vague = [name for name, item in estimates.items() if item.verdict == UNDETERMINED and
              not name.startswith("accel")]  # fmt: skip
     if vague:
         remarks.append(
-            f"not told: {', '.join(vague)}. Steps of the command tell them, each held until the "
-            "speed has settled."
+            f"undetermined: {', '.join(vague)}. Steps of the command show them, each held until "
+            "the speed has settled."
         )
     return remarks

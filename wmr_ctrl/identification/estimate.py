@@ -10,11 +10,11 @@ from itertools import product
 import numpy as np
 
 from wmr_ctrl.identification.bounds import (
-    NOT_TOLD,
     SHARES,
+    UNDETERMINED,
     Estimate,
     Score,
-    seconds_that_told,
+    informative_seconds,
     verdict,
 )
 from wmr_ctrl.identification.fit import (
@@ -312,12 +312,12 @@ def loop_estimates(fits: Fits, period: float) -> dict[str, Estimate]:
                 low, high = value * math.exp(-half), value * math.exp(half)
                 share = half
             shares = fit.fisher[:, fit.names.index(name), fit.names.index(name)]
-            seconds = seconds_that_told(fit.log.t, shares)
+            seconds = informative_seconds(fit.log.t, shares)
             item = Estimate(value, low, high, verdict(share, 1.0), seconds, share)
             estimates[f"{name}{axis}"] = item
         if "accel" not in fit.names:
             least = least_acceleration(fit)
-            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, NOT_TOLD, share=9.0)
+            estimates[f"accel{axis}"] = Estimate(math.inf, least, math.inf, UNDETERMINED, share=9.0)
     return estimates
 
 

@@ -13,17 +13,17 @@ from wmr_ctrl.api import scenario_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.identification.bounds import (
+    DETERMINED,
     LEAST_LATE,
-    NOT_TOLD,
-    TOLD,
+    UNDETERMINED,
     BaseIdentification,
     Estimate,
     GuardBounds,
     Surface,
     Traces,
     grid_about,
+    informative_seconds,
     mixtures,
-    seconds_that_told,
     sizes,
     verdict,
 )
@@ -249,11 +249,11 @@ def _of_torques(
     names = filter_.graph.names
     for key, (value, low, high) in widths.items():
         place = names.index(key)
-        seconds = seconds_that_told(log.t, fit.last.fisher[:, place, place])
+        seconds = informative_seconds(log.t, fit.last.fisher[:, place, place])
         half = (high - low) / 2
         word = verdict(half, scale[key])
         estimates[key] = Estimate(value, low, high, word, seconds, half / scale[key])
-    vague = {key for key, item in estimates.items() if item.verdict != TOLD}
+    vague = {key for key, item in estimates.items() if item.verdict != DETERMINED}
     places = [k for k, name in enumerate(names) if fit.free[k] and name in estimates]
     information = fit.last.fisher.sum(axis=0)[np.ix_(places, places)]
     remarks += list(mixtures([names[k] for k in places], information, vague))
@@ -262,12 +262,12 @@ def _of_torques(
             "friction falls with speed (Fv < 0), as stiction makes it: Coulomb friction and Fv are "
             "not covered by their intervals."
         )
-    if all(item.verdict == NOT_TOLD for item in estimates.values()):
+    if all(item.verdict == UNDETERMINED for item in estimates.values()):
         raise LogError(
             f"{name}: the log determines nothing of the robot: {' '.join(remarks)} Drive with "
             "changing speeds of both wheels, apart from each other."
         )
-    unknown = all(estimates[key].verdict == NOT_TOLD for key in ("m", "I"))
+    unknown = all(estimates[key].verdict == UNDETERMINED for key in ("m", "I"))
     clocked = _clocked(scenario, log)
     bounds = guard_bounds(white, widths, clocked, colour)
     end = held_out(white, fit, clocked, colour, tell)
@@ -338,8 +338,8 @@ def _scenario(
         (low, high), least, most = bounds.delay, bounds.M_min[0], bounds.M_max[0]
         remarks.append(
             "the guard is off: it takes a delay known to a control period, and a mass or inertia "
-            f"that is told; the delay is known to lie between {1e3 * low:.3g} and {1e3 * high:.3g} "
-            f"ms alone, m between {least:.3g} and {most:.3g} kg. A better drive determines them."
+            f"that is determined; the delay lies between {1e3 * low:.3g} and {1e3 * high:.3g} ms, "
+            f"m between {least:.3g} and {most:.3g} kg. A better drive determines them."
         )
         return result
     try:

@@ -13,7 +13,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
 from wmr_ctrl.identification.bounds import (
-    NOT_TOLD,
+    UNDETERMINED,
     BaseIdentification,
     Estimate,
     FilterBounds,
@@ -120,13 +120,15 @@ def of_velocities(
     axes = [axis_log(log, axis) for axis in (0, 1)]
     driven = [bool(np.std(axis.sent) > LEAST_DRIVEN) for axis in axes]
     if not any(driven):
-        raise LogError(f"{name}: both commands are constant, so nothing can be told of the base.")
+        raise LogError(
+            f"{name}: both commands are constant, so the log says nothing about the base."
+        )
     for axis, drives, column in zip(axes, driven, COMMAND, strict=True):
         if drives:
             check_following(name, column, *shifted_gain(axis), log.period)
     fits = same_loop(axes, driven, tell)
     estimates = loop_estimates(fits, log.period)
-    if all(item.verdict == NOT_TOLD for item in estimates.values()):
+    if all(item.verdict == UNDETERMINED for item in estimates.values()):
         raise LogError(
             f"{name}: the log tells nothing of the base. Change both commands by steps, apart from "
             "each other."

@@ -144,7 +144,9 @@ def _next_drive(drive: ProposedDrive | None) -> str:
             "None was asked for: --propose drive.csv writes one, within the limits and the floor."
         )
     expected = Counter(drive.expected.values())
-    counts = ", ".join(f"{expected[word]} {word}" for word in ("told", "roughly", "not told"))
+    counts = ", ".join(
+        f"{expected[word]} {word}" for word in ("determined", "roughly", "undetermined")
+    )
     return (
         f"{np.ptp(drive.t):.3g} s, simulated at the corners of the intervals: at most "
         f"{drive.farthest:.3g} m from the start, {drive.fastest[0]:.3g} m/s and "
@@ -209,7 +211,7 @@ def _intervals(part: SubFigure, result: BaseIdentification) -> None:
     shares = [max(100 * item.share, 0.05) for item in items.values()]
     axes.set_xscale("log")
     for row, (share, item) in enumerate(zip(shares, items.values(), strict=True)):
-        colour = {"told": BLUE, "roughly": "#e69f00"}.get(item.verdict, LIMIT)
+        colour = {"determined": BLUE, "roughly": "#e69f00"}.get(item.verdict, LIMIT)
         axes.plot([0.05, share], [row, row], color=colour, lw=3)
         axes.annotate(item.verdict, (share, row), xytext=(4, 0), va="center",
                       textcoords="offset points", size=6.8, color=INK,
