@@ -145,7 +145,7 @@ def necessary(mutation: Mutation) -> Statement:
 def estimate(mutation: Mutation) -> Statement:
     """v + share (mean - v) <= relaxed(w, target).
 
-    The bound of the speed that is carried from sample to sample stays one.
+    The bound on the speed that is carried from sample to sample remains a bound.
     """
     t = symbols("v w mean target least share most")
     inside = (
@@ -274,7 +274,7 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     """{words}: the command that the whole filter sends is at most the step's limit, whatever was
     asked for of both axes.
 
-    Nothing passes by: no number that is asked for, nor the other axis' scaling.
+    Nothing bypasses the filter: no number that is asked for, nor the other axis' scaling.
     """
     step = AssembledStep(side, axis)
     every = {

@@ -61,7 +61,7 @@ def applied(mutation: Mutation) -> Statement:
     """the torque that laws are told was applied is the mean of what acted in the plant steps of the
     sample behind delay and lag, and what acts at its end is the drives' own.
 
-    The observer and the monitor reckon with what the simulated drives did.
+    The observer and the monitor use the torque that the simulated drives produced.
     """
     t, steps, part = symbols("newest older oldest acting e"), 4, 3
     newest, older, oldest, acting, e = t.values()

@@ -77,7 +77,7 @@ class BandAxis:
 def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     """{sign}(v + (to - u) S) <= {sign}to + {word} of the changed forecast.
 
-    A change of the command keeps the forecast one, whatever member of the family the base is.
+    After a change of the command the forecast still bounds every member of the family.
     """
     a = BandAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols["to"], a.table)
@@ -227,7 +227,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     """|u| <= the largest command, u what the whole band sends on the {id} axis, and u never turns
     against what was asked for.
 
-    Nothing passes by: no number that is asked for, nor the other axis' scaling.
+    Nothing bypasses the filter: no number that is asked for, nor the other axis' scaling.
     """
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     limits, u = graph.limits, mutation(1, 1.1) * graph.sent[axis]

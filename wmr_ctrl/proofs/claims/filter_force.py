@@ -66,7 +66,7 @@ class ForceAxis:
 def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     """{sign}(F + (to - u) W) <= {word} of the changed forecast.
 
-    A change of the command keeps the forecast of the force one, whatever member the base is.
+    After a change of the command the forecast still bounds the force of every member.
     """
     a = ForceAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols["to"], a.table)
@@ -149,7 +149,7 @@ WEAK = {
 def sent(mutation: Mutation, axis: int) -> Statement:
     """u_before - fall <= u <= u_before + rise, u what the whole band sends on the {id} axis.
 
-    Nothing passes by: no number that is asked for, nor the other axis' scaling.
+    Nothing bypasses the filter: no number that is asked for, nor the other axis' scaling.
     """
     graph = ForceBand(load_scenario("paper-simulation", WEAK))
     named = elements_of(*graph.system.inputs)

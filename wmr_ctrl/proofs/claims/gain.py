@@ -245,7 +245,7 @@ def covered(mutation: Mutation) -> Statement:
 @claim.also(
     "gain.none-smooth",
     'the same for barrier = "smooth"',
-    "A continuous slope does not mend it.",
+    "A continuous slope does not change that.",
     equations=(),
     premises="gain.fades gain.ceiling-smooth gain.closed-smooth smooth.quotient",
     form="smooth",

@@ -194,7 +194,7 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
 def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps {sign}v <= u1 + D (T{late})/M_min.
 
-    A bound that is broken by D costs a known excess, no more.
+    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
     b, D = a.bounds, a["extra"]
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
@@ -215,7 +215,7 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for {sign}v.
 
-    A bound that is broken by D costs a known excess, no more.
+    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
     # t at its end, as v is linear.
     b, D, left = a.bounds, a["extra"], a["room"]

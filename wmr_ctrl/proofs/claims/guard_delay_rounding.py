@@ -155,7 +155,7 @@ def brakes(mutation: Mutation) -> Statement:
     """computed brakes >= |net| + 5 kept K, (brakes + net) (1 + alpha delay) <= {aim} + (24 + 8
     alpha delay) 2^-53 K.
 
-    What the guard brakes with is right but for a few roundings.
+    The computed braking force is right to within a few roundings.
     """
     a = QueuedAxis()
     least = ca.fabs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
@@ -175,7 +175,7 @@ def largest(mutation: Mutation) -> Statement:
     """alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {aim} to (8 + 4
     alpha delay) 2^-53 K.
 
-    And so is the largest command.
+    So is the largest command.
     """
     a = QueuedAxis()
     both, off = _sum(a)
@@ -256,7 +256,7 @@ def size(mutation: Mutation) -> Statement:
 def anchor(mutation: Mutation) -> Statement:
     """the computed safe point is at most the computed brakes.
 
-    What the wheels have to keep free is what the text keeps free.
+    What the wheels must keep in reserve is what the computed force keeps in reserve.
     """
     a = QueuedAxis()
     most = mutation(1, 0.99) * a["brakes"]

@@ -197,7 +197,7 @@ def assembled(
     at most what is counted; the torque that is kept as applied is the one that acts next, and each
     d_least the monitor's for it; {which}.
 
-    What is exported is put together of what the entries about the guard speak of.
+    The exported guard is composed of the parts that the other entries are about.
     """
     e = Assembled(assemble, kind, delay)
     r, half = e.wheels

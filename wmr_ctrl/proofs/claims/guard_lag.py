@@ -255,7 +255,7 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D: what is reached, with D for every time that counts, and what the last and
     the new command add, as in guard.varying.upper, is at most u1 + D (T + late)/M_min; for {sign}v.
 
-    A bound that is broken by D costs a known excess, no more.
+    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
     # Pushes, and Z with them, are larger by at most D; worst for F = hi.
     b, D = a.bounds, a["extra"]

@@ -242,7 +242,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
 def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """the computed safe point is at most the computed min(brake, cap).
 
-    What the wheels have to keep free is what the text keeps free.
+    What the wheels must keep in reserve is what the computed force keeps in reserve.
     """
     a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a["most"]

@@ -55,7 +55,7 @@ def applied(mutation: Mutation) -> Statement:
     graph makes, in the plant steps of the sample, of the commands that the delay lets through, and
     what is kept as acting is its end; each command moves on by one place.
 
-    Guard, monitor and observer reckon with what the simulated drives did.
+    Guard, monitor and observer use the torque that the simulated drives produced.
     """
     steps, part, h = 4, 3, PERIOD / 4
     late = {"clock.plant": h, "actuator.delay": PERIOD + part * h, "actuator.lag": 0.02}

@@ -116,7 +116,7 @@ def assembled(mutation: Mutation, part: str) -> Statement:
     """on the law's graph v+ = X_(1-E)(E v* + (1-E) c+) with E = exp(-rho T/2), c+ = c + T c' and v*
     carried from c to c_m = c + T {moved}, both axes.
 
-    The step that the law takes is the one that the entries prox.* speak of, with rates and targets
+    The step that the law takes is the one that the entries prox.* are about, with rates and targets
     as they are there.
     """
     law = LawGraph("prox", (("gains.prox.transport", "level"),) if part else ())
