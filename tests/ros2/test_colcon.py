@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -40,55 +38,6 @@ def test_launch_files_name_what_there_is(node):
     assert launched.get("name") == f"wmr_{node}"
     named = {item.get("name") for item in launched.iter("param")} - {None}
     assert named == NO_DEFAULT & set(TABLES[node]) - {"autostart"}
-
-
-def test_the_layout_knows_the_topics():
-    text = (PACKAGE / "foxglove" / "wmr_ctrl.json").read_text(encoding="utf-8")
-    panels = json.loads(text)["configById"]
-
-    topics = {re.match(r"/\w+", path)[0] for path in re.findall(r'"value": "(/[^"]+)"', text)}
-    assert topics == {"/cmd_vel_in", "/cmd_vel", "/odom", "/diagnostics"}
-    assert {name.partition("!")[0] for name in panels} >= {"Plot", "3D", "StateTransitions"}
-
-
-def leaves(node):
-    """Panels of a layout, which is a tree of pairs."""
-    return [node] if isinstance(node, str) else [*leaves(node["first"]), *leaves(node["second"])]
-
-
-def test_the_layout_shows_each_panel_once_and_fields_that_messages_have():
-    """How Foxglove draws it nobody has seen; that it finds what the layout names, this tells."""
-    typesys = pytest.importorskip("rosbags.typesys", reason="NOT RUN: rosbags is not there")
-    fields = typesys.get_typestore(typesys.Stores.ROS2_JAZZY).fielddefs
-    layout = json.loads((PACKAGE / "foxglove" / "wmr_ctrl.json").read_text(encoding="utf-8"))
-    panels = layout["configById"]
-
-    assert sorted(leaves(layout["layout"])) == sorted(panels)
-    shown = [path["value"] for panel in panels.values() for path in panel.get("paths", [])]
-    assert len(shown) == 12
-    for path in shown:
-        topic, *names = path.replace("[:]", "").split(".")
-        if not topic.startswith("/"):
-            float(path)  # a line at a constant
-            continue
-        kind = KINDS[topic]
-        for name in names:
-            kind = innermost(dict(fields[kind][1])[name])
-
-
-KINDS = {
-    "/cmd_vel_in": "geometry_msgs/msg/TwistStamped",
-    "/cmd_vel": "geometry_msgs/msg/TwistStamped",
-    "/odom": "nav_msgs/msg/Odometry",
-    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
-}
-
-
-def innermost(described):
-    """Name of a type, or of what a list of it holds."""
-    while not isinstance(described, str):
-        described = described[1] if isinstance(described[1], str) else described[1][0]
-    return described
 
 
 @pytest.fixture(scope="module")
