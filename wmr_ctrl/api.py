@@ -284,7 +284,10 @@ def cosimulate(
 def linearize(
     scenario: str | Path | Scenario, law: str = "nn", at: float | None = None, guard: bool = False
 ) -> LinearReport:
-    """Poles, margins, limits, at time ``at`` [s] of the reference; the ``guard`` must not act."""
+    """Poles, margins and stability limits at time ``at`` [s] of the reference.
+
+    With ``guard`` the guard is on; raises ScenarioError where it acts at that time.
+    """
     from wmr_ctrl.linear import report_linear
 
     return report_linear(scenario_of(scenario), law, at, guard=guard)

@@ -70,11 +70,11 @@ def study(
 
     ``executor``: "threads" of this process, "dask" for processes of this machine, a Dask scheduler
     as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes.
-    The table has the same bytes for all of them, and however often the study was interrupted:
-    called again, it makes what is missing.  A plan with the plant "mujoco" has its runs made by
-    processes in the place of threads, and needs the extra physics.  Raises ArgumentError,
-    UnknownNameError, ScenarioError, ResultFileError, MissingExtraError or CompilerError; what is
-    finished stays.
+    The table has the same bytes for all of them.  After an interruption, the same call makes only
+    the runs that are missing.  Runs of the plant "mujoco" (extra physics) are made by processes
+    instead of threads.  Raises ArgumentError,
+    UnknownNameError, ScenarioError, ResultFileError, MissingExtraError or CompilerError; finished
+    runs are kept.
     """
     check_jobs(jobs)
     if isinstance(plan, str | Path):

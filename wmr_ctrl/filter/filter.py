@@ -185,9 +185,9 @@ class CommandFilter:
 
 @checks_arguments
 def command_filter(scenario: Scenario | str) -> CommandFilter:
-    """The command filter of a scenario with a section [filter], as an object with a memory.
+    """The command filter of a scenario with a section [filter], as an object with memory.
 
-    Raises ScenarioError where the filter is not set, or cannot be met.
+    Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
     return CommandFilter(load_scenario(scenario) if isinstance(scenario, str) else scenario)
 

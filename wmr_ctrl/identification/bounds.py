@@ -82,11 +82,11 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True)
 class Score:
-    """How the held-out third was foretold: shares of both speeds' variance, by the fit and by
-    constant velocities; [s] from where on it was held out.
+    """How well the held-out third is predicted: shares of both speeds' variance, by the fit and by
+    constant velocities; the time [s] from which on it was held out.
 
     ``usable_speed`` of a guard with the bounds, and what one newton more of dbar costs [m/s]; None
-    where the guard refuses them.
+    if the guard refuses them.
     """
 
     foretold: tuple[float, float]
@@ -98,9 +98,9 @@ class Score:
 
 @dataclass(frozen=True)
 class Traces:
-    """What is drawn of a fit, over t (N,) [s]: speeds (N, 2) as they were read and as a fit of what
-    lies before ``held_out_from`` [s] foretells them; residuals (N, 2), as forces q z [N, N m] of
-    which dbar is made, or as speeds [m/s, rad/s] of which filter.d is.  NaN where nothing counts.
+    """Curves of a fit over t (N,) [s]: speeds (N, 2) as measured and as predicted by a fit of the
+    data before ``held_out_from`` [s]; residuals (N, 2), as forces q z [N, N m] (for dbar) or as
+    speeds [m/s, rad/s] (for filter.d).  NaN where nothing counts.
     """
 
     t: Floats
@@ -166,9 +166,9 @@ class GuardBounds:
 class FilterBounds:
     """Numbers for [filter]: kind of loop, and per axis [m/s, rad/s] or from least to most [s].
 
-    ``peak_gain``: largest speed over commanded speed of the whole family, infinite where an axis
-    was not driven; ``d``: the largest deviation of the speed that no command explains, of which
-    the sentence says what it is worth.
+    ``peak_gain``: largest speed over commanded speed of the whole family, infinite for an axis that
+    was not driven; ``d``: the largest deviation of the speed that no command explains; ``sentence``
+    says how far it can be trusted.
     """
 
     loop: str
@@ -220,11 +220,11 @@ class BaseIdentification(ABC):
 
     @abstractmethod
     def traces(self) -> Traces:
-        """Measured and foretold speeds, and residuals."""
+        """Measured and predicted speeds, and residuals."""
 
     @abstractmethod
     def surfaces(self) -> tuple[Surface, ...]:
-        """Likelihood over pairs of parameters that may stand for each other."""
+        """Likelihood over pairs of parameters that the log hardly separates."""
 
     def described(self) -> dict[str, tuple[str, str]]:
         """Words and unit of each parameter."""

@@ -262,7 +262,7 @@ def parted(fit: Fit, passes: int, tell: Callable[[], None]) -> tuple[Fit, Fit, f
 
 
 def score_of(white: Fit, trained: Fit, cut: float) -> Score:
-    """How well the last third is foretold by a fit of the rest, in free runs of a second."""
+    """How well a fit of the rest predicts the last third, in free runs of a second."""
     problem = white.problem
     rest = problem.log.until(np.inf, cut)
     result = replace(problem, log=rest).read(trained.theta, slopes=False)
@@ -322,7 +322,7 @@ def loop_estimates(fits: Fits, period: float) -> dict[str, Estimate]:
 
 
 def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
-    """How well the last third is foretold from commands alone by a fit of the rest."""
+    """How well a fit of the rest predicts the last third from commands alone."""
     t, shares = axes[0].t, []
     for axis, fit in zip(axes, trained, strict=True):
         if fit is None:

@@ -92,7 +92,7 @@ class Identification(BaseIdentification):
     places = PLACES
 
     def traces(self) -> Traces:
-        """Measured and foretold speeds, and residuals; takes some passes through the log."""
+        """Measured and predicted speeds, and residuals; takes some passes through the log."""
         problem, names = self.white.problem, self.white.problem.filter.graph.names
         trained = self.trained.theta
         mean = problem.read(trained, slopes=False).mean
@@ -132,9 +132,9 @@ def identify(
 
     ``base`` is what the base takes: "torque", or "velocity" (v, omega).
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
-    ``overrides`` are put on it; ``topics`` names a bag's by role; ``torque_constant`` [N.m/A] makes
-    torques of motor currents.  Raises LogError for a log that something is wrong with or that tells
-    nothing, ScenarioError, ArgumentError, ResultFileError, MissingExtraError, CompilerError.
+    ``overrides`` are applied to it; ``topics`` names a bag's topics by role; ``torque_constant``
+    [N.m/A] turns motor currents into torques.  Raises LogError for a faulty or uninformative log,
+    ScenarioError, ArgumentError, ResultFileError, MissingExtraError, CompilerError.
     """
     if base not in KINDS:
         raise ArgumentError(f"base = {base!r} must be one of {', '.join(KINDS)}.")

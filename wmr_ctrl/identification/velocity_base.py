@@ -77,7 +77,7 @@ class VelocityIdentification(BaseIdentification):
     places = PLACES
 
     def traces(self) -> Traces:
-        """Measured and foretold speeds, and deviations as filter.d has them."""
+        """Measured and predicted speeds, and their deviations as in filter.d."""
         log = next(fit.log for fit in self.fits if fit is not None)
         seen, foretold, left = (np.full((len(log.t), 2), np.nan) for _ in range(3))
         for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):

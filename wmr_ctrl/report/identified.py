@@ -1,4 +1,4 @@
-"""What a log told of a robot, as a picture and as one page of HTML."""
+"""What a log says about a robot, as a picture and as one page of HTML."""
 
 from __future__ import annotations
 

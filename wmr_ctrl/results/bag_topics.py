@@ -76,10 +76,10 @@ class Topic(NamedTuple):
 
 @checks_arguments
 def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> RecordedDrive:
-    """Read a robot's drive from a bag, or what the base of a saved run would have told.
+    """Read a robot's drive from a bag, or what the base of a saved run would have reported.
 
     ``topics`` names a bag's topics by role ("odom", "cmd", "joints", "effort") and the wheels'
-    joints ("right", "left"); without it the usual names are looked for, in any namespace.  Raises
+    joints ("right", "left"); without it the usual names are looked up, in any namespace.  Raises
     ResultFileError, ArgumentError, MissingExtraError without rosbags.
     """
     loaded = load_source(path, topics)

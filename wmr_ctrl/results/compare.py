@@ -85,13 +85,13 @@ class Comparison:
 def compare(
     first: Run | RecordedDrive, second: Run | RecordedDrive, tolerance: float = 1e-9
 ) -> Comparison:
-    """Compare the columns and samples that two runs, or drives, have, and list what else differs.
+    """Compare the columns and samples that two runs or drives share, and list what else differs.
 
-    ``tolerance`` applies in a column's own unit or relative to its range, whichever is kinder.
+    ``tolerance`` is absolute in a column's own unit or relative to its range, whichever is larger.
     Runs whose outcomes differ over the same samples differ, however close their columns are.
-    Beside a drive a run is what its base would have told.  Times of drives count from the first
-    message of each; at those of the first, the second's commands and torques hold, and what was
-    measured is between its messages.
+    Compared with a drive, a run is reduced to what its base would have reported.  A drive's times
+    count from its first message.  At the times of the first drive, commands and torques of the
+    second are held from its last message, and measured values are interpolated.
     Raises ArgumentError for a tolerance that is negative or not a number.
     """
     if not tolerance >= 0:

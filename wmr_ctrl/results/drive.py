@@ -76,13 +76,13 @@ class ColumnFacts:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordedDrive:
-    """A robot's drive: columns by name, each (N,) with its own times [s] from the first message's.
+    """A recorded drive: columns by name, each (N,) with its times [s] from the first message.
 
     ``drive["v1_measured"]`` is a column and ``drive.times["v1_measured"]`` its times; ``missing``
-    names what it has not.  Theta is 0 along +Y; ``remarks`` are sentences on clocks, gaps and what
-    was left out.  There are neither a desired motion nor limits, so nothing is judged.  ``save``,
-    ``plot``, ``animate``, ``summary()``, `wmr_ctrl.compare` and `wmr_ctrl.identify` pass it on.
-    Raises ArgumentError where columns and times do not fit.
+    names the columns that it lacks.  Theta is 0 along +Y; ``remarks`` are sentences on clocks, gaps
+    and what was left out.  A drive has no desired motion and no limits, so nothing is judged.
+    ``save``, ``plot``, ``animate``, ``summary()``, `wmr_ctrl.compare` and `wmr_ctrl.identify` use
+    it.  Raises ArgumentError where columns and times do not fit.
     """
 
     name: str
@@ -157,7 +157,7 @@ class RecordedDrive:
         return float(max(np.abs(self.columns[name]).max() for name in names))
 
     def summary(self) -> dict[str, object]:
-        """Figures, columns, what is missing and remarks as ``wmr-ctrl show --json`` prints them."""
+        """Figures, columns, missing columns, remarks: what ``wmr-ctrl show --json`` prints."""
         columns = {name: asdict(fact) for name, fact in self.facts().items()}
         return {
             "drive": self.name, "duration": self.duration, **self.figures(), "columns": columns,
@@ -166,7 +166,7 @@ class RecordedDrive:
 
     @checks_arguments
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw on one page what there is; with ``path`` (.png, .svg or .pdf) write it there too.
+        """Draw all columns on one page; with ``path`` (.png, .svg or .pdf) also write it there.
 
         Returns matplotlib's figure, which notebooks show.  Raises ResultFileError for a path that
         cannot be written.

@@ -107,7 +107,7 @@ class Run:
 
     @checks_arguments
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw the run on one page; with ``path`` (.png, .svg or .pdf) write it there too.
+        """Draw the run on one page; with ``path`` (.png, .svg or .pdf) also write it there.
 
         Returns matplotlib's figure, which notebooks show.  Raises ResultFileError for a path that
         cannot be written, ArgumentError for a run without any sample.
@@ -184,9 +184,9 @@ class Run:
 
     @cached_property
     def outlook(self) -> Outlook | None:
-        """Theory's verdict on the law and scenario without a run, its objections among it.
+        """What theory says of law and scenario without a run, with its objections.
 
-        None where scenario or law are not known here.
+        None if scenario or law are not known here.
         """
         return cast("Outlook | None", late_bound("outlook_of")(self))
 
@@ -197,10 +197,10 @@ class Run:
 
     @cached_property
     def corridor_left(self) -> CorridorLeft | None:
-        """The first leaving of the certified corridor by a run that was settled in it.
+        """Where a run that had settled in the certified corridor first left it.
 
-        None where it did not, where there is no corridor, and where the plane model and effects of
-        ours alone move the robot: there the certificate is about them.
+        None if it did not leave, if there is no corridor, and if only the plane model and effects
+        of this package move the robot, since the certificate covers those.
         """
         return cast("CorridorLeft | None", late_bound("left_corridor")(self))
 

@@ -172,7 +172,7 @@ class Scenario:
     def table(self, key: str) -> Section:
         """The section of the table ``key``, with its defaults where the scenario has none.
 
-        ``model`` is what the laws believe, complete.  Raises UnknownNameError.
+        ``model`` gives the complete robot that the laws assume.  Raises UnknownNameError.
         """
         if key == "model":
             return self.believed

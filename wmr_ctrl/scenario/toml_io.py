@@ -54,14 +54,14 @@ def _preset_text(name: str) -> str:
 def load_scenario(
     name_or_path: str | os.PathLike[str], overrides: Mapping[str, object] | None = None
 ) -> Scenario:
-    """Return a preset, or the scenario of a TOML file, with ``overrides`` put on it.
+    """Return a preset, or the scenario of a TOML file, with ``overrides`` applied.
 
-    A text is a path if it ends in ``.toml``, holds a separator, or names an existing file that is
+    A text is a path if it ends in ``.toml``, contains a separator, or names an existing file and
     no preset.  The scenario is named after the preset or the file's stem.  Overrides map keys such
     as ``"clock.duration"`` to TOML text or plain values.
 
-    Raises UnknownNameError for a preset that does not exist, ScenarioError for anything that is
-    wrong inside; the message starts with the file or the key.
+    Raises UnknownNameError for a preset that does not exist, and ScenarioError for anything wrong
+    inside; the message starts with the file or the key.
     """
     source = os.fspath(name_or_path)
     raw = _resolved(source, Path(), ())

@@ -133,13 +133,13 @@ def tune(
 ) -> Tuning:
     """Find gains of ``law`` on ``scenario``, and write that scenario with them to ``out`` (.toml).
 
-    ``weight`` [m/(N m)] is what torque change costs; ``hold`` are keys of gains that stay;
+    ``weight`` [m/(N m)] is the price of torque change; ``hold`` lists keys of gains to keep;
     ``merit`` is "tracking", the distance in runs, or "corridor", the certified one (which takes the
     extra proofs, and a scenario and law that `find_corridor` covers); ``trials`` sets of gains are
-    tried, rounded up to whole generations.  What was tried is kept in ``out``.trials.json until the
-    end: the same call goes on from there, and gives the same gains.  Raises MissingExtraError
-    without the extra tune, ArgumentError (that file belongs to another search, say), ScenarioError,
-    UnknownNameError, ResultFileError.
+    tried, rounded up to whole generations.  Until the end they are kept in ``out``.trials.json, so
+    that after an interruption the same call continues, with the same result.  Raises
+    MissingExtraError without the extra tune, ArgumentError (that file belongs to another search,
+    say), ScenarioError, UnknownNameError, ResultFileError.
     """
     chosen = scenario_of(scenario)
     plan = TuningPlan(
