@@ -284,10 +284,7 @@ def cosimulate(
 def linearize(
     scenario: str | Path | Scenario, law: str = "nn", at: float | None = None, guard: bool = False
 ) -> LinearReport:
-    """Poles, margins and stability limits at time ``at`` [s] of the reference.
-
-    With ``guard`` the guard is on; raises ScenarioError where it acts at that time.
-    """
+    """Poles, margins, limits at time ``at`` [s]; with ``guard``, refused where it acts then."""
     from wmr_ctrl.linear import report_linear
 
     return report_linear(scenario_of(scenario), law, at, guard=guard)
