@@ -9,10 +9,9 @@ today. That is refused where an entry's graph, relations or method are others by
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 from tests.proofs.ledger_page import page
@@ -28,17 +27,9 @@ from wmr_ctrl.proofs.runner import prove, selected
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
 
 
-def save(ledger: Ledger, path: Path) -> None:
-    """Write everything, for `load`."""
-    text = json.dumps(
-        {"entries": [asdict(entry) for entry in ledger.entries]}, indent=1, ensure_ascii=False
-    )
-    path.write_text(text + "\n", encoding="utf-8")
-
-
 def record(ledger: Ledger) -> None:
     """Save the ledger where `load` finds it, and the page in docs/."""
-    save(ledger, COMMITTED)
+    ledger.save(COMMITTED)
     PAGE.write_text(page(ledger), encoding="utf-8")
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from tests.proofs.ledger_page import GUARANTEES, page
-from tests.proofs.record import save
 from wmr_ctrl.paper import equations
 from wmr_ctrl.proofs.ledger import (
     PUBLIC_KEYS,
@@ -29,7 +28,7 @@ ONE = Entry("a", (1,), "claim", "printed", "PROVED", graph_hash="00")
 
 
 def test_round_trip(tmp_path) -> None:
-    save(load(), tmp_path / "ledger.json")
+    load().save(tmp_path / "ledger.json")
 
     assert load(tmp_path / "ledger.json") == load()
 

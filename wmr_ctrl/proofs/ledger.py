@@ -98,6 +98,13 @@ class Ledger:
         """``{"entries": [...]}`` with the public keys."""
         return json.dumps({"entries": [entry.public() for entry in self.entries]}, indent=1)
 
+    def save(self, path: Path) -> None:
+        """Write everything, for `load` (this is how the committed ledger is made)."""
+        text = json.dumps(
+            {"entries": [asdict(entry) for entry in self.entries]}, indent=1, ensure_ascii=False
+        )
+        path.write_text(text + "\n", encoding="utf-8")
+
 
 def load(path: Path = COMMITTED) -> Ledger:
     """A saved ledger; the committed one by default."""

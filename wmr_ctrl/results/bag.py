@@ -109,7 +109,7 @@ def run_as_mcap(run: Run, description: str) -> bytes:
         (DESCRIPTION_TOPIC, TEXT, about),
         (RUN_TOPIC, ROW, table),
     ]
-    for topic, kind, each in _as_a_base(run, stamps):
+    for topic, kind, each in _as_a_base(run, stamps) if stamps else ():  # some end before a sample
         topics.append((topic, kind, zip(stamps, each, strict=True)))
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder, "run")
