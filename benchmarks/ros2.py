@@ -98,7 +98,7 @@ def running(commands: list[list[str]], fifo: bool) -> Iterator[None]:
         for process in processes:
             process.send_signal(signal.SIGINT)
         for process in processes:
-            process.wait(20)
+            process.wait(60)
 
 
 @contextmanager

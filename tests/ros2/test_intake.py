@@ -77,10 +77,10 @@ def test_after_a_jump_of_time_older_stamps_count(intake):
 
 
 def test_after_a_freeze_the_first_message_without_stamp_may_be_old(intake):
-    intake.thaw()
+    intake.struct.thawed = 1  # as the filter's core sets it
     assert take(intake, stamp=0) == "queued while this process stood still"
     assert take(intake, stamp=0) == ""
-    intake.thaw()
+    intake.struct.thawed = 1
     assert take(intake) == ""
 
 

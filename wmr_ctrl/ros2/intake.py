@@ -84,10 +84,6 @@ class Intake(IntakeCounts, Generic[Numbers]):
         """Begin anew, as after a jump of ROS time."""
         self._c["intake_forget"](byref(self.struct))
 
-    def thaw(self) -> None:
-        """Distrust the next message without a stamp: it may have waited while nothing ran."""
-        self.struct.thawed = 1
-
 
 def fits(wanted: bytes, given: str, named: bool) -> int:
     """Whether a frame is the wanted one."""
