@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -27,6 +26,7 @@ from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.campaign import PAPER_LAWS
 from wmr_ctrl.campaign.engine import run_campaign
 from wmr_ctrl.campaign.paper import paper_plan
+from wmr_ctrl.cli.root import root
 from wmr_ctrl.guard.bounds import derived_guard
 from wmr_ctrl.guard.price import usable_speed
 from wmr_ctrl.report.animate import animate_runs
@@ -305,7 +305,7 @@ def gallery() -> None:
             words = command.split()
             made = Path(folder, words[words.index("--plot") + 1])
             words[words.index("--plot") + 1] = str(made)
-            subprocess.run([sys.executable, "-m", "wmr_ctrl", *words], check=True)
+            root.main(words, standalone_mode=False)
             target.parent.mkdir(exist_ok=True)
             few_colours(next(made.glob("*-poles.png")) if made.is_dir() else made, target)
 

@@ -29,6 +29,7 @@ TESTS = Path(__file__).parent
 Sets: TypeAlias = "Callable[[], tuple[Instructions, ...]]"
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more wait busily for each other, on all cores
 settings.register_profile(
     "project",
     max_examples=30,  # with --every-case more of them

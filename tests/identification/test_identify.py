@@ -270,14 +270,15 @@ def test_a_fit_on_exact_numbers_finds_them():
 
 
 @pytest.mark.slow
-def test_intervals_cover():
+@pytest.mark.parametrize("robots", [3, 6])
+def test_intervals_cover(robots):
     """At 95 % fewer than 4 of 6 come about once in 450; `benchmarks.identify` tries hundreds."""
-    columns = simulate(TRUTH, 6, 40.0, seed=100, step=2e-3)
+    columns = simulate(TRUTH, robots, 40.0, seed=100, step=2e-3)
     hits = dict.fromkeys(MAIN, 0)
-    for robot in range(6):
+    for robot in range(robots):
         found = identify(log_of(columns, robot), overrides=KNOWN)
         for name in MAIN:
             item = found.parameters[name]
             hits[name] += item.low <= getattr(TRUTH, name) <= item.high
 
-    assert min(hits.values()) >= 4, hits
+    assert min(hits.values()) >= robots - robots // 3, hits

@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from wmr_ctrl.codegen.build import LOOP, digest, program_of, unity
+from wmr_ctrl.codegen.build import LOOP, Program, digest, program_of, unity
 from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object, default_flags
-from wmr_ctrl.codegen.dialect import SCALAR
-from wmr_ctrl.codegen.kernels import loop_constants, loop_kernels
-from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import level_flags, zig_command
 from wmr_ctrl.compiled import LoopLayout
 from wmr_ctrl.control.setup import Setup
@@ -57,16 +54,17 @@ class PageLoops:
     def __init__(self) -> None:
         """None so far."""
         self._loops: dict[str, PageLoop] = {}
+        self._by_program: dict[Program, PageLoop] = {}
 
     def of(self, setup: Setup) -> PageLoop:
         """The loop of a setup; setups whose C text is the same share it."""
         program = program_of(setup)
-        text = sources(loop_constants(program.loop), loop_kernels(program.loop), SCALAR)
-        start = tuple(program.loop.x0)
-        key = f"{digest(text)} {start[len(PLANT_STATE) :]} {program.layout}"
-        if key not in self._loops:
-            self._loops[key] = PageLoop(f"k{len(self._loops)}", text, program.layout, start)
-        return self._loops[key]
+        if program not in self._by_program:
+            text, start = program.generated_watched, tuple(program.loop.x0)
+            key = f"{digest(text)} {start[len(PLANT_STATE) :]} {program.layout}"
+            new = PageLoop(f"k{len(self._loops)}", text, program.layout, start)
+            self._by_program[program] = self._loops.setdefault(key, new)
+        return self._by_program[program]
 
     def __iter__(self) -> Iterator[PageLoop]:
         return iter(self._loops.values())
