@@ -17,7 +17,7 @@ from pathlib import Path
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from outside import SURE, tell
+from outside import PATIENCE, SURE, tell
 
 MONITORED = "/cmd_vel_monitored"
 
@@ -33,16 +33,17 @@ def main(scenario: str, rows: str) -> None:
     def came(message: TwistStamped) -> None:
         seen.append([message.twist.linear.x, message.twist.angular.z])
 
-    node.create_subscription(TwistStamped, "cmd_vel", came, SURE)
     for words in given["commands"]:
         process = subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", *words])
+        reader = node.create_subscription(TwistStamped, "cmd_vel", came, SURE)
         seen.clear()
-        end = time.monotonic() + 60
+        end = time.monotonic() + PATIENCE
         while len(seen) < 3 and time.monotonic() < end and process.poll() is None:
             rclpy.spin_once(node, timeout_sec=0.1)
         heard = node.count_subscribers(MONITORED)
         process.send_signal(signal.SIGINT)
-        found.append([seen[:3], heard, process.wait(20)])
+        found.append([seen[:3], heard, process.wait(PATIENCE)])
+        node.destroy_subscription(reader)  # a late zero is not the next node's
     tell(found)
 
 

@@ -15,7 +15,7 @@ import rclpy
 from drive_live import Base
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE, tell
+from outside import AT_ONCE, KEPT, ON_THE_WAY, PATIENCE, SURE, quiet, tell
 from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import Bool
@@ -61,19 +61,25 @@ class Beside(Base):
 
     def fault(self, node, called: str) -> dict[str, object]:
         """What is seen while something raises, and whether the base drives when it does not."""
-        if not self.go(30, lambda: self.speed[0] > 0.1):
+        if not self.go(PATIENCE, lambda: self.speed[0] > 0.1):
             raise SystemExit(f"the base never drove before {called}: {self.said[-3:]}")
         owner = node.core if hasattr(node.core, called) else node
         setattr(owner, called, breaks)
+        if called == "send":  # what was sent before has come
+            self.seen.clear()
+            self.go(PATIENCE, quiet(self.seen))
         self.go(ON_THE_WAY)
         for kept in (self.seen, self.log, self.said):
             kept.clear()
         self.stop.publish(Bool(data=called == "halt"))
         answer = self.reset.call_async(Trigger.Request()) if called == "reset" else None
-        quiet = called == "details"  # of which diagnostics are made
-        told = self.go(
-            15, lambda: bool(self.log) and (quiet or any("broken" in s for s in self.said))
-        )
+        untold = called == "details"  # of which diagnostics are made
+
+        def done() -> bool:
+            zero = called == "send" or any(v == 0.0 for _, v in self.seen)
+            return zero and bool(self.log) and (untold or any("broken" in s for s in self.said))
+
+        told = self.go(PATIENCE, done)
         self.go(ON_THE_WAY)
         delattr(owner, called)
         found = {
@@ -81,18 +87,19 @@ class Beside(Base):
             "sent": len(self.seen), "answer": None,
         }  # fmt: skip
         if answer is not None:
-            self.go(15, answer.done)
+            self.go(PATIENCE, answer.done)
             found["answer"] = [answer.result().success, answer.result().message]
         self.stop.publish(Bool(data=False))
         if called == "halt":  # what must stop stays so until a reset
             self.seen.clear()
             self.go(1.0)
-            found["stays"] = bool(self.seen) and all(v == 0.0 for _, v in self.seen)
-            self.go(15, self.reset.call_async(Trigger.Request()).done)
+            self.go(PATIENCE, lambda: bool(self.seen))
+            found["stays"] = all(v == 0.0 for _, v in self.seen)
+            self.go(PATIENCE, self.reset.call_async(Trigger.Request()).done)
         self.speed = (0.0, 0.0) if called == "send" else self.speed  # a base's own time-out
         self.seen.clear()
         self.go(ON_THE_WAY)
-        return found | {"drives on": self.go(30, lambda: self.speed[0] > 0.1)}
+        return found | {"drives on": self.go(PATIENCE, lambda: self.speed[0] > 0.1)}
 
 
 def main(scenario: str, name: str) -> None:

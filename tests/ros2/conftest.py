@@ -159,7 +159,7 @@ def report_of(job, ros, environment, folder, running):
         env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     ) as process:  # fmt: skip
         running.add(process)
-        said, cried = process.communicate(timeout=600)
+        said, cried = process.communicate(timeout=1800)
         running.discard(process)
     assert process.returncode == 0, said[-500:] + cried[-2000:]
     return json.loads(said)

@@ -17,16 +17,13 @@ from itertools import pairwise
 import rclpy
 from drive_live import KEPT, SURE, Base
 from nav_msgs.msg import Odometry
-from outside import AT_ONCE, LASTS, PUNCTUAL, after, tell
+from outside import AT_ONCE, ATTEMPTS, LASTS, MANY, PATIENCE, PUNCTUAL, after, silence, tell
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 CRUISE = 0.25
 """Speed [m/s] of a base that follows its circle, nearly."""
-
-TOLD = 1.3
-"""Time [s] in which diagnostics tell what passed in a moment: they come each second."""
 
 
 class Broken(Base):
@@ -37,6 +34,8 @@ class Broken(Base):
         self.clock = self.node.create_publisher(Clock, "/clock", SURE)
         self.stop = self.node.create_publisher(Bool, "/wmr_drive/stop", KEPT)
         self.time, self.rate, self.simulated = 100_000_000_000, 1.0, simulated
+        self.before = 0.0
+        """Speed before a fault [m/s]."""
 
     def stamp(self):
         if not self.simulated:
@@ -49,31 +48,50 @@ class Broken(Base):
     def drives(self) -> bool:
         return self.speed[0] > CRUISE
 
+    def fell(self) -> bool:
+        """Whether a command below that before the fault has come."""
+        return any(v < self.before - 0.02 for _, v in self.seen)
+
+    def rested(self, word: str = "no-odometry") -> Callable[[], bool]:
+        """Whether zeros came for a while, and a word was told."""
+        return lambda: self.told(word) and [v for _, v in self.seen[-MANY:]] == [0.0] * MANY
+
+    def goes_on(self, word: str) -> Callable[[], bool]:
+        """Whether the base drives again after it braked, and a word was told."""
+        return lambda: self.told(word) and self.fell() and self.drives()
+
+    def told(self, word: str) -> bool:
+        return any(word in text for text in self.said)
+
     def fault(
         self,
         spoil: Callable[[Odometry], bool] | None = None,
         first: Callable[[], object] | None = None,
+        until: Callable[[], bool] | None = None,
     ) -> dict[str, object]:
-        """What follows a fault that lasts for a second; again where this process was late."""
-        for _ in range(1 if first else 8):
-            if not self.go(30, self.drives):
+        """What follows a fault that lasts for LASTS, or ``until`` something is true.
+
+        It is made again where this process was late, but not what is done ``first``, once.
+        """
+        for _ in range(1 if first else ATTEMPTS):
+            if not self.go(PATIENCE, self.drives):
                 raise SystemExit(f"the base never drove: {self.said[-3:]}")
             self.go(0.3)
             self.seen.clear()
             self.said.clear()
-            before, began, self.pause = self.speed[0], time.monotonic(), 0.0
+            self.before, began, self.pause = self.speed[0], time.monotonic(), 0.0
             if first:
                 first()
             self.spoil = spoil or self.spoil
-            self.go(TOLD if first else LASTS)
+            self.go(PATIENCE, until) if until else self.go(LASTS)
             self.spoil = Base.spoil
             if self.pause < PUNCTUAL:
                 break
         seen = [(t - began, v) for t, v in self.seen]
         times = [0.0, *(t for t, _ in seen)]
         return {
-            "silence": max(self.pause, *(b - a for a, b in pairwise(times)), 0.0),
-            "falls": next((t for t, v in seen if v < before - 0.02), None),
+            "silence": max(self.pause, silence(times)),
+            "falls": next((t for t, v in seen if v < self.before - 0.02), None),
             "zero": next((t for t, v in seen if v == 0), None),
             "steps": max((a[1] - b[1] for a, b in pairwise(seen)), default=0),
             "said": sorted(set(self.said)),
@@ -94,11 +112,30 @@ class Broken(Base):
         """How many messages were refused for their order, as diagnostics tell it."""
         word = "odometry repeated or out of order"
         self.values.clear()
-        self.go(5, lambda: word in self.values)
+        self.go(PATIENCE, lambda: word in self.values)
         return int(self.values.get(word, 0))
 
     def reset(self) -> bool:
         return bool(self.call(Trigger, "reset", Trigger.Request()).success)
+
+    def stopped(self) -> dict[str, object]:
+        """What follows a stop."""
+        stop = Bool(data=True)
+        return self.fault(first=lambda: self.stop.publish(stop), until=self.rested("stopped"))
+
+    def times(self) -> dict[str, object]:
+        """What follows when the clock goes back, leaps ahead, and stops."""
+        found: dict[str, object] = {
+            "back": self.fault(first=lambda: self.to(-10.0), until=self.goes_on("time-back")),
+            "ahead": self.fault(first=lambda: self.to(10.0), until=self.goes_on("time-forth")),
+        }
+
+        def still() -> None:
+            self.rate = 0.0
+
+        found["stopped"] = self.fault(first=still, until=self.rested())
+        self.rate = 1.0
+        return found | {"drives again": self.go(PATIENCE, self.drives)}
 
     def leap(self, meters: float) -> None:
         self.pose[0] += meters
@@ -170,21 +207,23 @@ def in_real_time(scenario: str) -> dict[str, object]:
     base = Broken(simulated=False)
     try:
         for name, spoil in SPOILT.items():
-            found[name] = base.fault(spoil)
-        found["repeated"] = base.fault(repeated())
+            found[name] = base.fault(spoil, until=base.rested())
+        found["repeated"] = base.fault(repeated(), until=base.rested())
         before = base.refused()
         found["out of order"] = base.fault(base.out_of_order)
         found["out of order"]["refused"] = base.refused() - before
-        found["pose leaps"] = base.fault(first=lambda: base.leap(1.0))
-        found["too fast"] = base.fault(too_fast, first=lambda: None)
+        found["pose leaps"] = base.fault(
+            first=lambda: base.leap(1.0), until=base.goes_on("pose-jump")
+        )
+        found["too fast"] = base.fault(too_fast, lambda: None, base.rested("too-fast"))
         base.go(0.5)
         found["latched"] = [base.speed[0], base.reset()]
-        found["stop"] = base.fault(first=lambda: base.stop.publish(Bool(data=True)))
+        found["stop"] = base.stopped()
         found["reset while stopped"] = base.reset()
         base.stop.publish(Bool(data=False))
         base.go(0.3)
-        found["stopped"] = [base.speed[0], base.reset()]
-        found["drives again"] = base.go(10, base.drives)
+        found["stopped"] = [base.speed[0], base.go(PATIENCE, base.reset)]
+        found["drives again"] = base.go(PATIENCE, base.drives)
     finally:
         process.kill()
         base.node.destroy_node()
@@ -195,16 +234,7 @@ def on_simulated_time(scenario: str) -> dict[str, object]:
     process, found = start(scenario, "-p", "use_sim_time:=true"), {}
     base = Broken(simulated=True)
     try:
-        base.go(3.0)
-        found["back"] = base.fault(first=lambda: base.to(-10.0))
-        found["ahead"] = base.fault(first=lambda: base.to(10.0))
-
-        def still() -> None:
-            base.rate = 0.0
-
-        found["stopped"] = base.fault(first=still)
-        base.rate = 1.0
-        found["drives again"] = base.go(10, base.drives)
+        found |= base.times()
     finally:
         process.kill()
         base.node.destroy_node()

@@ -20,7 +20,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry, Path
-from outside import KEPT, ON_THE_WAY, RATE, SURE, tell
+from outside import KEPT, PATIENCE, RATE, SURE, quiet, tell
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
@@ -30,7 +30,7 @@ from geometry_msgs.msg import TwistStamped
 rclpy.init()
 node = rclpy.create_node("wmr_drive")
 publisher = node.create_publisher(TwistStamped, "cmd_vel", 1)
-time.sleep(60)
+time.sleep(600)
 """
 """Somebody who publishes under the name of the node."""
 PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
@@ -103,6 +103,20 @@ class Base:
                 rclpy.spin_once(self.node, timeout_sec=max(0.0, until_next - time.monotonic()))
         return until()
 
+    def count_after_quiet(self, seconds: float) -> int:
+        """Commands that come in a time [s] after those that were on their way have come."""
+        self.seen.clear()
+        self.go(PATIENCE, quiet(self.seen))
+        self.seen.clear()
+        self.go(seconds)
+        return len(self.seen)
+
+    def ended(self, process: subprocess.Popen[bytes]) -> list[object]:
+        """The last command and the exit code of a node that was interrupted."""
+        self.go(PATIENCE, lambda: process.poll() is not None)
+        self.go(PATIENCE, lambda: bool(self.seen) and self.seen[-1][1] == 0.0)
+        return [self.seen[-1][1], process.poll()]
+
     def follow(self, points: list[tuple[float, float]], frame: str = "odom") -> None:
         """Send a path."""
         message = Path()
@@ -116,9 +130,9 @@ class Base:
     def call(self, kind: type, service: str, request: object) -> object:
         """Answer of a service of the node."""
         client = self.node.create_client(kind, f"/wmr_drive/{service}")
-        assert client.wait_for_service(10.0), service
+        assert client.wait_for_service(PATIENCE), service
         future = client.call_async(request)
-        rclpy.spin_until_future_complete(self.node, future, timeout_sec=30.0)
+        rclpy.spin_until_future_complete(self.node, future, timeout_sec=PATIENCE)
         return future.result()
 
     def change(self, transition: int) -> bool:
@@ -154,48 +168,42 @@ def main(scenario: str) -> None:
         ]  # fmt: skip
         found["transitions"] = [base.change(step) for step in steps]
         found["set"] = {"law": base.set("law", "pid"), "rise": base.set("rise", [9.0, 9.0])}
-        base.go(10, lambda: bool(base.said) and base.said[-1] == "no-path")
+        base.go(PATIENCE, lambda: bool(base.said) and base.said[-1] == "no-path")
         found["before a path"] = base.said[-1]
         base.follow(PATH, "map")
         base.go(0.5)
         found["path in map"] = base.said[-1]
         base.follow(PATH)
-        found["arrived"] = base.go(40, lambda: "arrived" in base.flags)
+        found["arrived"] = base.go(PATIENCE, lambda: "arrived" in base.flags)
         found["off"] = math.dist(base.pose[:2], PATH[-1])
         back = [(x + 1.5, y + 0.1) for x, y in PATH]
         base.follow(back)
-        base.go(5, lambda: base.speed[0] > 0.15)
+        base.go(PATIENCE, lambda: base.speed[0] > 0.15)
         process.send_signal(signal.SIGSTOP)
-        base.go(ON_THE_WAY)
-        base.seen.clear()
-        base.go(0.6)
-        found["while frozen"] = len(base.seen)
+        found["while frozen"] = base.count_after_quiet(0.6)
         process.send_signal(signal.SIGCONT)
-        base.go(0.5)
+        base.go(PATIENCE, lambda: len(base.seen) >= 3)
         found["thawed"] = [v for _, v in base.seen][:3]
-        found["goes on"] = base.go(5, lambda: base.speed[0] > 0.15)
+        found["goes on"] = base.go(PATIENCE, lambda: base.speed[0] > 0.15)
         process.kill()
         process.wait()
-        base.go(ON_THE_WAY)
-        base.seen.clear()
-        base.go(0.5)
-        found["after the kill"] = len(base.seen)
+        found["after the kill"] = base.count_after_quiet(0.5)
         base.speed = 0.0, 0.0  # a base's own time-out
         base.follow([])  # nor does a path wait for the next life
         process = start(scenario)
-        base.go(30, lambda: len(base.seen) > 20)
+        base.go(PATIENCE, lambda: len(base.seen) > 20)
         found["next life"] = max(abs(v) for _, v in base.seen)
-        found["refused"] = start(scenario, looks=20.0).wait(60)
-        base.go(30, lambda: bool(base.said) and "own name" not in base.said[-1])
+        found["refused"] = start(scenario, looks=60.0).wait(PATIENCE)
+        base.go(PATIENCE, lambda: bool(base.said) and "own name" not in base.said[-1])
         second = subprocess.Popen([sys.executable, "-c", TWIN])
-        found["twin"] = base.go(20, lambda: "own name" in base.said[-1])
+        found["twin"] = base.go(PATIENCE, lambda: "own name" in base.said[-1])
         second.kill()
+        second.wait()
         base.said.clear()
-        base.go(2.5)
+        base.go(PATIENCE, lambda: len(base.said) > 1)
         found["ghost"] = base.said
         process.send_signal(signal.SIGINT)
-        base.go(1.0)
-        found["interrupt"] = [base.seen[-1][1], process.wait(10)]
+        found["interrupt"] = base.ended(process)
     finally:
         process.kill()
         second.kill()

@@ -18,7 +18,7 @@ import rclpy
 from builtin_interfaces.msg import Time as TimeMessage
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from outside import SURE, tell
+from outside import PATIENCE, SURE, tell
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64MultiArray
 
@@ -70,7 +70,8 @@ class Base:
 
     def meet(self, first: int) -> None:
         """Wait until both sides know each other and the time."""
-        for _ in range(200):
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
             self.tell_time(first)
             heard = self.answer(0.1) is not None
             if heard and self.odometry.get_subscription_count():
@@ -81,7 +82,7 @@ class Base:
 def main(scenario: str, law: str, messages: str, kind: str) -> None:
     names = ["cmd_vel:=/base/cmd_vel", "odom:=/base/odom", "effort_commands:=/base/efforts"]
     settings = [f"scenario:={scenario}", f"law:={law}", "rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]",
-                "odometry_timeout:=2.0", "excess:=[1.0, 1.0]", "use_sim_time:=true",
+                "odometry_timeout:=60.0", "excess:=[1.0, 1.0]", "use_sim_time:=true",
                 "wheels:=[right, left]", "discovery_time:=0.0"]  # fmt: skip
     remaps = [part for name in (*names, f"__ns:={SPACE}") for part in ("-r", name)]
     given = [part for item in settings for part in ("-p", item)]
@@ -94,14 +95,15 @@ def main(scenario: str, law: str, messages: str, kind: str) -> None:
         answers, start = [], time.monotonic()
         for row in rows:
             base.sample(row)
-            answer = base.answer(1.0)
+            answer = base.answer(PATIENCE)
             while not answers and answer == [0.0, 0.0]:  # sent before the first message came
-                answer = base.answer(1.0)
+                answer = base.answer(PATIENCE)
             answers.append(answer)
         seconds = time.monotonic() - start
         process.send_signal(signal.SIGINT)
-        last = base.answer(3.0)
-        report = {"answers": answers, "last": last, "code": process.wait(10), "seconds": seconds}
+        last = base.answer(PATIENCE)
+        code = process.wait(PATIENCE)
+        report = {"answers": answers, "last": last, "code": code, "seconds": seconds}
     finally:
         process.kill()
     tell(report)

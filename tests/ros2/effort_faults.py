@@ -15,7 +15,7 @@ import time
 import rclpy
 from drive_faults import SPOILT, Broken, repeated, start
 from drive_live import Base
-from outside import ON_THE_WAY, SURE, tell
+from outside import PATIENCE, SURE, tell
 from std_msgs.msg import Bool, Float64MultiArray
 
 MASS, INERTIA, FRICTION, RADIUS, HALF_TRACK = 50.0, 5.4, 0.08 * 50.0 * 9.81, 0.1, 0.25
@@ -49,8 +49,11 @@ class Wheels(Broken):
     def drives(self) -> bool:
         return self.speed[0] > 0.1 and any(self.torque)
 
+    def fell(self) -> bool:
+        return any(torque == 0.0 for _, torque in self.seen)
+
     def until_it_drives(self) -> bool:
-        return self.go(30, self.drives)
+        return self.go(PATIENCE, self.drives)
 
 
 def in_real_time(scenario: str) -> dict[str, object]:
@@ -58,50 +61,46 @@ def in_real_time(scenario: str) -> dict[str, object]:
     base = Wheels(simulated=False)
     try:
         for name, spoil in SPOILT.items():
-            found[name] = base.fault(spoil)
-        found["repeated"] = base.fault(repeated())
+            found[name] = base.fault(spoil, until=base.rested())
+        found["repeated"] = base.fault(repeated(), until=base.rested())
         before = base.refused()
         found["out of order"] = base.fault(base.out_of_order)
         found["out of order"]["refused"] = base.refused() - before
-        found["pose leaps"] = base.fault(first=lambda: base.leap(1.0))
-        found["stop"] = base.fault(first=lambda: base.stop.publish(Bool(data=True)))
+        found["pose leaps"] = base.fault(
+            first=lambda: base.leap(1.0), until=base.goes_on("pose-jump")
+        )
+        found["stop"] = base.stopped()
         found["reset while stopped"] = base.reset()
         base.stop.publish(Bool(data=False))
         base.go(0.3)
-        found["stopped"] = [max(map(abs, base.torque)), base.reset()]
+        found["stopped"] = [max(map(abs, base.torque)), base.go(PATIENCE, base.reset)]
         found["drives again"] = base.until_it_drives()
         rival = base.node.create_publisher(Float64MultiArray, "effort_commands", SURE)
         base.said.clear()
-        found["rival"] = base.go(10, lambda: any("other publishers" in text for text in base.said))
+        found["rival"] = base.go(PATIENCE, lambda: base.told("other publishers"))
         base.node.destroy_publisher(rival)
         base.until_it_drives()
         process.send_signal(signal.SIGSTOP)
-        base.go(ON_THE_WAY)
-        base.seen.clear()
-        base.go(0.6)
-        found["while frozen"] = len(base.seen)
         base.torque = 0.0, 0.0  # a base's own time-out
+        found["while frozen"] = base.count_after_quiet(0.6)
+        base.torque = 0.0, 0.0
         process.send_signal(signal.SIGCONT)
-        base.go(0.3)
+        base.go(PATIENCE, lambda: len(base.seen) >= 2)
         found["thawed"] = [value for _, value in base.seen][:2]
         found["goes on"] = base.until_it_drives()
         process.kill()
         process.wait()
-        base.go(ON_THE_WAY)
-        base.seen.clear()
-        base.go(0.5)
-        found["after the kill"] = len(base.seen)
+        base.torque = 0.0, 0.0
+        found["after the kill"] = base.count_after_quiet(0.5)
         base.torque = 0.0, 0.0
         process = start(scenario)
         base.spoil = SPOILT["missing"]
-        base.go(30, lambda: len(base.seen) > 5)
+        base.go(PATIENCE, lambda: len(base.seen) > 5)
         found["next life"] = max(value for _, value in base.seen)
         base.spoil = Base.spoil
         found["drives in it"] = base.until_it_drives()
         process.send_signal(signal.SIGINT)
-        base.go(10, lambda: process.poll() is not None)
-        base.go(ON_THE_WAY)
-        found["interrupt"] = [base.seen[-1][1], process.wait(10)]
+        found["interrupt"] = base.ended(process)
     finally:
         process.kill()
         base.node.destroy_node()
@@ -112,16 +111,7 @@ def on_simulated_time(scenario: str) -> dict[str, object]:
     process, found = start(scenario, "-p", "use_sim_time:=true"), {}
     base = Wheels(simulated=True)
     try:
-        base.until_it_drives()
-        found["back"] = base.fault(first=lambda: base.to(-10.0))
-        found["ahead"] = base.fault(first=lambda: base.to(10.0))
-
-        def still() -> None:
-            base.rate = 0.0
-
-        found["stopped"] = base.fault(first=still)
-        base.rate = 1.0
-        found["drives again"] = base.until_it_drives()
+        found |= base.times()
     finally:
         process.kill()
         base.node.destroy_node()

@@ -10,12 +10,11 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
-from itertools import pairwise
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
-from outside import SURE, World, start, tell
+from outside import PATIENCE, SURE, World, silence, start, tell
 
 SENDER = """
 import time, rclpy
@@ -61,32 +60,40 @@ def unstamped(process: subprocess.Popen[bytes]) -> dict[str, object]:
         return bool(seen and seen[-1][1] == wanted)
 
     with subprocess.Popen([sys.executable, "-c", SENDER]) as sender:
-        drives, driven = go(60.0, 0.5), seen[-1][1:]
+        drives, driven = go(PATIENCE, 0.5), seen[-1][1:]
         sender.kill()
         killed = time.monotonic()
         seen.clear()
-        rests = go(20.0, 0.0)
-    times = [killed, *(t for t, _, _ in seen)]
-    silence = max((b - a for a, b in pairwise(times)), default=0.0)
+        rests = go(PATIENCE, 0.0)
+    stood = silence([killed, *(t for t, _, _ in seen)])
     zero = seen[-1][0] - killed
-    return {"driven": driven, "drives": drives, "rests": rests, "zero": zero, "silence": silence}
+    return {"driven": driven, "drives": drives, "rests": rests, "zero": zero, "silence": stood}
 
 
 def watched(process: subprocess.Popen[bytes]) -> dict[str, object]:
     """Odometry that goes away and is only watched."""
     world = Teller(process)
     world.drive()
-    return world.fault(measure=False)
+    return world.fault(measure=False, rests=False)
 
 
 def governed(process: subprocess.Popen[bytes]) -> dict[str, object]:
-    """Flags of four messages or more while the base drives with odometry and without."""
+    """Flags of four messages or more while the base drives with odometry and without.
+
+    With odometry until it was used, since a busy machine's is too old at times.
+    """
     world, found = Teller(process), {}
     for name, measure in (("with", None), ("without", False)):
-        world.go(30.0, measure=measure, until=lambda: world.speed[0] > 0.49)
-        world.go(1.0, measure=measure)  # what is told from now on is of this odometry
+        world.go(PATIENCE, measure=measure, until=lambda: world.speed[0] > 0.49)
         world.flags.clear()
-        world.go(30.0, measure=measure, until=lambda: len(world.flags) >= 4)
+        world.go(PATIENCE, measure=measure, until=lambda: len(world.flags) >= 2)
+        world.flags.clear()  # what is told from now on is of this odometry
+
+        def enough(used: bool = name == "with") -> bool:
+            told = [flags for flags in world.flags if "unused" not in flags]
+            return len(world.flags) >= 4 and bool(told or not used)
+
+        world.go(PATIENCE, measure=measure, until=enough)
         found[name] = list(world.flags)
     return found
 

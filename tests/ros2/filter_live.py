@@ -14,7 +14,7 @@ import sys
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from outside import AT_ONCE, KEPT, ON_THE_WAY, SURE, World, tell
+from outside import AT_ONCE, KEPT, PATIENCE, SURE, World, silence, tell
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
@@ -52,24 +52,26 @@ def start(scenario: str, node: str, *more: str) -> subprocess.Popen[bytes]:
 def set_scale(world: World, value: float) -> bool:
     """Whether speed_scale could be set."""
     client = world.node.create_client(SetParameters, "wmr_filter/set_parameters")
-    assert client.wait_for_service(10.0)
+    assert client.wait_for_service(PATIENCE)
     wanted = Parameter("speed_scale", value=value).to_parameter_msg()
     future = client.call_async(SetParameters.Request(parameters=[wanted]))
-    rclpy.spin_until_future_complete(world.node, future, timeout_sec=5.0)
+    rclpy.spin_until_future_complete(world.node, future, timeout_sec=PATIENCE)
     return bool(future.result().results[0].successful)
 
 
-def speeds(world: World, seconds: float, **go) -> list[float]:
-    """Speeds that come while time passes."""
+def to_rest(world: World, **go) -> dict[str, object]:
+    """Speeds until the base is at rest, and the longest silence."""
     world.seen.clear()
-    world.go(seconds, **go)
-    return [v for _, v, _ in world.seen]
+    world.go(PATIENCE, until=lambda: bool(world.seen) and world.speed == (0.0, 0.0), **go)
+    times = [t for t, _, _ in world.seen]
+    return {"speeds": [v for _, v, _ in world.seen], "silence": silence(times)}
 
 
 def scaled(world: World) -> dict[str, object]:
     """A parameter that is set while it drives."""
     found = {"scale 7": set_scale(world, 7.0), "scale .25": set_scale(world, 0.25)}
-    found["scaled"] = speeds(world, 0.6)[-1]
+    world.go(PATIENCE, until=lambda: world.speed[0] == 0.125)
+    found["scaled"] = world.speed[0]
     set_scale(world, 1.0)
     return found
 
@@ -91,18 +93,16 @@ def in_a_namespace(scenario: str, node: str) -> dict[str, object]:
         found |= {} if node else scaled(world)
         world.drive()
         world.process.send_signal(signal.SIGSTOP)
-        speeds(world, ON_THE_WAY)
-        found["while frozen"] = len(speeds(world, 0.6, command=False))
+        found["while frozen"] = world.count_after_quiet(0.6, command=False)
         world.process.send_signal(signal.SIGCONT)
-        found["thawed"] = speeds(world, 0.6, command=False)
+        found["thawed"] = to_rest(world, command=False)["speeds"]
         world.drive()
         world.process.kill()
         world.process.wait()
-        speeds(world, ON_THE_WAY)
-        found["after the kill"] = len(speeds(world, 0.5))
+        found["after the kill"] = world.count_after_quiet(0.5)
         world.seen.clear()
         world.process = start(scenario, node, *SPACE)
-        world.go(30, command=False, until=lambda: len(world.seen) > 10)
+        world.go(PATIENCE, command=False, until=lambda: len(world.seen) > 10)
         found["next life"] = max(abs(v) for _, v, _ in world.seen)
         world.drive()
     finally:
@@ -116,16 +116,16 @@ def on_simulated_time(scenario: str, node: str) -> dict[str, object]:
     try:
         world.drive()
         world.rate = 0.0
-        found["stopped"] = speeds(world, 0.8)
+        found["stopped"] = to_rest(world)
         world.rate = 1.0
-        world.drive()
-        world.time -= 10_000_000_000
-        found["back"] = speeds(world, 1.0)
-        world.drive()
-        world.time += 10_000_000_000
-        found["ahead"] = speeds(world, 1.0)
+        for name, leap in (("back", -10_000_000_000), ("ahead", 10_000_000_000)):
+            world.drive()
+            world.time += leap
+            world.go(1.0)
+            world.drive()
+            found[name] = world.speed[0] == 0.5
         world.process.send_signal(signal.SIGINT)
-        found["interrupt"] = [speeds(world, 1.0)[-1], world.process.wait(10)]
+        found["interrupt"] = world.ended()
     finally:
         world.process.kill()
     return found

@@ -24,7 +24,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from drive_outside import SPACE, Base
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from outside import SURE, tell
+from outside import PATIENCE, SURE, tell
 
 WIDE = ["rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]", "excess:=[1.0, 1.0]"]
 BEFORE = 400_000_000
@@ -109,12 +109,12 @@ def start(scenario: str, law: str, odometry: str, node: str) -> list[subprocess.
 
     python = [sys.executable, "-m", "wmr_ctrl.ros2"]
     ours = [f"scenario:={scenario}", f"odometry:={odometry}", "trigger:=command", *WIDE]
-    ours += ["command_timeout:=2.0", "odometry_timeout:=2.0", "discovery_time:=0.0"]
+    ours += ["command_timeout:=60.0", "odometry_timeout:=60.0", "discovery_time:=0.0"]
     command, settings = ([node], []) if node else ([*python, "filter"], ours)
     names = ["cmd_vel_in:=/base/raw", "cmd_vel:=/base/cmd_vel", "odom:=/base/seen"]
     nodes = [run(command, [*settings, "use_sim_time:=true"], names)]
     if law:
-        settings = [f"scenario:={scenario}", f"law:={law}", "odometry_timeout:=2.0", *WIDE,
+        settings = [f"scenario:={scenario}", f"law:={law}", "odometry_timeout:=60.0", *WIDE,
                     "discovery_time:=0.0"]  # fmt: skip
         names = ["cmd_vel:=/base/raw", "odom:=/base/odom"]
         nodes.append(run([*python, "drive"], [*settings, "use_sim_time:=true"], names))
@@ -133,16 +133,16 @@ def main(scenario: str, rows_file: str, name: str, odometry: str, node: str = ""
         for row in rows:
             sender.timeless = bool(law) and not answers
             sender.sample(row) if law else sender.command(row)
-            answer = sender.answer(2.0)
+            answer = sender.answer(PATIENCE)
             while law and not answers and answer == [0.0, 0.0]:  # sent before the first row came
-                answer = sender.answer(2.0)
+                answer = sender.answer(PATIENCE)
             if answer is None:
                 raise SystemExit(f"no answer to row {len(answers)}")
             answers.append(answer)
         seconds = time.monotonic() - began
         for process in nodes:
             process.send_signal(signal.SIGINT)
-        codes = [process.wait(20) for process in nodes]
+        codes = [process.wait(PATIENCE) for process in nodes]
     finally:
         for process in nodes:
             process.kill()

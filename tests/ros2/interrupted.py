@@ -1,7 +1,7 @@
-"""A node that is interrupted where Python drops exceptions; run by a Python that has rclpy.
+"""The filter's process when signals come at bad moments; run by a Python that has rclpy.
 
-``python interrupted.py SCENARIO`` runs the filter; from its first tick on a destructor is at work
-when SIGINT comes.  It prints the exit code as JSON, or is killed by SIGALRM.
+``python interrupted.py SCENARIO`` runs the filter once per case, as its command does, and prints
+exit code, last command and number of its commands as JSON.  Who does not end is killed by SIGALRM.
 """
 
 from __future__ import annotations
@@ -10,39 +10,115 @@ import json
 import os
 import signal
 import sys
+import time
+
+from rclpy.lifecycle import TransitionCallbackReturn
 
 from wmr_ctrl.ros2.filter_node import FilterNode
-from wmr_ctrl.ros2.spin import spin
+from wmr_ctrl.ros2.spin import AT_ONCE, spin
 
-PATIENCE = 60
+PATIENCE = 300
 """Time [s] after which the process is killed: a machine that is busy, and no more."""
+LONG = 60.0
+"""Time [s] that a node looks around, where it is to be interrupted in it: the longest there is."""
 
 
-TICKED: list[bool] = []
-"""Whether the node was active, at each tick."""
+def interrupt(*numbers: int) -> None:
+    for number in numbers or (signal.SIGINT,):
+        os.kill(os.getpid(), number)
 
 
 class Dropped:
     """What interrupts its process when it is destroyed."""
 
     def __del__(self) -> None:
-        os.kill(os.getpid(), signal.SIGINT)
+        interrupt()
 
 
-class Interrupted(FilterNode):
-    """The filter, at the end of whose tick something is destroyed."""
+class Watched(FilterNode):
+    """The filter, which does something in the callback that sends its first command."""
 
-    def _on_tick(self) -> None:
-        super()._on_tick()
-        TICKED.append(self.active)
-        if len(TICKED) == 1:
-            Dropped()
+    commands: list[tuple[float, float]]
+    looks = 0.0
+    ticked = False
+
+    def send(self, command: tuple[float, float]) -> None:
+        Watched.commands.append(command)
+        super().send(command)
+        if not self.ticked:
+            self.ticked = True
+            self.send((0.25, 0.0))  # a zero after it is the last one
+            self.first_tick()
+
+    def first_tick(self) -> None:
+        raise NotImplementedError
+
+
+class InADestructor(Watched):
+    def first_tick(self) -> None:
+        Dropped()
+
+
+class TwoAtOnce(Watched):
+    """As from a terminal and a launch."""
+
+    def first_tick(self) -> None:
+        interrupt(signal.SIGINT, signal.SIGINT, signal.SIGTERM)
+
+
+class InWhatTakesLong(Watched):
+    def first_tick(self) -> None:
+        interrupt()
+        while True:
+            time.sleep(AT_ONCE)
+            interrupt(signal.SIGTERM)
+
+
+class InATransition(Watched):
+    """Within on_deactivate, so that the state is none from which a node can be deactivated."""
+
+    def first_tick(self) -> None:
+        self.trigger_deactivate()
+
+    def on_deactivate(self, state: object) -> TransitionCallbackReturn:
+        if self.ticked and self.active:
+            interrupt()
+            time.sleep(AT_ONCE)
+            interrupt()
+        return super().on_deactivate(state)
+
+
+class AtTheEnd(Watched):
+    """While the last zero is waited for."""
+
+    def first_tick(self) -> None:
+        interrupt()
+
+    def rest(self) -> None:
+        super().rest()
+        interrupt(signal.SIGTERM)
+
+
+class AtConfigure(Watched):
+    looks = LONG
+
+    def _look(self) -> None:
+        interrupt()
+        super()._look()
+
+
+CASES = (InADestructor, TwoAtOnce, InWhatTakesLong, InATransition, AtTheEnd, AtConfigure)
 
 
 def main(scenario: str) -> None:
-    signal.alarm(PATIENCE)
-    code = spin(Interrupted, ["--ros-args", "-p", f"scenario:={scenario}", "-p", "odometry:=none"])
-    print(json.dumps({"code": code, "active": TICKED[:1]}))
+    found = {}
+    for case in CASES:
+        Watched.commands = []
+        settings = [f"scenario:={scenario}", "odometry:=none", f"discovery_time:={case.looks}"]
+        signal.alarm(PATIENCE if not case.looks else int(LONG))
+        code = spin(case, ["--ros-args", *(part for item in settings for part in ("-p", item))])
+        found[case.__name__] = [code, *Watched.commands[-1:], len(Watched.commands)]
+    print(json.dumps(found))
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 
 import rclpy
@@ -38,12 +38,18 @@ AT_ONCE = ["-p", "discovery_time:=0.0"]
 """For nodes that need not look for others before they start."""
 PUNCTUAL = 0.06
 """Pause between two messages of this process [s] that is no fault of its own."""
+ATTEMPTS = 40
+"""At most so often a fault is made anew in which this process was late."""
 LASTS = 0.9
 """Time of a fault [s], longer than any time-out and the ramp after it."""
 MANY = 7
 """Zeros in a row by which they are known to go on."""
 ON_THE_WAY = 0.2
 """Time in which what was sent before a signal has arrived [s]."""
+QUIET = 0.5
+"""Silence [s] of somebody who is known to be at rest: many of his ticks."""
+PATIENCE = 120.0
+"""Time [s] in which what must come is there, also on a machine that is very busy."""
 
 
 class World:
@@ -111,9 +117,23 @@ class World:
 
     def drive(self) -> None:
         """A sound world until the base drives."""
-        self.go(30, until=lambda: abs(self.speed[0] - 0.5) < 1e-6)
+        self.go(PATIENCE, until=lambda: abs(self.speed[0] - 0.5) < 1e-6)
         if abs(self.speed[0] - 0.5) > 1e-6:
             raise SystemExit(f"the base never drove: {self.speed}, {self.said[-1:]}")
+
+    def count_after_quiet(self, seconds: float, command=None) -> int:
+        """Commands that come in a time [s] after those that were on their way have come."""
+        self.seen.clear()
+        self.go(PATIENCE, command, until=quiet(self.seen))
+        self.seen.clear()
+        self.go(seconds, command)
+        return len(self.seen)
+
+    def ended(self) -> list[object]:
+        """The last command and the exit code of a node that was interrupted."""
+        self.go(PATIENCE, until=lambda: self.process.poll() is not None)
+        self.go(PATIENCE, until=lambda: self.speed == (0.0, 0.0))
+        return [list(self.speed), self.process.poll()]
 
     def zeros(self, count: int) -> int:
         """Zeros among the commands since the first ``count``."""
@@ -122,21 +142,24 @@ class World:
     def go_until_said(self, word: str) -> list[str]:
         """A sound world until diagnostics have a word: what they said till then."""
         self.said.clear()
-        self.go(10, until=lambda: any(word in text for text in self.said))
+        self.go(PATIENCE, until=lambda: any(word in text for text in self.said))
         return sorted(set(self.said))
 
-    def fault(self, command=None, measure=None, first=None, attempts: int = 8) -> dict[str, object]:
+    def fault(
+        self, command=None, measure=None, first=None, rests: bool = True
+    ) -> dict[str, object]:
         """What follows a fault: other messages, or what ``first`` does (once).
 
-        It lasts until zeros have come for a while, or for LASTS.
+        It lasts until zeros have come for a while, or for LASTS where the base does not rest.
         """
-        for _ in range(1 if first else attempts):
+        for _ in range(1 if first else ATTEMPTS):
             self.drive()
             start, count, self.pause = time.monotonic(), len(self.seen), 0.0
             self.said.clear()
             if first:
                 first()
-            self.go(LASTS, command, measure, until=lambda count=count: self.zeros(count) > MANY)
+            lasts = PATIENCE if rests else LASTS
+            self.go(lasts, command, measure, until=lambda count=count: self.zeros(count) > MANY)
             if self.pause < PUNCTUAL:
                 break
         seen = [(t - start, v, w) for t, v, w in self.seen[count:]]
@@ -147,16 +170,20 @@ class World:
             "largest": [max((abs(row[k]) for row in seen), default=0.0) for k in (1, 2)],
             "falls": falls[0] if falls else None,
             "zero": zeros[0] if zeros else None,
-            "silence": max((b - a for a, b in pairwise(times)), default=LASTS),
+            "silence": silence(times) or LASTS,
             "zeros": len(zeros),
             "curvature": [w / v for _, v, w in seen if v > 0.1][-1:],
             "said": sorted(set(self.said)),
         }
 
     def call_reset(self) -> bool:
+        if not self.reset.wait_for_service(PATIENCE):
+            raise SystemExit("there is no service to reset the node")
         future = self.reset.call_async(Trigger.Request())
-        rclpy.spin_until_future_complete(self.node, future, timeout_sec=3.0)
-        return bool(future.result() and future.result().success)
+        rclpy.spin_until_future_complete(self.node, future, timeout_sec=PATIENCE)
+        if not future.done():
+            raise SystemExit("no answer to a reset")
+        return bool(future.result().success)
 
 
 def tell(found: object) -> None:
@@ -171,6 +198,17 @@ def after(pause: float, *messages) -> None:
     for send in messages:
         send()
         time.sleep(pause)
+
+
+def quiet(seen: list[tuple[float, ...]]) -> Callable[[], bool]:
+    """Whether nothing was added for QUIET to a list whose rows begin with a time, or since now."""
+    now = time.monotonic()
+    return lambda: time.monotonic() - (seen[-1][0] if seen else now) > QUIET
+
+
+def silence(times: Iterable[float]) -> float:
+    """Longest pause [s]; 0 where there is none."""
+    return max((b - a for a, b in pairwise(times)), default=0.0)
 
 
 def since_first_call() -> Callable[[], float]:
@@ -206,13 +244,14 @@ def of_commands(world: World) -> dict[str, object]:
         "ahead": world.fault(command=lambda: world.command(ago=-1.0)),
         "repeated": world.fault(command=lambda: world.command(ago=ago())),
         "in map": world.fault(command=lambda: world.command(frame="map")),
-        "wild": world.fault(command=lambda: world.command(5.0, 3.0)),
+        "wild": world.fault(command=lambda: world.command(5.0, 3.0), rests=False),
         "out of order": world.fault(
-            command=lambda: after(0.004, lambda: world.command(0.1, ago=0.2), world.command)
+            command=lambda: after(0.004, lambda: world.command(0.1, ago=0.2), world.command),
+            rests=False,
         ),
     }
     world.commands = best
-    found["best effort"] = world.fault()
+    found["best effort"] = world.fault(rests=False)
     world.commands = sure
     world.node.destroy_publisher(best)
     return found
@@ -229,7 +268,8 @@ def of_odometry(world: World) -> dict[str, object]:
         "old": world.fault(measure=lambda: world.measure(ago=0.5)),
         "repeated": world.fault(measure=lambda: world.measure(ago=ago())),
         "out of order": world.fault(
-            measure=lambda: after(0.004, lambda: world.measure(1.4, ago=0.09), world.measure)
+            measure=lambda: after(0.004, lambda: world.measure(1.4, ago=0.09), world.measure),
+            rests=False,
         ),
         "too fast": world.fault(first=lambda: None, measure=lambda: world.measure(1.4)),
     }
@@ -240,7 +280,7 @@ def main(scenario: str, node: str = "") -> None:
     rclpy.init()
     world, found = World(process), {}
     try:
-        found["sound"] = world.fault()
+        found["sound"] = world.fault(rests=False)
         found["command"] = of_commands(world)
         found["odometry"] = of_odometry(world)
         found["latched"] = {"zero": world.speed == (0.0, 0.0)}
@@ -252,19 +292,18 @@ def main(scenario: str, node: str = "") -> None:
         world.stop.publish(Bool(data=False))
         world.go(0.3)
         found["stop"]["stays"] = world.speed == (0.0, 0.0)
+        world.go(PATIENCE, until=world.call_reset)
         found["stop"]["reset"] = world.call_reset()
         rival = world.node.create_publisher(TwistStamped, "cmd_vel", SURE)
         began = time.monotonic()
+        world.seen.clear()
         found["rival"] = world.go_until_said("other publishers")
         found["rival after"] = time.monotonic() - began
+        found["rival silence"] = silence([began, *(t for t, *_ in world.seen), time.monotonic()])
         world.node.destroy_publisher(rival)
         world.drive()
-        world.seen.clear()
         process.send_signal(signal.SIGINT)
-        world.go(10.0, until=lambda: process.poll() is not None)
-        world.go(0.2)
-        last = world.seen[-1][1:] if world.seen else None
-        found["interrupt"] = {"last": last, "code": process.wait(10)}
+        found["interrupt"] = world.ended()
     finally:
         process.kill()
     tell(found)

@@ -19,7 +19,7 @@ from wmr_ctrl.ros2.filter_node import FilterNode
 from wmr_ctrl.ros2.spin import spin
 
 NODES = {"filter": FilterNode, "drive": DriveNode}
-PATIENCE = 30
+PATIENCE = 120
 """Time [s] after which a node is interrupted that should not have started."""
 
 

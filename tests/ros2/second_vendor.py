@@ -24,7 +24,7 @@ from cyclonedds.pub import DataWriter  # noqa: E402
 from cyclonedds.sub import DataReader  # noqa: E402
 from cyclonedds.topic import Topic  # noqa: E402
 from cyclonedds.util import duration  # noqa: E402
-from outside import start, tell  # noqa: E402
+from outside import PATIENCE, start, tell  # noqa: E402
 
 
 @dataclass
@@ -87,9 +87,9 @@ def main(scenario: str, node: str = "") -> None:
             read()
 
     try:
-        go(60.0, True, [0.5, 0.25])
+        go(PATIENCE, True, [0.5, 0.25])
         driving = list(last)
-        go(10.0, False, [0.0, 0.0])
+        go(PATIENCE, False, [0.0, 0.0])
     finally:
         process.kill()
     tell({"driving": driving, "after": last})

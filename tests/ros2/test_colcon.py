@@ -49,7 +49,7 @@ def installed(ros, tmp_path_factory):
     done = subprocess.run(
         [ros, "-m", "colcon", "build"],
         cwd=space, env={**os.environ, "PATH": paths, "COLCON_LOG_PATH": str(space / "log")},
-        capture_output=True, text=True, timeout=300, check=False,
+        capture_output=True, text=True, timeout=900, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     return space / "install" / PACKAGE.name
@@ -86,7 +86,7 @@ def test_an_executable_finds_the_environment_and_reads_the_parameters(
     finds = {"WMR_CTRL_PYTHON": str(ros), "PYTHONPATH": str(site)}
     done = subprocess.run(
         [program, *given], env={**environment, **finds},
-        capture_output=True, text=True, timeout=60, check=False,
+        capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
 
     assert program.read_text(encoding="utf-8").startswith("#!/usr/bin/env python3")
@@ -129,14 +129,14 @@ def test_the_node_in_c_is_a_package_of_ament_cmake(ros, environment, tmp_path):
     done = subprocess.run(
         [ros, "-m", "colcon", "build", "--cmake-args",
          f"-DCMAKE_EXE_LINKER_FLAGS={' '.join(with_python())}"],
-        cwd=tmp_path, env=found, capture_output=True, text=True, timeout=300, check=False,
+        cwd=tmp_path, env=found, capture_output=True, text=True, timeout=900, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     program = tmp_path / "install" / NAME / "lib" / NAME / NAME
     started = subprocess.run(
         [ros, "-c", "import os, sys; os.execv(sys.argv[1], sys.argv[1:])", program,
          "--ros-args", "-p", "rise:=[9.0, 9.0]"],
-        env=environment, capture_output=True, text=True, timeout=60, check=False,
+        env=environment, capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
 
     assert started.returncode == 2

@@ -16,7 +16,7 @@ from wmr_ctrl.ros2.compiled_gate import Gate
 from wmr_ctrl.scenario import load_scenario, to_toml
 
 COMPILED = (
-    "trigger=command", "command_timeout=2.0", "odometry_timeout=2.0", "rise=[1e6, 1e6]",
+    "trigger=command", "command_timeout=60.0", "odometry_timeout=60.0", "rise=[1e6, 1e6]",
     "fall=[1e6, 1e6]", "excess=[1.0, 1.0]",
 )  # fmt: skip
 CLIP = {**SMALL, "filter.kind": "clip", "clock.control": 0.02}

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tests.ros2.conftest import OVER_DDS, SLACK, TICK, Job, bar, in_both
+from tests.ros2.conftest import OVER_DDS, TICK, Job, bar, in_both
 
 SCENARIO = """
 extends = "paper-simulation"
@@ -56,9 +56,9 @@ def JOBS():
     ):
         both = in_both(script, SCENARIO, (), settings)
         jobs |= {f"{name}, {node}": job for node, job in both.items()}
-    jobs["interrupted in a destructor"] = Job("interrupted.py", SCENARIO)
+    jobs["interrupted"] = Job("interrupted.py", SCENARIO)
     jobs["useless, Python"] = Job("useless.py", SCENARIO)
-    jobs["useless, C"] = Job("useless.py", SCENARIO, (), ("discovery_time=40.0",))
+    jobs["useless, C"] = Job("useless.py", SCENARIO, (), ("discovery_time=60.0",))
     return jobs
 
 
@@ -141,15 +141,21 @@ def test_a_stop_is_zero_at_once(seen):
 
 def test_a_second_publisher_is_told(seen):
     assert any("other publishers" in text for text in seen["rival"])
-    assert seen["rival after"] < 2.0 + SLACK  # looked for each second; a busy machine misses one
+    late = bar({"silence": seen["rival silence"]}, 2.0)  # looked for each second; one may miss it
+    assert seen["rival after"] < late
 
 
 def test_who_is_interrupted_sends_a_last_zero(seen):
-    assert seen["interrupt"] == {"last": [0.0, 0.0], "code": 0}
+    assert seen["interrupt"] == [[0.0, 0.0], 0]
 
 
-def test_an_interrupt_that_a_destructor_drops_is_heard(report):
-    assert report("interrupted in a destructor") == {"code": 0, "active": [True]}
+def test_an_interrupt_at_a_bad_moment_ends_it_with_a_last_zero(report):
+    """In a destructor, which drops it; twice; in what takes long; in a transition; at the end."""
+    found = report("interrupted")
+
+    assert found.pop("AtConfigure") == [0, 0]  # nothing was sent, nor looked around to the end
+    assert len(found) == 5
+    assert set(map(str, found.values())) == {"[0, [0.0, 0.0], 3]"}, found
 
 
 def test_a_rival_is_found_on_the_remapped_topic(live):
@@ -171,7 +177,7 @@ def test_the_share_of_commands_has_a_range(live):
         pytest.skip("the node in C has no parameters")
     assert live["space"]["scale 7"] is False
     assert live["space"]["scale .25"] is True
-    assert live["space"]["scaled"] == pytest.approx(0.125)
+    assert live["space"]["scaled"] == 0.125
 
 
 def falls_to_rest(speeds, before=0.5):
@@ -191,18 +197,18 @@ def test_a_killed_process_is_silent_and_begins_with_zeros(live):
 
 
 def test_simulated_time_that_stops_ends_in_rest(live):
-    stopped = live["simulated"]["stopped"]
-    assert falls_to_rest(stopped)
-    assert stopped.count(0.5) <= (0.25 + SLACK) / TICK + 2
+    found = live["simulated"]["stopped"]
+    assert falls_to_rest(found["speeds"])
+    assert found["speeds"].count(0.5) <= bar(found, 0.25) / TICK
 
 
 @pytest.mark.parametrize("jump", ["back", "ahead"])
 def test_simulated_time_that_jumps_does_not_stop_a_sender_that_goes_on(live, jump):
-    assert live["simulated"][jump][-1] == pytest.approx(0.5)
+    assert live["simulated"][jump]
 
 
 def test_on_simulated_time_too_a_last_zero_is_sent(live):
-    assert live["simulated"]["interrupt"] == [0.0, 0]
+    assert live["simulated"]["interrupt"] == [[0.0, 0.0], 0]
 
 
 @pytest.mark.parametrize("place", range(len(REFUSED)), ids=[said for _, said in REFUSED])

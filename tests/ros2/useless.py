@@ -11,7 +11,7 @@ import sys
 
 import rclpy
 from geometry_msgs.msg import Twist, TwistStamped
-from outside import LATEST, SURE, start, tell
+from outside import LATEST, PATIENCE, SURE, start, tell
 from std_msgs.msg import Bool
 
 OTHERS = {
@@ -21,7 +21,7 @@ OTHERS = {
     "odometry": (Twist, "odom", SURE),
 }
 """Type, topic and QoS of each."""
-LOOK = ["-p", "discovery_time:=40.0"]
+LOOK = ["-p", "discovery_time:=60.0"]
 
 
 def main(scenario: str, node: str = "") -> None:
@@ -34,7 +34,7 @@ def main(scenario: str, node: str = "") -> None:
         more = ["-r", f"__ns:=/{space}", *([] if node else LOOK)]
         process = start(scenario, node, *more, stderr=subprocess.PIPE)
         try:
-            _, cried = process.communicate(timeout=60)
+            _, cried = process.communicate(timeout=PATIENCE)
         except subprocess.TimeoutExpired:
             process.kill()
             _, cried = process.communicate()

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 NODES = ("filter", "drive")
 
 
 def main() -> int:
-    """Run the node that is named; 2 with a sentence where it cannot be."""
-    given = sys.argv[1:]
+    """Run the node that is named; 2 with a sentence where it cannot be, 0 where it is ended."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
+    try:
+        return _run(sys.argv[1:])
+    except KeyboardInterrupt:  # before there was a node
+        return 0
+
+
+def _run(given: list[str]) -> int:
     if not given or given[0] not in NODES:
         sys.stderr.write(f"error: name a node: python -m wmr_ctrl.ros2 {' | '.join(NODES)}\n")
         return 2

@@ -162,6 +162,9 @@ class SafeNode(LifecycleNode, Generic[C]):
         except WmrError as error:
             self.get_logger().error(" ".join(str(error).split()))
             return TransitionCallbackReturn.FAILURE
+        except Exception as error:  # rclpy would drop it
+            self.get_logger().fatal(f"configure: {error!r}")
+            return TransitionCallbackReturn.FAILURE
         (v, omega), settings = scenario.limits.v_u1, scenario.filter
         self.get_logger().info(
             f"{Path(path).name}: filter {settings.kind}, guard {scenario.guard.enabled}, limits "
@@ -207,8 +210,7 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Send a last zero."""
-        self.emit((0.0, 0.0))
-        self.active = False
+        self.rest()
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -228,8 +230,7 @@ class SafeNode(LifecycleNode, Generic[C]):
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Send a last zero."""
-        self.emit((0.0, 0.0))
-        self.active = False
+        self.rest()
         return super().on_shutdown(state)
 
     # -- callbacks ----------------------------------------------------------------------------
@@ -294,6 +295,14 @@ class SafeNode(LifecycleNode, Generic[C]):
         """Send a command to the base, while the node is active."""
         if self.active:
             self.send((0.0, 0.0) if self._held else command)
+
+    def rest(self) -> None:
+        """Send a last zero, and nothing after it."""
+        try:
+            self.emit((0.0, 0.0))
+        except Exception as error:  # rclpy would drop it
+            self.get_logger().fatal(f"no last zero could be sent: {error!r}")
+        self.active = False
 
     def fail(self, text: str) -> None:
         """Stop the base after an exception, and tell it, also where nothing can be sent."""
