@@ -206,6 +206,7 @@ def in_real_time(scenario: str) -> dict[str, object]:
     process, found = start(scenario), {}
     base = Broken(simulated=False)
     try:
+        found["well"] = base.go(PATIENCE, lambda: base.told("driving"))
         for name, spoil in SPOILT.items():
             found[name] = base.fault(spoil, until=base.rested())
         found["repeated"] = base.fault(repeated(), until=base.rested())

@@ -24,6 +24,8 @@ from std_msgs.msg import Float64MultiArray
 
 SPACE = "/robot1"
 """Namespace of the node; its topics are remapped into /base."""
+AGAIN = 2.0
+"""Time [s] after which a first message without an answer is sent again."""
 
 
 class Base:
@@ -45,9 +47,9 @@ class Base:
 
     def tell_time(self, stamp: int) -> TimeMessage:
         """The clock's time, as a stamp."""
-        time_message = rclpy.time.Time(nanoseconds=stamp).to_msg()
-        self.clock.publish(Clock(clock=time_message))
-        return time_message
+        self.time = Clock(clock=rclpy.time.Time(nanoseconds=stamp).to_msg())
+        self.clock.publish(self.time)
+        return self.time.clock
 
     def sample(self, row: list[float]) -> None:
         """The clock, then odometry of its time."""
@@ -67,6 +69,22 @@ class Base:
         while len(self.answers) == count and time.monotonic() < end:
             rclpy.spin_once(self.node, timeout_sec=0.05)
         return self.answers[-1] if len(self.answers) > count else None
+
+    def first_answer(self, row: list[float]) -> list[float] | None:
+        """The answer to the first row, before which zeros come; None where none comes.
+
+        Who has not met everybody yet may miss time or message: both are sent again.
+        """
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            self.sample(row)
+            again = time.monotonic() + AGAIN
+            while (left := again - time.monotonic()) > 0:
+                answer = self.answer(left)
+                if answer not in (None, [0.0, 0.0]):
+                    return answer
+            self.clock.publish(self.time)
+        return None
 
     def meet(self, first: int) -> None:
         """Wait until both sides know each other and the time."""
@@ -93,12 +111,10 @@ def main(scenario: str, law: str, messages: str, kind: str) -> None:
     try:
         base.meet(int(rows[0][-1]))
         answers, start = [], time.monotonic()
-        for row in rows:
+        answers.append(base.first_answer(rows[0]))
+        for row in rows[1:]:
             base.sample(row)
-            answer = base.answer(PATIENCE)
-            while not answers and answer == [0.0, 0.0]:  # sent before the first message came
-                answer = base.answer(PATIENCE)
-            answers.append(answer)
+            answers.append(base.answer(PATIENCE))
         seconds = time.monotonic() - start
         process.send_signal(signal.SIGINT)
         last = base.answer(PATIENCE)

@@ -83,7 +83,7 @@ def in_a_namespace(scenario: str, node: str) -> dict[str, object]:
         rival = world.node.create_publisher(TwistStamped, "/base/cmd_vel", SURE)
         found["rival"] = world.go_until_said("other publishers")
         world.node.destroy_publisher(rival)
-        world.go_until_said("driving")
+        found["well"] = world.go_until_said("driving")
         deaf = world.node.create_subscription(TwistStamped, "/base/cmd_vel", print, KEPT)
         found["deaf"] = world.go_until_said("reaches it")
         world.node.destroy_subscription(deaf)

@@ -83,7 +83,9 @@ class Sender(Base):
         for k in range(1500, 5, -1):
             stamp = first - BEFORE - k * step
             self.tell_time(stamp) if drives else self.command([*rest, stamp])
-            self.answer(0.01)
+            end = time.monotonic() + PATIENCE / 1500
+            while (left := end - time.monotonic()) > 0:
+                self.answer(left)
             odometry = not drives or self.odometry.get_subscription_count()
             odometry = odometry and (not self.seen or self.seen.get_subscription_count())
             if self.taken and self.answers and odometry:
@@ -131,10 +133,12 @@ def main(scenario: str, rows_file: str, name: str, odometry: str, node: str = ""
         sender.meet_all(int(rows[0][-1]), int(rows[1][-1] - rows[0][-1]), bool(law))
         began = time.monotonic()
         for row in rows:
-            sender.timeless = bool(law) and not answers
-            sender.sample(row) if law else sender.command(row)
-            answer = sender.answer(PATIENCE)
-            while law and not answers and answer == [0.0, 0.0]:  # sent before the first row came
+            if law and not answers:
+                sender.timeless = True
+                answer = sender.first_answer(row)
+                sender.timeless = False
+            else:
+                sender.sample(row) if law else sender.command(row)
                 answer = sender.answer(PATIENCE)
             if answer is None:
                 raise SystemExit(f"no answer to row {len(answers)}")

@@ -182,6 +182,11 @@ def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
     assert any("no-odometry" in text for text in found["said"])
 
 
+def test_where_all_is_well_diagnostics_say_so(faults, efforts):
+    assert faults["real"]["well"]
+    assert efforts["real"]["well"]
+
+
 each_leap = pytest.mark.parametrize(
     ("clock", "fault", "flag"),
     [

@@ -164,6 +164,11 @@ def test_a_rival_is_found_on_the_remapped_topic(live):
     )
 
 
+def test_where_all_is_well_diagnostics_say_so(live):
+    """The base reads it, reliably, and nobody else is there."""
+    assert "driving" in live["space"]["well"]
+
+
 def test_a_reader_to_whom_nothing_comes_is_told(live):
     assert any("another QoS" in text and "reaches it" in text for text in live["space"]["deaf"])
 

@@ -1,17 +1,35 @@
-"""Other nodes on a node's topics: their names, and those with whom nothing is exchanged."""
+"""QoS of the nodes, and others on their topics: names, and those with whom nothing is exchanged."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
 from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.duration import Infinite
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
+from rclpy.qos import (
+    DurabilityPolicy,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+)
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from wmr_ctrl.ros2.diagnosis import rivals, two_senders
+
+EVER = {"deadline": Infinite, "liveliness_lease_duration": Infinite}
+"""What the graph says of endpoints without them; left out, it passes for another QoS."""
+LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, **EVER)
+SURE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, **EVER)
+KEPT = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    **EVER,
+)
 
 
 def useless(node: Node, out: Publisher, heard: Iterable[Subscription]) -> str:

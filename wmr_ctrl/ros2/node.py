@@ -17,7 +17,7 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
@@ -26,16 +26,10 @@ from wmr_ctrl.errors import WmrError
 from wmr_ctrl.filter.gate import Gated
 from wmr_ctrl.ros2 import diagnosis, graph
 from wmr_ctrl.ros2.clocks import Clocks, Moment
+from wmr_ctrl.ros2.graph import KEPT
 from wmr_ctrl.ros2.parameters import Stated, Table
 from wmr_ctrl.scenario import Scenario, load_scenario
 
-LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-SURE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-KEPT = QoSProfile(
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
 LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
 
 
