@@ -1,7 +1,8 @@
-"""The filter's process when signals come at bad moments; run by a Python that has rclpy.
+"""The filter's process when signals or exceptions come at bad moments; run by one with rclpy.
 
 ``python interrupted.py SCENARIO`` runs the filter once per case, as its command does, and prints
-exit code, last command and number of its commands as JSON.  Who does not end is killed by SIGALRM.
+exit code, last command, number of its commands, and what failed, as JSON.  Who does not end is
+killed by SIGALRM.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ class Watched(FilterNode):
     """The filter, which does something in the callback that sends its first command."""
 
     commands: list[tuple[float, float]]
+    failed: list[str]
     looks = 0.0
     ticked = False
 
@@ -49,6 +51,10 @@ class Watched(FilterNode):
             self.ticked = True
             self.send((0.25, 0.0))  # a zero after it is the last one
             self.first_tick()
+
+    def fail(self, text: str) -> None:
+        Watched.failed.append(text)
+        super().fail(text)
 
     def first_tick(self) -> None:
         raise NotImplementedError
@@ -107,17 +113,34 @@ class AtConfigure(Watched):
         super()._look()
 
 
-CASES = (InADestructor, TwoAtOnce, InWhatTakesLong, InATransition, AtTheEnd, AtConfigure)
+class BrokenAtConfigure(Watched):
+    def _look(self) -> None:
+        raise RuntimeError("broken")
+
+
+class BrokenAtActivate(Watched):
+    def _look(self) -> None:
+        def breaks() -> None:
+            raise RuntimeError("broken")
+
+        self.core.start = breaks
+
+
+CASES = (
+    InADestructor, TwoAtOnce, InWhatTakesLong, InATransition, AtTheEnd, AtConfigure,
+    BrokenAtConfigure, BrokenAtActivate,
+)  # fmt: skip
 
 
 def main(scenario: str) -> None:
     found = {}
     for case in CASES:
-        Watched.commands = []
+        Watched.commands, Watched.failed = [], []
         settings = [f"scenario:={scenario}", "odometry:=none", f"discovery_time:={case.looks}"]
         signal.alarm(PATIENCE if not case.looks else int(LONG))
         code = spin(case, ["--ros-args", *(part for item in settings for part in ("-p", item))])
-        found[case.__name__] = [code, *Watched.commands[-1:], len(Watched.commands)]
+        commands = Watched.commands
+        found[case.__name__] = [code, *commands[-1:], len(commands), *Watched.failed]
     print(json.dumps(found))
 
 

@@ -151,7 +151,7 @@ def test_who_is_interrupted_sends_a_last_zero(seen):
 
 def test_an_interrupt_at_a_bad_moment_ends_it_with_a_last_zero(report):
     """In a destructor, which drops it; twice; in what takes long; in a transition; at the end."""
-    found = report("interrupted")
+    found = {name: item for name, item in report("interrupted").items() if "Broken" not in name}
 
     assert found.pop("AtConfigure") == [0, 0]  # nothing was sent, nor looked around to the end
     assert len(found) == 5
@@ -162,6 +162,15 @@ def test_a_rival_is_found_on_the_remapped_topic(live):
     assert any(
         "/base/cmd_vel" in text and "/robot1/outside" in text for text in live["space"]["rival"]
     )
+
+
+@pytest.mark.parametrize("step", ["Configure", "Activate"])
+def test_an_exception_in_a_transition_is_told_and_ends_it(report, step):
+    """Of which rclpy says nothing."""
+    code, sent, told = report("interrupted")[f"BrokenAt{step}"]
+
+    assert (code, sent) == (2, 0)
+    assert f"on_{step.lower()}: RuntimeError('broken')" in told
 
 
 def test_where_all_is_well_diagnostics_say_so(live):

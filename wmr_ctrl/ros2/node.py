@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar, cast
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
@@ -56,20 +56,24 @@ class Core(Protocol):
 
 
 C = TypeVar("C", bound=Core)
+R = TypeVar("R")
 
 
-def guarded(callback: Callable[..., object]) -> Callable[..., object]:
-    """Let a callback's exception stop the base and be told, not end the node."""
+def guarded(callback: Callable[..., R], failed: R | None = None) -> Callable[..., R]:
+    """Let a callback's exception stop the base and be told, not end the node or be dropped."""
 
     @wraps(callback)
-    def safe(self: SafeNode[Core], *given: object) -> object:
+    def safe(self: SafeNode[Core], *given: object) -> R:
         try:
             return callback(self, *given)
         except Exception as error:  # whatever it is, the base must be told to stop
             self.fail(f"{callback.__name__}: {error!r}")
-            return None
+            return cast("R", failed)
 
     return safe
+
+
+transition = partial(guarded, failed=TransitionCallbackReturn.FAILURE)
 
 
 class SafeNode(LifecycleNode, Generic[C]):
@@ -139,6 +143,7 @@ class SafeNode(LifecycleNode, Generic[C]):
             raise WmrError(f"{name} has {len(numbers)} numbers and must have two.")
         return numbers
 
+    @transition
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Read the scenario and compile; a sentence in the log where that fails."""
         path = str(self.value("scenario"))
@@ -155,9 +160,6 @@ class SafeNode(LifecycleNode, Generic[C]):
             self._look()
         except WmrError as error:
             self.get_logger().error(" ".join(str(error).split()))
-            return TransitionCallbackReturn.FAILURE
-        except Exception as error:  # rclpy would drop it
-            self.get_logger().fatal(f"configure: {error!r}")
             return TransitionCallbackReturn.FAILURE
         (v, omega), settings = scenario.limits.v_u1, scenario.filter
         self.get_logger().info(
@@ -195,6 +197,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         """Subscribe until the node is cleaned up."""
         self._heard.append(self.create_subscription(kind, topic, callback, qos))
 
+    @transition
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Send from now on."""
         assert self.core
@@ -207,6 +210,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         self.rest()
         return super().on_deactivate(state)
 
+    @transition
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Take down what configuring made."""
         self._disconnect()
