@@ -312,7 +312,10 @@ def refusal(log, **given):
     return str(caught.value)
 
 
-def test_identify_takes_a_drive_as_it_takes_its_bag(recorded):
-    """Of this one, which turns evenly all the time, with the same words."""
+def test_identify_takes_a_drive_as_it_takes_its_bag(recorded, tmp_path):
+    """Of this one, which turns evenly all the time, with the same words; of a run, too."""
     assert refusal(load_drive(recorded)) == refusal(recorded)
+    run = build(v1=0.25)
+    run.save(tmp_path / "toy.npz")
+    assert refusal(run) == refusal(tmp_path / "toy.npz").replace("toy.npz", "toy")
     assert "path of a bag" in refusal(load_drive(recorded), topics={"odom": "/odom"})

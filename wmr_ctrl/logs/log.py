@@ -136,7 +136,8 @@ def _begins(path: Path) -> str:
 def _of_run(name: str, run: Run) -> Log:
     t = run.time
     columns = {s.name: run[s.name] for s in run.elements if s.name in KNOWN and s.name != TIME.name}
-    base = loads_scenario(str(run.provenance["scenario_toml"]))
+    text = run.provenance.get("scenario_toml")
+    base = None if text is None else loads_scenario(text)
     return Log(name, dict.fromkeys(columns, t), columns, base, (), frozenset(columns))
 
 
