@@ -20,7 +20,7 @@ from matplotlib.patches import FancyBboxPatch
 RECORD = Path(__file__).resolve().parents[1] / "wmr_ctrl" / "proofs" / "ledger.json"
 COLOURS = {
     "PROVED": ("#2e7d32", "proved by machine"),
-    "LEMMA": ("#558b2f", "algebra, by machine"),
+    "LEMMA": ("#00838f", "algebra, by machine"),
     "HAND": ("#b26a00", "argued by hand"),
     "TRUSTED": ("#6b6b6b", "trusted or stated"),
 }
@@ -131,18 +131,24 @@ def picture() -> Figure:
                     "", (x + 23, 108.9 - 10.2 * row + 1.7), (x + 23, 108.9 - 10.2 * row - 0.1),
                     arrowprops={"arrowstyle": "-|>", "color": "#444444", "lw": 1.2},
                 )  # fmt: skip
-    for k, (colour, name) in enumerate(COLOURS.values()):
+    ways = {_way(link) for _, links in CHAINS.items() for link in links}
+    for k, (colour, name) in enumerate(COLOURS[way] for way in COLOURS if way in ways):
         axes.add_patch(FancyBboxPatch((3 + 24 * k, 3.0), 2.2, 1.6, boxstyle="round,pad=0.2",
                                       fc=colour, ec="none"))  # fmt: skip
         axes.text(7 + 24 * k, 3.8, name, fontsize=8, va="center")
     return figure
 
 
+def _way(link: Link) -> str:
+    """The weakest way in which a part of a link holds."""
+    verdicts = link.verdicts().values()
+    return next((name for name in ("HAND", "PROVED", "LEMMA") if name in verdicts), "TRUSTED")
+
+
 def _box(axes: Axes, x: float, y: float, link: Link, *, first: bool) -> None:
     """One link with its lower left corner at (x, y)."""
     counts = Counter(link.verdicts().values())
-    way = next((name for name in ("HAND", "PROVED", "LEMMA") if counts[name]), "TRUSTED")
-    colour = COLOURS[way][0]
+    colour = COLOURS[_way(link)][0]
     face, ink = ("#12365C", "white") if first else ("white", "#222222")
     axes.add_patch(
         FancyBboxPatch((x, y), 46, 7.4, boxstyle="round,pad=0.1,rounding_size=0.8", fc=face,

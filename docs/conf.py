@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent / "_site"), str(Path(__file__).parents[1])]
+
+from sphinx.application import Sphinx  # noqa: E402
 
 import wmr_ctrl  # noqa: E402  # the line above makes it found
 
@@ -41,8 +44,8 @@ nitpick_ignore_regex = [
     ("py:class", r"wmr_ctrl\.(scenario|world|compiled|barrier)\..*"),
     (
         "py:class",
-        r"wmr_ctrl\..*\.(Fit|KeyedNumbers|LawNumbers|LoopFit|ModelError|RigidMonitor|Spread|"
-        r"Surface|TuningPlan)",
+        r"wmr_ctrl\..*\.(ColumnFacts|Comparison|Cost|Fit|KeyedNumbers|LawNumbers|LoopFit|ModelError|"
+        r"RigidMonitor|Spread|Surface|TuningPlan)",
     ),
     # The same, of functions whose arguments are checked: a decorator resolves them.
     ("py:class", r"wmr_ctrl\.(api_types|campaign|checks|linear)\..*"),
@@ -64,6 +67,8 @@ autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
 python_use_unqualified_type_names = True
 
+ARRAY = re.compile(r"[~\w.]*ndarray\[tuple\[[~\w.]*Any, \.\.\.\], [~\w.]*dtype\[[~\w.]*float64\]\]")
+
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = True
 
@@ -81,3 +86,13 @@ html_show_sourcelink = False
 html_copy_source = False
 pygments_style = "friendly"
 pygments_dark_style = "monokai"
+
+
+def setup(app: Sphinx) -> None:
+    """Arrays by the name that the code has for their type."""
+
+    def by_name(*given: object) -> tuple[str | None, str | None]:
+        signature, result = (text and ARRAY.sub("FloatArray", str(text)) for text in given[-2:])
+        return signature, result
+
+    app.connect("autodoc-process-signature", by_name)

@@ -49,6 +49,11 @@ LEVELS = {3.0: "95 %", 4.61: "99 %"}
 """Falls of the log-likelihood that bound regions of two numbers at these confidences."""
 _MARGINS = Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
 _AXES = (("v₁", "m/s", "thrust", "N"), ("ω", "rad/s", "moment", "N m"))
+PAIRS = {
+    "kg, kg m²": "mass, moment of inertia", "N, N m": "thrust, moment",
+    "m/s, rad/s": "ahead, turning", "1": "ahead, turning",
+}  # fmt: skip
+"""What two numbers of a bound are, by their unit: of others they are the ends of an interval."""
 FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from commands"}
 
 
@@ -128,10 +133,11 @@ def _parameters(result: BaseIdentification) -> TextTable:
 
 def _bounds(result: BaseIdentification) -> TextTable:
     rows = [
-        (with_unit(_label(result, name), unit), *(shown(part, 4) for part in pair))
+        (with_unit(_label(result, name), unit), PAIRS.get(unit, "least, most"),
+         *(shown(part, 4) for part in pair))
         for name, (pair, unit) in result.bounds.pairs().items()
-    ]
-    return TextTable(("", "for v, or lower end", "for omega, or upper end"), tuple(rows))
+    ]  # fmt: skip
+    return TextTable(("", "the two numbers are", "first", "second"), tuple(rows))
 
 
 def _label(result: BaseIdentification, name: str) -> str:

@@ -129,8 +129,11 @@ def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
 
 
 def _facts(part: SubFigure, run: Run) -> None:
-    """Outcome of the run, in words and figures."""
+    """Outcome of the run, in words and figures, and which remarks there are."""
     lines = [*wrap(run.explanation, 58), "", *_figures(run)]
+    keys = dict.fromkeys(item.key for item in run.remarks if item.key != run.outcome.value)
+    if keys:
+        lines += ["", *wrap(f"Remarks, which `wmr-ctrl show` prints: {', '.join(keys)}.", 58)]
     part.text(0.06, 0.93, "\n".join(lines), va="top", size=8.2, linespacing=1.55)
 
 

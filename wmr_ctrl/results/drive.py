@@ -121,7 +121,7 @@ class RecordedDrive:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Columns that a drive may have and this one has not."""
+        """Columns that a drive may have and this one lacks."""
         return tuple(name for name in UNITS if name not in self.columns)
 
     @property
@@ -130,7 +130,7 @@ class RecordedDrive:
         return max(float(t[-1]) for t in self.times.values())
 
     def facts(self) -> dict[str, ColumnFacts]:
-        """What each column is, by name."""
+        """Samples, gaps and range of each column, by name."""
         return {name: self._fact(name) for name in UNITS if name in self.columns}
 
     def _fact(self, name: str) -> ColumnFacts:
@@ -140,7 +140,7 @@ class RecordedDrive:
         return ColumnFacts(UNITS[name], len(t), float(t[0]), float(t[-1]), gap, least, largest)
 
     def figures(self) -> dict[str, float | None]:
-        """Way [m] by the poses, largest speeds [m/s, rad/s] and torque [N m]; None: not there."""
+        """Way [m] by the poses, largest speeds [m/s, rad/s] and torque [N m]; None: unknown."""
         way = None
         if self.has(POSES):
             x, y = (self.columns[name] for name in POSES[:2])
@@ -184,7 +184,7 @@ class RecordedDrive:
 
     @checks_arguments
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a .csv log that `identify` reads: t, then a column each, empty where it has none.
+        """Write a .csv log that `identify` reads: t and the columns, with gaps where one has none.
 
         Raises ResultFileError for another suffix or where the file cannot be written.
         """
