@@ -50,9 +50,9 @@ def test_distances_are_those_of_the_page() -> None:
         assert cells == [page_rows[law][0].split(",")[0] for page_rows in told]
 
 
-def test_the_command_that_keeps_the_limit_for_sure_does() -> None:
+def test_the_command_that_guarantees_the_limit_keeps_it() -> None:
     """No assumption of the guarantee is void there, and the robot comes from far away."""
-    (call,) = re.findall(r"\| keep the limit for sure \| `wmr-ctrl (.*?)`", TEXT)
+    (call,) = re.findall(r"\| guarantee the limit \| `wmr-ctrl (.*?)`", TEXT)
     found = json.loads(CliRunner().invoke(root, [*call.split(), "--json"]).stdout)
 
     assert found["guard"]
