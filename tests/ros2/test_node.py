@@ -243,7 +243,7 @@ def test_without_ros_a_sentence_says_so():
     )
 
     assert done.returncode == 2
-    assert "ROS 2 is not here" in done.stderr
+    assert "ROS 2 was not found" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -141,18 +141,19 @@ def _text(result: BaseIdentification) -> str:
     """Parameters, the guard's numbers and the score."""
     from wmr_ctrl.identification.bounds import UNITS
 
-    half_of_it = {
-        name: f"most of it from {item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
+    rows = [
+        (name, f"{item.value:.5g}", f"{item.low:.4g} to {item.high:.4g}", UNITS[name], item.verdict)
+        for name, item in result.parameters.items()
+    ]
+    lines = [table(rows, ("", "value", "95 % interval", "unit", "by this log")), ""]
+    stretches = [
+        f"{name} {item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
         for name, item in result.parameters.items()
         if item.verdict != "determined" and item.seconds[1]
-    }
-    rows = [
-        (name, f"{item.value:.5g}", f"{item.low:.4g} to {item.high:.4g}", UNITS[name], item.verdict,
-         half_of_it.get(name, ""))
-        for name, item in result.parameters.items()
-    ]  # fmt: skip
-    head = ("", "value", "95 % interval", "unit", "", "")
-    lines = [table(rows, head), ""]
+    ]
+    if stretches:
+        text = f"half of the information on what is not determined: {', '.join(stretches)}"
+        lines += [wrapped(text, hang="  "), ""]
     limited = result.bounds.section
     for name, (value, _) in result.bounds.pairs().items():
         label = "peak gain" if name == "peak_gain" else f"{limited}.{name}"

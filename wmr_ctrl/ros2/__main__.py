@@ -26,8 +26,8 @@ def _run(given: list[str]) -> int:
         import rclpy  # noqa: F401  # told before anything else is loaded
     except ImportError:
         sys.stderr.write(
-            "error: ROS 2 is not here (no module rclpy). Source a ROS 2 installation and use its "
-            "Python: python3 -m venv --system-site-packages, then pip install wmr_ctrl there.\n"
+            "error: ROS 2 was not found (no module rclpy). Source a ROS 2 installation and use its "
+            "Python: python3 -m venv --system-site-packages, and install wmr_ctrl there.\n"
         )
         return 2
     from wmr_ctrl.ros2.drive_node import DriveNode

@@ -25,9 +25,9 @@ def _run(node: str) -> int:
     python = _python()
     if not python:
         sys.stderr.write(
-            f"error: wmr_ctrl is not here. Name the Python of the virtual environment that has it "
+            f"error: wmr_ctrl was not found. Name the Python of the virtual environment with it "
             f"in {CHOSEN}, or activate that environment: python3 -m venv --system-site-packages "
-            "ENV && ENV/bin/pip install wmr_ctrl, with ROS 2 sourced.\n"
+            "ENV, with ROS 2 sourced, and ENV/bin/pip install in the folder of wmr_ctrl.\n"
         )
         return 2
     words = [python, "-m", "wmr_ctrl.ros2", node, *sys.argv[1:]]
