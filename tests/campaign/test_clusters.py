@@ -13,7 +13,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 import pytest
 
 import wmr_ctrl
-from tests.campaign.test_study import FACTS, PLAN, REAL, figures, refuse_after, table_of
+from tests.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
 from wmr_ctrl.campaign.engine import PlannedCase
 from wmr_ctrl.campaign.study_chunks import StudyChunk
 from wmr_ctrl.campaign.study_plan import plan_of

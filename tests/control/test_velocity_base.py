@@ -10,37 +10,15 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.control.bases import GOVERNED, VELOCITY, based
 from wmr_ctrl.checks import filter_facts
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.filter.channels import UNUSED
 from wmr_ctrl.linear.point import law_loop
 from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.speed_loop import has_loop
-
-VELOCITY: Mapping[str, Any] = {
-    "base": {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.05, 0.95]},
-    "clock.control": 0.05,
-    "clock.duration": 6.0,
-    "limits": {"v_u1": [1.0, 2.0], "v_u2": [0.7, 1.4]},
-}
-GOVERNED: Mapping[str, Any] = {
-    **VELOCITY,
-    "filter": {
-        "kind": "governor",
-        "tau": [0.2, 0.3],
-        "gain": [0.9, 1.1],
-        "odometry": [0.01, 0.01],
-    },
-}
-
-
-def based(overrides: Mapping[str, Any], **further: Any) -> Scenario:
-    given = {**overrides, **{key.replace("__", "."): value for key, value in further.items()}}
-    return override(load_scenario("paper-simulation-noise-free"), {"changes": [], **given})
 
 
 def driven(scenario: Scenario, commands: Sequence[float]) -> np.ndarray:
@@ -313,69 +291,6 @@ def test_a_torque_base_has_no_speed_loop() -> None:
     scenario = based({"base": {"loop": "pi"}})
     assert not has_loop(scenario, "pi")
     assert not any(item.role.value == "loop" for item in EFFECTS.present(scenario))
-
-
-AGED: Mapping[str, Mapping[str, Any]] = {
-    "lost": {"sensor.velocity_losses": 3},
-    "late": {"sensor.velocity_age": 0.1},
-    "late and lost": {"sensor.velocity_age": 0.1, "sensor.velocity_losses": 2},
-}
-
-
-def ages_shown(scenario: Scenario, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Shown v1 and its age at each sample, from the sensors' graphs, where v1 is the number."""
-    systems = [item.system(scenario) for item in EFFECTS.present(scenario, EffectRole.SENSOR)]
-    named = [s for s in systems if any(o.signal.name in ("v1_measured",) for o in s.outputs)]
-    states, rows = [np.array(s.x0) for s in named], []
-    rng = np.random.default_rng(7)
-    for k in range(count):
-        known = {"sample": [k], "v1": [float(k)], "omega": [0.0]}
-        known |= {"v1_measured": [float(k)], "omega_measured": [0.0]}
-        for i, system in enumerate(named):
-            graph = system.function("see", [system.update, system.y])
-            given = [x for item in system.inputs for x in known[item.signal.name]]
-            draws = [rng.uniform(-1, 1, 2)] if system.draws else []
-            states[i], y = graph(given, states[i], system.p0, *draws)
-            values = y.full().ravel().tolist()
-            known |= {o.signal.name: [values[j]] for j, o in enumerate(system.outputs)}
-        rows.append((known["v1_measured"][0], known["odometry_age"][0]))
-    return np.array(rows).T[0], np.array(rows).T[1]
-
-
-@pytest.mark.parametrize("case", AGED)
-def test_the_age_that_is_told_is_that_of_the_velocity_that_is_shown(case: str) -> None:
-    scenario = based(GOVERNED, **{key.replace(".", "__"): v for key, v in AGED[case].items()})
-    shown, age = ages_shown(scenario, 200)
-    told = age >= 0
-    number = np.arange(200) - np.round(age / 0.05)
-    assert shown[told] == pytest.approx(number[told])
-    late = round(AGED[case].get("sensor.velocity_age", 0) / 0.05)
-    lost = AGED[case].get("sensor.velocity_losses", 0)
-    assert age.max() == pytest.approx(0.05 * (late + lost))  # and no more in a row
-    assert not told[:late].any()
-    assert told[late + lost :].all()
-
-
-@pytest.mark.parametrize("case", AGED)
-def test_odometry_that_is_late_or_lost_leaves_the_limit_kept(case: str) -> None:
-    strong = {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.1, 1.1]}
-    far = {**GOVERNED, **AGED[case], "base": strong, "initial.pose": [-2.0, -2.0, -0.7]}
-    for age in (0.0, 0.2):
-        heard = {**far, "filter": {**GOVERNED["filter"], "age": age}}
-        run = wmr_ctrl.simulate(based(heard), "kanayama", engine="numpy")
-        unused = has(run["filter_flags"], UNUSED)
-        assert run.monitor.violations == 0
-        assert unused.any() if age == 0 else unused.mean() < 0.1  # the start, where late
-
-
-def has(flags: np.ndarray, bit: int) -> np.ndarray:
-    return (flags.astype(int) & bit) > 0
-
-
-def test_odometry_that_is_late_on_one_axis_alone_is_refused() -> None:
-    one = based(GOVERNED, sensor__velocity_age=0.1, gyro__enabled=True)
-    with pytest.raises(ScenarioError, match=r"sensor.velocity_age: one axis.*gyro"):
-        settle(one, "kanayama")
 
 
 BANDED: Mapping[str, Any] = {

@@ -9,7 +9,7 @@ import pytest
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-from tests.control.test_velocity_base import GOVERNED
+from tests.control.bases import GOVERNED
 from tests.filter.test_filter import scenario
 from tests.fmi.raw import OK, REFUSED, Fmu
 from wmr_ctrl import command_filter, simulate

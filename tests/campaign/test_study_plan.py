@@ -1,0 +1,97 @@
+"""What a study's plan means, and which plans are refused."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from tests.campaign.studies import PLAN, table_of
+from wmr_ctrl.campaign.study_plan import load_plan, plan_of
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
+
+
+def test_every_combination_has_one_row_in_the_order_of_the_index(tmp_path):
+    rows = list(csv.DictReader(table_of(tmp_path / "s").decode().splitlines()))
+
+    assert [int(row["index"]) for row in rows] == list(range(2 * 3 * 2 * 2 * 5))
+    named = ("robot.m", "robot.mu", "law", "guard", "seed")
+    assert len({tuple(row[key] for key in named) for row in rows}) == len(rows)
+    assert list(rows[0])[:7] == ["index", "law", "guard", "seed", "robot.m", "robot.mu", "outcome"]
+    assert {row["ise_total"] for row in rows if row["seed"] == "4"} == {""}
+
+
+def test_a_latin_hypercube_has_one_point_in_each_stratum():
+    sample = plan_of(
+        {**PLAN, "sample": {"n": 20, "robot.mu": [0.0, 1.0], "robot.I": [5, 6]}}
+    ).sample
+
+    for column, low in zip(sample.points.T, (0.0, 5.0), strict=True):
+        assert sorted(np.floor((column - low) * 20).astype(int)) == list(range(20))
+
+
+def test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata():
+    """Uniform within: mean 1/2, standard deviation 1/sqrt(12), each to five standard errors."""
+    sample = plan_of({**PLAN, "sample": {"n": 400, "robot.mu": [0.0, 1.0]}}).sample
+    within = sample.points[:, 0] * 400 % 1.0
+
+    assert within.mean() == pytest.approx(0.5, abs=5 / math.sqrt(12 * 400))
+    assert within.std() == pytest.approx(1 / math.sqrt(12), abs=5 / math.sqrt(180 * 400) * 1.8)
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "words"),
+    [
+        ({"grid": {"robot.mm": [1]}}, ScenarioError, "robot.mm"),
+        ({"grid": {"robot.m": []}}, ArgumentError, "at least one value"),
+        ({"grid": {"robot.m": [50, -1]}}, ScenarioError, "robot.m"),
+        ({"grid": {"robot.mu": [0.1]}}, ArgumentError, "not both"),
+        ({"set": {"robot.m": 50}}, ArgumentError, r"robot\.m: .* \[set\] and \[grid\]"),
+        ({"set": {"robot": {"mu": 0.1}}}, ArgumentError, r"robot\.mu: .*\[set\] and \[sample\]"),
+        ({"figures": ["speed"]}, UnknownNameError, "speed"),
+        ({"seeds": 10**12}, ArgumentError, "at most 1e\\+09"),
+        ({"seeds": 0}, ScenarioError, "seeds = 0 must be at least 1"),
+        ({"sample": {"robot.mu": [0.1, 0.1]}}, ArgumentError, "range"),
+        ({"sample": {"seed": -1, "robot.mu": [0, 1]}}, ScenarioError, "sample.seed = -1"),
+        ({"sample": {"method": "sobl", "robot.mu": [0, 1]}}, ScenarioError, "near: sobol"),
+        ({"stop": {"figure": "violated"}}, ScenarioError, "half_width is missing"),
+        ({"stop": {"figur": "violated"}}, UnknownNameError, "near: figure"),
+        ({"stop": 3}, ScenarioError, r"written as \[stop\]"),
+        ({"stop": {"figure": "tau_rms", "half_width": 0.1}}, UnknownNameError, "tau_rms"),
+        ({"grids": {}}, UnknownNameError, "grid"),
+        ({"laws": []}, ScenarioError, "laws"),
+        ({"guard": ["yes"]}, ScenarioError, r"guard.*\[false, true\]"),
+        (
+            {"grid": {"guard.enabled": [False, True]}},
+            ArgumentError,
+            r"\[grid\].*`guard` at the top",
+        ),
+        ({"guard": [True], "set": {"guard.enabled": False}}, ArgumentError, r"\[set\].*`guard`"),
+    ],
+)
+def test_a_bad_plan_is_refused_by_its_key(changes, error, words):
+    with pytest.raises(error, match=words):
+        plan_of({**PLAN, **changes})
+
+
+def test_a_plan_without_a_key_is_refused(tmp_path):
+    (tmp_path / "empty.toml").write_text("# nothing yet\n")
+
+    with pytest.raises(ArgumentError, match=r"empty\.toml is empty"):
+        load_plan(tmp_path / "empty.toml")
+
+
+def test_the_guard_that_is_set_for_all_runs_is_what_they_have():
+    plan = plan_of({"scenario": "safe-simulation", "set": {"guard": {"enabled": False}}})
+
+    assert [plan.case(cell).guard for cell in range(plan.cells)] == [False]
+
+
+def test_a_file_may_nest_or_quote_its_keys(tmp_path):
+    quoted, nested = tmp_path / "a.toml", tmp_path / "b.toml"
+    quoted.write_text('seeds = 2\n[grid]\n"robot.m" = [40, 50]\n')
+    nested.write_text("seeds = 2\n[grid.robot]\nm = [40, 50]\n")
+
+    assert load_plan(quoted).identity == load_plan(nested).identity
