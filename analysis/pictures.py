@@ -16,6 +16,7 @@ from pathlib import Path
 import casadi as ca
 import matplotlib as mpl
 import numpy as np
+from click.testing import CliRunner
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image, ImageSequence
@@ -305,7 +306,9 @@ def gallery() -> None:
             words = command.split()
             made = Path(folder, words[words.index("--plot") + 1])
             words[words.index("--plot") + 1] = str(made)
-            root.main(words, standalone_mode=False)
+            done = CliRunner().invoke(root, words)
+            if done.exit_code:
+                raise RuntimeError(f"{command}: {done.output}")
             target.parent.mkdir(exist_ok=True)
             few_colours(next(made.glob("*-poles.png")) if made.is_dir() else made, target)
 
