@@ -13,13 +13,12 @@ from wmr_ctrl import __version__
 from wmr_ctrl.cli import root
 
 COMMANDS = (
-    *("reproduce", "run", "show", "study", "compare", "scenarios", "laws", "check"),
-    *("tune", "identify"),
-    *("prove", "linearize", "page", "export", "cosim", "codegen", "bench"),
+    *("scenarios", "laws", "check", "run", "compare", "show", "study", "tune", "identify"),
+    *("linearize", "codegen", "export", "cosim", "page", "reproduce", "prove", "bench"),
 )
 
 
-def test_commands_are_listed_with_the_main_job_first(wmr):
+def test_commands_are_listed_in_the_order_in_which_one_meets_them(wmr):
     found = wmr("--help")
 
     assert found.exit_code == 0

@@ -35,7 +35,7 @@ COLUMNS = (
 
 
 @click.command(
-    short_help="Laws, saved runs or a robot's drives, side by side.",
+    short_help="Compare laws, saved runs or a robot's drives.",
     epilog=opt.examples(
         "wmr-ctrl compare mine.toml --law prox,kanayama,mb --plot laws.png",
         "wmr-ctrl compare far-start --law mb,prox --guard --animate race.html",

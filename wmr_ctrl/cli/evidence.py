@@ -69,7 +69,7 @@ def reproduce(
 
 
 @click.command(
-    short_help="Check the paper's equations by machine.",
+    short_help="Check equations and promises by machine.",
     epilog=opt.examples(
         "wmr-ctrl prove",
         "wmr-ctrl prove --only eq25.printed --only 'guard.*' --json entries.json",
@@ -119,7 +119,7 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     raise click.exceptions.Exit(code)
 
 
-@click.command(short_help="Poles, margins and the largest stable sample time.")
+@click.command(short_help="Print poles, margins, the largest stable sample time.")
 @opt.scenario_argument
 @opt.law_option
 @opt.set_option

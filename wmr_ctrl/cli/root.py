@@ -27,10 +27,11 @@ PROGRAM = "wmr-ctrl"
 
 EPILOG = """\b
 Examples:
-  wmr-ctrl reproduce --quick        the paper's Sections V and VI, 3 seeds
+  wmr-ctrl check safe-simulation    what theory and one run say of each law
   wmr-ctrl run far-start --law mb   one run
   wmr-ctrl compare --law prox,mb    laws side by side
-  wmr-ctrl export nn --out fmus     the network law as FMUs
+  wmr-ctrl codegen nn --out nn_c    the network law as C
+  wmr-ctrl reproduce --quick        the paper's Sections V and VI, 3 seeds
   wmr-ctrl run --help               options and examples of a command
 
 \b
@@ -112,8 +113,8 @@ def root(ctx: click.Context) -> None:
 
 
 for _command in (
-    *(reproduce, run, show_saved, study, compare, scenarios, laws, check, tune, identify),
-    *(prove, linearize, page, export, cosim, codegen, bench),
+    *(scenarios, laws, check, run, compare, show_saved, study, tune, identify, linearize),
+    *(codegen, export, cosim, page, reproduce, prove, bench),
 ):
     root.add_command(_command)
 
