@@ -87,24 +87,27 @@ def running(commands: list[list[str]], fifo: bool) -> Iterator[None]:
     processes = [
         subprocess.Popen([*first, *words], stderr=subprocess.DEVNULL) for words in commands
     ]
-    if fifo:
-        # Without the flag the busy loops would inherit it, and nothing else on the machine ran.
-        alone = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
-        os.sched_setscheduler(0, alone, os.sched_param(FIFO + 1))
+    if fifo:  # the threads of DDS, which come with the node, inherit it
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO + 1))
     try:
         yield
     finally:
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        _ordinary()
         for process in processes:
             process.send_signal(signal.SIGINT)
         for process in processes:
             process.wait(60)
 
 
+def _ordinary() -> None:
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
 @contextmanager
 def loaded(busy: int) -> Iterator[None]:
-    """Busy loops beside."""
-    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(busy)]
+    """Busy loops beside, never by SCHED_FIFO: nothing else on the machine would run."""
+    loop = [sys.executable, "-c", "while True: pass"]
+    loops = [subprocess.Popen(loop, preexec_fn=_ordinary) for _ in range(busy)]
     try:
         yield
     finally:
