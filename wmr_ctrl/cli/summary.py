@@ -98,19 +98,19 @@ def _rigid(seen: RigidMonitor) -> Iterator[Row]:
 def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     """The headline: how far the robot was from where it should have been."""
     parts, tolerance = figures["tracking"], run.settings.tolerance
-    yield "position error, RMS", _number(figures["position_rms"]["all"], "m"), "whole run"
+    yield "position error, RMS", _small(figures["position_rms"]["all"], "m"), "whole run"
     windows = {"drive": driving(run), "end": "after arrival"}
     for part, when in windows.items():
         if parts[part] is not None:
             rms = parts[part]["position_rms"]
             near = rms is not None and tolerance is not None and rms <= tolerance
             word = "tracked" if near else "NOT TRACKED"
-            verdict = "" if tolerance is None else f", tolerance {tolerance:g} m: {word}"
-            yield "position error, RMS", _number(rms, "m"), when + verdict
-            yield "position error, largest", _number(parts[part]["position_max"], "m"), when
+            verdict = "" if tolerance is None else f", tolerance {_small(tolerance, 'm')}: {word}"
+            yield "position error, RMS", _small(rms, "m"), when + verdict
+            yield "position error, largest", _small(parts[part]["position_max"], "m"), when
     if figures["arrival"]:
         robot, desired = (figures["arrival"][key] for key in ("robot", "reference"))
-        stays = "" if tolerance is None else f"stays within {tolerance:g} m; "
+        stays = "" if tolerance is None else f"stays within {_small(tolerance, 'm')}; "
         when = f"{stays}the desired motion: {desired:.4g} s"
         yield "arrival at the goal", _number(robot, "s"), when
 
@@ -123,8 +123,8 @@ def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "ISE of the position", _number(ise["position"], "m2 s"), ""
     for window, values in figures["e_rms"].items():
         if values:
-            e1, e2, e3 = values
-            yield f"RMS of e, {window} s", f"{e1:.3g} m, {e2:.3g} m, {e3:.3g} rad", "Eq. (8)"
+            errors = map(_small, values, ("m", "m", "rad"))
+            yield f"RMS of e, {window} s", ", ".join(errors), "Eq. (8)"
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -149,6 +149,13 @@ def _disturbance(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 def _number(value: float | None, unit: str = "") -> str:
     return MISSING if value is None else f"{value:.4g} {unit}".strip()
+
+
+def _small(value: float | None, unit: str) -> str:
+    """An error [m, rad] in thousandths where it is below one."""
+    if value is None or value >= 1:
+        return _number(value, unit)
+    return f"{1e3 * value:.3g} m{unit}"
 
 
 def _force(values: Sequence[float | None]) -> str:

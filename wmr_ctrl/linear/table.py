@@ -119,7 +119,7 @@ def _times(report: LinearReport) -> list[tuple[str, str]]:
     figures = [
         (f"spectral radius at {clock:g} s", f"{report.spectral_radius:.6f}"),
         ("largest stable period, linear loop [s]", _number(report.max_sample_time)),
-        (f"largest delay at {clock:g} s, if told [s]", _number(report.max_delay, "0")),
+        (f"largest known delay at {clock:g} s [s]", _number(report.max_delay, "0")),
     ]
     if report.mass_range is not None:
         low, high = report.mass_range
