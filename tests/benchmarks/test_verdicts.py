@@ -46,7 +46,7 @@ def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("runs", [20, 50])
+@pytest.mark.parametrize("runs", [12, 50])
 def test_misses_and_false_alarms_are_few(runs: int) -> None:
     """In the first rows of the table of 300 that the benchmark prints."""
     misses, alarms = shares(list(judged(REPORTED_ON, runs)))
