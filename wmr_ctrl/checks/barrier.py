@@ -109,11 +109,11 @@ def unmodelled(loop: Loop) -> Iterator[Warning]:
     force = full_friction(loop.scenario.robot, phase)
     yield Warning(
         "gains.kinematics.k",
-        f"Friction is {force:.3g} N {_from(phase)}, and {loop.law} has no term that makes up for "
-        f"it: expect the robot about {behind:.2g} m behind its place along the path, more than "
+        f"Friction is {force:.3g} N {_from(phase)}, and {loop.law} has no term that compensates "
+        f"it: expect the robot to lag about {behind:.2g} m on the path, more than "
         f"metrics.tolerance = {tolerance:g} m. Raise gains.kinematics.k[1] and the gain on v1, "
-        f"together by {behind / tolerance:.2g} times, if the loop stays calm; or take a law that "
-        "knows or learns friction.",
+        f"together by a factor of {behind / tolerance:.2g}, if the loop stays stable; or choose a "
+        "law that knows or learns friction.",
         "Eqs. (4), (7)",
     )
 

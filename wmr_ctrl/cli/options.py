@@ -98,7 +98,7 @@ class LawName(click.ParamType):
             self.fail(
                 f"{value!r} names {len(names)} laws, and this takes one. `wmr-ctrl compare "
                 f"SCENARIO --law {value}` runs them side by side; `wmr-ctrl check` without --law "
-                f"speaks of all laws; many runs of several are a study: laws = [{listed}] in "
+                f"covers all laws; for many runs of several write a study: laws = [{listed}] in "
                 "PLAN.toml, and `wmr-ctrl study PLAN.toml --out DIR`.",
                 param, ctx,
             )  # fmt: skip

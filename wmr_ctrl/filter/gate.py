@@ -82,9 +82,9 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
     slow = {"slew": scenario.filter.slew, "force": scenario.filter.force}
     for name in (name for name, value in slow.items() if value is not None):
         raise ScenarioError(
-            f"filter.{name}: a gate sends 0 at once where the program that it stands in stops, and "
-            "this filter counts on commands that change as it sent them. Leave it out: without it "
-            'filter.kind = "clip" or "band" holds behind a gate.'
+            f"filter.{name}: a gate sends 0 at once when its program stops, but this filter "
+            "assumes that commands change only as it sends them. Leave it out: without it, "
+            'filter.kind = "clip" or "band" keeps its promise behind a gate.'
         )
     inner = filter_system(scenario)
     ports = {item.signal: item for item in inner.inputs}

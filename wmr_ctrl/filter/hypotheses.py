@@ -67,7 +67,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
     for drive in EFFECTS.present(scenario, EffectRole.DRIVE):
         if drive.active(scenario):
             yield (
-                f"{drive.title} acts behind the speed loop, whose speed may then pass its command. "
+                f"{drive.title} acts behind the speed loop, so its speed may exceed its command. "
                 "Take it out of the scenario."
             )
     if stated.loop == "pi" and has_loop(scenario, "pi"):
@@ -135,9 +135,9 @@ def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
     if force is None:
         yield (
             f"actuator.tau_max = {most:g} N.m: behind a torque limit the integral of the loop may "
-            "wind up, and the speed then passes its command by more than the peak gain says. State "
+            "wind up, and the speed then exceeds its command by more than the peak gain. State "
             'filter.force with filter.kind = "band", which keeps the loop within what its motors '
-            "give, or leave it out, if commands stay low enough for the motors."
+            "give, or leave tau_max out if commands stay low enough for the motors."
         )
         return
     needed = robot.r * (force[0] + force[1] / robot.l) / 2
@@ -220,7 +220,7 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
     if linear != angular:
         yield (
             f"sensor.velocity_age: one axis' velocity is {max(bound.age):g} s old and the other's "
-            "is not (gyro.enabled), and the governor is told one age for both. Leave out "
+            "is not (gyro.enabled), but the governor takes one age for both. Leave out "
             "filter.odometry, or one of the two sensors."
         )
 

@@ -246,7 +246,7 @@ class BaseIdentification(ABC):
             entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
         limit = {"guard": "guard.dbar", "filter": "filter.d"}[self.bounds.section]
         head = [
-            f"from the log {self.name} by wmr-ctrl identify; 95 % intervals stand beside values",
+            f"from the log {self.name} by wmr-ctrl identify, with 95 % intervals as comments",
             f"{limit}: {self.bounds.sentence}",
             *self.remarks,
         ]
@@ -303,8 +303,8 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
 def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
     """What a log says of a speed loop, and what it does not."""
     remarks = [
-        "gains are against the log's own measured speeds: what is off in a wheel's radius or "
-        "track is in both, and no log of wheels tells it. Add it to filter.gain."
+        "gains are against the log's own measured speeds: an error in a wheel's radius or "
+        "track affects both, and no log of wheels shows it. Add it to filter.gain."
     ]
     for axis, fit, column in zip(AXES, fits, COMMAND, strict=True):
         if fit is None:

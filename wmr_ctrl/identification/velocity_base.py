@@ -211,9 +211,9 @@ def _said_of(loop: str, m: float) -> list[str]:
     """Remarks on what the scenario cannot hold of a kind of loop."""
     said = {
         "second-order": (
-            "the loop is second-order without a zero, and runs know first-order and PI loops "
-            "alone: runs take the first-order loop of the same gain and mean lag, and "
-            "filter.trust lets the filter, which counts on the identified loop, pass there."
+            "the loop is second-order without a zero, which runs cannot simulate: they take the "
+            "first-order loop of the same gain and mean lag. filter.trust makes them accept the "
+            "filter, which is for the identified loop."
         ),
         "pi": (
             f"kp and ki go with robot.m = {m:g} kg as it was given: a log of velocities tells kp/M "

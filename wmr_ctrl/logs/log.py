@@ -117,7 +117,7 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
         raise LogError(
             f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a bag of ROS 2 "
             "(its folder, .mcap or .db3), or a saved run (.npz, .csv, .parquet, .mcap). "
-            "rosbags-convert makes a bag of ROS 2 of one of ROS 1."
+            "rosbags-convert turns a ROS 1 bag into one of ROS 2."
         )
     header, table = _table(place)
     return _of_table(place.name, header, table)
@@ -272,8 +272,8 @@ def with_torques(log: Log, constant: float | None) -> Log:
     for torque, current in zip(TORQUES, CURRENT, strict=True):
         times[torque], columns[torque] = log.times[current], constant * log.columns[current]
     said = (
-        f"torques are currents times {constant:g} N.m/A: an error of that factor is in m, I and "
-        "all frictions alike, and in no interval; delay and lag do not hang on it."
+        f"torques are currents times {constant:g} N.m/A: an error of that factor scales m, I and "
+        "all frictions, and no interval contains it; delay and lag do not depend on it."
     )
     return replace(log, times=times, columns=columns, remarks=(*log.remarks, said))
 

@@ -175,7 +175,7 @@ def _chosen(
             )
     if not chosen:
         raise ResultFileError(
-            f"{name}: none of {', '.join(usual for usual, _ in ROLES.values() if usual)} is there. "
+            f"{name}: it has none of {', '.join(usual for usual, _ in ROLES.values() if usual)}. "
             f"It has {there or 'no topic'}. Name them, as in --topics odom=/base/odometry."
         )
     return chosen

@@ -129,8 +129,8 @@ class Filter(Section, key="filter"):
             )
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
-                'filter.scale = "axes" limits v and omega each by itself, which wheels do not '
-                'allow that are limited by themselves. Take "curvature", "turn" or "drive".'
+                'filter.scale = "axes" limits v and omega separately, which does not fit wheels '
+                'that are limited individually. Take "curvature", "turn" or "drive".'
             )
         if self.kind == "governor" and self.tau is None:
             raise ScenarioError(
@@ -172,7 +172,7 @@ class Filter(Section, key="filter"):
         if self.loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.loop = "pi" moves v and omega by different masses, so that a wheel\'s '
-                "speed does not follow that wheel's command by itself: leave out filter.channels "
+                "speed does not depend on that wheel's command alone: leave out filter.channels "
                 "and filter.wheel_speed."
             )
 
@@ -180,8 +180,8 @@ class Filter(Section, key="filter"):
         """Raise ScenarioError where a limit on how fast commands change is worth nothing."""
         if self.kind != "clip" or self.loop == "first-order":
             raise ScenarioError(
-                'filter.slew is for filter.kind = "clip" on loops that overshoot, which swing less '
-                "behind commands that change slowly: the other filters need none. Leave it out."
+                'filter.slew is for filter.kind = "clip" on loops that overshoot, and less so if '
+                "commands change slowly: the other filters do not need it. Leave it out."
             )
         if self.loop == "second-order" and self.frequency is None:
             raise ScenarioError(
@@ -190,8 +190,8 @@ class Filter(Section, key="filter"):
             )
         if self.hold > 0 or self.channels == "wheels" or self.wheel_speed:
             raise ScenarioError(
-                "filter.slew limits how fast v and omega change, which a base that stops by itself "
-                "does not, and not wheels: leave out filter.hold, filter.channels and "
+                "filter.slew limits how fast v and omega change. It covers neither a base that "
+                "stops on its own nor single wheels: leave out filter.hold, filter.channels and "
                 "filter.wheel_speed."
             )
 

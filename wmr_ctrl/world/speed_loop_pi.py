@@ -2,7 +2,7 @@
 
 Source: the loop that most firmware runs, on each wheel.  Wheels that are alike make it one loop of
 v and one of omega, whose moment is l^2 times as much, kp and ki being those of both wheels together
-at the rim.  It overshoots: behind a step the speed passes its command.  Behind a torque limit f
+at the rim.  It overshoots: after a step the speed exceeds its command.  Behind a torque limit f
 winds up; with ``antiwindup`` it rests while the wheels give another force than the loop wants and
 the error would drive it further that way.
 """
@@ -55,7 +55,7 @@ def _drive(servo: Servo, resting: bool) -> Drive:
 
 def bound(scenario: Scenario) -> Bound:
     """No bound on its own: the speed passes its command."""
-    return Bound(overshoots='base.loop = "pi": behind a step the speed passes its command.')
+    return Bound(overshoots='base.loop = "pi": after a step the speed exceeds its command.')
 
 
 PI = Effect(
