@@ -26,6 +26,10 @@ CRUISE = 0.25
 """Speed [m/s] of a base that follows its circle, nearly."""
 
 
+SOON = 10.0
+"""Time [s] in which what follows a leap is there, else it is made again."""
+
+
 class Broken(Base):
     """A base whose odometry can be spoilt, perhaps on a time of its own."""
 
@@ -33,7 +37,7 @@ class Broken(Base):
         super().__init__()
         self.clock = self.node.create_publisher(Clock, "/clock", SURE)
         self.stop = self.node.create_publisher(Bool, "/wmr_drive/stop", KEPT)
-        self.time, self.rate, self.simulated = 100_000_000_000, 1.0, simulated
+        self.time, self.rate, self.simulated = 1_000_000_000_000, 1.0, simulated
         self.before = 0.0
         """Speed before a fault [m/s]."""
 
@@ -68,12 +72,14 @@ class Broken(Base):
         spoil: Callable[[Odometry], bool] | None = None,
         first: Callable[[], object] | None = None,
         until: Callable[[], bool] | None = None,
+        again: bool = False,
     ) -> dict[str, object]:
         """What follows a fault that lasts for LASTS, or ``until`` something is true.
 
-        It is made again where this process was late, but not what is done ``first``, once.
+        It is made again where this process was late, but what is done ``first`` only if ``again``:
+        then also where it was not true in time, as of a leap while the node had no odometry.
         """
-        for _ in range(1 if first else ATTEMPTS):
+        for _ in range(1 if first and not again else ATTEMPTS):
             if not self.go(PATIENCE, self.drives):
                 raise SystemExit(f"the base never drove: {self.said[-3:]}")
             self.go(0.3)
@@ -83,9 +89,9 @@ class Broken(Base):
             if first:
                 first()
             self.spoil = spoil or self.spoil
-            self.go(PATIENCE, until) if until else self.go(LASTS)
+            there = self.go(SOON if again else PATIENCE, until) if until else self.go(LASTS)
             self.spoil = Base.spoil
-            if self.pause < PUNCTUAL:
+            if self.pause < self.period + PUNCTUAL and (there or not again):
                 break
         seen = [(t - began, v) for t, v in self.seen]
         times = [0.0, *(t for t, _ in seen)]
@@ -126,8 +132,8 @@ class Broken(Base):
     def times(self) -> dict[str, object]:
         """What follows when the clock goes back, leaps ahead, and stops."""
         found: dict[str, object] = {
-            "back": self.fault(first=lambda: self.to(-10.0), until=self.goes_on("time-back")),
-            "ahead": self.fault(first=lambda: self.to(10.0), until=self.goes_on("time-forth")),
+            "back": self.leaps("time-back", lambda: self.to(-10.0)),
+            "ahead": self.leaps("time-forth", lambda: self.to(10.0)),
         }
 
         def still() -> None:
@@ -136,6 +142,10 @@ class Broken(Base):
         found["stopped"] = self.fault(first=still, until=self.rested())
         self.rate = 1.0
         return found | {"drives again": self.go(PATIENCE, self.drives)}
+
+    def leaps(self, word: str, leap: Callable[[], None]) -> dict[str, object]:
+        """What follows a leap, of which a word is told."""
+        return self.fault(first=leap, until=self.goes_on(word), again=True)
 
     def leap(self, meters: float) -> None:
         self.pose[0] += meters
@@ -213,9 +223,7 @@ def in_real_time(scenario: str) -> dict[str, object]:
         before = base.refused()
         found["out of order"] = base.fault(base.out_of_order)
         found["out of order"]["refused"] = base.refused() - before
-        found["pose leaps"] = base.fault(
-            first=lambda: base.leap(1.0), until=base.goes_on("pose-jump")
-        )
+        found["pose leaps"] = base.leaps("pose-jump", lambda: base.leap(1.0))
         found["too fast"] = base.fault(too_fast, lambda: None, base.rested("too-fast"))
         base.go(0.5)
         found["latched"] = [base.speed[0], base.reset()]

@@ -67,9 +67,7 @@ def in_real_time(scenario: str) -> dict[str, object]:
         before = base.refused()
         found["out of order"] = base.fault(base.out_of_order)
         found["out of order"]["refused"] = base.refused() - before
-        found["pose leaps"] = base.fault(
-            first=lambda: base.leap(1.0), until=base.goes_on("pose-jump")
-        )
+        found["pose leaps"] = base.leaps("pose-jump", lambda: base.leap(1.0))
         found["stop"] = base.stopped()
         found["reset while stopped"] = base.reset()
         base.stop.publish(Bool(data=False))

@@ -36,8 +36,8 @@ KEPT = QoSProfile(
 RATE = 0.02
 AT_ONCE = ["-p", "discovery_time:=0.0"]
 """For nodes that need not look for others before they start."""
-PUNCTUAL = 0.06
-"""Pause between two messages of this process [s] that is no fault of its own."""
+PUNCTUAL = 0.04
+"""Delay of a message of this process [s] that is no fault of its own."""
 ATTEMPTS = 40
 """At most so often a fault is made anew in which this process was late."""
 LASTS = 0.9
@@ -160,7 +160,7 @@ class World:
                 first()
             lasts = PATIENCE if rests else LASTS
             self.go(lasts, command, measure, until=lambda count=count: self.zeros(count) > MANY)
-            if self.pause < PUNCTUAL:
+            if self.pause < RATE + PUNCTUAL:
                 break
         seen = [(t - start, v, w) for t, v, w in self.seen[count:]]
         falls = [t for t, v, _ in seen if v < 0.499]
