@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import wmr_ctrl
-from wmr_ctrl.cli import root
+from wmr_ctrl.cli import progress, root
 
 CODE = """
 import signal
@@ -28,8 +29,12 @@ SHORT = ("--engine", "numpy", "--set", "clock.duration=0.2")
 
 @pytest.fixture
 def wmr(monkeypatch) -> Callable[..., Result]:
-    """Call `wmr-ctrl` in a terminal of 80 columns; the result has exit_code, stdout, stderr."""
+    """Call `wmr-ctrl` in a terminal of 80 columns; the result has exit_code, stdout, stderr.
+
+    How long a job takes is not told on stderr, which would hang on what else the machine does.
+    """
     monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr(progress, "FIRST", math.inf)
 
     def call(*args: object) -> Result:
         return CliRunner().invoke(root, [str(arg) for arg in args])
