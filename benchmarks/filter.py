@@ -47,7 +47,7 @@ def candidates() -> dict[str, Candidate]:
         scenario = load_scenario("paper-simulation", {**STATED, **changes})
         system, draw = filter_system(scenario), np.random.default_rng(0)
         library = load_filter(scenario, "filter_step")
-        state, width = np.zeros(max(system.x.numel(), 1)), system.u.numel()
+        state, width = np.zeros(library.filter_size()), system.u.numel()
         library.filter_begin(state.ctypes.data_as(ctypes.c_void_p))
         rows = np.zeros((64, width))
         rows[:, :2] = np.repeat(draw.uniform(-2, 2, (16, 2)), 4, axis=0)

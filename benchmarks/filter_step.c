@@ -5,6 +5,11 @@
 
 static wmr_filter_parameters parameters;
 
+long filter_size(void)
+{
+    return (long)(sizeof(wmr_filter_state) / sizeof(double));
+}
+
 void filter_begin(double *state)
 {
     wmr_filter_defaults(&parameters);

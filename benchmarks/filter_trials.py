@@ -37,20 +37,21 @@ class Compiled:
 
     def __init__(self, scenario: Scenario) -> None:
         """Compile it; CompilerError where that fails."""
-        self._many = load_filter(scenario, "filter_trials").wmr_filter_many
+        self._library = load_filter(scenario, "filter_trials")
         self.system = filter_system(scenario)
 
     def sender(self, trials: int) -> Sender:
         """A fresh memory for so many bases."""
         p = np.array(self.system.p0)
-        x = np.tile(np.array(self.system.x0, dtype=float), (trials, 1))
         y = np.zeros((trials, self.system.y.numel()))
-        sizes = self.system.u.numel(), x.shape[1], y.shape[1]
+        x = np.zeros((trials, self._library.wmr_filter_begin(ctypes.c_long(0), None)))
+        self._library.wmr_filter_begin(ctypes.c_long(trials), x.ctypes.data_as(ctypes.c_void_p))
+        sizes = trials, self.system.u.numel(), y.shape[1]
 
         def send(u: Floats) -> Floats:
             given = np.ascontiguousarray(u.T, dtype=float)
             pointers = (item.ctypes.data_as(ctypes.c_void_p) for item in (p, x, given, y))
-            self._many(*(ctypes.c_long(size) for size in (trials, *sizes)), *pointers)
+            self._library.wmr_filter_many(*map(ctypes.c_long, sizes), *pointers)
             return y[:, :2].T
 
         return send

@@ -43,8 +43,9 @@ class FilterFacts:
     ``gain``: largest gain that is counted on, of the clip of linear loops their peak gain, of the
     axis where it is larger; ``usable_speed`` (linear, angular) [m/s, rad/s]: at rest on the weakest
     base that is stated, without push, of a command far beyond the limit; ``delay_cost``: what one
-    more millisecond of delay takes of it; ``gain_cost``: what one more per cent of that gain takes;
-    ``broken``: what of the theorem does not hold.  Of linear loops ``overshoot`` is the largest
+    more millisecond of delay takes of it (of a band of one that is constant: others it refuses);
+    ``gain_cost``: what one more per cent of that gain takes; ``broken``: what of the theorem does
+    not hold.  Of linear loops ``overshoot`` is the largest
     share by which a step overshoots, and ``overshoot_cost`` what one more per cent of it takes.  Of
     a band ``rise`` [s] is how long commands far beyond the limit take to come to NEARLY all of it,
     and ``rise_cost`` what one more per cent of overshoot adds: its speed at rest is hardly less.

@@ -159,8 +159,14 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         "on the weakest base within the stated bounds"
     )
     gain = "gain" if setup.scenario.filter.loop == "first-order" else "peak gain"
+    if facts.kind == "band":
+        yield (
+            "a delay costs nothing of that as long as it stays the same; delays that vary by a "
+            "millisecond, or by any time, are refused (filter.delay)"
+        )
     costs = {
-        "millisecond of delay": facts.delay_cost, f"per cent of {gain}": facts.gain_cost,
+        "millisecond of delay": None if facts.kind == "band" else facts.delay_cost,
+        f"per cent of {gain}": facts.gain_cost,
         "per cent of overshoot": None if facts.rise else facts.overshoot_cost,
     }  # fmt: skip
     if facts.overshoot:

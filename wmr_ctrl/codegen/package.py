@@ -12,7 +12,7 @@ import jinja2
 
 from wmr_ctrl.codegen import single_precision
 from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel
+from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, split
 from wmr_ctrl.codegen.kernels import controller_kernel
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import cached_definition
@@ -40,6 +40,8 @@ _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _TEMPLATES = Path(__file__).parent / "templates"
 TABLE = 16
 """Members with more elements have their defaults in a table."""
+WORTH_KEEPING = 50
+"""Cost (see `Graph.cost`) from which on a filter keeps what hangs on its parameters alone."""
 RECORD = _TEMPLATES / "footprint.json"
 """Measured footprints of packages."""
 
@@ -135,6 +137,18 @@ def step_kernel(system: System) -> Kernel:
     return controller_kernel(system, "step")
 
 
+def prepared_from(step: Kernel) -> tuple[tuple[int, ...], int]:
+    """Places of the parameters that slow values are made of, and how many values that are.
+
+    None where making them each time costs no more than seeing that they need not be made.
+    """
+    before, _ = split(step.graph)
+    if sum(before.cost(number) for number in range(len(before.nodes))) < WORTH_KEEPING:
+        return (), 0
+    places = {node.place[1] for node in before.nodes if node.op == ca.OP_INPUT and node.place}
+    return tuple(sorted(places)), len(before.stores)
+
+
 def write_package(
     law: str, out: Path, scenario: Scenario, *, float32: bool = False
 ) -> tuple[Path, ...]:
@@ -153,7 +167,8 @@ def _context(
     largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
     periods = single_precision.PERIODS.get((law, guarded), ())
     vectors = vectors_of(system, scenario.limits, float32=float32)
-    text = cached_definition(step, dialect)
+    made_of, prepared = prepared_from(step) if law == FILTER else ((), 0)
+    text = cached_definition(replace(step, prepared=prepared > 0), dialect)
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
                for o in system.outputs]  # fmt: skip
     return {
@@ -164,7 +179,8 @@ def _context(
         "inputs": _fields(system.inputs), "state": _fields(system.state),
         "parameters": _fields(system.params), "outputs": outputs,
         "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
-                   "parameters": system.p.numel(), "outputs": system.y.numel()},
+                   "parameters": system.p.numel(), "outputs": system.y.numel(),
+                   "memory": max(system.x.numel() + len(made_of) + prepared, 1)},
         "qualifiers": QUALIFIERS, "kernel": text, "calls": library_calls(text, float32),
         "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
@@ -175,6 +191,7 @@ def _context(
         "watches": law == CORRIDOR,
         "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
         "governs": len(system.inputs) > 1, "first_order": scenario.filter.loop == "first-order",
+        "made_of": made_of, "prepared": prepared,
         "tables": TABLE, "derived": _derived(scenario, law),
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],

@@ -18,7 +18,8 @@ the graph's own margin is 512 times that of a double."""
 LARGEST_SINGLE = 1e6
 """Largest size of an input; in double precision it is `signals.LARGEST`."""
 
-LIMIT = "limits.v_u1"
+LIMITS = ("limits.v_u1", "filter.force_room")
+"""Parameters that are lowered."""
 
 PERIODS = {
     ("mb", False): (1e-3,),
@@ -38,7 +39,7 @@ adds three roundings of at most four times the limit, and its tables are rounded
 
 def with_margin(system: System, margin: float = MARGIN) -> System:
     """The same law with its limits' values lowered by this share."""
-    shares = ((item, 1 - margin if item.signal.name == LIMIT else 1.0) for item in system.params)
+    shares = ((item, 1 - margin if item.signal.name in LIMITS else 1.0) for item in system.params)
     lowered = (replace(item, value=tuple(share * x for x in item.value)) for item, share in shares)
     return replace(system, params=tuple(lowered))
 

@@ -6,12 +6,12 @@ asks when a command arrives: late, lost, jittering and timed-out ones are comman
 bounds.
 
 Commands that change by at most ``slew`` a second, a, swing a linear loop less.  What acts is then
-within a H of a command that changes at most so fast, with H the longest that one may act, so that
-for the step response S
+within a H/2 of a command that changes at most so fast, with H the longest that one may act, so that
+for the step response S, and L the integral of |1 - S| from when S first reaches 1 on,
 
-    |v| <= K c + a (K int|1 - S| + N H) + delta
+    |v| <= K c + a (K L + N H/2) + delta
 
-and |u| <= c = (V - delta - a (K int|1 - S| + N H))/K is admitted (`filter.slew`).
+and |u| <= c = (V - delta - a (K L + N H/2))/K is admitted (`filter.slew`).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from wmr_ctrl.filter.channels import (
 from wmr_ctrl.filter.governor import admitted, largest_command
 from wmr_ctrl.filter.governor_step import stated
 from wmr_ctrl.filter.peak_gain import peak_gains
-from wmr_ctrl.filter.step_response import cells_of, lag
+from wmr_ctrl.filter.step_response import cells_of, swing
 from wmr_ctrl.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import ASKED, Signal
@@ -100,7 +100,7 @@ class Clip:
 
 @lru_cache(maxsize=8)
 def slew_reach(scenario: Scenario) -> tuple[float, float]:
-    """K int|1 - S| + N H of both axes [s], rounded up, for commands as the filter times them.
+    """K L + N H/2 of both axes [s], rounded up, for commands as the filter times them.
 
     Of samples ``jitter`` apart from the period, the shortest lets commands change fastest.
     """
@@ -108,6 +108,8 @@ def slew_reach(scenario: Scenario) -> tuple[float, float]:
     first, last = settings.delay
     H = (1 + settings.losses) * (T + settings.jitter) + last - first
     K, quicker, peaks = settings.gain[1], T / (T - settings.jitter), peak_gains(scenario)
-    lags = [lag(cells_of(scenario, axis)) for axis in AXES]
-    linear, angular = (quicker * (K * lags[i] + peaks[i].gain * H) * (1 + 2.0**-49) for i in AXES)
+    swings = [swing(cells_of(scenario, axis)) for axis in AXES]
+    linear, angular = (
+        quicker * (K * swings[i] + peaks[i].gain * H / 2) * (1 + 2.0**-49) for i in AXES
+    )
     return linear, angular

@@ -2,20 +2,21 @@
 
 A PI loop is linear as long as its motors give what it asks for, F = M v' + c v - d.  Commands lead
 to the part sum of Delta_j M S'(age_j) of M v', which fades to 0 behind each change and lies between
-tables of M S' over the whole family (`step_response.force_band`).  So with
+tables of M S' over the whole family (`step_response.force_band`), and to a part v_u of v, which the
+`Forecast` of the speed bounds.  Pushes make the loop give at most N dbar, N its peak gain.  So with
 
-    |sum of Delta_j M S'(age_j)| <= f,    f = filter.force - c_max V - N dbar
+    sum of Delta_j M S'(age_j) + max(0, c_max v_u) <= f,    f = filter.force - N dbar
 
-the loop never asks for more than filter.force, since |c v| <= c_max V and pushes make it give at
-most N dbar, N its peak gain.  What is known of speed and of force ahead, if the command stays as it
-is, is a `Forecast` each.  A change is admitted where both stay within c and f for ever if the new
-command is held: so the old command always is, and the admitted ones are an interval around it.
-Zero at once may take more force than there is: a stop is the fastest admitted ramp.
+and the same of its negative the loop never asks for more than filter.force.  What is known of speed
+and of force ahead, if the command stays as it is, is a `Forecast` each.  A change is admitted where
+both stay within c and f for ever if the new command is held: so the old command always is, and the
+admitted ones are an interval around it.  Zero at once may take more force than there is: a stop is
+the fastest admitted ramp.
 """
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 
 import casadi as ca
 import numpy as np
@@ -40,11 +41,12 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import LARGEST, Signal
 
 UNITS = ("N", "N.m")
-ROOM = Signal("filter.force_room", "N, N.m", "force that is left to change the speed", 2)
+ROOM = Signal("filter.force_room", "N, N.m", "force that pushes leave", 2)
+DRAG = Signal("filter.drag", "N.s/m, N.m.s", "largest friction over speed", 2)
 
 
 def force_room(scenario: Scenario) -> tuple[float, float]:
-    """f of both axes [N, N m].  ScenarioError where nothing is left to change the speed with."""
+    """f of both axes [N, N m], less what roundings may do.  ScenarioError where nothing is left to change the speed with."""
     settings, l = scenario.filter, scenario.robot.l
     assert settings.force is not None  # the band asks for it
     arms, peaks, left = (1.0, l**2), peak_gains(scenario), []
@@ -52,8 +54,9 @@ def force_room(scenario: Scenario) -> tuple[float, float]:
         friction = settings.friction[1] * arms[i] * scenario.limits.v_u1[i]
         pushed = peaks[i].gain * settings.push[i]
         needed = (friction + pushed) * (1 + 2.0**-40)
-        left.append(settings.force[i] - needed)
-        if left[i] <= ROUNDING * settings.force[i]:
+        given = settings.force[i] * (1 - ROUNDING)
+        left.append(given - pushed * (1 + 2.0**-40))
+        if given <= needed:
             raise ScenarioError(
                 f"filter.force[{i + 1}] = {settings.force[i]:g} {UNITS[i]} leaves nothing to "
                 f"change the speed with: friction at the limit takes up to {friction:.4g}, and "
@@ -61,6 +64,12 @@ def force_room(scenario: Scenario) -> tuple[float, float]:
                 "smaller push or friction, or a lower limit."
             )
     return left[0], left[1]
+
+
+def largest_drag(scenario: Scenario) -> tuple[float, float]:
+    """c_max of both axes [N s/m, N m s], rounded up."""
+    c = scenario.filter.friction[1] * (1 + 2.0**-50)
+    return c, c * scenario.robot.l**2 * (1 + 2.0**-50)
 
 
 def force_table(scenario: Scenario, axis: int) -> tuple[Port, Port, Port]:
@@ -120,9 +129,27 @@ def speed_steps(known: Forecast, c: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX
     return _most(above * inverse), _most(below * inverse)
 
 
-def force_steps(known: Forecast, f: ca.SX, inverse: tuple[ca.SX, ca.SX]) -> tuple[ca.SX, ca.SX]:
-    """The same for the force and its negative, within f."""
-    above, below = _rooms(known, f, ca.SX(0))
+def with_drag(force: Forecast, speed: Forecast, drag: ca.SX) -> Forecast:
+    """What is known of a force and of ``drag`` times the speed together, over drag times u."""
+    return Forecast(
+        force.over + drag * speed.over,
+        force.under + drag * speed.under,
+        force.tail + drag * speed.tail,
+        drag * speed.u,
+    )
+
+
+def dragging(force: ResponseTable, speed: ResponseTable, drag: ca.SX) -> ResponseTable:
+    """Tables of a force behind a step, with ``drag`` times the speed; what fades is the force's."""
+    low, high = (a + drag * b for a, b in ((force.low, speed.low), (force.high, speed.high)))
+    return ResponseTable(low, high, force.left, force.fading, rest=0)
+
+
+def force_steps(
+    known: Forecast, f: ca.SX, inverse: tuple[ca.SX, ca.SX], held: ca.SX | None = None
+) -> tuple[ca.SX, ca.SX]:
+    """The same for the force and its negative, within f; ``held``: what it ends at, 0 or known.u."""
+    above, below = _rooms(known, f, ca.SX(0) if held is None else held)
     up, down = inverse
     rise = ca.fmin(_line(above, up), _line(below, down))
     fall = ca.fmin(_line(above, down), _line(below, up))
@@ -151,26 +178,31 @@ class ForceBand(BandGovernor):
 
     def __init__(self, scenario: Scenario) -> None:
         """Take the ports, and enclose the family's step responses and what force they take."""
-        tables = [force_table(scenario, axis) for axis in AXES]
-        self.room = port(ROOM, force_room(scenario))
-        slopes = [self._force_slopes(axis, *tables[axis][:2]) for axis in AXES]
-        further = (item for own in (*tables, *slopes) for item in own)
-        super().__init__(scenario, (self.room, *further))
-        for axis, (least, most, left) in enumerate(tables):
+        self.room, self.drag = port(ROOM, force_room(scenario)), port(DRAG, largest_drag(scenario))
+        self.force_tables = [force_table(scenario, axis) for axis in AXES]
+        further = (item for own in self.force_tables for item in own)
+        super().__init__(scenario, (self.room, self.drag, *further))
+        for axis, (least, most, left) in enumerate(self.force_tables):
             fading = self.tables[axis].fading
             self.tables.append(ResponseTable(least.sym, most.sym, left.sym, fading, rest=0))
             self.state.append(force_forecast(axis, least.signal.size - 1))
-        self.force_inverse = [(up.sym, down.sym) for up, down in slopes]
 
-    def _force_slopes(self, axis: int, least: Port, most: Port) -> tuple[Port, Port]:
-        table = ResponseTable(least.sym, most.sym, ca.SX(0), ca.SX(0), rest=0)
-        inverse = ca.Function("inverse", [least.sym, most.sym], inverse_force_slopes(table))
-        name, size = NAMES[axis], least.signal.size
-        up, down = (item.full().ravel() for item in inverse(least.value, most.value))
-        return (
-            port(Signal(f"filter.force_up_{name}", "1", "1 over the force of a rise", size), up),
-            port(Signal(f"filter.force_down_{name}", "1", "1 over that of a fall", size), down),
-        )
+    def _slopes(self, axis: int, low: Port, high: Port) -> list[Port]:
+        """Those of the speed, then of the force alone and of the force with friction."""
+        least, most, left = self.force_tables[axis]
+        force = ResponseTable(least.sym, most.sym, left.sym, ca.SX(0), rest=0)
+        speed = ResponseTable(low.sym, high.sym, ca.SX(0), ca.SX(0))
+        known, name = (least, most, left, low, high, self.drag), NAMES[axis]
+        slopes = super()._slopes(axis, low, high)
+        both = (force, "force"), (dragging(force, speed, self.drag.sym[axis]), "drag")
+        for table, what in both:
+            inverse = ca.Function("inverse", [i.sym for i in known], inverse_force_slopes(table))
+            made = (item.full().ravel() for item in inverse(*(i.value for i in known)))
+            for way, values in zip(("up", "down"), made, strict=True):
+                meaning = f"1 over the {what} of a change {way}"
+                signal = Signal(f"filter.{what}_{way}_{name}", "1", meaning, len(values))
+                slopes.append(port(signal, values))
+        return slopes
 
     @cached_property
     def ends(self) -> list[tuple[ca.SX, ca.SX]]:
@@ -178,12 +210,15 @@ class ForceBand(BandGovernor):
         both = []
         for i in AXES:
             bounds, speed, force = self.channels[i].bounds, *self.forecasts[i :: len(AXES)]
-            c = largest_command(bounds.V, bounds)
+            held, *inverse = self.inverse[i]
+            c, f = largest_command(bounds.V, bounds), self.room.sym[i]
+            dragged = with_drag(force, speed, self.drag.sym[i])
             steps = (
-                speed_steps(speed, c, self.inverse[i][0]),
-                force_steps(force, self.room.sym[i], self.force_inverse[i]),
+                speed_steps(speed, c, held),
+                force_steps(force, f, (inverse[0], inverse[1])),
+                force_steps(dragged, f, (inverse[2], inverse[3]), dragged.u),
             )
-            rise, fall = (ca.fmin(*pair) for pair in zip(*steps, strict=True))
+            rise, fall = (reduce(ca.fmin, some) for some in zip(*steps, strict=True))
             both.append((speed.u - fall, speed.u + rise))
         return both
 

@@ -141,20 +141,39 @@ class SpeedBound:
     tau: tuple[ca.SX, ca.SX]
     period: ca.SX
 
-    def carried(self, v: ca.SX, piece: Piece, targets: Sequence[ca.SX], length: ca.SX) -> ca.SX:
-        """Bound of the speed behind a piece of ``length`` [s]; ``targets[age]`` of each command."""
+    def shares(self, length: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Largest and least share of its way that the base goes in a while of ``length`` [s]."""
+        most, least = (-ca.expm1(-length / tau) for tau in self.tau)
+        return most, least
+
+    def carried(
+        self, v: ca.SX, piece: Piece, targets: Sequence[ca.SX], shares: tuple[ca.SX, ca.SX]
+    ) -> ca.SX:
+        """Bound of the speed behind a piece of these shares; ``targets[age]`` of each command."""
         stopped = [self.bounds.dbar] if self.schedule.hold > 0 else []
         target = largest([*(targets[age] for age in piece.ages), *stopped])
-        shares = [-ca.expm1(-length / tau) for tau in self.tau]
         return ca.fmin(relaxed(v, target, *shares), self.bounds.V)
 
     def now(self, y: ca.SX, age: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
-        """Bound of the speed at a sample from odometry y that is ``age`` [s] old."""
-        v = ca.fmin(y + self.bounds.nbar, self.bounds.V)
-        for piece in self.schedule.pieces(-self.schedule.age, 0.0, 1) if self.schedule.age else []:
-            began = ca.fmax(piece.start * self.period, -age)
-            v = self.carried(v, piece, targets, ca.fmax(piece.end * self.period - began, 0))
+        """Bound of the speed at a sample from odometry y that is ``age`` [s] old.
+
+        Pieces before that age do not count, and of the one that it lies in a part.
+        """
+        v, T = ca.fmin(y + self.bounds.nbar, self.bounds.V), self.period
+        pieces = self.schedule.pieces(-self.schedule.age, 0.0, 1) if self.schedule.age else []
+        rest = ca.SX(0)
+        for piece in reversed(pieces):
+            rest = ca.if_else(-age < piece.end * T, piece.end * T + age, rest)
+        part = self.shares(rest)
+        for piece in pieces:
+            began, over = -age <= piece.start * T, -age >= piece.end * T
+            pairs = zip(self._whole(piece), part, strict=True)
+            most, least = (ca.if_else(began, whole, some) for whole, some in pairs)
+            v = ca.if_else(over, v, self.carried(v, piece, targets, (most, least)))
         return v
+
+    def _whole(self, piece: Piece) -> tuple[ca.SX, ca.SX]:
+        return self.shares((piece.end - piece.start) * self.period)
 
     def takeover(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
         """v_bar: bound of the speed at any instant at which the next command may take over."""
@@ -175,7 +194,7 @@ class SpeedBound:
         first, last = when
         ends = [v] if first <= NEAR else []
         for piece in self.schedule.pieces(0.0, last, newest, first) if last else []:
-            v = self.carried(v, piece, targets, (piece.end - piece.start) * self.period)
+            v = self.carried(v, piece, targets, self._whole(piece))
             ends += [v] if piece.end >= first - NEAR else []
         return largest(ends)
 

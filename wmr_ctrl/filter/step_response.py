@@ -28,7 +28,7 @@ GRID = 64
 CHUNK = 128
 SWINGS = 3.2
 """Length of the tables, over the slowest time constant: what is left behind is some per cent."""
-LAG_PIECES = 200
+SWING_PIECES = 400
 
 
 @dataclass(frozen=True)
@@ -211,23 +211,26 @@ def _bent(cells: Cells, x: Span, slope: Span, length: float) -> Span:
     return (cells.a + root(cells.b)) * root(energy) * (length**2 * (1 + 1e-12) / 8)
 
 
-def lag(cells: Cells) -> float:
-    """Largest integral of |1 - S| over all time [s] that a member of the family has.
+def swing(cells: Cells) -> float:
+    """Largest integral of |1 - S| [s] that a member has from when its response first reaches 1 on.
 
-    Within a piece |e| is below the line between its ends by no more than e bends; behind the last
-    piece it fades.
+    Before, e = 1 - S only falls.  Within a piece |e| is below the line between its ends by no more
+    than e bends, and pieces on which e is surely positive, as on all before, do not count; behind
+    the last piece it fades.
     """
     rate = _slowest(cells)
-    times = np.linspace(0.0, 2 * SWINGS / rate, LAG_PIECES + 1)
+    times = np.linspace(0.0, 2 * SWINGS / rate, SWING_PIECES + 1)
     longest = float(_up(np.diff(times).max()))
-    longest_lag = 0.0
+    most = 0.0
     for part, e, speed in _responses(cells, times):
         mean = 0.5 * (e.magnitude[..., :-1] + e.magnitude[..., 1:])
         mean = mean + _bent(part, e, speed, longest)
+        rises = np.logical_and.accumulate(_between(part, e, speed, longest)[0] > 0, axis=1)
         behind = Span.of(_left(part, e, speed, rate)) / rate
-        total = np.sum(mean.hi, axis=1, keepdims=True) * (1 + LAG_PIECES * 2.0**-52)
-        longest_lag = max(longest_lag, float((Span.of(total) * longest + behind).hi.max()))
-    return longest_lag
+        total = np.sum(np.where(rises, 0.0, mean.hi), axis=1, keepdims=True)
+        total = total * (1 + SWING_PIECES * 2.0**-52)
+        most = max(most, float((Span.of(total) * longest + behind).hi.max()))
+    return most
 
 
 def _slowest(cells: Cells) -> float:

@@ -3,7 +3,9 @@
 Tables of one piece and the tail: every piece of longer ones is reckoned alike.
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -11,9 +13,11 @@ import casadi as ca
 from wmr_ctrl.filter.band import Forecast, ResponseTable, inverse_slopes
 from wmr_ctrl.filter.force_band import (
     ForceBand,
+    dragging,
     force_steps,
     inverse_force_slopes,
     speed_steps,
+    with_drag,
 )
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
@@ -122,6 +126,132 @@ def ramped_force(mutation: Mutation) -> Statement:
     return Statement(s, tuple(at_least(f, part) for part, _ in after), given)
 
 
+@dataclass(frozen=True)
+class DraggedAxis:
+    """Symbols of one axis' force and speed together, with the largest friction over speed."""
+
+    force: ForceAxis
+    speed: BandAxis
+
+    @classmethod
+    def fresh(cls) -> DraggedAxis:
+        """Both with symbols of their own but for the commands, and the drag."""
+        return cls(ForceAxis(), BandAxis())
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Every number by name: of the speed with a v behind, but for its command and limit."""
+        own = {f"{name} of v": item for name, item in self.speed.symbols.items()}
+        return self.force.symbols | own | symbols("drag friction")
+
+    @property
+    def forecasts(self) -> tuple[Forecast, Forecast]:
+        """Of force and speed, under one command u."""
+        u = self.force.symbols["u"]
+        return self.force.forecast, replace(self.speed.forecast, u=u)
+
+    def after(self, to: ca.SX) -> Forecast:
+        """What is known of the force with friction behind a change of the command."""
+        force, speed = self.forecasts
+        changed = force.changed(to, self.force.table), speed.changed(to, self.speed.table)
+        return with_drag(*changed, self.symbols["drag"])
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """What is stated of both, and a drag that is not negative."""
+        return (*self.force.stated, *self.speed.stated, at_least(self.symbols["drag"]))
+
+
+@claim(
+    "filter.band.drag-{word}",
+    given="{sign}F <= {word} of the force, {sign}v <= {sign}u + {word} of the speed; 0 <= friction "
+    "<= drag",
+    over=WAYS,
+)
+def dragged(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(F + friction v) <= the larger of {word} of the force and, with friction, {sign}drag u
+    + {word} of both.
+
+    What friction takes is counted at the speed that the base may have, not at its limit.
+    """
+    a = DraggedAxis.fresh()
+    force, speed = a.forecasts
+    s, both = a.symbols, with_drag(force, speed, a.symbols["drag"])
+    bounds = [f.over if way > 0 else f.under for f in (force, speed, both)]
+    given = (
+        at_least(bounds[0], way * s["F"]), at_least(bounds[1] + way * s["u"], way * s["v of v"]),
+        at_least(s["friction"]), at_least(mutation(1, 1.1) * s["drag"], s["friction"]),
+    )  # fmt: skip
+    most = ca.fmax(bounds[0], bounds[2] + way * both.u)
+    return Statement(s, (at_least(most, way * (s["F"] + s["friction"] * s["v of v"])),), given)
+
+
+@claim(
+    "filter.band.drag-changed-{word}",
+    given="any tables, forecasts, command and drag",
+    over=WAYS,
+)
+def drag_changed(mutation: Mutation, way: int) -> Statement:
+    """{sign}drag to + {word} of force and friction = {sign}drag u + {word} before + what a change
+    of one command adds by the tables of both, on the piece and behind.
+
+    Force with friction is changed by a command as a force is that has their tables together.
+    """
+    a = DraggedAxis.fresh()
+    s, (force, speed) = a.symbols, a.forecasts
+    drag, to, u = s["drag"], s["to"], s["u"]
+    before, after = with_drag(force, speed, drag), a.after(to)
+    table = dragging(a.force.table, a.speed.table, drag)
+    ahead, back = ca.fmax(way * (to - u), 0), ca.fmax(way * (u - to), 0)
+    goals = []
+    for k, (old, new) in enumerate(zip(_bounds(before, way), _bounds(after, way), strict=True)):
+        added = ahead * table.high[k] - back * table.low[k]
+        changed = new + way * drag * to - (old + way * mutation(1, 1.1) * drag * u)
+        goals += [at_least(changed, added), at_least(added, changed)]
+    return Statement(s, tuple(goals), a.stated)
+
+
+RAMPED = tuple(
+    way | part | {"rises": rises, "turn": "rise" if rises else "fall",
+                  "how": "u <= to <= u + rise" if rises else "u - fall <= to <= u"}
+    for way in WAYS
+    for part in ({"part": "piece", "behind": 0, "told": "the piece"},
+                 {"part": "tail", "behind": 1, "told": "what is behind"})
+    for rises in (True, False)
+)  # fmt: skip
+
+
+@claim(
+    "filter.band.ramp-drag-{word}-{part}-{turn}",
+    given="low <= high on every piece and behind, 0 < high on the first; {sign}held + {word} <= f "
+    "before; {how}, what a fall and a rise are admitted",
+    over=RAMPED,
+)
+def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> Statement:
+    """{sign}held + {word} + what the change adds <= f, on {told}.
+
+    A command that is admitted and held keeps the force with friction within what is left.
+    """
+    s = symbols("low high low_behind high_behind over under tail u held to f")
+    low, high = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("low", "high"))
+    table = ResponseTable(low, high, ca.SX(0), ca.SX(0), rest=0)
+    known, f, change = Forecast(s["over"], s["under"], s["tail"], s["u"]), s["f"], s["to"] - s["u"]
+    rise, fall = force_steps(known, f, inverse_force_slopes(table), s["held"])
+    before = _bounds(known, way)[behind] + way * s["held"]
+    given = (
+        above(s["high"]), above(f), at_least(high[behind], low[behind]), at_least(f, before),
+        at_least(change if rises else -change),
+        at_least(mutation(1, 1.2) * (rise if rises else fall), change if rises else -change),
+    )  # fmt: skip
+    added = change * (high if (way > 0) == rises else low)[behind]
+    return Statement(s, (at_least(f, before + way * added),), given)
+
+
+def _bounds(known: Forecast, way: int) -> tuple[ca.SX, ca.SX]:
+    """Bounds of a quantity (way 1) or of its negative, on the piece and behind it."""
+    return (known.over if way > 0 else known.under), known.tail
+
+
 def _longer(values: ca.SX) -> ca.SX:
     """Tables of as many pieces as conditions on a stop ask for; the first ones are not used."""
     return ca.vertcat(values[0], values[0], values)
@@ -164,15 +294,17 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 @claim(
     "filter.band.force",
     given="a PI loop of the family, its numbers constant, at rest at the start, whose motors give "
-    "what it asks for; commands take over one period after the other; |d| <= dbar, |v| <= V",
+    "what it asks for; commands take over one period after the other; |d| <= dbar",
     by=HAND,
-    premises="filter.band.force-over filter.band.force-under filter.peak-gain",
+    premises="filter.band.force-over filter.band.force-under filter.band.drag-over "
+    "filter.band.drag-under filter.peak-gain",
 )
 def force() -> None:
     """F = sum of Delta_j M S'(age_j) + c v_u + what pushes make it give, at most N dbar, v_u what
-    commands alone lead to, |v_u| <= V.
+    commands alone lead to.
 
-    Forecasts that bound the sum by f = F_max - c_max V - N dbar bound what the loop asks for.
+    Forecasts that bound the sum, and the sum with c_max v_u, by f = F_max - N dbar bound what the
+    loop asks for.
     """
 
 
@@ -182,7 +314,13 @@ def force() -> None:
     "F_max; commands take over one period after the other, by a constant delay; |d| <= dbar",
     by=HAND,
     premises="filter.band.superposition filter.band.force filter.band.ramp-speed "
-    "filter.band.ramp-force filter.band.ramp-sent-linear filter.band.ramp-sent-angular",
+    "filter.band.ramp-force filter.band.ramp-drag-over-piece-rise "
+    "filter.band.ramp-drag-over-piece-fall filter.band.ramp-drag-over-tail-rise "
+    "filter.band.ramp-drag-over-tail-fall filter.band.ramp-drag-under-piece-rise "
+    "filter.band.ramp-drag-under-piece-fall filter.band.ramp-drag-under-tail-rise "
+    "filter.band.ramp-drag-under-tail-fall filter.band.drag-changed-over "
+    "filter.band.drag-changed-under filter.band.ramp-sent-linear "
+    "filter.band.ramp-sent-angular",
 )
 def ramp() -> None:
     """|v| <= c + delta <= V and |F| <= F_max at every instant: forecasts that are within c and f

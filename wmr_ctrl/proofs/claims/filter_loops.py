@@ -119,14 +119,15 @@ def peak_gain() -> None:
     "filter.slew",
     given="a linear loop of the family, its numbers constant, at rest at the start; what acts at t "
     "was sent at most H before, |u| <= c, changes of at most a T from sample to sample, samples "
-    "T - jitter apart or more; |d| <= dbar; int|1 - S| as `lag` encloses it",
+    "T - jitter apart or more; |d| <= dbar; L as `swing` encloses it",
     by=HAND,
     premises="filter.peak-gain filter.slew-sent-linear filter.slew-sent-angular",
 )
 def slew() -> None:
-    """|v| <= K c + a' (K int|1 - S| + N H) + delta <= V, a' = a T/(T - jitter): r, the line through
-    what was sent, later by the least delay, has |r| <= c, |r'| <= a' and |u - r| <= a' H; K r leads
-    to K r - K int (1 - S) r' ds by parts, what is left to at most N a' H.
+    """|v| <= K c + a' (K L + N H/2) + delta <= V, a' = a T/(T - jitter), L the integral of |1 - S|
+    from when S first reaches 1 on: r, the line through what was sent, later by the least delay and
+    H/2, has |r| <= c, |r'| <= a' and |u - r| <= a' H/2; r leads to at most K c before, for S only
+    rises there, and by parts to K L a' behind.
 
     A linear loop behind commands that change slowly swings less than its peak gain says.
     """
