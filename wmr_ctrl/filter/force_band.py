@@ -46,7 +46,7 @@ DRAG = Signal("filter.drag", "N.s/m, N.m.s", "largest friction over speed", 2)
 
 
 def force_room(scenario: Scenario) -> tuple[float, float]:
-    """f of both axes [N, N m], less what roundings may do.  ScenarioError where nothing is left to change the speed with."""
+    """f of both axes [N, N m], less what roundings may do; ScenarioError where nothing is left."""
     settings, l = scenario.filter, scenario.robot.l
     assert settings.force is not None  # the band asks for it
     arms, peaks, left = (1.0, l**2), peak_gains(scenario), []
@@ -148,7 +148,7 @@ def dragging(force: ResponseTable, speed: ResponseTable, drag: ca.SX) -> Respons
 def force_steps(
     known: Forecast, f: ca.SX, inverse: tuple[ca.SX, ca.SX], held: ca.SX | None = None
 ) -> tuple[ca.SX, ca.SX]:
-    """The same for the force and its negative, within f; ``held``: what it ends at, 0 or known.u."""
+    """The same for the force and its negative, within f; ``held``: where it ends, by default 0."""
     above, below = _rooms(known, f, ca.SX(0) if held is None else held)
     up, down = inverse
     rise = ca.fmin(_line(above, up), _line(below, down))
