@@ -197,8 +197,8 @@ class ForceBand(BandGovernor):
         both = (force, "force"), (dragging(force, speed, self.drag.sym[axis]), "drag")
         for table, what in both:
             inverse = ca.Function("inverse", [i.sym for i in known], inverse_force_slopes(table))
-            made = (item.full().ravel() for item in inverse(*(i.value for i in known)))
-            for way, values in zip(("up", "down"), made, strict=True):
+            columns = (item.full().ravel() for item in inverse(*(i.value for i in known)))
+            for way, values in zip(("up", "down"), columns, strict=True):
                 meaning = f"1 over the {what} of a change {way}"
                 signal = Signal(f"filter.{what}_{way}_{name}", "1", meaning, len(values))
                 slopes.append(port(signal, values))
