@@ -12,6 +12,7 @@ import pytest
 import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
 from wmr_ctrl.checks import filter_facts
+from wmr_ctrl.cli.check_sentences import filter_lines
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.linear.point import law_loop
@@ -228,6 +229,9 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
     assert facts.overshoot is not None
     assert min(facts.overshoot) > 0.1
     assert facts.overshoot_cost is not None
+    told = " ".join(filter_lines(settle(scenario, "kanayama")))
+    assert ("millisecond of delay costs" in told) == (kind == "clip")
+    assert ("as long as it stays the same" in told) == (kind == "band")
     if kind == "band":
         assert facts.rise is not None
         assert facts.rise_cost is not None

@@ -84,6 +84,51 @@ def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
         assert int(flags) == sum(bits[flag] for flag in made.flags)
 
 
+CHANGED = """#include <stdio.h>
+#include <string.h>
+#include "wmr_filter.h"
+int main(void)
+{
+    wmr_filter_parameters parameters;
+    wmr_filter_state memory;
+    wmr_filter_inputs in;
+    wmr_filter_outputs out;
+    memset(&in, 0, sizeof in);
+    wmr_filter_defaults(&parameters);
+    wmr_filter_start(&memory);
+    in.v_asked[0] = 5.0;
+    for (int k = 0; k < 6; ++k) {
+        if (k == 3) parameters.filter_tau[0] *= 0.5;
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+        printf("%.17g\\n", out.v_sent[0]);
+    }
+    return 0;
+}
+"""
+
+
+def test_a_parameter_that_changes_counts_from_the_next_step_on(tmp_path):
+    """What the memory keeps of parameters is made anew."""
+    needs("gcc")
+    written(tmp_path, "governor")
+    (tmp_path / "changed.c").write_text(CHANGED, encoding="utf-8")
+    command = ["gcc", "-std=c99", "-ffp-contract=off", "changed.c", "wmr_filter.c", "-lm"]
+    run([*command, "-o", "changed"], tmp_path)
+    sent = [float(line) for line in run(["./changed"], tmp_path).splitlines()]
+
+    system = command_filter(scenario()).system
+    machine = system.function("step", [system.update, system.y])
+    names = [name for item in system.params for name in item.signal.elements]
+    p, place = list(system.p0), names.index("filter.tau[1]")
+    x, expected = system.x0, []
+    for k in range(6):
+        p[place] *= 0.5 if k == 3 else 1.0
+        x, y = machine([5.0, 0.0, 0.0, 0.0, 0.0, 0.0], x, p)
+        expected.append(float(y[0]))
+    assert sent == pytest.approx(expected, rel=1e-14)
+    assert sent[3] < sent[2]
+
+
 def test_a_scenario_without_filter_is_refused():
     with pytest.raises(ScenarioError, match="has no command filter"):
         package_files("filter", load_scenario("paper-simulation"))
