@@ -90,11 +90,14 @@ class Certifier:
             raise NoCorridorError(f"only {able} have one, away from their limits")
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
         self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup))
+        shown, moved = loop.law.value(), loop.step.value()
+        self.added = np.array(
+            [float((a - x).mid()) for a, x in zip(moved, loop.step.at, strict=False)]
+        )
         try:
-            self.gains = loop_gains(loop, np.array(setup.scenario.corridor.start))
+            self.gains = loop_gains(loop, np.array(setup.scenario.corridor.start), self.added)
         except SlowLoopError as error:
             raise NoCorridorError(f"the loop is unstable, or takes too long: {error}") from error
-        shown, moved = loop.law.value(), loop.step.value()
         self.level = np.array([upper(item) for item in shown[-loop.count :]])
         self.most = np.array([float(item.lower()) * (1 - 2**-50) for item in loop.most])
         for place, item in enumerate(loop.conditions):
@@ -105,7 +108,8 @@ class Certifier:
             self.most[place] = (self.most[place] - off * UP) * (1 - 2**-50)
         stays = [(a - x) for a, x in zip(shown, loop.remains, strict=False)]
         self.law_rest = np.array([*map(upper, stays), *np.zeros(loop.count)])
-        self.step_rest = np.array([upper(a - x) for a, x in zip(moved, loop.step.at, strict=False)])
+        steady = zip(moved, loop.step.at, self.added.tolist(), strict=False)
+        self.step_rest = np.array([upper(a - x - more) for a, x, more in steady])
         self.by_body = np.array([[upper(x) for x in row[-COMMAND:]] for row in loop.step.slopes()])
         self.step_rest[:2] += reference_gap(v_d, setup.scenario.clock.plant)
         self.begun, self.old = self._reckoning_gap(), self._old_velocity()
@@ -227,7 +231,7 @@ class Certifier:
     def next_sample(self, inputs: Inputs, state: Floats, peaks: Peaks) -> Peaks:
         """From a state within ``state``, over one sample in which nothing leaves ``peaks``."""
         step, law = self._added(inputs, peaks)
-        given = self._given(inputs, law)
+        given, step = self._given(inputs, law), step + np.abs(self.added)
 
         def of(gains: Gains) -> Floats:
             held, direct, own = gains.first
@@ -281,7 +285,7 @@ class Certifier:
         given, before = self._given(inputs, law), self._before(inputs, law)
 
         def of(gains: Gains) -> Floats:
-            forced = gains.by @ given + gains.steps @ step
+            forced = gains.by @ given + gains.steps @ step + gains.constant
             start = gains.start + gains.misled * (inputs.pose + self.begun) + gains.before @ before
             return np.asarray((forced + started * start) * UP)
 

@@ -53,6 +53,7 @@ class Gains:
     after one at which an observer remembers a velocity that is off by 1, alone.  ``first``: the
     same within one sample, by the state at its begin and then as ``by`` and ``steps``.  ``left``:
     what is left after ``samples``, by the state's largest deviation in units of ``scale``.
+    ``constant``: largest values under what every plant step adds alike, alone.
     """
 
     by: Floats
@@ -62,6 +63,7 @@ class Gains:
     before: Floats
     first: tuple[Floats, Floats, Floats]
     left: Floats
+    constant: Floats
 
 
 @dataclass(frozen=True)
@@ -153,9 +155,10 @@ class _Sample:
         )  # fmt: skip
 
 
-def loop_gains(loop: SampledLoop, start: Floats) -> LoopGains:
+def loop_gains(loop: SampledLoop, start: Floats, added: Floats) -> LoopGains:
     """All gains of a loop, from a start off by |e| <= ``start`` (3).
 
+    ``added``: what every plant step adds to the fast state, always the same.
     SlowLoopError where it is unstable or too slow to be enclosed.
     """
     with ctx.workprec(SPARE_BITS):
@@ -167,7 +170,7 @@ def loop_gains(loop: SampledLoop, start: Floats) -> LoopGains:
     if bits > MOST_BITS:
         raise SlowLoopError(f"its matrix would take {bits} bits")
     with ctx.workprec(bits):
-        return _summed(_Sample(loop), loop, samples, start)
+        return _summed(_Sample(loop), loop, samples, start, added)
 
 
 def _samples(a: Floats) -> tuple[int, float]:
@@ -179,7 +182,9 @@ def _samples(a: Floats) -> tuple[int, float]:
     return samples, growth
 
 
-def _summed(sample: _Sample, loop: SampledLoop, samples: int, start: Floats) -> LoopGains:
+def _summed(
+    sample: _Sample, loop: SampledLoop, samples: int, start: Floats, added: Floats
+) -> LoopGains:
     n, nz = sample.n, len(loop.names)
     A, power, powers = arb_mat(sample.A.tolist()), arb_mat(_eye(n).tolist()), []
     for _ in range(samples):
@@ -196,16 +201,26 @@ def _summed(sample: _Sample, loop: SampledLoop, samples: int, start: Floats) -> 
         raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
     ratios = np.array([scale[a] / scale[b] for a, b in PAIRS])
     picked, blank = _fast_rows(nz, ratios), np.zeros((n, n))
+    powers_within = _powers(sample.step, loop.steps)
     apart = sum(
-        (np.abs(_doubles(item - _eye(nz))) for item in _powers(sample.step, loop.steps)),
-        start=np.zeros((nz, nz)),
+        (np.abs(_doubles(item - _eye(nz))) for item in powers_within), start=np.zeros((nz, nz))
     )
+    sums_within = [_balls(nz, 1)]
+    for item in powers_within:
+        sums_within.append(sums_within[-1] + item @ np.array([[arb(x)] for x in added.tolist()]))
+    shares = [_doubles(item)[:, 0] for item in sums_within]
+    whole_sample = np.concatenate((shares[-1], np.zeros(n - nz)))
     steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
     whole = np.abs(np.array(powers)).sum(axis=0)
     estimate = n - sample.acting - loop.filter if loop.filter else None
     old = nz + COMMAND * loop.queue + loop.observed[1] if loop.observed else None
-    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps, start, estimate, old)
-    within = [sums.gains(sample.rows_within(s, picked)) for s in range(loop.steps)]
+    sums = _Sums(
+        course, whole, np.abs(every), scale, damping, n, steps, start, estimate, old,
+        np.array(powers) @ whole_sample, whole @ np.abs(whole_sample),
+    )  # fmt: skip
+    within = [
+        sums.gains(sample.rows_within(s, picked), picked @ shares[s]) for s in range(loop.steps)
+    ]
     shown = _doubles(sample.law)
     count = len(shown)
     none = {"push": blank[:, :COMMAND], "measured": np.zeros((n, ROBOT)), "steps": blank[:, :nz]}
@@ -232,6 +247,8 @@ class _Sums:
     start: Floats
     estimate: int | None
     old: int | None
+    steady: Floats
+    steady_size: Floats
 
     @cached_property
     def norms(self) -> Floats:
@@ -239,8 +256,11 @@ class _Sums:
         norms: Floats = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
         return norms
 
-    def gains(self, rows: _Rows) -> Gains:
-        """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct."""
+    def gains(self, rows: _Rows, added: Floats | float = 0.0) -> Gains:
+        """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct.
+
+        ``added``: what the present sample has added so far of what it always adds.
+        """
         size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
         seen = np.abs(rows.picked @ rows.state @ self.course)
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
@@ -263,7 +283,21 @@ class _Sums:
         held = (np.abs(rows.picked @ rows.state) + ROUNDING * size + FLOOR) * UP
         first = held, direct, rows.steps
         left = reach * self.damping * UP
-        return Gains((every[:, n:] + direct) * UP, steps, start, misled, before, first, left)
+        constant = self._constant(rows, size, reach, added)
+        by = (every[:, n:] + direct) * UP
+        return Gains(by, steps, start, misled, before, first, left, constant)
+
+    def _constant(self, rows: _Rows, size: Floats, reach: Floats, added: Floats | float) -> Floats:
+        """Largest values of the sums, with their signs, of what every sample adds alike."""
+        each = rows.picked @ rows.state @ self.steady.T
+        course = np.cumsum(np.hstack([np.zeros((len(each), 1)), each]), axis=1)
+        largest = np.abs(course + np.reshape(added, (-1, 1))).max(axis=1)
+        rounded = (UP - 1) * (np.abs(each).sum(axis=1) + np.abs(added)) + FLOOR
+        slack = rounded + ROUNDING * size @ self.steady_size
+        norms = (np.abs(self.steady) / self.scale).max(axis=1).sum()
+        return np.asarray(
+            (largest + slack + reach * norms * self.damping / (1 - self.damping)) * UP
+        )
 
     def _misled(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
         """Largest values after a start whose estimated position alone is off."""
@@ -301,14 +335,14 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
 
 def _largest(each: list[Gains]) -> Gains:
     """Entry by entry."""
-    by, steps, start, misled, before, left = (
+    by, steps, start, misled, before, left, constant = (
         np.max([getattr(item, name) for item in each], axis=0)
-        for name in ("by", "steps", "start", "misled", "before", "left")
+        for name in ("by", "steps", "start", "misled", "before", "left", "constant")
     )
     held, direct, own = (
         np.max(parts, axis=0) for parts in zip(*(item.first for item in each), strict=True)
     )
-    return Gains(by, steps, start, misled, before, (held, direct, own), left)
+    return Gains(by, steps, start, misled, before, (held, direct, own), left, constant)
 
 
 def _powers(matrix: BallArray, count: int) -> list[BallArray]:
