@@ -218,9 +218,7 @@ def _summed(
         course, whole, np.abs(every), scale, damping, n, steps, start, estimate, old,
         np.array(powers) @ whole_sample, whole @ np.abs(whole_sample),
     )  # fmt: skip
-    within = [
-        sums.gains(sample.rows_within(s, picked), picked @ shares[s]) for s in range(loop.steps)
-    ]
+    within = [sums.gains(sample.rows_within(s, picked), shares[s]) for s in range(loop.steps)]
     shown = _doubles(sample.law)
     count = len(shown)
     none = {"push": blank[:, :COMMAND], "measured": np.zeros((n, ROBOT)), "steps": blank[:, :nz]}
@@ -256,10 +254,11 @@ class _Sums:
         norms: Floats = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
         return norms
 
-    def gains(self, rows: _Rows, added: Floats | float = 0.0) -> Gains:
+    def gains(self, rows: _Rows, added: Floats | None = None) -> Gains:
         """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct.
 
-        ``added``: what the present sample has added so far of what it always adds.
+        ``added``: what the present sample has added so far, of what it always adds, to the state
+        that ``rows`` picks from; None: nothing.
         """
         size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
         seen = np.abs(rows.picked @ rows.state @ self.course)
@@ -287,17 +286,17 @@ class _Sums:
         by = (every[:, n:] + direct) * UP
         return Gains(by, steps, start, misled, before, first, left, constant)
 
-    def _constant(self, rows: _Rows, size: Floats, reach: Floats, added: Floats | float) -> Floats:
+    def _constant(self, rows: _Rows, size: Floats, reach: Floats, added: Floats | None) -> Floats:
         """Largest values of the sums, with their signs, of what every sample adds alike."""
+        now = np.zeros(rows.picked.shape[1]) if added is None else added
         each = rows.picked @ rows.state @ self.steady.T
-        course = np.cumsum(np.hstack([np.zeros((len(each), 1)), each]), axis=1)
-        largest = np.abs(course + np.reshape(added, (-1, 1))).max(axis=1)
-        rounded = (UP - 1) * (np.abs(each).sum(axis=1) + np.abs(added)) + FLOOR
-        slack = rounded + ROUNDING * size @ self.steady_size
-        norms = (np.abs(self.steady) / self.scale).max(axis=1).sum()
-        return np.asarray(
-            (largest + slack + reach * norms * self.damping / (1 - self.damping)) * UP
-        )
+        course = np.cumsum(np.hstack([(rows.picked @ now)[:, None], each]), axis=1)
+        picked = np.abs(rows.picked) @ np.abs(now)
+        slack = (UP - 1) * (np.abs(each).sum(axis=1) + picked) + FLOOR
+        slack += ROUNDING * size @ self.steady_size
+        tail = (np.abs(self.steady) / self.scale).max(axis=1).sum()
+        rest = reach * tail * self.damping / (1 - self.damping)
+        return np.asarray((np.abs(course).max(axis=1) + slack + rest) * UP)
 
     def _misled(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
         """Largest values after a start whose estimated position alone is off."""
