@@ -51,6 +51,18 @@ def test_no_adversary_leaves_the_corridor_and_some_come_near(case):
     assert reached.torque < settle(scenario, law).tau_max
 
 
+@pytest.mark.parametrize("robot", [(40.0, 4.3), (65.0, 7.0)])
+def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign(robot):
+    wrong = {**dict(zip(("robot.m", "robot.I"), robot, strict=True)), "changes": []}
+    believed = {"model.m": 50.0, "model.I": 5.4, "model.mu": 0.08}
+    scenario = override(load_scenario("safe-simulation"), {**wrong, **believed})
+    tube = find_corridor(scenario, "prox")
+    reached = farthest(scenario, "prox", 300, 3.0)
+
+    assert tube.position / 1.3 <= reached.position <= tube.position
+    assert np.abs(reached.e[:, 2]).max() <= tube.heading
+
+
 def test_a_push_beyond_its_bound_by_a_fifth_leaves_it():
     scenario = load_scenario("safe-simulation")
     tube = find_corridor(scenario, "prox")

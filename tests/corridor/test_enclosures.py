@@ -11,7 +11,7 @@ from flint import arb
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
-from wmr_ctrl.corridor.gains import loop_gains
+from wmr_ctrl.corridor.gains import _Sample, loop_gains
 from wmr_ctrl.corridor.inputs import conditions
 from wmr_ctrl.corridor.loop import Curve, SampledLoop
 from wmr_ctrl.scenario import load_scenario
@@ -46,12 +46,39 @@ def test_what_the_linear_part_leaves_stays_below_its_bound(loop, name):
 
 
 def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
-    gains = loop_gains(loop, np.zeros(3))
+    gains = loop_gains(loop, np.zeros(3), np.zeros(len(loop.names)))
 
     assert gains.damping < 1e-3
+    assert max(part.constant.max() for part in (gains.fast, gains.state, gains.law)) < 1e-15
     for part in (gains.fast, gains.state, gains.law):
         assert (part.by >= 0).all()
         assert np.isfinite(part.by).all()
+
+
+@pytest.mark.parametrize("place", range(5))
+def test_what_never_changes_brings_the_loop_as_far_as_is_said_and_no_further(loop, place):
+    """Of what each plant step adds: summed step by step, in doubles."""
+    added, size = np.zeros(len(loop.names)), len(loop.names)
+    added[place] = 1e-3
+    gains = loop_gains(loop, np.zeros(3), added)
+    sample = _Sample(loop)
+    A, step = (np.array(item, dtype=float) for item in (sample.A, sample.step))
+    within = [np.array(item[:, : sample.n], dtype=float) for item in sample.fast]
+    command = [np.array(item[:, sample.n :], dtype=float) for item in sample.fast]
+    law = np.array(sample.law[:2], dtype=float)
+    x, most, outermost = np.zeros(sample.n), np.zeros(size), np.zeros(sample.n)
+    for _ in range(2 * gains.samples):
+        own = np.zeros(size)
+        for free, forced in zip(within, command, strict=True):
+            most = np.maximum(most, np.abs(free @ x + forced @ law @ x + own))
+            own = step @ own + added
+        x = A @ x
+        x[:size] += own
+        outermost = np.maximum(outermost, np.abs(x))
+
+    assert (most <= gains.fast.constant[:size] * (1 + 1e-9)).all()
+    assert (outermost <= gains.state.constant * (1 + 1e-9)).all()
+    assert gains.fast.constant[:size] == pytest.approx(most, rel=0.05, abs=1e-9)
 
 
 def test_a_condition_that_goes_both_ways_is_not_guessed():
