@@ -11,9 +11,10 @@ from flint import arb
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
-from wmr_ctrl.corridor.gains import _Sample, loop_gains
+from wmr_ctrl.corridor.gains import loop_gains
 from wmr_ctrl.corridor.inputs import conditions
 from wmr_ctrl.corridor.loop import Curve, SampledLoop
+from wmr_ctrl.corridor.sample import SampleMatrices
 from wmr_ctrl.scenario import load_scenario
 
 V_D = np.array([0.2, 0.1])
@@ -61,7 +62,7 @@ def test_what_never_changes_brings_the_loop_as_far_as_is_said_and_no_further(loo
     added, size = np.zeros(len(loop.names)), len(loop.names)
     added[place] = 1e-3
     gains = loop_gains(loop, np.zeros(3), added)
-    sample = _Sample(loop)
+    sample = SampleMatrices(loop)
     A, step = (np.array(item, dtype=float) for item in (sample.A, sample.step))
     within = [np.array(item[:, : sample.n], dtype=float) for item in sample.fast]
     command = [np.array(item[:, sample.n :], dtype=float) for item in sample.fast]

@@ -21,7 +21,7 @@ import numpy as np
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import OpenBoxError, upper
-from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, Gains, SlowLoopError, loop_gains
+from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, Gains, loop_gains
 from wmr_ctrl.corridor.inputs import (
     Inputs,
     NoCorridorError,
@@ -30,6 +30,7 @@ from wmr_ctrl.corridor.inputs import (
     steady_motion,
 )
 from wmr_ctrl.corridor.loop import UP, SampledLoop
+from wmr_ctrl.corridor.sample import SlowLoopError
 from wmr_ctrl.laws.registry import LAWS
 
 ROUNDS, CLOSE, INFLATED, LEAST = 60, 1e-7, 1e-6, 1e-15

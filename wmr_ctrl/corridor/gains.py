@@ -11,34 +11,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, cos, log, log2, pi, sin
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, ctx
-from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.loop import UP, SampledLoop
+from wmr_ctrl.corridor.sample import (
+    FLOOR,
+    ROUNDING,
+    OutputRows,
+    SampleMatrices,
+    SlowLoopError,
+    balls,
+    doubles,
+    powers_of,
+    unit_matrix,
+)
 
-BallArray: TypeAlias = NDArray[np.object_]
-"""Balls in an array, whose products are enclosures."""
 LEFT, FAINTEST = 1e-6, 0.1
 """Size of A^K at which the sums end, and the largest with which they may end."""
 MOST_SAMPLES, MOST_BITS, MOST_STEPS = 12_000, 30_000, 100_000
 """Of samples, bits, and plant steps within those samples: some 4 s of CPU."""
 SPARE_BITS = 320
-EXACT, NOTHING = 2.0**-53, 1e-60
-"""A ball's double is off by this share and this much at most, which is checked."""
-LARGEST, FLOOR = 1e9, 1e-20
-"""Largest double of a matrix; what NOTHING comes to in 1e7 products of three of them at most."""
-ROUNDING = 1e-13
-"""Share by which a sum of up to 100 products of such doubles, each rounded, can err."""
 DIRECTIONS = 16
 PAIRS = [(a, b) for a in range(ROBOT) for b in range(a + 1, ROBOT)]
-
-
-class SlowLoopError(ArithmeticError):
-    """The loop does not come to rest within the samples and bits that are spent."""
 
 
 @dataclass(frozen=True)
@@ -84,77 +81,6 @@ class LoopGains:
     scale: Floats
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """Rows of outputs: of the state, directly of each input, and of plant steps of the sample."""
-
-    picked: Floats
-    state: Floats
-    push: Floats
-    law: Floats
-    measured: Floats
-    steps: Floats
-
-
-class _Sample:
-    """Matrices of one sample in balls, in the precision that is set.
-
-    The state is fast state, commands sent, memory, what acts; the law's outputs its command, next
-    memory, what acts, and the conditions' values.
-    """
-
-    def __init__(self, loop: SampledLoop) -> None:
-        """x' = free x + outputs l + push d with l = law x; the same for the fast state within."""
-        nz, nq, nm, na = len(loop.names), COMMAND * loop.queue, loop.memory, loop.acting
-        self.n = n = nz + nq + nm + na
-        self.acting = na
-        slopes, step = (np.array(curve.slopes(), dtype=object) for curve in (loop.law, loop.step))
-        self.law = _balls(len(slopes), n)
-        order = [
-            *range(ROBOT),
-            *range(nz + nq, nz + nq + nm),
-            *range(nz, nz + nq),
-            *range(n - na, n),
-        ]
-        self.law[:, order] = slopes
-        self.seen = slopes[:, :ROBOT]
-        self.step = step[:, :nz]
-        behind, rest = divmod(loop.late, loop.steps)
-        ages = [np.hstack([_balls(COMMAND, n), _eye(COMMAND)])]
-        for age in range(loop.queue):
-            at = nz + COMMAND * age
-            ages.append(np.hstack([_balls(COMMAND, at), _eye(COMMAND), _balls(COMMAND, n - at)]))
-        now = np.hstack([_eye(nz), _balls(nz, n - nz + COMMAND)])
-        pushed, self.fast, self.pushed = _balls(nz, COMMAND), [], []
-        for s in range(loop.steps):
-            self.fast.append(now)
-            self.pushed.append(pushed)
-            now = self.step @ now + step[:, nz : nz + COMMAND] @ ages[behind + (s < rest)]
-            pushed = self.step @ pushed + step[:, nz + COMMAND : nz + 2 * COMMAND]
-        sent = [row for age in ages[: loop.queue] for row in age]
-        rows = np.vstack([now, *sent, _balls(nm + na, n + COMMAND)])
-        self.push = np.vstack([pushed, _balls(n - nz, COMMAND)])
-        self.outputs = _balls(n, len(slopes))
-        self.outputs[:, :COMMAND] = rows[:, n:]
-        self.outputs[nz + nq :, COMMAND : COMMAND + nm + na] = _eye(nm + na)
-        self.A = rows[:, :n] + self.outputs @ self.law
-
-    def rows_within(self, s: int, picked: Floats) -> _Rows:
-        """Rows of the fast state after ``s`` plant steps of a sample."""
-        command = self.fast[s][:, self.n :]
-        whole = self.fast[s][:, : self.n] + command @ self.law[:COMMAND]
-        law = np.zeros((len(picked), len(self.law)))
-        law[:, :COMMAND] = _sizes(picked, _doubles(command))
-        steps, power = np.zeros((len(picked), len(self.step))), _eye(len(self.step))
-        for _ in range(s):
-            steps, power = steps + _sizes(picked, _doubles(power)), self.step @ power
-        push, seen = self.pushed[s], command @ self.seen[:COMMAND]
-        return _Rows(
-            picked, _doubles(whole), _sizes(picked, _doubles(push)), law,
-            _sizes(picked, _doubles(seen)), steps,
-        )  # fmt: skip
-
-
 def loop_gains(loop: SampledLoop, start: Floats, added: Floats) -> LoopGains:
     """All gains of a loop, from a start off by |e| <= ``start`` (3).
 
@@ -162,7 +88,7 @@ def loop_gains(loop: SampledLoop, start: Floats, added: Floats) -> LoopGains:
     SlowLoopError where it is unstable or too slow to be enclosed.
     """
     with ctx.workprec(SPARE_BITS):
-        rough = _doubles(_Sample(loop).A)
+        rough = doubles(SampleMatrices(loop).A)
     samples, growth = _samples(rough)
     if samples * loop.steps > MOST_STEPS:
         raise SlowLoopError(f"it takes {samples} samples to come to rest")
@@ -170,7 +96,7 @@ def loop_gains(loop: SampledLoop, start: Floats, added: Floats) -> LoopGains:
     if bits > MOST_BITS:
         raise SlowLoopError(f"its matrix would take {bits} bits")
     with ctx.workprec(bits):
-        return _summed(_Sample(loop), loop, samples, start, added)
+        return _summed(SampleMatrices(loop), loop, samples, start, added)
 
 
 def _samples(a: Floats) -> tuple[int, float]:
@@ -183,32 +109,33 @@ def _samples(a: Floats) -> tuple[int, float]:
 
 
 def _summed(
-    sample: _Sample, loop: SampledLoop, samples: int, start: Floats, added: Floats
+    sample: SampleMatrices, loop: SampledLoop, samples: int, start: Floats, added: Floats
 ) -> LoopGains:
     n, nz = sample.n, len(loop.names)
-    A, power, powers = arb_mat(sample.A.tolist()), arb_mat(_eye(n).tolist()), []
+    A, power, powers = arb_mat(sample.A.tolist()), arb_mat(unit_matrix(n).tolist()), []
     for _ in range(samples):
-        powers.append(_doubles(np.array(power.tolist(), dtype=object)))
+        powers.append(doubles(np.array(power.tolist(), dtype=object)))
         power = A * power
     inputs = np.hstack([sample.push, sample.outputs, sample.outputs @ sample.seen])
-    every = np.hstack([np.eye(n), _doubles(inputs)])
+    every = np.hstack([np.eye(n), doubles(inputs)])
     course = np.array(powers) @ every
     scale = np.abs(course[:, :, n : n + COMMAND]).sum(axis=(0, 2))
     scale = scale + 1e-9 * scale.max()
-    left = np.abs(_doubles(np.array(power.tolist(), dtype=object)))
+    left = np.abs(doubles(np.array(power.tolist(), dtype=object)))
     damping = float((left @ scale / scale).max()) * UP
     if damping > FAINTEST:
         raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
     ratios = np.array([scale[a] / scale[b] for a, b in PAIRS])
     picked, blank = _fast_rows(nz, ratios), np.zeros((n, n))
-    powers_within = _powers(sample.step, loop.steps)
+    powers_within = powers_of(sample.step, loop.steps)
     apart = sum(
-        (np.abs(_doubles(item - _eye(nz))) for item in powers_within), start=np.zeros((nz, nz))
+        (np.abs(doubles(item - unit_matrix(nz))) for item in powers_within),
+        start=np.zeros((nz, nz)),
     )
-    sums_within = [_balls(nz, 1)]
+    sums_within = [balls(nz, 1)]
     for item in powers_within:
         sums_within.append(sums_within[-1] + item @ np.array([[arb(x)] for x in added.tolist()]))
-    shares = [_doubles(item)[:, 0] for item in sums_within]
+    shares = [doubles(item)[:, 0] for item in sums_within]
     whole_sample = np.concatenate((shares[-1], np.zeros(n - nz)))
     steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
     whole = np.abs(np.array(powers)).sum(axis=0)
@@ -219,13 +146,13 @@ def _summed(
         np.array(powers) @ whole_sample, whole @ np.abs(whole_sample),
     )  # fmt: skip
     within = [sums.gains(sample.rows_within(s, picked), shares[s]) for s in range(loop.steps)]
-    shown = _doubles(sample.law)
+    shown = doubles(sample.law)
     count = len(shown)
     none = {"push": blank[:, :COMMAND], "measured": np.zeros((n, ROBOT)), "steps": blank[:, :nz]}
-    state = _Rows(np.eye(n), np.eye(n), law=np.zeros((n, count)), **none)
-    law = _Rows(
+    state = OutputRows(np.eye(n), np.eye(n), law=np.zeros((n, count)), **none)
+    law = OutputRows(
         np.eye(count), shown, np.zeros((count, COMMAND)), np.eye(count),
-        np.abs(_doubles(sample.seen)) * UP, np.zeros((count, nz)),
+        np.abs(doubles(sample.seen)) * UP, np.zeros((count, nz)),
     )  # fmt: skip
     three = _largest(within), sums.gains(state), sums.gains(law)
     return LoopGains(*three, ratios, damping, samples, scale)
@@ -254,7 +181,7 @@ class _Sums:
         norms: Floats = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
         return norms
 
-    def gains(self, rows: _Rows, added: Floats | None = None) -> Gains:
+    def gains(self, rows: OutputRows, added: Floats | None = None) -> Gains:
         """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct.
 
         ``added``: what the present sample has added so far, of what it always adds, to the state
@@ -286,7 +213,9 @@ class _Sums:
         by = (every[:, n:] + direct) * UP
         return Gains(by, steps, start, misled, before, first, left, constant)
 
-    def _constant(self, rows: _Rows, size: Floats, reach: Floats, added: Floats | None) -> Floats:
+    def _constant(
+        self, rows: OutputRows, size: Floats, reach: Floats, added: Floats | None
+    ) -> Floats:
         """Largest values of the sums, with their signs, of what every sample adds alike."""
         now = np.zeros(rows.picked.shape[1]) if added is None else added
         each = rows.picked @ rows.state @ self.steady.T
@@ -342,39 +271,3 @@ def _largest(each: list[Gains]) -> Gains:
         np.max(parts, axis=0) for parts in zip(*(item.first for item in each), strict=True)
     )
     return Gains(by, steps, start, misled, before, (held, direct, own), left, constant)
-
-
-def _powers(matrix: BallArray, count: int) -> list[BallArray]:
-    """The first powers of a matrix, from the 0th on."""
-    listed = [_eye(len(matrix))]
-    while len(listed) < count:
-        listed.append(matrix @ listed[-1])
-    return listed
-
-
-def _sizes(picked: Floats, block: Floats) -> Floats:
-    return np.abs(picked @ block) + ROUNDING * np.abs(picked) @ np.abs(block)
-
-
-def _balls(rows: int, columns: int) -> BallArray:
-    block = np.empty((rows, columns), dtype=object)
-    block[...] = arb(0)
-    return block
-
-
-def _eye(size: int) -> BallArray:
-    block = _balls(size, size)
-    for k in range(size):
-        block[k, k] = arb(1)
-    return block
-
-
-def _doubles(balls: BallArray) -> Floats:
-    """Midpoints; SlowLoopError where a ball is wider than what sums allow for."""
-    flat = balls.ravel()
-    middle = np.array([float(item.mid()) for item in flat])
-    wide = np.array([float(item.rad()) for item in flat])
-    tight = wide <= EXACT * np.abs(middle) + NOTHING
-    if not (tight & (np.abs(middle) < LARGEST)).all():
-        raise SlowLoopError("its matrix takes more bits than were estimated")
-    return middle.reshape(balls.shape)

@@ -1,0 +1,138 @@
+"""Matrices of one sample of the loop in balls, and rows of outputs within it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.corridor.loop import SampledLoop
+
+BallArray: TypeAlias = NDArray[np.object_]
+"""Balls in an array, whose products are enclosures."""
+EXACT, NOTHING = 2.0**-53, 1e-60
+"""A ball's double is off by this share and this much at most, which is checked."""
+LARGEST, FLOOR = 1e9, 1e-20
+"""Largest double of a matrix; what NOTHING comes to in 1e7 products of three of them at most."""
+ROUNDING = 1e-13
+"""Share by which a sum of up to 100 products of such doubles, each rounded, can err."""
+
+
+class SlowLoopError(ArithmeticError):
+    """The loop does not come to rest within the samples and bits that are spent."""
+
+
+@dataclass(frozen=True)
+class OutputRows:
+    """Rows of outputs: of the state, directly of each input, and of plant steps of the sample."""
+
+    picked: Floats
+    state: Floats
+    push: Floats
+    law: Floats
+    measured: Floats
+    steps: Floats
+
+
+class SampleMatrices:
+    """Matrices of one sample in balls, in the precision that is set.
+
+    The state is fast state, commands sent, memory, what acts; the law's outputs its command, next
+    memory, what acts, and the conditions' values.
+    """
+
+    def __init__(self, loop: SampledLoop) -> None:
+        """x' = free x + outputs l + push d with l = law x; the same for the fast state within."""
+        nz, nq, nm, na = len(loop.names), COMMAND * loop.queue, loop.memory, loop.acting
+        self.n = n = nz + nq + nm + na
+        self.acting = na
+        slopes, step = (np.array(curve.slopes(), dtype=object) for curve in (loop.law, loop.step))
+        self.law = balls(len(slopes), n)
+        order = [
+            *range(ROBOT),
+            *range(nz + nq, nz + nq + nm),
+            *range(nz, nz + nq),
+            *range(n - na, n),
+        ]
+        self.law[:, order] = slopes
+        self.seen = slopes[:, :ROBOT]
+        self.step = step[:, :nz]
+        behind, rest = divmod(loop.late, loop.steps)
+        ages = [np.hstack([balls(COMMAND, n), unit_matrix(COMMAND)])]
+        for age in range(loop.queue):
+            at = nz + COMMAND * age
+            ages.append(
+                np.hstack([balls(COMMAND, at), unit_matrix(COMMAND), balls(COMMAND, n - at)])
+            )
+        now = np.hstack([unit_matrix(nz), balls(nz, n - nz + COMMAND)])
+        pushed, self.fast, self.pushed = balls(nz, COMMAND), [], []
+        for s in range(loop.steps):
+            self.fast.append(now)
+            self.pushed.append(pushed)
+            now = self.step @ now + step[:, nz : nz + COMMAND] @ ages[behind + (s < rest)]
+            pushed = self.step @ pushed + step[:, nz + COMMAND : nz + 2 * COMMAND]
+        sent = [row for age in ages[: loop.queue] for row in age]
+        rows = np.vstack([now, *sent, balls(nm + na, n + COMMAND)])
+        self.push = np.vstack([pushed, balls(n - nz, COMMAND)])
+        self.outputs = balls(n, len(slopes))
+        self.outputs[:, :COMMAND] = rows[:, n:]
+        self.outputs[nz + nq :, COMMAND : COMMAND + nm + na] = unit_matrix(nm + na)
+        self.A = rows[:, :n] + self.outputs @ self.law
+
+    def rows_within(self, s: int, picked: Floats) -> OutputRows:
+        """Rows of the fast state after ``s`` plant steps of a sample."""
+        command = self.fast[s][:, self.n :]
+        whole = self.fast[s][:, : self.n] + command @ self.law[:COMMAND]
+        law = np.zeros((len(picked), len(self.law)))
+        law[:, :COMMAND] = sizes(picked, doubles(command))
+        steps, power = np.zeros((len(picked), len(self.step))), unit_matrix(len(self.step))
+        for _ in range(s):
+            steps, power = steps + sizes(picked, doubles(power)), self.step @ power
+        push, seen = self.pushed[s], command @ self.seen[:COMMAND]
+        return OutputRows(
+            picked, doubles(whole), sizes(picked, doubles(push)), law,
+            sizes(picked, doubles(seen)), steps,
+        )  # fmt: skip
+
+
+def powers_of(matrix: BallArray, count: int) -> list[BallArray]:
+    """The first powers of a matrix, from the 0th on."""
+    listed = [unit_matrix(len(matrix))]
+    while len(listed) < count:
+        listed.append(matrix @ listed[-1])
+    return listed
+
+
+def sizes(picked: Floats, block: Floats) -> Floats:
+    """Sizes of rows of a matrix, with the rounding of their sums."""
+    return np.abs(picked @ block) + ROUNDING * np.abs(picked) @ np.abs(block)
+
+
+def balls(rows: int, columns: int) -> BallArray:
+    """Zeros."""
+    block = np.empty((rows, columns), dtype=object)
+    block[...] = arb(0)
+    return block
+
+
+def unit_matrix(size: int) -> BallArray:
+    """Ones on its diagonal."""
+    block = balls(size, size)
+    for k in range(size):
+        block[k, k] = arb(1)
+    return block
+
+
+def doubles(matrix: BallArray) -> Floats:
+    """Midpoints; SlowLoopError where a ball is wider than what sums allow for."""
+    flat = matrix.ravel()
+    middle = np.array([float(item.mid()) for item in flat])
+    wide = np.array([float(item.rad()) for item in flat])
+    tight = wide <= EXACT * np.abs(middle) + NOTHING
+    if not (tight & (np.abs(middle) < LARGEST)).all():
+        raise SlowLoopError("its matrix takes more bits than were estimated")
+    return middle.reshape(matrix.shape)
