@@ -22,11 +22,11 @@ def told(law: str, **changes: object) -> list[str]:
 
 def test_it_is_as_far_behind_as_told() -> None:
     (text,) = told("pid", **SOFT)
-    behind = float(re.findall(r"about ([\d.]+) m behind", text)[0])
+    behind = float(re.findall(r"lag about ([\d.]+) m", text)[0])
     run = simulate("paper-simulation-nominal", "pid", overrides=SOFT)
 
     assert "Friction is 39.2 N from the start" in text
-    assert "together by 2 times" in text
+    assert "together by a factor of 2" in text
     assert run["e"][-2000:, 0].mean() == pytest.approx(behind, rel=0.06)
 
 
