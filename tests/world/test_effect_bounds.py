@@ -17,6 +17,8 @@ from tests.world.motion import (
     scenario,
 )
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.delay import delay_in_periods
 from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.gust import GUST
 from wmr_ctrl.world.gyro import GYRO
@@ -150,3 +152,17 @@ def test_a_delay_that_varies_stays_between_its_ends():
     assert (bound.delay, bound.jitter) == (0.006, 0.006)
     assert {int(k) for k in late} == {(7 + k) % 10 for k in range(7)}
     assert len(switch) in (399, 400)  # the last may come after the end
+
+
+@pytest.mark.parametrize("plant", [0.001, 0.002, 0.005])
+def test_a_delay_is_as_many_plant_steps_as_its_decimals_say(plant):
+    """Also where the quotient of the doubles is just below that number, such as 0.043/0.001."""
+    steps = [29, 43, 51, 57, 58, 59, 71, 86]
+    found = []
+    for k in steps:
+        late = {"actuator.delay": float(f"{k * plant:.6g}"), "clock.plant": plant}
+        drive = load_scenario("paper-simulation", {**late, "clock.control": 10 * plant})
+        found.append(delay_in_periods(drive))
+
+    assert found == [divmod(k, 10) for k in steps]
+    assert any(int(float(f"{k * plant:.6g}") / plant) != k for k in steps)

@@ -248,6 +248,7 @@ def test_rounded_square_keeps_its_shape():
     ("reference", "bounds"),
     [
         (Circle(), (0.2, 0.2, 0.1)),
+        (Circle(rate=-0.1), (-0.2, -0.2, 0.1)),
         (Line(speed=0.9), (0.9, 0.9, 0.0)),
         (StopAndGo(radius=2.0, speed=0.4, period=10.0), (0.0, 0.4, 0.2)),
         # v1^2 = (a w)^2 (c^2 + (2 c^2 - 1)^2) with c = cos wt: least at c^2 = 3/8.

@@ -582,7 +582,7 @@ static int all_within(const wmr_real *values, size_t count, wmr_real most)
 int wmr_mb_step(const wmr_mb_parameters *parameters, wmr_mb_state *state,
                  const wmr_mb_inputs *inputs, wmr_mb_outputs *outputs)
 {
-    wmr_real next[sizeof *state / sizeof(wmr_real)] = {0};
+    wmr_real next[1] = {0};
     if (!all_within((const wmr_real *)inputs, 12, 1000000000000.0)) {
         memset(outputs, 0, sizeof *outputs);
         return 1;

@@ -728,7 +728,7 @@ static int all_within(const wmr_real *values, size_t count, wmr_real most)
 int wmr_nn_step(const wmr_nn_parameters *parameters, wmr_nn_state *state,
                  const wmr_nn_inputs *inputs, wmr_nn_outputs *outputs)
 {
-    wmr_real next[sizeof *state / sizeof(wmr_real)] = {0};
+    wmr_real next[128] = {0};
     if (!all_within((const wmr_real *)inputs, 12, 1000000000000.0)) {
         memset(outputs, 0, sizeof *outputs);
         return 1;
