@@ -17,13 +17,12 @@ from wmr_ctrl.filter import command_filter
 from wmr_ctrl.filter.channels import FLAG_NAMES
 from wmr_ctrl.scenario import load_scenario
 
-ODD = """#include <math.h>
+MEMORY = """#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "wmr_filter.h"
 int main(void)
 {
-    const double asked[4] = {5.0, NAN, INFINITY, 5.0};
     wmr_filter_parameters parameters;
     wmr_filter_state memory;
     wmr_filter_inputs in;
@@ -31,6 +30,11 @@ int main(void)
     memset(&in, 0, sizeof in);
     wmr_filter_defaults(&parameters);
     wmr_filter_start(&memory);
+"""
+"""Begin of a program that steps the filter."""
+ODD = (
+    MEMORY
+    + """    const double asked[4] = {5.0, NAN, INFINITY, 5.0};
     for (int k = 0; k < 4; ++k) {
         in.v_asked[0] = asked[k];
         in.v_odometry[0] = k == 2 ? NAN : 0.0;
@@ -40,11 +44,34 @@ int main(void)
     return 0;
 }
 """
+)
+CHANGED = (
+    MEMORY
+    + """    in.v_asked[0] = 5.0;
+    for (int k = 0; k < 6; ++k) {
+        if (k == 3) parameters.filter_tau[0] *= 0.5;
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+        printf("%.17g\\n", out.v_sent[0]);
+    }
+    return 0;
+}
+"""
+)
 
 
 def written(folder: Path, kind: str, float32: bool = False, **stated: object) -> None:
     for name, text in package_files("filter", scenario(kind, **stated), float32=float32).items():
         (folder / name).write_text(text, encoding="utf-8")
+
+
+def printed_by(program: str, folder: Path) -> list[str]:
+    """Lines of a C program around the governor's package."""
+    needs("gcc")
+    written(folder, "governor")
+    (folder / "main.c").write_text(program, encoding="utf-8")
+    command = ["gcc", "-std=c99", "-ffp-contract=off", "main.c", "wmr_filter.c", "-lm"]
+    run([*command, "-o", "main"], folder)
+    return run(["./main"], folder).splitlines()
 
 
 @pytest.mark.parametrize(
@@ -68,15 +95,9 @@ def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_pa
 
 
 def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
-    needs("gcc")
-    written(tmp_path, "governor")
-    (tmp_path / "odd.c").write_text(ODD, encoding="utf-8")
-    run(
-        ["gcc", "-std=c99", "-ffp-contract=off", "odd.c", "wmr_filter.c", "-lm", "-o", "odd"],
-        tmp_path,
-    )
+    lines = printed_by(ODD, tmp_path)
     governor, bits = command_filter(scenario()), {name: bit for bit, name in FLAG_NAMES.items()}
-    for k, line in enumerate(run(["./odd"], tmp_path).splitlines()):
+    for k, line in enumerate(lines):
         asked = ((5.0, 0.0), (math.nan, 0.0), (math.inf, 0.0), (5.0, 0.0))[k]
         made = governor.step(asked, (math.nan if k == 2 else 0.0, 0.0))
         sent, turn, flags = line.split()
@@ -84,37 +105,9 @@ def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
         assert int(flags) == sum(bits[flag] for flag in made.flags)
 
 
-CHANGED = """#include <stdio.h>
-#include <string.h>
-#include "wmr_filter.h"
-int main(void)
-{
-    wmr_filter_parameters parameters;
-    wmr_filter_state memory;
-    wmr_filter_inputs in;
-    wmr_filter_outputs out;
-    memset(&in, 0, sizeof in);
-    wmr_filter_defaults(&parameters);
-    wmr_filter_start(&memory);
-    in.v_asked[0] = 5.0;
-    for (int k = 0; k < 6; ++k) {
-        if (k == 3) parameters.filter_tau[0] *= 0.5;
-        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
-        printf("%.17g\\n", out.v_sent[0]);
-    }
-    return 0;
-}
-"""
-
-
 def test_a_parameter_that_changes_counts_from_the_next_step_on(tmp_path):
-    """What the memory keeps of parameters is made anew."""
-    needs("gcc")
-    written(tmp_path, "governor")
-    (tmp_path / "changed.c").write_text(CHANGED, encoding="utf-8")
-    command = ["gcc", "-std=c99", "-ffp-contract=off", "changed.c", "wmr_filter.c", "-lm"]
-    run([*command, "-o", "changed"], tmp_path)
-    sent = [float(line) for line in run(["./changed"], tmp_path).splitlines()]
+    """Values that the memory keeps of parameters are made anew."""
+    sent = [float(line) for line in printed_by(CHANGED, tmp_path)]
 
     system = command_filter(scenario()).system
     machine = system.function("step", [system.update, system.y])

@@ -52,7 +52,7 @@ class Corridor:
 
     @property
     def merit(self) -> tuple[bool, float]:
-        """What a search makes small: whether it is refused, and then by how much [m].
+        """Figure of merit of a search, less is better: whether it is refused, then a distance [m].
 
         Any certified corridor stands before any that is refused, however wide.  The distance is
         the position, where one is refused what the linear loop leaves, inf without such a loop.

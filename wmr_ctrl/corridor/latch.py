@@ -32,7 +32,7 @@ HALVINGS, STAGES = 20, 4
 DUST = 1e-9
 """Added to all of Y, in units of each: what a run starts with may be off by rounding."""
 ALONE = {"corridor.start": (0.0, 0.0, 0.0), "corridor.cells": 0}
-"""What a latch is not about: where a robot starts, and other masses than the scenario's."""
+"""Keys that a latch leaves out: the start, and other masses than the scenario's."""
 
 
 def latch_of(certifier: Certifier, inputs: Inputs) -> Latch | None:
@@ -130,7 +130,7 @@ def _latch(setup: Setup) -> Latch | None:
 
 
 def _watched(run: Run, graph: System, end: int) -> dict[Signal, Floats]:
-    """What the monitor tells of each of a run's first samples."""
+    """The monitor's outputs at each of a run's first samples."""
     columns = {item: run[item.name][:end] for item in (*REFERENCE[:3], *POSE, *VELOCITY, *TORQUE)}
     for item in (REFERENCE[2], POSE[2]):
         columns[item] = inward(columns[item], run.settings.frames)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import reduce
 
 import casadi as ca
 import numpy as np
@@ -85,7 +86,7 @@ def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:
     numbers = _numbers(setup, latch, measured)
     level, box, samples, most = (port(signal, value) for signal, value in numbers)
     K, distance = samples.sym, ca.sqrt(ca.sumsqr(e[:2]))
-    inside = _all(ca.fabs(state - level.sym) <= box.sym)
+    inside = reduce(ca.logic_and, ca.vertsplit(ca.fabs(state - level.sym) <= box.sym))
     running = ca.if_else(inside, ca.fmin(streak.sym + 1, K), 0)
     stages = len(latch.position)
     held = age.sym > 0
@@ -141,10 +142,3 @@ def _signal(name: str, unit: str, meaning: str, size: int = 1) -> Signal:
 
 def _stack(listed: Iterable[Port]) -> ca.SX:
     return stack(item.sym for item in listed)
-
-
-def _all(flags: ca.SX) -> ca.SX:
-    whole = ca.SX(1)
-    for flag in ca.vertsplit(flags):
-        whole = ca.logic_and(whole, flag)
-    return whole

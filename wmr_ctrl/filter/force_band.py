@@ -130,7 +130,7 @@ def speed_steps(known: Forecast, c: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX
 
 
 def with_drag(force: Forecast, speed: Forecast, drag: ca.SX) -> Forecast:
-    """What is known of a force and of ``drag`` times the speed together, over drag times u."""
+    """Forecast of a force and of ``drag`` times the speed together, over drag times u."""
     return Forecast(
         force.over + drag * speed.over,
         force.under + drag * speed.under,

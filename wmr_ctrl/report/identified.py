@@ -53,7 +53,7 @@ PAIRS = {
     "kg, kg m²": "mass, moment of inertia", "N, N m": "thrust, moment",
     "m/s, rad/s": "ahead, turning", "1": "ahead, turning",
 }  # fmt: skip
-"""What two numbers of a bound are, by their unit: of others they are the ends of an interval."""
+"""Meaning of a bound's two numbers, by their unit: with other units the ends of an interval."""
 FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from commands"}
 
 

@@ -21,7 +21,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from wmr_ctrl.ros2.diagnosis import rivals, two_senders
 
 EVER = {"deadline": Infinite, "liveliness_lease_duration": Infinite}
-"""What the graph says of endpoints without them; left out, it passes for another QoS."""
+"""Durations that the graph reports of endpoints without them; left out, they pass for another."""
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, **EVER)
 SURE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, **EVER)
 KEPT = QoSProfile(

@@ -27,7 +27,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Ending:
-    """What SIGINT and SIGTERM do to a node's process.
+    """Handlers of SIGINT and SIGTERM in a node's process.
 
     While the node commands a base they are noted, and obeyed between two callbacks: an exception
     may come up where Python drops it, in a destructor, and then the node would go on.  Before it

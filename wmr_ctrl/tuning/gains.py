@@ -220,7 +220,7 @@ def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
 def _costs(
     plan: TuningPlan, sets: Sequence[Mapping[str, Sequence[float]]], jobs: int | None
 ) -> list[Cost]:
-    """What each set of gains costs, all runs side by side."""
+    """Cost of each set of gains, all runs side by side."""
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
     table = _table(cases, plan.law, plan.seeds, jobs)
     reached, change, stop = (

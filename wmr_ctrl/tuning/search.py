@@ -23,7 +23,7 @@ SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
 
 @dataclass(frozen=True, order=True)
 class Cost:
-    """What a set of gains costs, in this order: what stands first outweighs all after it.
+    """Cost of a set of gains, in this order: each entry outweighs all after it.
 
     ``refused``: there is no corridor, where one is asked for; ``lost``: runs that ended early;
     ``metres``: the objective, of the runs that did not [m].
