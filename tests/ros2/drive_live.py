@@ -30,6 +30,7 @@ from geometry_msgs.msg import TwistStamped
 rclpy.init()
 node = rclpy.create_node("wmr_drive")
 publisher = node.create_publisher(TwistStamped, "cmd_vel", 1)
+print("there", flush=True)
 time.sleep(600)
 """
 """Somebody who publishes under the name of the node."""
@@ -52,6 +53,8 @@ class Base:
         self.pause = 0.0
         """Longest pause between two messages [s]."""
         self.said: list[str] = []
+        self.since = 0
+        """Stamp [ns] before which what diagnostics say does not count."""
         self.values: dict[str, str] = {}
         self.flags: list[str] = []
         """All that the node last told, where ``said`` has the gravest: a busy machine is late."""
@@ -61,6 +64,9 @@ class Base:
         self.seen.append((time.monotonic(), self.speed[0]))
 
     def _told(self, message: DiagnosticArray) -> None:
+        stamp = message.header.stamp
+        if rclpy.time.Time.from_msg(stamp).nanoseconds < self.since:
+            return
         self.said += [status.message for status in message.status]
         for status in message.status:
             self.values = {value.key: value.value for value in status.values}
@@ -117,6 +123,11 @@ class Base:
         self.go(PATIENCE, lambda: bool(self.seen) and self.seen[-1][1] == 0.0)
         return [self.seen[-1][1], process.poll()]
 
+    def forget(self) -> None:
+        """What was told, and what was told but not yet read."""
+        self.said.clear()
+        self.since = self.node.get_clock().now().nanoseconds
+
     def follow(self, points: list[tuple[float, float]], frame: str = "odom") -> None:
         """Send a path."""
         message = Path()
@@ -159,7 +170,7 @@ def main(scenario: str) -> None:
     process = start(scenario, "autostart:=false")
     rclpy.init()
     base, found = Base(), {}
-    second = process
+    second = third = process
     try:
         steps = [
             Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE,
@@ -193,20 +204,25 @@ def main(scenario: str) -> None:
         process = start(scenario)
         base.go(PATIENCE, lambda: len(base.seen) > 20)
         found["next life"] = max(abs(v) for _, v in base.seen)
-        found["refused"] = start(scenario, looks=60.0).wait(PATIENCE)
+        third = start(scenario, looks=60.0)
+        base.go(PATIENCE, lambda: third.poll() is not None)
+        found["refused"] = third.poll()
+        base.forget()
         base.go(PATIENCE, lambda: bool(base.said) and "own name" not in base.said[-1])
-        second = subprocess.Popen([sys.executable, "-c", TWIN])
-        found["twin"] = base.go(PATIENCE, lambda: "own name" in base.said[-1])
+        second = subprocess.Popen([sys.executable, "-c", TWIN], stdout=subprocess.PIPE)
+        second.stdout.readline()
+        base.forget()
+        found["twin"] = base.go(PATIENCE, lambda: any("own name" in text for text in base.said))
         second.kill()
         second.wait()
-        base.said.clear()
+        base.forget()
         base.go(PATIENCE, lambda: len(base.said) > 1)
         found["ghost"] = base.said
         process.send_signal(signal.SIGINT)
         found["interrupt"] = base.ended(process)
     finally:
-        process.kill()
-        second.kill()
+        for started in (process, second, third):
+            started.kill()
     tell(found)
 
 
