@@ -9,15 +9,20 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.control import applied, controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard import guard
 from wmr_ctrl.laws import prox
+from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.model.system import System
 from wmr_ctrl.proofs.alterations import altered
 from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims, drive_bounds
+from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.claims.guard_exported import Assembled
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.graph import graph_of
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
+from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import slope, torque_noise
 from wmr_ctrl.world.effect import Bound
 
@@ -134,3 +139,47 @@ def test_law_and_map_have_no_part_in_the_flag():
         for found in [Assembled(assemble, kind, 0)]
     }
     assert len(graphs) == 1
+
+
+GUARDED = {"guard.enabled": True}
+LAGGING = {"actuator.delay": 0.013, "actuator.lag": 0.02}
+
+
+def is_told(system: System) -> dict[str, ca.SX]:
+    """Each element that a System gives, remembers and publishes, by its name."""
+    ports = (*system.outputs, *system.diagnostics)
+    told = {
+        f"{item.signal.name}[{i}]": part
+        for item in ports
+        for i, part in enumerate(ca.vertsplit(item.expr))
+    }
+    later = zip(scalars(system.state), ca.vertsplit(system.update), strict=True)
+    return told | {f"next {name}": part for name, part in later}
+
+
+def digest(system: System, names: list[str]) -> str:
+    """Of the compiled text of what has these names."""
+    table = scalars((*system.inputs, *system.state, *system.params))
+    return graph_of(table, [is_told(system)[name] for name in names]).digest
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {}, LAGGING, GUARDED, GUARDED | {"guard.map": "rotation-first"}, GUARDED | LAGGING,
+        GUARDED | {"sensor.velocity_window": 0.02, "actuator.jitter": 0.01},
+    ],
+    ids=str,
+)  # fmt: skip
+@pytest.mark.parametrize("law", LAWS)
+def test_what_is_watched_and_asked_is_the_controller(law, changes):
+    """The graph of which entries speak has the compiled text of the one that is exported."""
+    setup = settle(load_scenario(PRESET, {"clock.control": 0.01, **changes}), law)
+    plain, asking = controller.controller(setup), controller.asking_controller(setup)
+    names = [*is_told(plain)]
+
+    assert {"tau_right[0]", "tau_left[0]"} <= {*names}
+    assert digest(asking, names) == digest(plain, names)
+    assert digest(controller.watched_controller(setup), names) == digest(plain, names)
+    wish = [f"force[{i}]" for i in (0, 1)]
+    assert digest(asking, wish) == digest(controller.law_graph(setup), wish)
