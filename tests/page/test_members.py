@@ -13,6 +13,14 @@ from wmr_ctrl.page.members import members_of
 from wmr_ctrl.scenario import load_scenario
 
 STRONG = {"base.gain": [1.04, 1.04]}
+SWINGING = {
+    "base.kind": "velocity", "base.loop": "pi", "base.kp": 140.0, "base.ki": 320.0,
+    "robot.m": 60.0, "robot.I": 5.0, "robot.mu": 0.0, "disturbance.std": 0.0,
+    "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.7, 1.4], "clock.control": 0.05,
+    "filter.loop": "pi", "filter.mass": [50, 65], "filter.inertia": [4, 6],
+    "filter.kp": [135, 165], "filter.ki": [270, 330],
+}  # fmt: skip
+WEAK = {"filter.kind": "band", "filter.force": [150.0, 60.0]}
 
 
 @pytest.mark.parametrize(
@@ -27,6 +35,36 @@ def test_a_base_has_the_filters_that_hold_for_it(name: str, ways: list[str]) -> 
 
     assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
     assert len({item.look.colour for item in members}) == len(members)
+
+
+@pytest.mark.parametrize(
+    ("stated", "ways"),
+    [
+        ({"filter.kind": "band"}, ["clipped", "smoothed", "clip", "slew", "band"]),
+        (WEAK, ["clipped", "smoothed", "clip", "slew", "band", "force"]),
+        ({**WEAK, "actuator.tau_max": 20.0}, ["clipped", "smoothed", "force"]),
+        ({"filter.kind": "clip", "filter.jitter": 0.06}, ["clipped", "smoothed", "clip"]),
+    ],
+)
+def test_a_base_that_overshoots_has_slow_commands_too_and_the_force_of_its_motors(
+    stated: dict[str, object], ways: list[str]
+) -> None:
+    scenario = load_scenario("paper-simulation-nominal", {**SWINGING, **stated})
+    members = members_of(scenario, ["pursuit"])
+
+    assert [item.name for item in members] == [f"pursuit-{way}" for way in ways]
+    assert len({item.look.colour for item in members}) == len(members)
+
+
+def test_the_slew_that_is_stated_is_the_one_that_is_shown() -> None:
+    stated = {"filter.kind": "clip", "filter.slew": [0.1, 0.3]}
+    members = members_of(
+        load_scenario("paper-simulation-nominal", {**SWINGING, **stated}), ["pursuit"]
+    )
+    shown = {item.name: item.overrides["filter.slew"] for item in members}
+
+    assert shown["pursuit-slew"] == (0.1, 0.3)
+    assert shown["pursuit-clip"] is None
 
 
 def test_a_law_with_limits_of_its_own_is_shown_with_them_and_filtered() -> None:

@@ -20,7 +20,7 @@ from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
 from wmr_ctrl.filter.force_band import ForceBand
 from wmr_ctrl.filter.governor_step import Governor
-from wmr_ctrl.filter.peak_gain import PeakGain, peak_gains, pi_loop
+from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.scenario.command_filter import Filter
@@ -62,8 +62,8 @@ def check_filter(scenario: Scenario) -> None:
                 f"which must be below limits.v_u1[{i + 1}] = {limits[i]:g}: no command is safe. "
                 f"State a push below {least}, or a limit above {reached[i]:.3g}."
             )
-    if settings.slew is not None and peaks:
-        _check_slew(scenario, settings.slew, peaks)
+    if settings.slew is not None:
+        _check_slew(scenario, settings.slew)
     rim, apart = reached[0] + scenario.robot.l * reached[1], settings.channels == "wheels"
     tops = [settings.wheel_speed] if settings.wheel_speed is not None else []
     tops += [limits[0], scenario.robot.l * limits[1]] if apart else []
@@ -75,7 +75,7 @@ def check_filter(scenario: Scenario) -> None:
         )
 
 
-def _check_slew(scenario: Scenario, slew: tuple[float, float], peaks: Sequence[PeakGain]) -> None:
+def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
     """Raise ScenarioError where commands that change slowly are allowed no more than others."""
     settings, T = scenario.filter, scenario.clock.control
     if settings.jitter >= T:
@@ -83,16 +83,22 @@ def _check_slew(scenario: Scenario, slew: tuple[float, float], peaks: Sequence[P
             f"filter.jitter = {settings.jitter:g} s must be less than the period between samples, "
             f"clock.control = {T:g} s."
         )
-    reach, K = slew_reach(scenario), settings.gain[1]
-    for i in AXES:
-        room = scenario.limits.v_u1[i] - peaks[i].push
-        worth = room * (1 - K / peaks[i].gain) / reach[i]
+    for i, worth in enumerate(worthwhile_slew(scenario)):
         if slew[i] >= worth:
             raise ScenarioError(
                 f"filter.slew[{i + 1}] = {slew[i]:g} is worth nothing: from {worth:.3g} on slow "
                 "commands may be no larger than others. State less, leave out "
                 'filter.slew, or take filter.kind = "band".'
             )
+
+
+def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:
+    """Slew [m/s2, rad/s2] of a linear loop from which on slow commands gain nothing."""
+    reach, peaks, K = slew_reach(scenario), peak_gains(scenario), scenario.filter.gain[1]
+    linear, angular = (
+        (scenario.limits.v_u1[i] - peaks[i].push) * (1 - K / peaks[i].gain) / reach[i] for i in AXES
+    )
+    return linear, angular
 
 
 LARGEST_PEAK = 100.0

@@ -35,7 +35,7 @@ GROUPS = (
     ),
     Group(
         "filter", "What the filter counts on", "Its promise holds for bases within these bounds.",
-        ("filter.tau", "filter.gain", "filter.d", "filter.odometry"),
+        ("filter.tau", "filter.gain", "filter.d", "filter.odometry", "filter.slew"),
     ),
     Group(
         "world", "Noise and pushes", "A push always acts in the direction of motion.",
@@ -52,7 +52,7 @@ GROUPS = (
 """In the order in which they are listed; a parameter belongs to the first that names it."""
 HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay", "robot.g",
           "robot.v_s", "base.delay", "base.timeout", "base.tau_believed",
-          "filter.delta")  # fmt: skip
+          "filter.delta", "filter.drag", "filter.slew_reach")  # fmt: skip
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 SPANS: Mapping[str, Span] = {
     "robot.m": (10.0, 150.0),

@@ -57,7 +57,8 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     """The story for ``laws`` where a scenario is the one it begins with, else one scene of it."""
     steps = story()
     if scenario != load_scenario(steps[0].preset):
-        shown = tuple(member.name for member in members_of(scenario, laws))[:MOST_SHOWN]
+        most = MOST_WAYS if takes_velocity(scenario) else MOST_SHOWN
+        shown = tuple(member.name for member in members_of(scenario, laws))[:most]
         return (PageScene("own", scenario.title or scenario.name, "", scenario, shown),)
     listed = []
     for step in steps:
@@ -69,6 +70,8 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
 
 MOST_SHOWN = 4
 """Robots that one scenario's page shows first."""
+MOST_WAYS = 6
+"""The same of a base that takes velocities: all filters beside clipped and smoothed commands."""
 PERIODS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 """Control periods [s] that are offered where no part of the loop counts its steps."""
 LATE = (0, 2, 5)
