@@ -1,8 +1,8 @@
 """Make the committed ledger and its page anew: ``python -m tests.proofs.record [ID ...]``.
 
 ``--words`` checks nothing; ``--examine`` alters the functions of the entries
-that were not tried so yet, of those that are named in any case, and asks the second solver.
-``--confirm`` asks that solver alone, about what it did not confirm yet.
+that were not tried so yet, of those that are named in any case, and asks the second solvers.
+``--confirm`` asks those alone, about what none of them confirmed yet.
 
 With ids only those entries are checked; the others stay as committed, with the claims' words of
 today. That is refused where an entry's graph, relations or method are others by now.
@@ -16,12 +16,13 @@ from pathlib import Path
 
 from tests.proofs.ledger_page import page
 from tests.proofs.noticed import tried
+from tests.proofs.second_solvers import confirmed_by
 from wmr_ctrl.proofs.alterations import functions_of
 from wmr_ctrl.proofs.check import graph_hash
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load, stale
-from wmr_ctrl.proofs.methods.second import confirmed_by, uses_z3
+from wmr_ctrl.proofs.methods.obligations import uses_z3
 from wmr_ctrl.proofs.runner import prove, selected
 
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
@@ -87,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     only = parser.add_mutually_exclusive_group()
     only.add_argument("--words", action="store_true", help="check nothing, renew the words")
     only.add_argument("--examine", action="store_true", help="alter the functions of entries")
-    only.add_argument("--confirm", action="store_true", help="ask the second solver")
+    only.add_argument("--confirm", action="store_true", help="ask the second solvers")
     given = parser.parse_args(arguments)
     if given.words:
         checked = Ledger(())

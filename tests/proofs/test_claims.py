@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.proofs import second_solvers
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.proofs import check, command, prove
 from wmr_ctrl.proofs.alterations import function_named
-from wmr_ctrl.proofs.claim import CLAIMED
+from wmr_ctrl.proofs.claim import CLAIMED, MUTATED
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import Ledger, differences, exit_code, load, stale
 from wmr_ctrl.proofs.methods.spec import versions
@@ -177,36 +178,45 @@ def test_exported_obligations_are_smt_lib(tmp_path) -> None:
         assert str(solver.check()) == wanted, path.name
 
 
-def test_the_second_solver_agrees_where_it_is_installed() -> None:
-    pytest.importorskip("cvc5")
-    second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
-    claim = next(claim for claim in all_claims() if claim.id == "guard.feasible")
-
-    assert second.confirmed_by(claim.statement(CLAIMED)) == ("cvc5",)
+SOLVERS = pytest.mark.parametrize("solver", ["cvc5", "yices"])
 
 
-def test_the_second_solver_meets_the_hypotheses_at_the_recorded_point_and_not_at_another() -> None:
-    pytest.importorskip("cvc5")
-    second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
-    claim = next(claim for claim in all_claims() if claim.id == "guard.feasible")
-    point = load().by_id()[claim.id].satisfied_at
+def asked(key: str, point=None) -> dict:
+    """Obligations of an entry by name."""
+    module = pytest.importorskip("wmr_ctrl.proofs.methods.obligations")
+    claim = next(claim for claim in all_claims() if claim.id == key)
+    return {item.name: item for item in module.obligations(claim.statement(CLAIMED), point)}
+
+
+@SOLVERS
+def test_second_solvers_agree_where_they_are_installed(solver: str, monkeypatch) -> None:
+    only = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
+    monkeypatch.setattr(second_solvers, "programs", lambda: {solver: only})
+    claim = next(claim for claim in all_claims() if claim.id == "guard.upper")
+
+    assert second_solvers.confirmed_by(claim.statement(CLAIMED)) == (solver,)
+    assert second_solvers.confirmed_by(claim.statement(MUTATED)) == ()
+
+
+@SOLVERS
+def test_second_solvers_meet_hypotheses_at_the_recorded_point_and_not_at_another(solver) -> None:
+    _ = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
+    point = load().by_id()["guard.feasible"].satisfied_at
 
     def said(values) -> str:
-        *_, hypotheses = second.obligations(claim.statement(CLAIMED), values)
-        return second.answer(hypotheses.text)
+        return second_solvers.answer(solver, asked("guard.feasible", values)["hypotheses"].text)
 
     assert said(point) == "sat"
     assert said(dict.fromkeys(point, "-1")) == "unsat"
 
 
-def test_the_second_solver_has_more_than_one_way() -> None:
-    pytest.importorskip("cvc5")
-    second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
-    claim = next(claim for claim in all_claims() if claim.id == "guard.upper")
-    asked = {item.name: item for item in second.obligations(claim.statement(CLAIMED))}
+@SOLVERS
+def test_a_symbol_may_have_the_name_of_a_command(solver) -> None:
+    _ = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
+    point = load().by_id()["guard.monitor"].satisfied_at
 
-    for name in ("goal-1", "hypotheses"):
-        assert second.answer(asked[name].text) == asked[name].wanted
+    assert "push" in point
+    assert second_solvers.answer(solver, asked("guard.monitor", point)["hypotheses"].text) == "sat"
 
 
 def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None:

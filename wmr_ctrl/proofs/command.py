@@ -48,7 +48,7 @@ def run_export(folder: Path, only: Iterable[str] = ()) -> None:
     """
     from wmr_ctrl.proofs.claim import CLAIMED
     from wmr_ctrl.proofs.claims import all_claims
-    from wmr_ctrl.proofs.methods.second import obligations, uses_z3
+    from wmr_ctrl.proofs.methods.obligations import obligations, uses_z3
 
     readme = files("wmr_ctrl.proofs").joinpath("obligations.md").read_text(encoding="utf-8")
     write_all({"README.md": readme}, folder)
@@ -91,8 +91,8 @@ def provenance(ledger: Ledger, anew: bool) -> str:
     altered = sum(1 for entry in checked if entry.alterations)
     confirmed = sum(1 for entry in checked if entry.confirmed_by)
     taken = (
-        f"{altered} entries' alterations and {confirmed} words of cvc5, where claim, method and "
-        "versions are the same"
+        f"{altered} entries' alterations and {confirmed} answers of second solvers, where claim, "
+        "method and versions are the same"
     )
     return (
         f"{len(checked)} checked now, their functions searched anew; {given} given (by hand, "

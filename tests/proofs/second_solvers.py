@@ -1,0 +1,96 @@
+"""Second solvers: what z3 closes is asked of Yices, and where that does not answer of cvc5.
+
+The three decide products of unknowns each in code of its own.  Yices is a program, which its wheel
+puts beside the interpreter.
+"""
+
+from __future__ import annotations
+
+import resource
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
+from itertools import chain
+from pathlib import Path
+
+from wmr_ctrl.proofs.methods.obligations import obligations
+from wmr_ctrl.proofs.statement import Statement
+
+IMPATIENCE, PATIENCE = 2, 10
+"""Seconds of the processor's time for one obligation and strategy, at first and in the end, so that
+a busy machine finds the same."""
+COVERINGS = {"nl-cov": "true", "nl-ext": "none"}
+STRATEGIES: Mapping[str, Mapping[str, str]] = {
+    "as it comes": {},
+    "coverings": COVERINGS,
+    "coverings, justified": {**COVERINGS, "decision": "justification"},
+    "coverings, equalities split": {**COVERINGS, "arith-rewrite-equalities": "true"},
+}
+"""cvc5's ways with products of unknowns, one after the other: linear lemmas by default, and cells
+that cover the space (cylindrical algebraic coverings), whose luck hangs on what comes first."""
+LONGEST = 300.0
+"""Seconds for one obligation by the clock, whatever the processor does meanwhile."""
+
+_CVC5 = """
+import sys, cvc5
+solver = cvc5.Solver(cvc5.TermManager())
+for name, value in zip(sys.argv[1::2], sys.argv[2::2]):
+    solver.setOption(name, value)
+parser = cvc5.InputParser(solver)
+parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, sys.stdin.read(), "obligation")
+symbols = parser.getSymbolManager()
+while not (command := parser.nextCommand()).isNull():
+    sys.stdout.write(command.invoke(solver, symbols))
+"""
+
+
+def programs() -> dict[str, list[list[str]]]:
+    """By name, each solver that is installed: its strategies as commands that read a file.
+
+    The quicker one first.
+    """
+    own = Path(sys.executable).with_name("yices-smt2")
+    yices = own if own.exists() else shutil.which(own.name)
+    asked = [[sys.executable, "-c", _CVC5, *chain(*way.items())] for way in STRATEGIES.values()]
+    found = {"yices": [[str(yices)]] if yices else [], "cvc5": asked if find_spec("cvc5") else []}
+    return {name: commands for name, commands in found.items() if commands}
+
+
+def confirmed_by(
+    statement: Statement, point: Mapping[str, str] | None = None, patience: int = PATIENCE
+) -> tuple[str, ...]:
+    """The first solver that finds every goal and every domain unsatisfiable, too; else nothing.
+
+    And the hypotheses satisfiable, at ``point`` if one is given.
+    """
+    every = list(obligations(statement, point))
+    for name in programs():
+        if all(answer(name, item.text, patience) == item.wanted for item in every):
+            return (name,)
+    return ()
+
+
+def answer(name: str, text: str, patience: int = PATIENCE) -> str:
+    """A solver's answer to a file: sat, unsat or unknown; each way soon, then with patience."""
+    limits = [limit for limit in (IMPATIENCE, patience) if limit <= patience]
+    said = (_said(text, limit, way) for limit in limits for way in programs()[name])
+    return next((word for word in said if word in ("sat", "unsat")), "unknown")
+
+
+def _said(text: str, patience: int, command: Sequence[str]) -> str:
+    """In a process of its own, which can be ended: solvers do not always keep to their limits."""
+
+    def limited() -> None:
+        resource.setrlimit(resource.RLIMIT_CPU, (patience, patience))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+    try:
+        done = subprocess.run(
+            command, input=text, capture_output=True, text=True, timeout=LONGEST, check=False,
+            preexec_fn=limited,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return "unknown"
+    return done.stdout.strip() or "unknown"
