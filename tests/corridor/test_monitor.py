@@ -159,7 +159,7 @@ def test_as_an_fmu_it_tells_the_same(version, monitor, shoved, tmp_path):
     ("case", "law", "words"),
     [
         ("safe-experiment", "prox", "has no corridor to be watched"),
-        ("safe-simulation", "kanayama", "that no monitor is shown"),
+        ("safe-simulation", "kanayama", "that a monitor cannot see"),
     ],
 )
 def test_what_cannot_be_watched_is_refused(case, law, words):

@@ -141,7 +141,7 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
     ("stated", "words"),
     [
         ({"loop": "first-order"}, "for loops that overshoot"),
-        ({"losses": 1}, "filter.losses: .*knows of no others"),
+        ({"losses": 1}, "filter.losses: .*exactly one period after"),
         ({"jitter": 0.01}, "filter.jitter"),
         ({"hold": 0.5}, "filter.hold"),
         ({"delay": (0.0, 0.02)}, "filter.delay"),

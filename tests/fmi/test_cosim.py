@@ -227,7 +227,7 @@ def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it(gua
         assert np.array_equal(run[name], native[name]), name
     assert run.monitor.bounds_left is None
     assert run.provenance["delay"] == "known to the controller"
-    with pytest.raises(ArgumentError, match="no torque is late"):
+    with pytest.raises(ArgumentError, match="no torque is delayed"):
         cosimulate(base, "prox", delay_known=True)
 
 

@@ -55,7 +55,7 @@ def wrapped_at(bits):
 
 
 CORRUPTIONS = {
-    "not a number": (lambda log: in_row(log, 300, "RIGHT", np.nan), "no numbers"),
+    "not a number": (lambda log: in_row(log, 300, "RIGHT", np.nan), "not numbers"),
     "time goes back": (lambda log: put(log, T=np.where(log[T] > 12, log[T] - 5, log[T])), "back"),
     "time twice": (lambda log: in_row(log, 500, "T", log[T][499]), "time of the row before"),
     "milliseconds": (lambda log: put(log, T=1e3 * log[T]), "milliseconds"),
@@ -127,7 +127,7 @@ def test_poses_tell_the_size_of_the_wheels(driven):
     [
         ("t [s],wheel_counts[1] [1]", "belong together"),
         ("time [s],v1 [m/s]", "named t"),
-        ("t [s],v1 [kg],omega [rad/s]", "no unit"),
+        ("t [s],v1 [kg],omega [rad/s]", "does not fit it"),
     ],
 )
 def test_headers_are_checked(tmp_path, header, word):

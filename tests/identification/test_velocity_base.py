@@ -123,7 +123,7 @@ def test_what_is_no_log_of_such_a_base_is_refused_by_name():
     reversed_ = {**log, "v_command [m/s]": [-x for x in log["v_command [m/s]"]]}
     degrees = {**log, "omega_measured [rad/s]": [57.3 * x for x in log["omega_measured [rad/s]"]]}
 
-    with pytest.raises(LogError, match="sign of one of both is reversed"):
+    with pytest.raises(LogError, match="one of the two has the wrong sign"):
         identify(reversed_, base="velocity")
     with pytest.raises(LogError, match="degrees for radians"):
         identify(degrees, base="velocity")

@@ -231,7 +231,7 @@ def test_topics_are_asked_for_by_role_and_what_is_not_there_is_named(tmp_path):
     place = bag(tmp_path, messages)
 
     assert set(read_topics(place, {"odom": "/b/odom"}).columns["v1_measured"]) == {2.0}
-    with pytest.raises(ResultFileError, match="may be meant"):
+    with pytest.raises(ResultFileError, match="would all fit"):
         read_topics(place)
     with pytest.raises(ResultFileError, match=r"/a/odom \(nav_msgs/msg/Odometry\)"):
         read_topics(place, {"odom": "/b/odom", "cmd": "/cmd_vel"})

@@ -83,7 +83,7 @@ def test_what_cannot_be_compiled_in_is_a_sentence(given, said):
     [
         (["nn", "--ros2"], "command filter"),
         (["filter", "--ros2", "--float32"], "double precision"),
-        (["filter", "--param", "stamped=false"], "it needs --ros2"),
+        (["filter", "--param", "stamped=false"], "it works only with --ros2"),
     ],
 )
 def test_options_that_do_not_go_together_are_refused(tmp_path, words, said):

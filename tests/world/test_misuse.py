@@ -119,7 +119,7 @@ def test_what_is_no_bound_names_its_effect(registered, bound):
 @pytest.mark.parametrize("returned", [None, "none", (1.0, 2.0)])
 def test_a_bound_is_a_bound(registered, returned):
     registered(replace(SHAKE, bound=lambda scenario: returned))
-    with pytest.raises(ArgumentError, match=r"shake.*no Bound"):
+    with pytest.raises(ArgumentError, match=r"shake.*not a Bound"):
         compile_loop(shaking(), "mb")
 
 

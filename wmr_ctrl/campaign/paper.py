@@ -85,8 +85,8 @@ def paper_plan(
     """
     if not 1 <= seeds <= MOST_SEEDS_EACH or first_seed < 0:
         raise ArgumentError(
-            f"seeds = {show(seeds)} from {first_seed!r} on: give from 1 to {MOST_SEEDS_EACH} "
-            "seeds, from 0 up."
+            f"seeds = {show(seeds)} from {first_seed!r} on: give 1 to {MOST_SEEDS_EACH} seeds, the "
+            "first at least 0."
         )
     if len(set(laws)) != len(laws):
         raise ArgumentError(f"laws = {', '.join(laws)}: name each law once.")

@@ -200,5 +200,5 @@ def _compare(client: Any, facts: Facts, asked: Callable[[], Facts]) -> None:
         if differ:
             listed = ", ".join(f"{key} {theirs.get(key)} for {facts[key]}" for key in differ)
             raise ArgumentError(
-                f"the worker {address} has {listed}. Install the same version there."
+                f"the worker {address} runs other code ({listed}). Install the same version there."
             )

@@ -159,7 +159,7 @@ def _check(plan: Study) -> None:
     if math.prod(sizes) > MOST_RUNS:
         raise ArgumentError(
             f"the plan has {math.prod(sizes):.3g} runs; at most {MOST_RUNS:.0e} can be planned. "
-            "Take fewer seeds or values, or a sample in place of the grid."
+            "Use fewer seeds or values, or [sample] in place of [grid]."
         )
     ends = plan.sample.ranges.items() if plan.sample else ()
     for key, values in (*plan.grid.items(), *ends):

@@ -91,8 +91,8 @@ class StudyFolder:
             rows = self.rows(path)
             if rows is None:
                 raise ResultFileError(
-                    f"{str(path)!r} is gone or damaged since it was written. Run the study again: "
-                    "only what is missing is made."
+                    f"{str(path)!r} has been deleted or damaged. Run the study again: it makes "
+                    "only what is missing."
                 )
             columns = [rows[name].tolist() for name in plan.figures]
             texts = (rows[name].tolist() for name in ("index", "outcome", REFUSAL))
@@ -171,8 +171,8 @@ def opened(folder: Path, plan: Study, facts: Mapping[str, str]) -> Iterator[Stud
         lock = FileLock(folder / ".lock").acquire(timeout=0)  # ends with its process in any case
     except Timeout:
         raise ResultFileError(
-            f"{str(folder)!r}: another process works on this study. Wait for it, or name another "
-            "folder."
+            f"{str(folder)!r}: another process is working on this study. Wait until it ends, or "
+            "name another folder."
         ) from None
     except OSError as error:
         raise ResultFileError(f"cannot write {str(folder)!r}: {error.strerror}.") from error
@@ -200,15 +200,15 @@ def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:
     if begun.get("identity") != plan.identity:
         raise ResultFileError(
             f"{str(folder)!r} holds the results of another plan. Name another folder for this one, "
-            "or give the plan that the folder began with (study.json)."
+            "or give the plan that the folder was started with (study.json)."
         )
     before = begun.get("provenance", {})
     differ = [key for key in facts if before.get(key) != facts[key]]
     if differ:
         listed = ", ".join(f"{key} {before.get(key)} then, {facts[key]} now" for key in differ)
         raise ResultFileError(
-            f"{str(folder)!r} was begun with other code ({listed}), whose results may differ. Name "
-            "another folder, or go on with that version."
+            f"{str(folder)!r} was started with other code ({listed}), whose results may differ. "
+            "Name another folder, or continue with that version."
         )
 
 

@@ -151,7 +151,7 @@ def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run 
     from wmr_ctrl.results.bag_topics import load_source
 
     if len(sources) == 1 and (Path(sources[0]).suffix.lower() in RUNS or is_bag(sources[0])):
-        raise click.UsageError("Missing argument 'RUN_B': two saved runs or more are compared.")
+        raise click.UsageError("Missing argument 'RUN_B': give two or more saved runs to compare.")
     if len(sources) < 2:
         raise click.UsageError(
             "Missing option '--law': name the laws to compare on a scenario, such as "

@@ -141,12 +141,13 @@ def codegen(
     opt.check_folder(out, "--out")
     if params and not ros2:
         raise click.BadParameter(
-            "it needs --ros2. Add that, or leave it out.", param_hint="--param"
+            "it works only with --ros2. Add --ros2, or leave --param out.", param_hint="--param"
         )
     case = opt.load(scenario, assignments)
     if (law == CORRIDOR) != (watched is not None) or (law == CORRIDOR and (float32 or ros2)):
         raise click.BadParameter(
-            "it belongs to `codegen corridor`, which needs it, in double precision and as C alone.",
+            "only `codegen corridor` takes a law, and it needs one; it has neither --float32 nor "
+            "--ros2.",
             param_hint="--law",
         )
     if watched is not None:

@@ -35,7 +35,7 @@ def scenarios(
     gain of every law: a file to edit and run.
     """
     if as_toml and as_json:
-        raise click.UsageError("--toml and --json exclude each other.")
+        raise click.UsageError("give either --toml or --json, not both.")
     if kind is not None:
         if name or as_toml or as_json or assignments:
             raise click.UsageError("--reference KIND cannot be combined with other options.")

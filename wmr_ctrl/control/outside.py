@@ -42,7 +42,7 @@ def check_takes_torques(scenario: Scenario, holder: str) -> None:
     """Raise ScenarioError where the base takes velocities, of which ``holder`` knows nothing."""
     if takes_velocity(scenario):
         raise ScenarioError(
-            f'base.kind = "velocity": {holder} only for bases that take wheel torques. Runs, '
+            f'base.kind = "velocity": {holder} only for robots that take wheel torques. Runs, '
             "studies, `check` and the closed-loop FMU support the base's speed loop. Use one of "
             'these, or set base.kind = "torque".'
         )

@@ -75,14 +75,14 @@ def monitor_of(scenario: Scenario, law: str) -> System:
         ) from error
     if latch is None:
         raise ScenarioError(
-            f"{scenario.name} with {law}: no box about the corridor holds a robot that is in it, "
-            "so that nothing could be concluded. State smaller pushes or errors."
+            f"{scenario.name} with {law}: no box around the corridor keeps a robot inside, so "
+            "nothing could be concluded. State smaller pushes or errors."
         )
     if not seen(setup, latch):
         raise ScenarioError(
-            f"{scenario.name} with {law}: drives with delay or lag, poses that are corrected in "
-            "part and laws with a memory of their own leave states that no monitor is shown. Watch "
-            "prox or mb with ideal drives and correction = 1."
+            f"{scenario.name} with {law}: drives with delay or lag, partly corrected poses and "
+            "laws with a memory of their own have states that a monitor cannot see. Watch prox or "
+            "mb with ideal drives and correction = 1."
         )
     graph = monitor(setup, latch, measured=True)
     box = next(item.value for item in graph.params if item.signal.name == "corridor.box")

@@ -86,8 +86,8 @@ def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
     for i, worth in enumerate(worthwhile_slew(scenario)):
         if slew[i] >= worth:
             raise ScenarioError(
-                f"filter.slew[{i + 1}] = {slew[i]:g} is worth nothing: from {worth:.3g} on slow "
-                "commands may be no larger than others. State less, leave out "
+                f"filter.slew[{i + 1}] = {slew[i]:g} brings no gain: from {worth:.3g} on, slow "
+                "commands may be no larger than any others. State a smaller value, leave out "
                 'filter.slew, or take filter.kind = "band".'
             )
 

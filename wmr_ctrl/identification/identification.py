@@ -184,14 +184,15 @@ def _samples(
         other = COMMAND if commands == TORQUES else TORQUES
         hint = "velocity" if commands == TORQUES else "torque"
         raise LogError(
-            f"{raw.name}: no commands. It needs {names}, as they were sent to the base."
-            + (f" It has {' and '.join(other)}: for those take --base {hint}." * raw.has(other))
+            f"{raw.name}: it has no commands. Add the columns {names}, as they were sent to the "
+            "base."
+            + (f" Its {' and '.join(other)} can be used with --base {hint}." * raw.has(other))
         )
     source = seen_by(raw)
     if source == COUNTS.name and not (COUNTED in sure and scenario.section(Encoder).counts):
         raise LogError(
-            f"{raw.name} has encoder counts, and how many make a turn is not known. Give them, all "
-            "four edges counted, as in --set encoder.counts=4096."
+            f"{raw.name} has encoder counts, but the number per turn of a wheel is not known. Give "
+            "it, all four edges counted, as in --set encoder.counts=4096."
         )
     missing = [key for key in ROBOT if key not in sure]
     if missing and (commands == TORQUES or source in (COUNTS.name, "wheel_speed")):
@@ -215,9 +216,9 @@ def _by_poses(
         ratios = lint.pose_ratios(raw, motion_of(raw, trial, seen_by(raw), commands))
     if ratios is None:
         raise LogError(
-            f"{raw.name}: {' and '.join(missing)} must be known, "
-            "and no poses tell. Give the wheels' radius and half the track, as in --set "
-            "robot.r=0.08 --set robot.l=0.2, or a scenario that has them: --robot known.toml."
+            f"{raw.name}: {' and '.join(missing)} must be known, and there are no poses to find "
+            "them from. Give the wheels' radius and half the track, as in --set robot.r=0.08 --set "
+            "robot.l=0.2, or a scenario that has them: --robot known.toml."
         )
     r = ratios[0]
     half_track = r / ratios[1]
@@ -264,8 +265,8 @@ def _of_torques(
         )
     if all(item.verdict == UNDETERMINED for item in estimates.values()):
         raise LogError(
-            f"{name}: the log determines nothing of the robot: {' '.join(remarks)} Drive with "
-            "changing speeds of both wheels, apart from each other."
+            f"{name}: the log determines nothing about the robot: {' '.join(remarks)} Change the "
+            "speed of each wheel, at different times."
         )
     unknown = all(estimates[key].verdict == UNDETERMINED for key in ("m", "I"))
     clocked = _clocked(scenario, log)

@@ -121,7 +121,8 @@ def of_velocities(
     driven = [bool(np.std(axis.sent) > LEAST_DRIVEN) for axis in axes]
     if not any(driven):
         raise LogError(
-            f"{name}: both commands are constant, so the log says nothing about the base."
+            f"{name}: both commands are constant, so the log says nothing about the base. Change "
+            "both by steps, at different times."
         )
     for axis, drives, column in zip(axes, driven, COMMAND, strict=True):
         if drives:
@@ -130,8 +131,8 @@ def of_velocities(
     estimates = loop_estimates(fits, log.period)
     if all(item.verdict == UNDETERMINED for item in estimates.values()):
         raise LogError(
-            f"{name}: the log tells nothing of the base. Change both commands by steps, apart from "
-            "each other."
+            f"{name}: the log says nothing about the base. Change both commands by steps, at "
+            "different times."
         )
     remarks += loop_remarks(fits, estimates)
     bounds, identified = _scenario(name, scenario, log, fits, estimates, remarks)

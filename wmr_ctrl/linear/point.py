@@ -148,6 +148,7 @@ def check_inactive(scenario: Scenario, law: str, t: float) -> None:
             name for name, act in zip(("thrust", "moment"), acts, strict=True) if act
         )
         raise ArgumentError(
-            f"the guard holds back the {axes} on the reference at {t:g} s: where it acts the loop "
-            "is not the law's. Choose another time (--at) or a slower reference, or drop --guard."
+            f"the guard holds back the {axes} on the reference at {t:g} s: while it acts, the loop "
+            "is not that of the law. Choose another time (--at) or a slower reference, or drop "
+            "--guard."
         )

@@ -29,8 +29,8 @@ def check_times(log: Log) -> None:
         bad = np.flatnonzero(~(np.isfinite(values) & np.isfinite(log.times[name])))
         if bad.size:
             raise LogError(
-                f"{log.name}: {name} has {bad.size} values that are no numbers, the first in row "
-                f"{bad[0] + 1}. Leave such cells empty, or take the rows out."
+                f"{log.name}: {name} has {bad.size} values that are not numbers, the first in row "
+                f"{bad[0] + 1}. Leave such cells empty, or remove the rows."
             )
     for name, t in log.times.items():
         _forward(log.name, name, t)
@@ -38,21 +38,22 @@ def check_times(log: Log) -> None:
 
 def _forward(where: str, name: str, t: Floats) -> None:
     if len(t) < FEWEST_ROWS:
-        raise LogError(f"{where}: {name} has {len(t)} rows; it takes {FEWEST_ROWS} or more.")
+        raise LogError(f"{where}: {name} has {len(t)} rows; at least {FEWEST_ROWS} are needed.")
     step = np.diff(t)
     middle = float(np.median(step))
     back = np.flatnonzero(step < 0)
     if back.size:
         raise LogError(
             f"{where}: time goes back {back.size} times, first after row {back[0] + 1}, from "
-            f"{t[back[0]]:.6g} to {t[back[0] + 1]:.6g} s. Two logs in one file, or a clock that "
-            "was set; cut the log there, or sort its rows if they were written out of order."
+            f"{t[back[0]]:.6g} to {t[back[0] + 1]:.6g} s. Perhaps two logs are in one file, or the "
+            "clock was reset: cut the log there, or sort its rows if they were written out of "
+            "order."
         )
     twice = np.flatnonzero(step == 0)
     if twice.size:
         raise LogError(
-            f"{where}: {twice.size} rows have the time of the row before, first row "
-            f"{twice[0] + 2} at {t[twice[0]]:.6g} s. Take one of each out, or write more digits."
+            f"{where}: {twice.size} rows have the time of the row before, first row {twice[0] + 2} "
+            f"at {t[twice[0]]:.6g} s. Remove one of each, or write times with more digits."
         )
     if not STEPS[0] <= middle <= STEPS[1]:
         units = {1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
@@ -92,7 +93,7 @@ def check_counters(log: Log) -> None:
             kind = "lost or added counts: cut the log there, or mend the counter"
         raise LogError(
             f"{log.name}: {name} jumps by {step[at]:g} from row {at + 1} to the next, at "
-            f"{t[at]:.6g} s, where its neighbours move by {near[at]:g} ({jumps.size} such jumps). "
+            f"{t[at]:.6g} s, while the steps beside it are {near[at]:g} ({jumps.size} such jumps). "
             f"It looks like {kind}."
         )
 
@@ -101,12 +102,12 @@ def check_motion(name: str, log: Samples, half_track: float) -> None:
     """The log is long enough and moves."""
     span = log.t[-1] - log.t[0]
     if span < SHORTEST_LOG:
-        raise LogError(f"{name}: {span:.3g} s are too short; drive for {SHORTEST_LOG:g} s or more.")
+        raise LogError(f"{name}: {span:.3g} s is too short; drive for {SHORTEST_LOG:g} s or more.")
     speed = np.abs(wheels(speeds(log), half_track)).max(axis=1)
     share = float(np.mean(speed > SLOW))
     if share < LEAST_MOVING:
         raise LogError(
-            f"{name}: the robot moves in {100 * share:.0f} % of the log alone (a wheel above "
+            f"{name}: the robot moves in only {100 * share:.0f} % of the log (a wheel above "
             f"{100 * SLOW:g} cm/s). Drive for most of the time."
         )
 
@@ -129,7 +130,7 @@ def check_torques(name: str, log: Samples, half_track: float) -> None:
     ):
         raise LogError(
             f"{name}: the right wheel follows the left torque and the left wheel the right one: "
-            "torques (or counters) of the two wheels are swapped. Exchange them in one of both."
+            "torques (or counters) of the two wheels are swapped. Swap them in one of the two."
         )
     wrong = [side for side, gain in zip(("right", "left"), np.diag(gains), strict=True) if gain < 0]
     if wrong:
@@ -295,7 +296,7 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
             else "x or y is reversed, or the poses are of another robot or frame"
         )
         raise LogError(
-            f"{name}: poses do not move where theta points, in no fixed angle to it: it looks like "
+            f"{name}: poses do not move where theta points, at no fixed angle to it: it looks like "
             f"{hint}. Forward is (-sin theta, cos theta)."
         )
     angle = math.degrees(np.angle(ours))
@@ -306,8 +307,9 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
         )
     if abs(angle - 90) > 20:
         raise LogError(
-            f"{name}: the robot moves at {angle:.0f} degrees to theta, where 90 are right (forward "
-            "is (-sin theta, cos theta)). Turn the poses' frame, or the sign of the motion."
+            f"{name}: the robot moves at {angle:.0f} degrees to theta, and it should be 90 "
+            "(forward is (-sin theta, cos theta)). Turn the poses' frame, or the sign of the "
+            "motion."
         )
 
 
@@ -329,8 +331,8 @@ def check_following(
         return
     if gain < 0:
         raise LogError(
-            f"{name}: the speed goes against {column}: the sign of one of both is reversed. "
-            "Positive is forward, and anticlockwise."
+            f"{name}: the speed goes against {column}: one of the two has the wrong sign. Positive "
+            "is forward, and anticlockwise."
         )
     if sense := unit_of(gain):
         raise LogError(

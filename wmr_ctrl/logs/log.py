@@ -110,14 +110,14 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
         return _of_drive(loaded)
     if os.path.isdir(place):
         raise LogError(
-            f"{str(path)!r} is a folder without metadata.yaml, so no bag of ROS 2. Give a bag's "
-            "folder or its .mcap or .db3 file."
+            f"{str(path)!r} is a folder without metadata.yaml, so it is not a ROS 2 bag. Give a "
+            "bag's folder, or its .mcap or .db3 file."
         )
     if suffix != ".csv":
         raise LogError(
-            f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a bag of ROS 2 "
-            "(its folder, .mcap or .db3), or a saved run (.npz, .csv, .parquet, .mcap). "
-            "rosbags-convert turns a ROS 1 bag into one of ROS 2."
+            f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a ROS 2 bag (its "
+            "folder, .mcap or .db3), or a saved run (.npz, .csv, .parquet, .mcap). rosbags-convert "
+            "turns a ROS 1 bag into a ROS 2 bag."
         )
     header, table = _table(place)
     return _of_table(place.name, header, table)
@@ -201,7 +201,7 @@ def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
         base, factor = UNITS.get(unit, (unit, 1.0))
         if base not in ("", KNOWN[column]):
             raise LogError(
-                f"{name}: column {column} is in {unit!r}, which is no unit of it. It is read in "
+                f"{name}: column {column} is in {unit!r}, which does not fit it. Give it in "
                 f"{KNOWN[column]}."
             )
         scales.append(factor)
@@ -242,7 +242,7 @@ def of_columns(name: str, columns: Mapping[str, Sequence[float]]) -> Log:
     """A log from columns by header (``name`` or ``name [unit]``), all of one length."""
     lengths = {len(values) for values in columns.values()}
     if len(lengths) != 1:
-        raise ArgumentError("log: its columns must be of one length.")
+        raise ArgumentError("log: all columns must have the same length.")
     table = np.column_stack([np.asarray(values, dtype=float) for values in columns.values()])
     return _of_table(name, list(columns), table)
 
@@ -256,10 +256,10 @@ def with_torques(log: Log, constant: float | None) -> Log:
     if constant is None:
         if log.has(CURRENT) and not log.has(TORQUES):
             raise LogError(
-                f"{log.name} has motor currents and no torques. Currents give masses and frictions "
-                "over the torque that an ampere makes alone; delay and lag need no torque. Give "
-                "that torque at the wheel, gear included, as in --torque-constant 0.6; with 1 for "
-                "it, m, I and frictions come out over it, and no scenario of that is to be run."
+                f"{log.name} has motor currents but no torques. Give the torque at the wheel per "
+                "ampere, gear included, as in --torque-constant 0.6. If you do not know it, give "
+                "1: delay and lag come out right, but m, I and friction come out divided by that "
+                "torque, so do not run such a scenario."
             )
         return log
     if not 0 < constant < math.inf:
@@ -314,7 +314,7 @@ def seen_by(log: Log) -> str:
         if log.has(pair):
             return pair[0]
     raise LogError(
-        f"{log.name}: no column has the motion. It needs {' and '.join(COUNTS.elements)} "
+        f"{log.name}: no column shows the motion. It needs {' and '.join(COUNTS.elements)} "
         f"(encoder counts), {' and '.join(WHEEL_SPEED)}, {' and '.join(SPEEDS[0])} or "
         f"{' and '.join(SPEEDS[1])}; poses alone are not enough."
     )

@@ -49,7 +49,8 @@ def write_page(
     checked_seeds([seed])
     if seed >= LARGEST_SEED:
         raise ArgumentError(
-            f"seed = {seed} is too large for a browser's numbers; choose one below 2^53."
+            f"seed = {seed} is too large for a browser, whose whole numbers end at 2^53. Choose a "
+            "smaller one."
         )
     target = check_writable(out)
     for name in laws or ():

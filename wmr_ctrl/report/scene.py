@@ -131,7 +131,7 @@ def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
         if lacking:
             raise ArgumentError(
                 f"{drive.name} has no {', '.join(lacking)}, and a moving picture shows the pose "
-                "with its velocities: leave out --animate. `wmr-ctrl show` says what there is."
+                "with its velocities: leave out --animate. `wmr-ctrl show` lists what it has."
             )
     t = np.linspace(0.0, max(drive.duration for drive in drives), frames)
     actors = []

@@ -163,7 +163,7 @@ def _chosen(
             topic = usual if usual in named or len(named) != 1 else named.pop()
             if len(named) > 1 and usual not in named:
                 raise ResultFileError(
-                    f"{name}: {', '.join(sorted(named))} may be meant. Name one: --topics "
+                    f"{name}: {', '.join(sorted(named))} would all fit. Name one: --topics "
                     f"{role}={min(named)}."
                 )
         items = [item for item in fit if item.topic == topic]
@@ -235,8 +235,8 @@ def _joint(side: str, asked: str, names: Sequence[str]) -> int:
     fit = [name for name in names if name == asked or (not asked and side in name.lower())]
     if len(fit) != 1:
         raise ResultFileError(
-            f"joints {', '.join(names)}: {len(fit) or 'none'} of them may be the {side} wheel's. "
-            f"Name it: --topics right=NAME,left=NAME."
+            f"joints {', '.join(names)}: {len(fit) or 'none'} of them could be the {side} wheel's. "
+            "Name it: --topics right=NAME,left=NAME."
         )
     return names.index(fit[0])
 

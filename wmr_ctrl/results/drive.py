@@ -94,7 +94,7 @@ class RecordedDrive:
         check_fields(self)
         sizes = {name: np.shape(values) for name, values in self.columns.items()}
         if not sizes or sizes != {name: np.shape(t) for name, t in self.times.items()}:
-            raise ArgumentError("a drive must have at least one column, and each its times.")
+            raise ArgumentError("a drive must have at least one column, each with its times.")
         for name, size in sizes.items():
             if len(size) != 1 or size == (0,) or name not in UNITS:
                 raise ArgumentError(

@@ -54,7 +54,7 @@ class DriveNode(SafeNode[DriveCore]):
         setup = settle(scenario, law)
         if not (setup.takes_velocity or scenario.guard.enabled):
             self.get_logger().warning(
-                "guard.enabled = false: no limit of the speed is promised for these torques."
+                "guard.enabled = false: no speed limit is guaranteed for these torques."
             )
         return DriveCore(setup, settings), scenario.clock.control
 

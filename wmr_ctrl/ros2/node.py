@@ -150,9 +150,9 @@ class SafeNode(LifecycleNode, Generic[C]):
         try:
             if not path:
                 raise WmrError(
-                    "the parameter scenario is not set: the limits that are to be kept have no "
-                    "default. Name a TOML file with [limits] and [filter] or [guard], such as "
-                    "--ros-args -p scenario:=mine.toml."
+                    "the parameter scenario is not set: the limits to keep have no default. Name a "
+                    "TOML file with [limits] and [filter] or [guard], such as --ros-args -p "
+                    "scenario:=mine.toml."
                 )
             scenario = load_scenario(path)
             self.core, self.period = self.build(scenario)

@@ -123,19 +123,19 @@ class Filter(Section, key="filter"):
             self._relate_slew()
         if self.force is not None and (self.kind, self.loop) != ("band", "pi"):
             raise ScenarioError(
-                'filter.force is for filter.kind = "band" with filter.loop = "pi": the other '
-                "filters know no force. A base that never overshoots is kept by the clip, however "
-                "weak its motors are. Leave it out."
+                'filter.force is for filter.kind = "band" with filter.loop = "pi": no other filter '
+                "limits force. The clip holds for a base that never overshoots, however weak its "
+                "motors are. Leave filter.force out."
             )
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.scale = "axes" limits v and omega separately, which does not fit wheels '
-                'that are limited individually. Take "curvature", "turn" or "drive".'
+                'that are limited individually. Use "curvature", "turn" or "drive".'
             )
         if self.kind == "governor" and self.tau is None:
             raise ScenarioError(
-                "filter.tau is missing: the governor counts on bounds of the time constant with "
-                "which the base follows its command. Give tau = [low, high] [s], or take "
+                "filter.tau is missing: the governor relies on bounds of the time constant with "
+                "which the base follows its command. Give tau = [low, high] [s], or use "
                 'filter.kind = "clip", which holds for every base that never overshoots.'
             )
         if self.tau is not None and self.tau[1] > 1e6 * self.tau[0]:
@@ -155,7 +155,7 @@ class Filter(Section, key="filter"):
         for name in needed.get(self.loop, ()):
             if getattr(self, name) is None:
                 raise ScenarioError(
-                    f'filter.{name} is missing: filter.loop = "{self.loop}" counts on its bounds. '
+                    f'filter.{name} is missing: filter.loop = "{self.loop}" relies on its bounds. '
                     f"Give {name} = [low, high]."
                 )
         if self.loop != "first-order" and self.kind == "governor":
@@ -171,7 +171,7 @@ class Filter(Section, key="filter"):
             )
         if self.loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
-                'filter.loop = "pi" moves v and omega by different masses, so that a wheel\'s '
+                'filter.loop = "pi" has different masses for v and omega, so that a wheel\'s '
                 "speed does not depend on that wheel's command alone: leave out filter.channels "
                 "and filter.wheel_speed."
             )
@@ -180,13 +180,13 @@ class Filter(Section, key="filter"):
         """Raise ScenarioError where a limit on how fast commands change is worth nothing."""
         if self.kind != "clip" or self.loop == "first-order":
             raise ScenarioError(
-                'filter.slew is for filter.kind = "clip" on loops that overshoot, and less so if '
-                "commands change slowly: the other filters do not need it. Leave it out."
+                'filter.slew is for filter.kind = "clip" with loops that overshoot, less so when '
+                "commands change slowly. Other filters do not need it. Leave it out."
             )
         if self.loop == "second-order" and self.frequency is None:
             raise ScenarioError(
-                "filter.frequency is missing: with filter.slew the clip counts on how long the "
-                "loop takes. Give frequency = [low, high] [rad/s], or leave out filter.slew."
+                "filter.frequency is missing: with filter.slew the clip relies on how fast the "
+                "loop is. Give frequency = [low, high] [rad/s], or leave out filter.slew."
             )
         if self.hold > 0 or self.channels == "wheels" or self.wheel_speed:
             raise ScenarioError(
@@ -200,12 +200,12 @@ class Filter(Section, key="filter"):
         if self.loop == "first-order":
             raise ScenarioError(
                 'filter.kind = "band" is for loops that overshoot: state filter.loop = "pi" or '
-                '"second-order" with its numbers, or take filter.kind = "governor".'
+                '"second-order" with its numbers, or use filter.kind = "governor".'
             )
         if self.loop == "second-order" and self.frequency is None:
             raise ScenarioError(
-                "filter.frequency is missing: the band counts on bounds of the natural frequency. "
-                'Give frequency = [low, high] [rad/s], or take filter.kind = "clip".'
+                "filter.frequency is missing: the band relies on bounds of the natural frequency. "
+                'Give frequency = [low, high] [rad/s], or use filter.kind = "clip".'
             )
         late = {
             "losses": self.losses, "jitter": self.jitter, "hold": self.hold,
@@ -214,9 +214,9 @@ class Filter(Section, key="filter"):
         for name, size in late.items():
             if size > 0:
                 raise ScenarioError(
-                    f'filter.{name}: filter.kind = "band" counts on every command taking over one '
-                    "period after the one before it, and knows of no others. A delay that is "
-                    'constant is free. Take filter.kind = "clip", which holds for all of them.'
+                    f'filter.{name}: filter.kind = "band" relies on each command taking effect '
+                    "exactly one period after the one before it. A constant delay is allowed. Use "
+                    'filter.kind = "clip", which holds for losses, jitter, hold and varying delays.'
                 )
         if self.odometry is not None or self.channels == "wheels" or self.wheel_speed:
             raise ScenarioError(

@@ -73,8 +73,8 @@ class CompiledLaw:
         )
         raise ArgumentError(
             f"the sample is refused: {what or 'its torques or memory'} must be finite and at most "
-            f"{LARGEST:g} in size. The torques are 0 and the law's memory is as it was; check "
-            "what was written into u and parameters."
+            f"{LARGEST:g} in size. The torques are 0 and the law's memory is unchanged; check what "
+            "was written into u and parameters."
         )
 
 

@@ -257,7 +257,9 @@ class Effect:
             return None
         stated = self._call("bound", self.bound, scenario)
         if not isinstance(stated, Bound):
-            raise ArgumentError(f"the effect {self.title} has the bound {show(stated)}, no Bound.")
+            raise ArgumentError(
+                f"the effect {self.title} has the bound {show(stated)}, which is not a Bound."
+            )
         return stated
 
     def _call(self, what: str, function: Callable[[Scenario], T], scenario: Scenario) -> T:
@@ -277,12 +279,12 @@ class Effect:
     def _only_draws(self, system: System) -> None:
         late = (EffectRole.COMMAND, EffectRole.DRIVE)
         if system.transport is not None and self.role not in late:
-            raise ArgumentError(f"the effect {self.title} has a transport, and is no drive.")
+            raise ArgumentError(f"the effect {self.title} has a transport, but is not a drive.")
         for item in system.draws:
             if item.kind not in (UNIFORM, NORMAL):
                 raise ArgumentError(
-                    f"the effect {self.title} draws {item.kind!r} numbers; there are {UNIFORM!r} "
-                    f"and {NORMAL!r} ones."
+                    f"the effect {self.title} draws {item.kind!r} numbers; only {UNIFORM!r} and "
+                    f"{NORMAL!r} ones exist."
                 )
 
 

@@ -96,8 +96,8 @@ def check_parts(setup: Setup, plant: Part) -> None:
     if lost:
         raise ArgumentError(
             f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
-            "which have it in them (and thrust and moment, where it acts on the body), or take it "
-            f"out of the scenario: {', '.join(lost)}."
+            "which include it (and thrust and moment, where it acts on the body), or take it out "
+            f"of the scenario: {', '.join(lost)}."
         )
 
 

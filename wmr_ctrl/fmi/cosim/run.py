@@ -145,8 +145,8 @@ def cosimulate(
         raise UnknownNameError("master", master, MASTERS)
     if delay_known and master != "jacobi":
         raise ArgumentError(
-            f"delay_known is for master = 'jacobi': under {master!r} no torque is late. Leave it "
-            "out."
+            f"delay_known is for master = 'jacobi': under {master!r} no torque is delayed. Leave "
+            "it out."
         )
     checked_seeds([seed])
     files = {"controller": controller, "plant": plant}

@@ -22,7 +22,7 @@ THEMES = (
     ("network", "The adaptive network"),
     ("errata", "What does not hold as printed"),
     ("authority", "Which disturbance the barrier withstands"),
-    ("gain", "No gain of a disturbance"),
+    ("gain", "No finite gain from a disturbance"),
     ("sampled", "The limits under a held command"),
     ("strict", "A strict Lyapunov function and an invariant set"),
     ("guard", "The velocity guard"),
@@ -55,7 +55,7 @@ THEMES = (
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
     ("corridor", "The certified corridor"),
-    ("pieces", "What arguments by hand are made of"),
+    ("pieces", "Parts of the arguments by hand"),
     ("composition", "How the parts are put together"),
 )
 """(file, or file and name of its claims; title)."""

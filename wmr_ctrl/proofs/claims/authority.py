@@ -105,8 +105,8 @@ def high(mutation: Mutation) -> Statement:
     over=AXES,
 )
 def links(mutation: Mutation) -> Statement:
-    """on the {name} axis each row's intervals join: the first begins at most bound/rho beyond v_c1,
-    each further one where the one before ends, the last ends at the clip.
+    """on the {name} axis each row's intervals leave no gap: the first begins at most bound/rho
+    beyond v_c1, each further one where the one before ends, the last ends at the clip.
 
     The table has no gap in v.
     """

@@ -24,7 +24,7 @@ claim = Claims(by=Ring(open_cases()), form=PRINTED, given=ALL_LIMITS)
 def parts(mutation: Mutation) -> Statement:
     """V1i = z^2/2 + f(v) + g(v_c0) with z = v - v_c0.
 
-    The function that the laws make smaller is the paper's.
+    The function that the laws decrease is the paper's.
     """
     a, v, c, u1, u2 = barrier_axis()
     z = v - c
@@ -37,7 +37,7 @@ def parts(mutation: Mutation) -> Statement:
 def two_axes(mutation: Mutation) -> Statement:
     """V1 = V11 + V12.
 
-    Each axis can be judged by itself.
+    Each axis can be treated separately.
     """
     one, two = BarrierAxis("1"), BarrierAxis("2")
     columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]

@@ -128,7 +128,8 @@ def contains_clip(mutation: Mutation) -> Statement:
 def necessary(mutation: Mutation) -> Statement:
     """e v_bar + (1 - e)(K_max u + dbar) > V.
 
-    No larger command is safe where the base is as fast, quick and pushed as it may be.
+    No larger command is safe for the base with the largest gain, the smallest time constant and the
+    largest push.
     """
     a = FilterAxis()
     b, e = a.bounds, a["e"]
@@ -162,7 +163,7 @@ def estimate(mutation: Mutation) -> Statement:
 def curvature(mutation: Mutation) -> Statement:
     """0 < eta <= 1 and lo_i <= eta r_i <= hi_i with eta the smaller of both axes' shares.
 
-    One factor brings both axes inside, so that omega/v is what was asked for.
+    One factor scales both axes, so omega/v stays as asked for.
     """
     names = "r1 lo1 hi1 r2 lo2 hi2"
     t = symbols(names)
@@ -218,7 +219,7 @@ SIDES = tuple(
     for side, way in enumerate(("forwards", "backwards"))
 )
 ASSEMBLED = (
-    "every command (no number, too), odometry within nbar or none, any time since the last sample; "
+    "every command (NaN included), odometry within nbar or none, any time since the last sample; "
     "-v_below <= v <= v_above, |v| <= V; no delay and no losses, H = T; tau_min <= tau_max; "
     + INTERVALS
 )
@@ -271,10 +272,10 @@ class AssembledStep:
 
 @claim("filter.sent-{id}", given=ASSEMBLED, over=SIDES)
 def sent(mutation: Mutation, side: int, axis: int) -> Statement:
-    """{words}: the command that the whole filter sends is at most the step's limit, whatever was
-    asked for of both axes.
+    """{words}: the command that the whole filter sends is at most the step's limit, whatever both
+    axes are asked for.
 
-    Nothing bypasses the filter: no number that is asked for, nor the other axis' scaling.
+    Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
     """
     step = AssembledStep(side, axis)
     every = {

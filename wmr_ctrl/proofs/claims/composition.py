@@ -31,7 +31,7 @@ claim = Claims(by=HARD)
 def believed(mutation: Mutation) -> Statement:
     """the inertia that a law believes in is diag(model.m, model.I).
 
-    What the entries about laws call M.
+    This is the M of the entries about laws.
     """
     law = LawGraph("mb")
     mass, t = law.own(law.context.mass), law.symbols

@@ -26,7 +26,7 @@ claim = Claims(by=Z3(effort=150))
     over=FORMS,
 )
 def prox(mutation: Mutation, smooth: bool) -> Statement:
-    """|v+| <= v_u2 implies that the law's step is the one that its corridor counts on ({words}).
+    """|v+| <= v_u2 implies that the law's step is the one that its corridor assumes ({words}).
 
     Away from the limits the step is a mixture of where the velocity is carried and the target.
     """
@@ -60,9 +60,9 @@ def mb(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim("corridor.kanayama", given="every limit >= 0")
 def kanayama(mutation: Mutation) -> Statement:
-    """|value| <= limit on both axes implies that the cut leaves the value.
+    """|value| <= limit on both axes implies that the clip leaves the value as it is.
 
-    Within its limits the command is not cut.
+    Within its limits the command is not clipped.
     """
     t = symbols("a b A B", "A B")
     values, most = ca.vertcat(t["a"], t["b"]), ca.vertcat(t["A"], t["B"])
@@ -75,7 +75,7 @@ def kanayama(mutation: Mutation) -> Statement:
 @claim("corridor.guard", given="no late command; M_min alpha > 0, brake >= 0, dbar >= f_min")
 def guard(mutation: Mutation) -> Statement:
     """With S = M_min alpha: |F + S y|, |S y| <= S (u1 - nbar) - net, |F| <= S (u1 - f_speed) - net
-    imply that the guard leaves F, and that its safe point is 0.
+    imply that the guard leaves F as it is, and that its safe point is 0.
 
     On these conditions the law drives as if there were no guard.
     """
@@ -99,7 +99,7 @@ def guard(mutation: Mutation) -> Statement:
     over=({"key": "linear-first"}, {"key": "rotation-first"}),
 )
 def wheels(mutation: Mutation, key: str) -> Statement:
-    """Torques within tau_max on both wheels imply that the map ({key}) leaves the force.
+    """Torques within tau_max on both wheels imply that the map ({key}) leaves the force as it is.
 
     On this condition the wheels' limit does not act.
     """

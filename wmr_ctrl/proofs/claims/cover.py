@@ -58,25 +58,25 @@ def _cover(names: tuple[str, ...], index: int) -> Callable[[Mutation], Statement
 
 TARGET_NAMES = (*regions.TARGETS, *regions.TARGET_EDGES)
 SIDE_NAMES = (*regions.SIDES, *regions.SIDE_EDGES)
-WHY = "Nothing was left out when the claims were shown region by region."
+WHY = "The claims are shown region by region, and no region is left out."
 claim = Claims(by=Z3(), meaning=WHY)
 
 
 @claim("cover.targets", (18,), given="0 < v_u2 < v_u1")
 def cover_targets(mutation: Mutation) -> Statement:
-    """the 11 regions and boundaries of v_c0 are all of the real line."""
+    """the 11 regions and boundaries of v_c0 together cover the real line."""
     return _cover(TARGET_NAMES, 1)(mutation)
 
 
 @claim("cover.sides", (15,), given="0 < v_u2 < v_u1")
 def cover_sides(mutation: Mutation) -> Statement:
-    """the 7 regions and boundaries of v are all of |v| < v_u1."""
+    """the 7 regions and boundaries of v together cover |v| < v_u1."""
     return _cover(SIDE_NAMES, 0)(mutation)
 
 
 @claim("cover.charts", (15, 18), given="v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y)")
 def charted(mutation: Mutation) -> Statement:
-    """each chart of a bounded region runs through all of it."""
+    """each chart of a bounded region covers all of it."""
     t = {name: ca.SX.sym(name) for name in ("y", "u2", "b")}
     y, u2, b = t.values()
     n = y / (1 - y)
@@ -121,7 +121,7 @@ def far_reached(mutation: Mutation) -> Statement:
 
 @claim("cover.smooth-targets", given="0 < v_u2 < v_u1")
 def cover_smooth_targets(mutation: Mutation) -> Statement:
-    """the 7 regions and boundaries of v_c0 for the smooth barrier are all of the real line."""
+    """the 7 regions and boundaries of v_c0 for the smooth barrier together cover the real line."""
     return _cover(regions.SMOOTH_TARGETS, 1)(mutation)
 
 
@@ -139,7 +139,9 @@ def beyond_reached(mutation: Mutation) -> Statement:
 
 @claim("cover.order", (15, 18), given="i, j > 0")
 def ordered(mutation: Mutation) -> Statement:
-    """where |v| and |v_c1| share an interval, one of the three orders holds and is charted."""
+    """where |v| and |v_c1| share an interval, one of the three orders holds, and each has its
+    chart.
+    """
     t = {name: ca.SX.sym(name) for name in ("i", "j")}
     i, j = t.values()
     more, less = i - j, i / (j - i)

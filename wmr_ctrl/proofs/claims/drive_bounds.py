@@ -32,7 +32,7 @@ def held(mutation: Mutation) -> Statement:
     """a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises with a
     = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b].
 
-    What a lag in plant steps counts for: that of a slightly smaller time constant.
+    A lag computed in plant steps counts as one with a slightly smaller time constant.
     """
     # One plant step of the lag that holds its value, and Z that the guard follows.
     t = symbols("z p step share growth b between least falls rises")
@@ -82,9 +82,9 @@ TIMES = (
 
 @claim("world.lag.bound", given=f"{TIMES}: larger where lag' is smaller, exp(x) - 1 >= x")
 def lag_bound(mutation: Mutation) -> Statement:
-    """the drives' own graph lets exp(-h/tau) of what acted be left in a step, tau = lag (1 + spread
-    x), |x| <= 1, which is at most the upper time constant that their bound tells, and h/(exp(h/tau)
-    - 1) of it at least the lower one.
+    """on the drives' own graph a share exp(-h/tau) of the acting torque is left after a step, tau =
+    lag (1 + spread x), |x| <= 1, which is at most the upper time constant in their bound, and
+    h/(exp(h/tau) - 1) of it at least the lower one.
 
     What drives of a lag that varies add to the guard's numbers (world.lag.stepped has the rest).
     """
@@ -130,7 +130,8 @@ def delay_bound(mutation: Mutation) -> Statement:
 )
 def jitter_bound(mutation: Mutation) -> Statement:
     """in the drives' own graph a command that arrived at phase 0 acts from phase jitter/h on at the
-    latest, and what is drawn for the next steps is at most that; jitter is what the bound tells.
+    latest, and what is drawn for the next steps is at most that; this jitter is the one in the
+    bound.
 
     What the guard counts as the earliest and the latest takeover.
     """
@@ -244,10 +245,10 @@ def pair_ahead(mutation: Mutation, way: int = 1) -> Statement:
     over=({"name": "thrust", "axis": 0}, {"name": "moment", "axis": 1}),
 )
 def motor_bound(mutation: Mutation, axis: int) -> Statement:
-    """what motors miss makes no more {name} than their bound says, for steps, dead zone and line at
-    once.
+    """the torque that motors fail to give makes no more {name} than their bound says, for steps,
+    dead zone and line at once.
 
-    What the guard counts on for motors is what their parts add up to.
+    The guard's bound for motors covers the sum of their parts.
     """
     numbers = (("motor.step", 0.1), ("motor.dead_zone", 0.1), ("motor.stall", 3.0),
                ("motor.free", 9.0), ("actuator.tau_max", 4.0))  # fmt: skip

@@ -168,8 +168,8 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
     given="T > 0; a window of two periods that ended one period ago, after the first sample",
 )
 def world_velocity_mean(mutation: Mutation) -> Statement:
-    """the mean velocity times the window that its bound tells is the way from that window's begin
-    to its end, as old as the bound tells, in periods since each way was seen.
+    """the mean velocity times the window in its bound is the distance from that window's start to
+    its end, and both are as old as the bound says, in periods since each distance was read.
 
     What the guard counts as age and window.
     """

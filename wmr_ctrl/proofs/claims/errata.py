@@ -21,11 +21,12 @@ claim = Claims(by=Z3(), form=PRINTED)
 
 @claim("thm1.global", (7, 39), given="v1d > 0", by=Refute(BACKWARDS))
 def only_rest(_: Mutation) -> Statement:
-    """(Theorem 1) e converges to 0 from everywhere: e = 0 is the only rest of the error under v =
-    v_c0.
+    """(Theorem 1) e converges to 0 from everywhere: e = 0 is the only equilibrium of the error
+    under v = v_c0.
 
     A robot exactly on the path but facing backwards, e = (0, 0, pi), stays like that for ever: it
-    backs along the path, and no term of the law turns it. Convergence is almost global at best.
+    drives backwards along the path, and no term of the law turns it. Convergence is almost global
+    at best.
     """
     t = Tracking()
     rate = error_rate(t.e, auxiliary_velocity(t.e, t.v_d, t.k), t.v_d)
@@ -34,8 +35,8 @@ def only_rest(_: Mutation) -> Statement:
 
 @claim("eq61.ball", (39, 61), given="r > 0, k2 = 5", by=Refute(TURNED))
 def ball(_: Mutation) -> Statement:
-    """small V2 is the same as a small ball: V2 <= r^2/2 implies |e| <= r, as the definition of
-    Omega_1 and Omega_3 by a radius needs.
+    """a small V2 means a small ball: V2 <= r^2/2 implies |e| <= r, as the definition of Omega_1 and
+    Omega_3 by a radius needs.
 
     V2 counts the angle less than the distance (by 1/k2), so a set where V2 stops growing is no
     ball: with r = 0.5 the angle may still be 1.1 rad.

@@ -220,14 +220,14 @@ BANDED = {
 
 @claim(
     "filter.band.sent-{id}",
-    given="every command (no number, too), any parameters",
+    given="every command (NaN included), any parameters",
     over=({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1}),
 )
 def sent(mutation: Mutation, axis: int) -> Statement:
     """|u| <= the largest command, u what the whole band sends on the {id} axis, and u never turns
     against what was asked for.
 
-    Nothing bypasses the filter: no number that is asked for, nor the other axis' scaling.
+    Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
     """
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     limits, u = graph.limits, mutation(1, 1.1) * graph.sent[axis]
@@ -245,7 +245,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     premises="filter.band.over filter.band.under filter.peak-gain",
 )
 def superposition() -> None:
-    """v(t) = sum of Delta_j S(age_j) + what pushes lead to, of which at most delta.
+    """v(t) = sum of Delta_j S(age_j) + the response to pushes, which is at most delta.
 
     Forecasts that bound the sum bound the speed, at every instant of every member of the family.
     """

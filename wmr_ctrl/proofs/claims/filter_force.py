@@ -113,7 +113,7 @@ def ramped_speed(mutation: Mutation) -> Statement:
 def ramped_force(mutation: Mutation) -> Statement:
     """over, under of the changed forecast of the force <= f, on the piece and behind.
 
-    A command that is admitted and held keeps the force within what is left.
+    A command that is admitted and held keeps the force within what the motors have left.
     """
     a = ForceAxis()
     s, f, to, u = a.symbols, a.symbols["f"], a.symbols["to"], a.symbols["u"]
@@ -172,7 +172,7 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
     """{sign}(F + friction v) <= the larger of {word} of the force and, with friction, {sign}drag u
     + {word} of both.
 
-    What friction takes is counted at the speed that the base may have, not at its limit.
+    Friction is counted at the speed that the base can have, not at its limit.
     """
     a = DraggedAxis.fresh()
     force, speed = a.forecasts
@@ -195,7 +195,7 @@ def drag_changed(mutation: Mutation, way: int) -> Statement:
     """{sign}drag to + {word} of force and friction = {sign}drag u + {word} before + what a change
     of one command adds by the tables of both, on the piece and behind.
 
-    Force with friction is changed by a command as a force is that has their tables together.
+    A command changes force plus friction as it would change one force with the sum of both tables.
     """
     a = DraggedAxis.fresh()
     s, (force, speed) = a.symbols, a.forecasts
@@ -230,7 +230,8 @@ RAMPED = tuple(
 def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> Statement:
     """{sign}held + {word} + what the change adds <= f, on {told}.
 
-    A command that is admitted and held keeps the force with friction within what is left.
+    A command that is admitted and held keeps the force, friction included, within what the motors
+    have left.
     """
     s = symbols("low high low_behind high_behind over under tail u held to f")
     low, high = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("low", "high"))
@@ -272,14 +273,14 @@ WEAK = {
 
 @claim(
     "filter.band.ramp-sent-{id}",
-    given="every command (no number, too), parameters that are sound; 0 <= what a fall and a rise "
+    given="every command (NaN included), parameters that are sound; 0 <= what a fall and a rise "
     "are admitted",
     over=({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1}),
 )
 def sent(mutation: Mutation, axis: int) -> Statement:
     """u_before - fall <= u <= u_before + rise, u what the whole band sends on the {id} axis.
 
-    Nothing bypasses the filter: no number that is asked for, nor the other axis' scaling.
+    Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
     """
     graph = ForceBand(load_scenario("paper-simulation", WEAK))
     named = elements_of(*graph.system.inputs)
@@ -300,8 +301,8 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     "filter.band.drag-under filter.peak-gain",
 )
 def force() -> None:
-    """F = sum of Delta_j M S'(age_j) + c v_u + what pushes make it give, at most N dbar, v_u what
-    commands alone lead to.
+    """F = sum of Delta_j M S'(age_j) + c v_u + the response to pushes, at most N dbar, with v_u the
+    speed due to commands alone.
 
     Forecasts that bound the sum, and the sum with c_max v_u, by f = F_max - N dbar bound what the
     loop asks for.

@@ -22,7 +22,7 @@ LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping"
 def wheel_box(mutation: Mutation) -> Statement:
     """|v| <= V and |omega| <= Omega.
 
-    Wheels that are limited by themselves keep the limits of the body, however unlike they are.
+    Limits on each wheel alone keep the body's limits, however different the two wheels are.
     """
     t = symbols("v omega V Omega l", "V Omega l")
     top = mutation(1, 1.01) * ca.fmin(t["V"], t["l"] * t["Omega"])
@@ -45,8 +45,8 @@ def inside(clip: Clip) -> Iterator[Relation]:
 
 @claim(
     "filter.slew-sent-{id}",
-    given="every command (no number, too); K_max > 0, 0 <= delta + a reach < V, a T > 0; the "
-    "command before within the same limit",
+    given="every command (NaN included); K_max > 0, 0 <= delta + a reach < V, a T > 0; the command "
+    "before within the same limit",
     over=AXES,
 )
 def slew_sent(mutation: Mutation, axis: int) -> Statement:
@@ -71,14 +71,14 @@ def slew_sent(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "filter.sent-clip-{id}",
-    given="every command (no number, too); 0 < N, 0 <= delta < V: the parameters of the clip of "
+    given="every command (NaN included); 0 < N, 0 <= delta < V: the parameters of the clip of "
     "linear loops",
     over=AXES,
 )
 def sent_clip(mutation: Mutation, axis: int) -> Statement:
     """N |u| + delta <= V (1 - 2^-26), u what the whole clip sends on the {id} axis.
 
-    Whatever is asked for of both axes, commands stay within what the loop's peak gain admits.
+    Whatever both axes are asked for, commands stay within what the loop's peak gain admits.
     """
     clip = Clip(load_scenario("paper-simulation", LINEAR))
     named = elements_of(clip.asked, *clip.p.ports)
@@ -126,8 +126,8 @@ def peak_gain() -> None:
 def slew() -> None:
     """|v| <= K c + a' (K L + N H/2) + delta <= V, a' = a T/(T - jitter), L the integral of |1 - S|
     from when S first reaches 1 on: r, the line through what was sent, later by the least delay and
-    H/2, has |r| <= c, |r'| <= a' and |u - r| <= a' H/2; r leads to at most K c before, for S only
-    rises there, and by parts to K L a' behind.
+    H/2, has |r| <= c, |r'| <= a' and |u - r| <= a' H/2; before that instant r leads to at most K c,
+    since S only rises there; after it, by parts, to at most K L a'.
 
-    A linear loop behind commands that change slowly swings less than its peak gain says.
+    When commands change slowly, a linear loop overshoots by less than its peak gain allows for.
     """

@@ -77,7 +77,7 @@ def clip(mutation: Mutation) -> Statement:
 def limit(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= V (1 + 2^-28) for the hi that the governor's text computes.
 
-    A computed limit, from a bound that is too low by what rounding may do, keeps the speed.
+    The computed limit keeps the speed even where its bound is too low by the rounding.
     """
     s, b = _numbers("w hi v E e mean")
     V, e, E = b.V, s["e"], s["E"]

@@ -167,7 +167,7 @@ def ceiling_smooth(mutation: Mutation) -> Statement:
     """the same for the smooth barrier as compiled, and its A is the paper's less 1/(v_u1 - v_u2),
     for v > v_u2.
 
-    Nor does the smooth one.
+    The same for the smooth barrier.
     """
     # For v > v_u2, as compiled; (v - v_c1)/q is the slope.
     a, v, c, u1, u2 = barrier_axis()
@@ -204,7 +204,7 @@ def fades(mutation: Mutation) -> Statement:
 @claim.also(
     "gain.closed-smooth",
     "the same for the smooth barrier",
-    "Nor in the smooth one.",
+    "The same for the smooth barrier.",
     equations=(),
     by=Ring(tuple(map(charted, SMOOTH_TARGETS))),
     form=SmoothAxis,
@@ -218,7 +218,7 @@ def fades(mutation: Mutation) -> Statement:
 def gain_closed(mutation: Mutation, form: type[Axis] = Axis) -> Statement:
     """on [v*, v_u1) the compiled barrier evaluates phi at Y > 1/2, in closed form.
 
-    No series stands for the logarithm there.
+    There the logarithm itself is evaluated, not its series.
     """
     a, v, c, u1, u2 = barrier_axis()
     s = ca.if_else(c >= 0, 1, -1)

@@ -85,8 +85,8 @@ class GateStep:
 def inside(mutation: Mutation) -> Statement:
     """|sent_i| <= (V_i - dbar_i)/K_max_i.
 
-    Whatever comes in, in whatever order and however late, what leaves the gate is a command that
-    the clip may send, so that its theorem (filter.clip) covers the base.
+    Whatever arrives, in any order and however late, the gate sends a command that the clip could
+    have sent, so the clip's theorem (filter.clip) covers the base.
     """
     g = GateStep()
     return Statement(g.symbols, g.below([mutation(1, 0.99) * top for top in g.limits]), g.sound)
@@ -96,7 +96,7 @@ def inside(mutation: Mutation) -> Statement:
 def stop(mutation: Mutation) -> Statement:
     """sent_i = 0.
 
-    A stop is zeros at once, and not a ramp.
+    A stop sends 0 at once, not a ramp.
     """
     g = GateStep()
     goals = tuple(equal(g.sent[i], mutation(0, 1e-3) * g[LAST][i]) for i in AXES)
@@ -107,7 +107,7 @@ def stop(mutation: Mutation) -> Statement:
 def stale(mutation: Mutation) -> Statement:
     """|sent_i| <= max(|last_i| - fall_i T, 0).
 
-    Without a command that is recent the base is brought to rest.
+    Without a recent command the base is brought to rest.
     """
     g = GateStep()
     old = above(g[COMMAND_AGE], ca.SX(SETTINGS.command_timeout))

@@ -115,7 +115,7 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
 def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     """|clip(0, lo, hi)| <= brakes = min(brake, cap).
 
-    The force of least effort is within the brake cap: the wheel maps keep the box.
+    The smallest safe force is within the brake cap, so the wheel maps stay in the box.
     """
     most = mutation(1, 0.99) * a.bounds.braking
     return Statement(a.symbols, (at_least(most, ca.fabs(a.force(ca.SX(0)))),), a.stated, a.rooms)
@@ -131,7 +131,7 @@ def upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """v+ <= u1{where}: v+ + t max({sign}F + net, 0)/M <= u1 as long as it acts, v+ = max({sign}v,
     f_speed), whatever the law asks for.
 
-    Inside stays inside, {face}.
+    A robot within its limit stays within it, {face}.
     """
     given = a.kept(way, mutation(1, 1.01))
     return Statement(a.symbols, (at_least(a["u1"], a.then(way)),), given, a.rooms)
@@ -146,7 +146,7 @@ def upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """{v} > u1{where}: {sign}F + net <= -min(brakes - net, M_max ({v} - u1)/T) <= 0.
 
-    Outside the limit no disturbance can make the robot faster, once what was sent before is over.
+    Outside the limit no disturbance can make the robot faster, once earlier commands have ended.
     """
     b = a.bounds
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
@@ -163,8 +163,8 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """{v} > u1{where}: a sample later {v} <= max(u1, {v} - T (brakes - net)/M).
 
-    Back inside after all that is late and ceil(({v} - u1) M/(T (brakes - net))) samples, {v} being
-    the speed then and M at worst M_max.
+    Back within the limit once late commands have ended, after ceil(({v} - u1) M/(T (brakes - net)))
+    samples, {v} being the speed then and M at worst M_max.
     """
     b, mass, start = a.bounds, a["mass"], a.start(way)
     step = b.period * (b.braking - a.net) / mass
@@ -237,7 +237,7 @@ def left(mutation: Mutation, a: GuardAxis) -> Statement:
     """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
     command may first take over; either way.
 
-    What the room is counted from.
+    How the room is counted.
     """
     goals = [
         goal

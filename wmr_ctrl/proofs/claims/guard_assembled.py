@@ -21,7 +21,7 @@ def axes(mutation: Mutation) -> Statement:
     """guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point likewise,
     i = 1, 2.
 
-    What is shown of one axis holds for each of the two.
+    What is proved for one axis holds for both.
     """
     one, two = GuardAxis(), GuardAxis()
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
@@ -53,7 +53,7 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     """feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1,
     brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1.
 
-    The published flag stands for the theorem's hypotheses, signs aside.
+    The published flag implies the theorem's hypotheses, apart from signs.
     """
     b = a.bounds
     need = mutation(2, 2.01) * a.net * (1 + b.alpha * a.late)
@@ -72,12 +72,12 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
 @claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
 def simulated(mutation: Mutation) -> Statement:
     """one Runge-Kutta step h of the plant ends at v1 <= max(v1 + h max(F, 0)/m, h (|F| + 2 mu m
-    g)/m), F all that pushes; omega ends at omega + h N/I.
+    g)/m), F the sum of all pushes; omega ends at omega + h N/I.
 
-    The simulated robot does not outrun the comparison that the guard counts with, but for speeds
-    that friction alone turns round within a step. This is over the real numbers: the step's own
+    The simulated robot does not outrun the comparison that the guard relies on, except at speeds
+    that friction alone reverses within a step. This is over the real numbers: the step's own
     rounding, some units in the last place of v a step, is not counted, so the simulated v may pass
-    u1 by so much.
+    u1 by that much.
     """
     robot = plant(load_scenario(PRESET))
     t = {**scalars((*robot.inputs, *robot.state, *robot.params)), **symbols("step", "step")}
@@ -108,7 +108,7 @@ def not_blamed(mutation: Mutation) -> Statement:
     """d_least is at most the mean disturbance of the sample in the direction of motion, or 0,
     driving forwards or backwards.
 
-    The monitor accuses the bounds only where they are wrong.
+    The monitor reports bounds as broken only where they are.
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old push drag e_new e_old way")
@@ -127,7 +127,7 @@ def not_blamed(mutation: Mutation) -> Statement:
 def quiet(mutation: Mutation) -> Statement:
     """d_least = 0 where the measured velocities are not both beyond nbar on the same side.
 
-    At rest and at a change of direction nothing is accused.
+    At rest and at a change of direction it reports nothing.
     """
     a = GuardAxis()
     b, old = a.bounds, ca.SX.sym("old")
@@ -170,10 +170,11 @@ SINCE = Since(
     "either for 3 T/4; no lag; M_min, T > 0, nbar, D >= 0; either axis",
 )
 def late(mutation: Mutation) -> Statement:
-    """late velocities: d_least <= D where each way the velocity moved since the previous sample by
-    no more than the commands that may have acted and a push D explain, as mean or from rest.
+    """late velocities: d_least <= D where the velocity changed since the previous sample, either
+    way, by no more than a push D and the commands that may have acted explain, in the mean or from
+    rest.
 
-    The monitor accuses no bounds that explain the motion, behind a delay and jitter either.
+    The monitor never reports bounds that explain the motion, not even behind a delay with jitter.
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old D F1 F2 N1 N2")

@@ -175,7 +175,7 @@ def largest(mutation: Mutation) -> Statement:
     """alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {aim} to (8 + 4
     alpha delay) 2^-53 K.
 
-    So is the largest command.
+    The computed largest command is right to within a few roundings.
     """
     a = QueuedAxis()
     both, off = _sum(a)
@@ -194,7 +194,7 @@ def largest(mutation: Mutation) -> Statement:
 def caps(mutation: Mutation) -> Statement:
     """{caps}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
 
-    So the caps keep their order.
+    The computed caps keep their order.
     """
     a = QueuedAxis()
     both, off = _sum(a)
@@ -216,7 +216,7 @@ def caps(mutation: Mutation) -> Statement:
 def room(mutation: Mutation) -> Statement:
     """M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0).
 
-    What is under way never takes the room that braking needs, as computed.
+    Commands under way never take the room that braking needs, as computed.
     """
     a = QueuedAxis()
     both, off = _sum(a)
@@ -283,8 +283,7 @@ def force(mutation: Mutation, way: int) -> Statement:
     """the computed force F^ has {sign}F^ + net + {spare} <= max(M_min alpha (u1 (1 - kept/32) -
     v+), 0), v+ being {sign}v or f_speed where the new command starts to act.
 
-    What the guard's text computes keeps the limit {word}, and leaves room for what the wheels'
-    arithmetic adds.
+    The computed force keeps the limit {word}, with room for the rounding of the wheels' torques.
     """
     # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
     a = QueuedAxis()

@@ -90,8 +90,8 @@ claim = Claims(by=Z3(effort=100))
     "guard.delay.rounding.read", given=f"any torques, r, l > 0{ROUNDS}", premises="assumption.libm"
 )
 def read(mutation: Mutation) -> Statement:
-    """what the guard reads of a sent command misses the exact force of its torques by at most 5
-    2^-53 of that, on either axis.
+    """the force that the guard reads back from a sent command differs from the exact force of its
+    torques by at most 5 2^-53 of it, on either axis.
 
     Commands under way are remembered as torques and read back as forces.
     """
@@ -115,7 +115,7 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     """one command more: sum tau_j max({sign}F_j + lost + net, 0) <= (1 + g + 3 2^-53) computed sum
     + off, off growing by tau_j (lost + 2^-52 |net|); {told}.
 
-    The sum over the commands is never computed too small, by more than this.
+    The computed sum over the commands is too small by no more than this.
     """
     q = Queue(axis)
     name = "front" if way > 0 else "rear"
@@ -143,7 +143,7 @@ def both(mutation: Mutation, axis: int) -> Statement:
     """one command more: both computed sums together <= (1 + g + 3 2^-53) sum tau_j (most + net + 3
     2^-53 |net|); {told}.
 
-    Nor is it computed so large that no room is left for braking.
+    The computed sum is never so large that no room is left for braking.
     """
     q = Queue(axis)
     whole = q.sums(SENT)

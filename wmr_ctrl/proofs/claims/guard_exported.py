@@ -192,10 +192,10 @@ def assembled(
     mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
 ) -> Statement:
     """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
-    axis with its own bounds and commands under way, which are the torques of before; feasible = 1
-    only where both axes' flags are, their brakes together are within reach and the drives' delay is
-    at most what is counted; the torque that is kept as applied is the one that acts next, and each
-    d_least the monitor's for it; {which}.
+    axis with its own bounds and its own commands under way (the torques sent before); feasible = 1
+    only if both axes' flags are 1, their brakes together are within the wheels' reach and the
+    drives' delay is at most the one that is counted; the torque that is remembered as applied is
+    the one that acts next, and each d_least is the monitor's value for it; {which}.
 
     The exported guard is composed of the parts that the other entries are about.
     """

@@ -50,7 +50,7 @@ def varying_moved(mutation: Mutation) -> Statement:
     """Z after a piece of time is at least p + e (Z0 - p) for every e between exp(-h/a) and
     exp(-h/b), lies between Z0 and p, and does not fall where Z0 or p rises.
 
-    Z falls latest with b and rises soonest with a.
+    Z falls slowest with the time constant b and rises fastest with a.
     """
     t = symbols("z p more_z more_p falls rises between")
     z, p, more_z, more_p, falls, rises, between = t.values()
@@ -180,7 +180,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
 def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together.
 
-    What was sent never takes the room that braking needs.
+    Commands already sent never take the room that braking needs.
     """
     b, t = a.bounds, symbols("room_ahead room_back core_ahead core_back brakes")
     rooms, cores = (t["room_ahead"], t["room_back"]), (t["core_ahead"], t["core_back"])
@@ -207,7 +207,7 @@ def counts(mutation: Mutation, a: GuardAxis) -> Statement:
     """room is at most what each of its lines leaves of u1 less what is reached when the new command
     may first take over; either way.
 
-    What the room is counted from.
+    How the room is counted.
     """
     least = left(mutation, a)
     return replace(least, given=(*least.given, *exponentials(a)))
@@ -224,8 +224,8 @@ def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """p_0 > 0: what is reached + (T + J) p_0 + c(T + J) max(p_0 - Z, 0), and + what the last
     command adds in J + T p_0 + c(T) max(p_0 - Z_J, 0), over M_min, is at most u1; for {sign}v.
 
-    Inside stays inside, {face}: a larger push than the last is worst where it comes early, a
-    smaller one where it comes late.
+    A robot within its limit stays within it, {face}: a larger push than the last is worst where it
+    comes early, a smaller one where it comes late.
     """
     # A command of larger p than the last is worst early, another one late; both to their end.
     b, spare = a.bounds, a["u1"] - a["arrived"]

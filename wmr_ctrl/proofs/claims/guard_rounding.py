@@ -210,8 +210,8 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     """the computed force F^ has {sign}F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -
     max({sign}v, f_speed)), 0).
 
-    What the guard's text computes keeps the limit {word}, and leaves room for what the wheels'
-    arithmetic adds; the branch that brakes is in it.
+    The computed force keeps the limit {word}, with room for the rounding of the wheels' torques;
+    the braking branch is included.
     """
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
     a = RoundedAxis(precision=precision)
@@ -262,7 +262,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     """{kind} as computed ends between the asked force and the safe point, to 12 {unit} (G1 + G2/l)
     in N, l times that in N m.
 
-    Nor does the torque limit's arithmetic undo the guard.
+    The rounding of the torque limit does not undo the guard.
     """
     t = _wheels()
     found, given = (t["thrust"], t["moment"]), [above(t["half"]), above(t["phi"])]
@@ -292,8 +292,8 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     over=PRECISIONS,
 )
 def converted(mutation: Mutation, precision: Precision) -> Statement:
-    """the exact force of the computed torques misses what was converted by at most 5 {unit} (|F| +
-    |N|/l), the moment by l times that.
+    """the exact force of the computed torques differs from the force that was converted by at most
+    5 {unit} (|F| + |N|/l), the moment by l times that.
 
     The plant is pushed by torques, which are rounded numbers as well.
     """

@@ -50,15 +50,14 @@ def larger(one: ca.SX, other: ca.SX) -> ca.SX:
         {"name": "late.caps", "a": GuardAxis(LATE), "given": JITTERY, "shared": 1.01,
          "effort": 400, "told": JITTERS},
         {"name": "late.mixed", "a": GuardAxis(LATE), "given": JITTERY, "mixed": 0.99,
-         "effort": 400, "told": f"{JITTERS} (with a mutation of its own)"},
+         "effort": 400, "told": f"{JITTERS} (altered in another place)"},
     ),
 )  # fmt: skip
 def caps(mutation: Mutation, a: GuardAxis, shared: float = 1, mixed: float = 1) -> Statement:
     """brakes = min(brake, cap): 0 <= brakes, net <= brakes <= largest, and late (largest +
     net)/M_min + max(brakes + net, 0)/(M_min alpha) <= u1 - f_speed{told}.
 
-    The caps share the room between rest and the limit: what is late takes its part, braking the
-    rest, and there is what jitter needs.
+    The caps divide the room between rest and the limit among late commands, braking and jitter.
     """
     spread = [] if a.mixed.is_zero() else [a.apart(mutation(1, mixed))]
     goals = (*a.capped, a.shared(mutation(1, shared)), *spread)
@@ -79,7 +78,7 @@ def command(mutation: Mutation, place: int) -> Statement:
     """max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for a single command under way, and v
     and -v at most the guard's count as long as it acts; {which}.
 
-    What a command on its way can do is what the guard counts, also if it acts for a shorter time.
+    The guard counts the most that a command under way can do, even if it acts for a shorter time.
     """
     a = GuardAxis(DELAYED)
     one, b, time = only(a, place), a.bounds, a["periods"] * a["period"]
@@ -100,7 +99,7 @@ def queue(mutation: Mutation) -> Statement:
     """n commands under way add up: their sums ahead and back are those of n - 1 and of the last
     one, both axes, n = 1 to 5.
 
-    Whatever is shown of one command and of a sum holds for the commands together.
+    What is shown for one more command holds for all of them together.
     """
     a = GuardAxis(DELAYED)
     t = {**column("F", 5), **column("N", 5), **column("time", 5)}
@@ -148,7 +147,7 @@ def late_piece(mutation: Mutation) -> Statement:
     given="decay 1/2, entering 1/4 and 1/8, one command listed; forces, net and M_min free",
 )
 def late_tail(mutation: Mutation) -> Statement:
-    """behind a lag, what is counted for older commands is decay of what it was and what the oldest
+    """behind a lag, the count of older commands is decay times its last value plus what the oldest
     listed command adds; both axes, starting from where a force of 0 leads.
 
     Commands of any age are counted with one number for each axis and direction.
@@ -208,7 +207,7 @@ def late_spare(mutation: Mutation) -> Statement:
     """M_min times what is left when the new command may first take over, ahead or behind, is at
     least max(brakes + net, 0)/alpha + J S, or both together that + 2 J S, S = largest + net.
 
-    What was sent never takes the room that braking needs.
+    Commands already sent never take the room that braking needs.
     """
     a = GuardAxis(LATE)
     goal = _spared(a, *spares(a), mutation(1, 1.01))
@@ -249,7 +248,7 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
     """what is under way leaves max(brakes + net, 0) of M_min alpha room, ahead or behind or of both
     rooms together; behind a delay alone M_min alpha (u1 - f_speed - ahead - back) is that.
 
-    What is under way never takes the room that braking needs.
+    Commands under way never take the room that braking needs.
     """
     given = (*a.stated, *a.moving, a.shared(), *added(a))
     return Statement(a.symbols, (a.enough(a.left, mutation(1, 0.99)),), given, a.cuts)

@@ -34,10 +34,11 @@ claim = Claims(by=solver)
     premises="wheels.linear-first",
 )
 def watched(mutation: Mutation) -> Statement:
-    """without guard the torques of the whole controller are those of linear-first on what the law
-    asks for; the flag, the torque that is kept as applied and each d_least are as with the guard.
+    """without the guard, the whole controller's torques are what linear-first makes of the force
+    that the law asks for; the flag, the torque that is remembered as applied and each d_least are
+    as with the guard.
 
-    A run without guard is watched by the bounds that a guard would use.
+    A run without the guard is monitored with the bounds that the guard would use.
     """
     e = Assembled(asking_controller, "linear-first", 0, guarded=False)
     (r, half), asked = e.wheels, mutation(1, 0.9) * e.asked
@@ -51,9 +52,10 @@ def watched(mutation: Mutation) -> Statement:
     premises="world.lag.applied",
 )
 def applied(mutation: Mutation) -> Statement:
-    """on the guard's own graph the torque that is kept as applied is the mean of what the lag's own
-    graph makes, in the plant steps of the sample, of the commands that the delay lets through, and
-    what is kept as acting is its end; each command moves on by one place.
+    """on the guard's own graph, the torque that is remembered as applied is the mean, over the
+    plant steps of the sample, of the lag's response to the commands that the delay lets through,
+    and the torque that is remembered as acting is that response's last value; each command moves on
+    by one place.
 
     Guard, monitor and observer use the torque that the simulated drives produced.
     """
@@ -91,7 +93,7 @@ def kept(mutation: Mutation) -> Statement:
     """the bounds that the exported guard is built with have u1 = v_u1 (1 - kept), kept = (1 + n)
     2^-44 and alpha delay <= n (1 + 2^-50).
 
-    What the entries here take for what is kept back is what the guard keeps back.
+    The exported guard keeps back the margin that these entries assume.
     """
     a, table, goals, given = QueuedAxis(), dict[str, ca.SX](), list[Relation](), list[Relation]()
     for n in range(1, 6):

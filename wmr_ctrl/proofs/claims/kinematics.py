@@ -67,7 +67,7 @@ def rate_is_map(mutation: Mutation) -> Statement:
 def velocity_back(mutation: Mutation) -> Statement:
     """H(q)' q' = v: v1 is the speed ahead and v2 the turning rate.
 
-    The two velocities are the ones that one would measure.
+    The two velocities are the ones that a sensor would measure.
     """
     t = symbols("theta v1 v2")
     v = ca.vertcat(t["v1"], t["v2"])
@@ -137,7 +137,7 @@ def eq04_reduced(mutation: Mutation) -> Statement:
 def eq04_plant(mutation: Mutation) -> Statement:
     """the simulated plant's rates satisfy M1 v' + F1 = B1 (tau + noise) and q' = H v.
 
-    What is simulated is what the theorems speak about.
+    The simulated robot is the one that the theorems are about.
     """
     system = plant(load_scenario(PRESET))
     t = scalars((*system.inputs, *system.state, *system.params))
@@ -170,7 +170,7 @@ def eq04_wheels(mutation: Mutation) -> Statement:
 def eq33_35(mutation: Mutation) -> Statement:
     """differentiating (8) along both robots' motions gives (33)-(35).
 
-    The tracking error that the laws see moves as the proof says.
+    The tracking error that the laws use evolves as the proof says.
     """
     t = {**column("q", 3), **column("d", 3), **column("v", 2), **column("vd", 2)}
     pose, pose_d = stacked(t, "q", 3), stacked(t, "d", 3)

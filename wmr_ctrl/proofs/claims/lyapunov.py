@@ -112,7 +112,7 @@ def minimum_rate(mutation: Mutation) -> Statement:
 def envelope(mutation: Mutation) -> Statement:
     """(v_c1 - v_c0) v_c1' + [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)] = 0.
 
-    At the best velocity a small change of it costs nothing.
+    At the minimiser, a small change of the velocity costs nothing.
     """
     m = Moving()
     return m.states(equal((m.x - m.all[1]) * x_rate(m) + mutation * at_target(m)))
@@ -175,7 +175,7 @@ def split(mutation: Mutation) -> Statement:
 def per_axis(mutation: Mutation) -> Statement:
     """V1i' = A_i v_i' - (v_i - v_c1i) v_c0i', all 35 regions of v and v_c0.
 
-    Each axis by itself.
+    The same for each axis separately.
     """
     m = Moving()
     v_dot, c_dot = m.rates.values()

@@ -83,7 +83,7 @@ claim = Claims(by=ONE, form=PRINTED)
 def law(mutation: Mutation) -> Statement:
     """F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes.
 
-    The network law that runs is the paper's, with the quotients by their cancellation-free forms.
+    The network law that runs is the paper's, with its quotients in cancellation-free form.
     """
     n = network_axis(0)
     written = -n.gain("rho1") * n.free["quotient"] + mutation * n.free["q"] * ca.dot(

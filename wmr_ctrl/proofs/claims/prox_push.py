@@ -151,7 +151,7 @@ def force(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "prox.pushed{of}",
-    given="T, M > 0, mass right; w+ to the target as it comes out, c+ + eps",
+    given="T, M > 0, mass right; w+ the distance to the actual target, c+ + eps",
     premises="prox.contracts prox.contracts-smooth prox.not-expansive",
     over=AXES,
 )
@@ -159,8 +159,8 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - c_m|) + T
     |f + d|/M + |eps|, {where} axis.
 
-    What a push costs in one sample, at every speed: its part that the observer does not make up
-    for, over the mass. There is no speed from which a push is stronger than the law.
+    What a push costs in one sample, at every speed: the part that the observer does not compensate,
+    over the mass. There is no speed from which a push is stronger than the law.
     """
     s = Sampled(axis)
     t = symbols("d w way x_next x_real eps E")
@@ -184,7 +184,7 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass right, no guard, torque not limited: from |v| <= v_u1, |c+| <= C to
     |v| <= v_u1 at the next sample, {where} axis.
 
-    What the law keeps by itself; the guard keeps it for more.
+    The limits that the law keeps by itself; the guard keeps them under weaker conditions.
     """
     s, t = Sampled(axis), symbols("d m")
     u1 = s.law.symbols[f"limits.v_u1[{axis + 1}]"]
@@ -248,7 +248,7 @@ def observer_first(mutation: Mutation) -> Statement:
     """on the law's graph f = 0 at the first sample, and its velocity is the old one of the next,
     when the observer has begun; both axes.
 
-    From there on prox.observer holds; a first command makes up for nothing.
+    From there on prox.observer holds; the first command compensates no push.
     """
     law = LawGraph("prox")
     later = ca.substitute(law.system.update, law.system.x, ca.DM(law.system.x0))
@@ -266,7 +266,7 @@ def observer_first(mutation: Mutation) -> Statement:
 def observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, {where} axis.
 
-    A push is made up for at the rate wo; what is left comes from its changes.
+    The observer compensates a push at the rate wo; what remains comes from the push's changes.
     """
     s, t = Sampled(axis), symbols("d d_old")
     left = (1 + mutation * s.free["fall"]) * (s.f_old + t["d_old"]) + t["d"] - t["d_old"]

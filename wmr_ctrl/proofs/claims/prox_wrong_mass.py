@@ -38,7 +38,7 @@ claim = Claims(by=Z3(effort=150))
 def loop_force(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, {where} axis.
 
-    What a wrong mass makes of the step.
+    How a wrong mass changes the step.
     """
     s, t = Sampled(axis), symbols("mu a x")
     w, q = s.v - t["x"], s.period * s.free["f"] / s.mass
@@ -80,7 +80,7 @@ def sampled_before(axis: int) -> Both:
 def loop_observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis.
 
-    What a wrong mass makes of the observer.
+    How a wrong mass changes the observer.
     """
     s, t = Sampled(axis), symbols("mu a w")
     share, q = -s.free["fall"], s.period * s.f_old / s.mass
@@ -118,8 +118,9 @@ def jury(mutation: Mutation) -> Statement:
 def light_model(mutation: Mutation) -> Statement:
     """M^ <= (4/3) M makes the velocity loop stable for every rho, T and wo.
 
-    Believe a mass that is rather too small. This is about a target that is held: the tracking loop
-    makes a larger (a = (1 - E)(1 + T k1) on the linear axis), and `check` has its limits.
+    If in doubt, state a mass that is too small rather than too large. This is about a target that
+    is held: the tracking loop makes a larger (a = (1 - E)(1 + T k1) on the linear axis), and
+    `check` has its limits.
     """
     t = symbols("mu a L")
     given = [part for name in ("a", "L") for part in (above(t[name]), above(ca.SX(1), t[name]))]
@@ -150,7 +151,7 @@ def wrong_mass(mutation: Mutation, numbers: Mapping[str, str], corners: bool = T
     """w^2 + 2 p w q + s q^2 falls by g^2 in a sample at the four corners mu in {{5/8, 5/3}}, a in
     {{{numbers[least]}, 1}}: L = {numbers[L]}, p = {numbers[p]}, s = {numbers[s]}, g = {numbers[g]}.
 
-    A mass believed wrong by that much makes nothing grow.
+    With a believed mass that is wrong by that much, nothing grows.
     """
     t = symbols("w q mu a " + " ".join(numbers))
     p, s = t["p"], t["s"]

@@ -251,7 +251,7 @@ def saturated_growth(_: Mutation) -> Statement:
 
 @claim("E7", (7,), form=PRINTED, given="0 < v1d < v_u11, cos e3 > 0", by=Refute(FAST))
 def stuck(_: Mutation) -> Statement:
-    """v1d < v_u11 suffices: the robot has no rest but e = 0.
+    """v1d < v_u11 suffices: e = 0 is the only equilibrium.
 
     With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind for
     ever: the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).

@@ -50,7 +50,7 @@ def subgradient(mutation: Mutation) -> Statement:
 def envelope_slope(mutation: Mutation) -> Statement:
     """dg/dv_c0 = v_c1 - v_c0.
 
-    The corrected sign of (25), without time.
+    The corrected sign of (25), as a derivative by v_c0 and not by time.
     """
     a, _, c, u1, u2 = barrier_axis()
     return a.states(equal(ca.gradient(barrier.g(c, u1, u2), c), a.x - mutation * c))
@@ -60,7 +60,7 @@ def envelope_slope(mutation: Mutation) -> Statement:
 def three_points(mutation: Mutation) -> Statement:
     """A w >= V1i + w^2/2.
 
-    Slope and value of the barrier function keep in step.
+    The slope of the barrier function is never small where its value is large.
     """
     a = BarrierAxis()
     return a.states(at_least(a.A * a.w, a.V + mutation(0.5, 0.75) * a.w**2))
@@ -101,8 +101,7 @@ def q_positive(mutation: Mutation) -> Statement:
 def quotient_range(mutation: Mutation) -> Statement:
     """V1i/A_i as compiled lies between 0 and v - v_c1.
 
-    The feedback never overshoots what the distance to the target asks for: near the limit it stays
-    bounded, it does not blow up.
+    The feedback never exceeds the distance to the target, so it stays bounded near the limit.
     """
     a = BarrierAxis()
     product = a.stable.V1_over_A * a.stable.w

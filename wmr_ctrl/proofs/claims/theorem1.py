@@ -76,7 +76,7 @@ def eq41() -> None:
 def growth(mutation: Mutation) -> Statement:
     """eps1 < k3 V2(t0)/(2 l^2 k2).
 
-    The unwanted growth is small against the value.
+    The unwanted growth is small compared with the value.
     """
     t = symbols("l k2 k3 E V0 eps1 root")
     l, k2, k3, E, V0, eps1, root = t.values()

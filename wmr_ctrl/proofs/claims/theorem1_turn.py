@@ -164,7 +164,7 @@ def angle_end(mutation: Mutation) -> Statement:
     by=Refute((at(e3="-78001/25000", x="39/50", root="39/50", eps1="1521/2500", **LATE),)),
 )
 def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
-    """|e3| > 4 x gives V2' < -3 eps1, x < pi/4 being all that is asked.
+    """|e3| > 4 x gives V2' < -3 eps1, with x < pi/4 as the only condition.
 
     With x = 0.78 the angle may be 3.12, almost backwards, where the sine is 0.02.
     """

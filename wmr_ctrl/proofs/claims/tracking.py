@@ -73,7 +73,7 @@ claim = Claims(by=Ring(GAINS), form=PRINTED)
 def derivative(mutation: Mutation) -> Statement:
     """V2' = e1' e1 + e2' e2 + e3' sin e3/k2.
 
-    How the position error's measure changes.
+    How the Lyapunov function of the position errors changes.
     """
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]

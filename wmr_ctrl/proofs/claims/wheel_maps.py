@@ -91,7 +91,7 @@ def necessary(mutation: Mutation) -> Statement:
 @claim.also(
     "wheels.rotation-first",
     "rotation-first ends in the guard's box and within reach",
-    "Nor does it when the rotation is served first.",
+    "The same when rotation is served first.",
     name="rotation-first",
 )
 @claim("wheels.linear-first", given=BOX)

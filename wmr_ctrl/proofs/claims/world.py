@@ -164,15 +164,15 @@ claim = Claims(by=HARD)
 
 @claim.also(
     "world.encoder.omega",
-    "and an omega that is off by less than 2 pi r/(N w l)",
+    "and an omega with an error below 2 pi r/(N w l)",
     "The same for the turn.",
     axis=1,
 )
 @claim("world.encoder.v1", given=WHOLE)
 def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
-    """counts differenced over w show a v1 that is off by less than 2 pi r/(N w).
+    """differences of counts over w give a v1 with an error below 2 pi r/(N w).
 
-    What an encoder adds to nbar beside the window.
+    What an encoder adds to nbar, besides its window.
     """
     g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),), "robot clock")
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
@@ -205,8 +205,8 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
 )
 @claim("world.wheels.misread-v1", given=INSIDE, by=MISREAD[0])
 def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
-    """turns of other wheels than believed show v1 off by at most |c - 1| u1 + |d| l' u2, c and d
-    the mean and half the difference of 1/(1 + radius_i).
+    """with wheels other than believed, their turns give a v1 that is off by at most |c - 1| u1 +
+    |d| l' u2, c and d the mean and half the difference of 1/(1 + radius_i).
 
     What wrong radii add to nbar of an encoder.
     """
