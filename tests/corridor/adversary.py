@@ -136,3 +136,11 @@ def farthest_misled(scenario, law, samples, kind, times=1.0):
     push, errors = np.zeros((samples, 2)), worst_errors(scenario, law, samples, kind, size)
     each = (attack(scenario, law, push, **{kind: times * error}) for error in errors)
     return max(each, key=lambda x: x.position)
+
+
+def farthest_displaced(scenario, law, samples, times=1.0):
+    """The same by a start at a corner of the box that the scenario names, without pushes."""
+    quiet, size = np.zeros((samples, 2)), times * np.array(scenario.corridor.start)
+    corners = (size * (1 - 2 * np.array(corner)) for corner in np.ndindex(2, 2, 2))
+    each = (attack(scenario, law, quiet, jump=corner, at=2) for corner in corners)
+    return max(each, key=lambda x: x.position)

@@ -63,13 +63,6 @@ def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign(robot):
     assert np.abs(reached.e[:, 2]).max() <= tube.heading
 
 
-def test_a_push_beyond_its_bound_by_a_fifth_leaves_it():
-    scenario = load_scenario("safe-simulation")
-    tube = find_corridor(scenario, "prox")
-
-    assert farthest(scenario, "prox", 300, 3.0, times=1.2).position > tube.position
-
-
 FILTERED = {"guard.enabled": False, "disturbance.std": 0.06, "sensor.pose_noise": 0.0}
 
 
