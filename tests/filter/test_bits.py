@@ -12,13 +12,15 @@ import pytest
 from tests.bits.platforms import HERE as BESIDE
 from tests.bits.platforms import Platform, check_tools, ran
 from tests.bits.test_same_bits import ELSEWHERE, HERE_NOW
-from tests.codegen.measured import FILTERS
+from tests.codegen.measured import FILTERS, LONGEST
 from tests.compilers import FLAGS, compile_program
+from tests.matrix import quick
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.scenario import load_scenario
 
 FIRST, *OTHERS = (item for item in (*HERE_NOW, *ELSEWHERE) if not item.lanes)
 PROGRAM = Path(__file__).with_name("bits.c")
+SHORT = tuple(name for name in FILTERS if name != LONGEST)
 
 
 def shown(platform: Platform, name: str, folder: Path) -> str:
@@ -40,13 +42,13 @@ def here(name: str) -> str:
         return shown(FIRST, name, Path(folder))
 
 
-@pytest.mark.parametrize("name", FILTERS)
+@pytest.mark.parametrize("name", quick(FILTERS, *SHORT))
 def test_compilers_agree(name: str, tmp_path: Path) -> None:
     assert shown(HERE_NOW[2], name, tmp_path) == here(name)
 
 
 def test_filters_differ() -> None:
-    assert len({here(name) for name in FILTERS}) == len(FILTERS)
+    assert len({here(name) for name in SHORT}) == len(SHORT)
 
 
 @pytest.mark.slow

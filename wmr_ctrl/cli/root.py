@@ -68,7 +68,8 @@ class Root(click.Group):
             result = super().invoke(ctx)
             sys.stdout.flush()
         except BrokenPipeError:
-            _drop_stdout()
+            with suppress(OSError, ValueError):  # the interpreter's last flush goes nowhere
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise click.exceptions.Exit(BROKEN_PIPE) from None
         return result
 
@@ -83,12 +84,6 @@ class Root(click.Group):
         except Exception as error:  # whatever it is, the user gets a paragraph
             code = explain(error, debug=self.debug)
         sys.exit(code if isinstance(code, int) else 0)
-
-
-def _drop_stdout() -> None:
-    """Let the interpreter's last flush go nowhere."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @click.group(

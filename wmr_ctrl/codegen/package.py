@@ -192,7 +192,8 @@ def _context(
         "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
         "governs": len(system.inputs) > 1, "first_order": scenario.filter.loop == "first-order",
         "made_of": made_of, "prepared": prepared,
-        "tables": TABLE, "derived": _derived(scenario, law),
+        "tables": TABLE,
+        "derived": [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else [],
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
     }  # fmt: skip
@@ -202,11 +203,6 @@ def _margin(law: str, scenario: Scenario) -> float:
     """Share of the limits that a package in single precision stays away from them."""
     banded = law == FILTER and scenario.filter.kind == "band"
     return single_precision.BAND_MARGIN if banded else single_precision.MARGIN
-
-
-def _derived(scenario: Scenario, law: str) -> list[str]:
-    """Members of a filter's parameters that hang on what is no parameter."""
-    return [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else []
 
 
 def _robot(scenario: Scenario) -> Mapping[str, str | float]:

@@ -12,28 +12,12 @@ CITATION = (
     "IEEE Transactions on Industrial Electronics, vol. 68, no. 6, pp. 5057–5067, June 2021, "
     "doi:10.1109/TIE.2020.2989711."
 )
-BIBTEX = """\
-@article{chen2021,
-  author  = {Chen, Ziyu and Liu, Yang and He, Wei and Qiao, Hong and Ji, Haibo},
-  title   = {Adaptive-Neural-Network-Based Trajectory Tracking Control for a Nonholonomic
-             Wheeled Mobile Robot With Velocity Constraints},
-  journal = {IEEE Transactions on Industrial Electronics},
-  volume  = {68},
-  number  = {6},
-  pages   = {5057--5067},
-  year    = {2021},
-  doi     = {10.1109/TIE.2020.2989711},
-}
-"""
-
 EVALUATIONS = 10_000
 """Evaluations of a law that were timed."""
 PAPER_TIMES = {"pid": 0.4056, "smc": 2.0662, "mb": 0.3875, "nn": 1.4294}
 """Time that so many evaluations of each law took the authors [s]."""
 COUNT = 88
 """Number of numbered equations."""
-ROLES = ("definition", "identity", "inequality")
-STATUSES = ("as printed", "corrected", "stated only")
 
 
 @dataclass(frozen=True)

@@ -84,18 +84,6 @@ def graph_hash(claim: Claim) -> str:
     return sha256(json.dumps([*both, described(claim.method)]).encode()).hexdigest()
 
 
-def recheck(claim: Claim, entry: Entry) -> bool:
-    """True if the entry's stored counterexample still refutes the claim on the graph."""
-    from wmr_ctrl.proofs.methods.point import judge
-
-    if claim.statement is None or entry.counterexample is None:
-        return False
-    texts = entry.counterexample.items()
-    point = {name: value if value.endswith("pi") else Fraction(value) for name, value in texts}
-    given, goal = judge(claim.statement(CLAIMED), point)
-    return given and not goal
-
-
 def _quick(method: Method) -> Method:
     """For the mutation, the first case that fails is enough; of two methods each must refute."""
     if isinstance(method, Both):

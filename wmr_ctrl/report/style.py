@@ -112,14 +112,10 @@ def colours_of(laws: Sequence[str]) -> list[str]:
         if colour in taken:
             free = [one for one in spare if one not in own and one not in taken]
             free = free or [one for one in spare if one not in taken] or [colour]
-            colour = max(free, key=lambda one: min(_apart(one, other) for other in taken))
+            seen = [to_rgb(other) for other in taken]
+            colour = max(free, key=lambda one: min(math.dist(to_rgb(one), rgb) for rgb in seen))
         taken.append(colour)
     return taken
-
-
-def _apart(one: str, other: str) -> float:
-    """Distance of two colours."""
-    return math.dist(to_rgb(one), to_rgb(other))
 
 
 def driver(law: str, guarded: bool) -> str:

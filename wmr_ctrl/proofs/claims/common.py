@@ -24,6 +24,20 @@ FINITE = "; |v_c0| < 1e100"
 NO_SERIES = (
     "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
 )
+BARRIERS = (
+    {
+        "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
+        "optimal": "prox.optimal", "least": "eq81", "compiled": "forms.V1 forms.v_c1 P1.prox",
+        "bound": "m (m + C - v_u1)", "C_less": "C - v_u1"
+    },
+    {
+        "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
+        "optimal": "prox.optimal-smooth", "least": "prox.optimal-smooth",
+        "compiled": "smooth.V1 smooth.v_c1", "bound": "m (m + C - v_u1 + k/(v_u1 - v_u2))",
+        "C_less": "C - v_u1 + 1/(v_u1 - v_u2)"
+    },
+)  # fmt: skip
+"""Both barriers, for entries of both: name, words, and the entries on each."""
 
 
 def elements_of(*ports: Port) -> dict[str, ca.SX]:

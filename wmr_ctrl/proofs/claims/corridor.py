@@ -11,8 +11,9 @@ from wmr_ctrl.laws.prox import carried_plainly, mixture
 from wmr_ctrl.laws.velocity_loop import cut
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
-from wmr_ctrl.proofs.claims.prox import FORMS, Step
+from wmr_ctrl.proofs.claims.prox import Step
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
@@ -23,7 +24,7 @@ claim = Claims(by=Z3(effort=150))
     "corridor.prox{key}",
     given="0 < v_u2 < v_u1, 0 < E < 1; v* = v + c_m - c",
     premises="transport.plain{key} prox.linear{key}",
-    over=FORMS,
+    over=BARRIERS,
 )
 def prox(mutation: Mutation, smooth: bool) -> Statement:
     """|v+| <= v_u2 implies that the law's step is the one that its corridor assumes ({words}).
@@ -41,7 +42,7 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
 
 
-@claim("corridor.mb{key}", given="0 < v_u2 < v_u1", over=FORMS)
+@claim("corridor.mb{key}", given="0 < v_u2 < v_u1", over=BARRIERS)
 def mb(mutation: Mutation, smooth: bool) -> Statement:
     """|v|, |v_c0| <= v_u2 imply that V1/A = (v - v_c0)/2 and q = 1 ({words}).
 

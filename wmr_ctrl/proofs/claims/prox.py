@@ -10,6 +10,7 @@ import casadi as ca
 from wmr_ctrl.barrier.proximal import resolvent, transported
 from wmr_ctrl.laws.prox import mixture, prox_step
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import (
     AT_LEAST,
@@ -22,16 +23,6 @@ from wmr_ctrl.proofs.statement import (
     when,
 )
 
-FORMS = (
-    {
-        "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
-        "C_less": "C - v_u1"
-    },
-    {
-        "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
-        "C_less": "C - v_u1 + 1/(v_u1 - v_u2)"
-    },
-)  # fmt: skip
 HARD = Z3(effort=150)
 
 
@@ -86,7 +77,7 @@ class Step:
 claim = Claims(by=HARD, given="0 < v_u2 < v_u1, 0 < E < 1")
 
 
-@claim("prox.inside{key}", over=FORMS)
+@claim("prox.inside{key}", over=BARRIERS)
 def inside(mutation: Mutation, smooth: bool) -> Statement:
     """|v+| < v_u1 for every v, c, c_m, c+, over the real numbers ({words}).
 
@@ -102,7 +93,7 @@ def inside(mutation: Mutation, smooth: bool) -> Statement:
     "prox.contracts{key}",
     given="0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+",
     premises="prox.optimal{key} prox.monotone{key} prox.not-expansive transport.level{key}",
-    over=FORMS,
+    over=BARRIERS,
 )
 def contracts(mutation: Mutation, smooth: bool) -> Statement:
     """|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+) ({words}).
@@ -129,7 +120,7 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     "prox.decay{key}",
     given="0 < v_u2 < v_u1, 0 < E < 1; |v*| < v_u1; V1i above its tangent at v+, at v* and v_c1+",
     premises="prox.optimal{key} {convex} transport.inside{key}",
-    over=FORMS,
+    over=BARRIERS,
 )
 def decay(mutation: Mutation, smooth: bool) -> Statement:
     """V1i(v+; c+) <= E^2 V1i(v*; c+) ({words}).
@@ -154,7 +145,7 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     return s.states(goals, given, ("carried", "end", "x_target"), {**t, **A})
 
 
-@claim("prox.linear{key}", premises="transport.plain{key}", over=FORMS)
+@claim("prox.linear{key}", premises="transport.plain{key}", over=BARRIERS)
 def linear(mutation: Mutation, smooth: bool) -> Statement:
     """v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words}).
 
@@ -171,7 +162,7 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
     "prox.margin{key}",
     given="0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
     premises="transport.inside{key} prox.short{key}",
-    over=FORMS,
+    over=BARRIERS,
 )
 def margin(mutation: Mutation, smooth: bool) -> Statement:
     """|v*| <= v_u1 and |c+| <= C imply |v+| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with m (m +

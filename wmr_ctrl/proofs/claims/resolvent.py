@@ -4,6 +4,7 @@ import casadi as ca
 
 from wmr_ctrl.barrier.proximal import LARGEST, resolvent, root
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
@@ -24,13 +25,6 @@ def _slope(size: ca.SX, t: dict[str, ca.SX], smooth: bool) -> ca.SX:
     return 1 / (t["u1"] - size) - tangent
 
 
-FORMS = (
-    {"key": "", "smooth": False, "words": "paper's barrier", "bound": "m (m + C - v_u1)"},
-    {
-        "key": "-smooth", "smooth": True, "words": "smooth barrier",
-        "bound": "m (m + C - v_u1 + k/(v_u1 - v_u2))"
-    },
-)  # fmt: skip
 claim = Claims(by=Z3(effort=150))
 
 
@@ -121,7 +115,7 @@ def prox_root(mutation: Mutation) -> Statement:
     "prox.short{key}",
     given="every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
     premises="prox.root",
-    over=FORMS,
+    over=BARRIERS,
 )
 def short(mutation: Mutation, smooth: bool) -> Statement:
     """|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with {bound} <= k

@@ -13,21 +13,11 @@ from wmr_ctrl.barrier.paper import f, lyapunov, minimiser
 from wmr_ctrl.barrier.proximal import level_share, resolvent, transported
 from wmr_ctrl.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, when
 
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
-FORMS = (
-    {
-        "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
-        "optimal": "prox.optimal", "least": "eq81", "compiled": "forms.V1 forms.v_c1 P1.prox"
-    },
-    {
-        "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
-        "optimal": "prox.optimal-smooth", "least": "prox.optimal-smooth",
-        "compiled": "smooth.V1 smooth.v_c1"
-    },
-)  # fmt: skip
 
 
 class Carried:
@@ -93,7 +83,7 @@ def transport_share(mutation: Mutation) -> Statement:
     given=f"{ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the "
     "other target's v_c1",
     premises="{convex} {least}",
-    over=FORMS,
+    over=BARRIERS,
 )
 def moves(mutation: Mutation, smooth: bool) -> Statement:
     """with D = c+ - c, d = v_c1+ - v_c1, w = v - v_c1: -w D + d^2/2 <= V1i(v; c+) - V1i(v; c) <= -w
@@ -135,7 +125,7 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     "transport.level{key}",
     given=f"{ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2",
     premises="transport.share transport.moves{key} {convex} {optimal} {compiled}",
-    over=FORMS,
+    over=BARRIERS,
 )
 def level(mutation: Mutation, smooth: bool) -> Statement:
     """V1i(v*; c+) <= V1i(v; c) where |v| < v_u1, and |v* - v_c1+| <= |v - v_c1| for every v
@@ -165,7 +155,7 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     return g.states((when(within, lost), at_least(w**2, left**2)), given)
 
 
-@claim("transport.inside{key}", given=ANY, premises="transport.share {optimal}", over=FORMS)
+@claim("transport.inside{key}", given=ANY, premises="transport.share {optimal}", over=BARRIERS)
 def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     """|v| <= v_u1 implies |v*| <= v_u1, |v| < v_u1 implies |v*| < v_u1, and c+ = c implies v* = v
     ({words}).
@@ -187,7 +177,7 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     "transport.plain{key}",
     given="0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there",
     premises="{compiled} {optimal}",
-    over=FORMS,
+    over=BARRIERS,
 )
 def plain(mutation: Mutation, smooth: bool) -> Statement:
     """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c ({words}).
