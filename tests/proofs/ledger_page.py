@@ -1,8 +1,8 @@
 """The ledger as a page of the documentation.  Standard library only."""
 
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Mapping
-from itertools import groupby
 from pathlib import Path
 
 from wmr_ctrl.paper import equations
@@ -14,7 +14,8 @@ HEAD = """\
 Every claim, with its verdict. `wmr-ctrl prove` checks all of them again and compares with this
 page, which is generated (`python -m tests.proofs.record`). [What is proved, and what is
 not](proofs.md) says what the verdicts and methods mean. `wmr-ctrl prove --only ID` prints one entry
-in full, with the functions of the product that its graph holds.
+in full, with the functions of the product that its graph holds. Lists and tables are folded: click
+on a line with a triangle to open the one below it.
 """
 
 GUARANTEES: list[tuple[str, list[str]]] = [
@@ -33,18 +34,32 @@ def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     shown, marked = ledger or load(), set(stale)
     known, counts = shown.by_id(), shown.tally().items()
     tally = ", ".join(f"{count} {verdict}" for verdict, count in counts)
-    parts = [HEAD, f"{len(shown.entries)} entries: {tally}.\n", "## By equation\n", _index(shown)]
-    parts += ["## By guarantee\n", _guarantees(known), CHAINS, _chains(known)]
-    for theme, group in groupby(shown.entries, key=lambda entry: entry.theme):
-        parts.append(
-            f"## {theme}\n\n{COLUMNS}\n" + "\n".join(_row(e, e.id in marked) for e in group) + "\n"
-        )
-    parts += ["## Counterexamples\n", COUNTEREXAMPLES]
+    parts = [HEAD, f"{len(shown.entries)} entries: {tally}.\n", "## By equation\n"]
+    parts += [_folded(f"All {len(equations())} equations", _index(shown)), "## By guarantee\n"]
+    parts += ["What is not in the paper.\n", _folded("All guarantees", _guarantees(known))]
+    parts += [CHAINS, _folded("All chains", _chains(known))]
+    themes: dict[str, list[Entry]] = {}
     for entry in shown.entries:
-        if point := entry.counterexample:
-            values = ", ".join(f"{name} = {value}" for name, value in point.items())
-            parts.append(f"- {entry.id}: {values}")
-    return "\n".join([*parts, ""])
+        themes.setdefault(entry.theme, []).append(entry)
+    for theme, group in themes.items():
+        rows = "\n".join(_row(entry, entry.id in marked) for entry in group)
+        parts += [f"## {theme}\n", _folded(_counted(group), f"{COLUMNS}\n{rows}\n")]
+    points = [
+        f"- {entry.id}: {', '.join(f'{name} = {value}' for name, value in point.items())}\n"
+        for entry in shown.entries
+        if (point := entry.counterexample)
+    ]
+    parts += ["## Counterexamples\n", COUNTEREXAMPLES, _folded("All of them", "".join(points))]
+    return "\n".join(parts)
+
+
+def _folded(title: str, body: str) -> str:
+    return f"<details>\n<summary>{title}</summary>\n\n{body}\n</details>\n"
+
+
+def _counted(group: list[Entry]) -> str:
+    counts = Counter(entry.verdict for entry in group)
+    return ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
 
 
 def _index(ledger: Ledger) -> str:
@@ -64,7 +79,7 @@ def _guarantees(known: Mapping[str, Entry]) -> str:
         for what, ids in GUARANTEES
         if all(key in known for key in ids)
     )
-    return f"What is not in the paper.\n\n| what | entries |\n|---|---|\n{rows}\n"
+    return f"| what | entries |\n|---|---|\n{rows}\n"
 
 
 CHAINS = """\

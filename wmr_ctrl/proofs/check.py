@@ -58,7 +58,11 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     then = same.altered if same and set(same.altered) == set(functions) else {}
     verdict, reason = _guarded(finding, mutated, functions)
     told = finding.evidence
-    counts = [f"{told[key]} {key}" for key in ("cases", "boxes") if key in told]
+    counts = [
+        f"{told[many]} {one if told[many] == 1 else many}"
+        for one, many in (("case", "cases"), ("box", "boxes"))
+        if many in told
+    ]
     return _entry(
         claim,
         verdict,
