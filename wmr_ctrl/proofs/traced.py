@@ -150,7 +150,7 @@ def traced(
         return Traced(value * share, trace.symbols[key], trace)
 
     def stands(value: object) -> bool:
-        return isinstance(value, float) and isfinite(value)
+        return isinstance(value, float | int) and not isinstance(value, bool) and isfinite(value)
 
     held = copy(scenario)
     for key in keys:

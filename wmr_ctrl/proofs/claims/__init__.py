@@ -45,6 +45,7 @@ THEMES = (
     ("filter_rounding", "The command filter of bases that take velocities"),
     ("world", "Encoders and wheels"),
     ("drive_bounds", "Motors and late drives"),
+    ("command_bounds", "Commands on their way to a base"),
     ("effect_bounds", "Ground, air and sensors"),
     ("resolvent", "The barrier's proximal map"),
     ("transport", "The level transport"),

@@ -111,6 +111,25 @@ def lag_bound(mutation: Mutation) -> Statement:
     return g.states(goals, given, cuts, t)
 
 
+@claim("world.lag.constant", given="lag > 0, spread = 0")
+def constant_lag(mutation: Mutation) -> Statement:
+    """both time constants that the bound of a lag without spread tells are the lag of the drives'
+    own graph, of which exp(-h/lag) is left in a step.
+
+    What drives of one time constant add to the guard's numbers.
+    """
+    g = EffectGraph(lag.LAG, (("actuator.lag", 0.02),), "clock")
+    time, given = g["actuator.lag"], (*positive(g, "actuator.lag"), equal(g["actuator.lag_spread"]))
+    wanted = ca.vertcat(g["tau_right"], g["tau_left"])
+    acting = ca.vertcat(*(g[f"{lag.ACTING.name}[{i}]"] for i in (1, 2)))
+    t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
+    goals = (
+        *(equal(told, mutation * time) for told in g.bound("lag")),
+        *every(g.system.update, wanted + t["decay"] * (acting - wanted)),
+    )
+    return g.states(goals, given, cuts, t)
+
+
 @claim("world.delay.bound", given="any delay and unmodelled delay")
 def delay_bound(mutation: Mutation) -> Statement:
     """the bound of the delay is what the drives' own graph holds a command back by: delay +

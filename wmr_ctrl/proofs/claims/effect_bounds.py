@@ -1,5 +1,6 @@
 """Ground, air and sensors: what they add to the guard's assumptions, on their graphs."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import casadi as ca
@@ -8,7 +9,16 @@ from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.world import EffectGraph, positive
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, at_least, equal, every, within
+from wmr_ctrl.proofs.statement import (
+    UNIT,
+    Statement,
+    above,
+    at_least,
+    equal,
+    every,
+    symbols,
+    within,
+)
 from wmr_ctrl.world import (
     gust,
     gyro,
@@ -183,6 +193,42 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
         way = seen[0][axis] - mutation(seen[2], seen[1])[axis]
         goals += [equal(g.system.y[axis] * window, way), equal(age, T), equal(window, 2 * T)]
     return g.states(goals, positive(g, "clock.control", "sample"))
+
+
+@claim.also(
+    "world.velocity-mean.rounding-angular",
+    "and the mean angular velocity likewise",
+    "The same for the turn.",
+    axis=1,
+)
+@claim(
+    "world.velocity-mean.rounding",
+    given="u1, h > 0; a window of two periods T, T at least h, ended one period ago, after the "
+    "first sample; its way is at most u1 times the window, and the duration no shorter and eight h "
+    "or more; |path|, |theta| <= u1 duration, so that rounding in each h of the window makes "
+    "2^-53 u1 duration/h times the window at most",
+)
+def rounded_mean(mutation: Mutation, axis: int = 0) -> Statement:
+    """the mean velocity as computed is off that of the exact way by no more than the error that its
+    bound tells.
+
+    What a mean adds to nbar: the rounding of ways.
+    """
+    ages = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
+    g = EffectGraph(velocity_mean.VELOCITY_MEAN, ages.items(), "clock limits")
+    t, name = symbols("way shown"), velocity_mean.PLACE.name
+    h, lasts, u1 = g["clock.plant"], g["clock.duration"], g[f"limits.v_u1[{axis + 1}]"]
+    window = 2 * g["clock.control"]
+    missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t["way"]
+    given = (
+        *positive(g, "clock.plant", "sample"), above(u1), at_least(window, 2 * h),
+        at_least(lasts, window), at_least(lasts, 8 * h), *within(t["way"], u1 * window),
+        *within(h * missed, UNIT * u1 * lasts * window),
+    )  # fmt: skip
+    most = mutation(1, 0.4) * g.bound("nbar")[axis]
+    off = within(t["shown"] * window - t["way"], most * window)
+    whole = g.states(off, given, None, t)
+    return replace(whole, computed={"shown": g.system.y[axis]})
 
 
 @claim("world.push", given="r, l > 0, size >= 0; at every velocity")

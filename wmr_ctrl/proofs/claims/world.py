@@ -13,7 +13,15 @@ from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    equal,
+    symbols,
+    within,
+)
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
@@ -170,9 +178,10 @@ claim = Claims(by=HARD)
 )
 @claim("world.encoder.v1", given=WHOLE)
 def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
-    """differences of counts over w give a v1 with an error below 2 pi r/(N w).
+    """differences of counts over w, the window that the bound gives, give a v1 with an error below
+    2 pi r/(N w).
 
-    What an encoder adds to nbar, besides its window.
+    What the guard counts as window, and what an encoder adds to nbar besides it.
     """
     g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),), "robot clock")
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
@@ -193,7 +202,8 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
     cuts = {"turn_right": now[0], "turn_left": now[1]}
     cuts |= {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
-    return g.states((above(most, off), above(off, -most)), (*sides, *given), cuts, turn)
+    window = equal(g.bound("window")[axis], g["clock.control"])
+    return g.states((above(most, off), above(off, -most), window), (*sides, *given), cuts, turn)
 
 
 @claim.also(
