@@ -67,6 +67,13 @@ class Broken(Base):
     def told(self, word: str) -> bool:
         return any(word in text for text in self.said)
 
+    def drive(self) -> None:
+        """A sound world until the base has driven for a while, and still does."""
+        for _ in range(ATTEMPTS):
+            if self.go(PATIENCE, self.drives) and not self.go(0.3) and self.drives():
+                return
+        raise SystemExit(f"the base never drove: {self.said[-3:]}")
+
     def fault(
         self,
         spoil: Callable[[Odometry], bool] | None = None,
@@ -80,9 +87,7 @@ class Broken(Base):
         then also where it was not true in time, as of a leap while the node had no odometry.
         """
         for _ in range(1 if first and not again else ATTEMPTS):
-            if not self.go(PATIENCE, self.drives):
-                raise SystemExit(f"the base never drove: {self.said[-3:]}")
-            self.go(0.3)
+            self.drive()
             self.seen.clear()
             self.said.clear()
             self.before, began, self.pause = self.speed[0], time.monotonic(), 0.0

@@ -74,7 +74,7 @@ def watched(process: subprocess.Popen[bytes]) -> dict[str, object]:
     """Odometry that goes away and is only watched."""
     world = Teller(process)
     world.drive()
-    return world.fault(measure=False, rests=False)
+    return world.fault(measure=False, rests=False, word="no-odometry")
 
 
 def governed(process: subprocess.Popen[bytes]) -> dict[str, object]:

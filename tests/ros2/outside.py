@@ -142,15 +142,20 @@ class World:
     def go_until_said(self, word: str) -> list[str]:
         """A sound world until diagnostics have a word: what they said till then."""
         self.said.clear()
-        self.go(PATIENCE, until=lambda: any(word in text for text in self.said))
+        self.go(PATIENCE, until=lambda: self.told(word))
         return sorted(set(self.said))
 
+    def told(self, word: str) -> bool:
+        """Whether diagnostics have a word."""
+        return any(word in text for text in self.said)
+
     def fault(
-        self, command=None, measure=None, first=None, rests: bool = True
+        self, command=None, measure=None, first=None, rests: bool = True, word: str = ""
     ) -> dict[str, object]:
         """What follows a fault: other messages, or what ``first`` does (once).
 
-        It lasts until zeros have come for a while, or for LASTS where the base does not rest.
+        It lasts until zeros have come for a while, or for LASTS where the base does not rest, and
+        until diagnostics have the word: told each second, and at once only where it is news.
         """
         for _ in range(1 if first else ATTEMPTS):
             self.drive()
@@ -160,6 +165,8 @@ class World:
                 first()
             lasts = PATIENCE if rests else LASTS
             self.go(lasts, command, measure, until=lambda count=count: self.zeros(count) > MANY)
+            if word:
+                self.go(PATIENCE, command, measure, until=lambda: self.told(word))
             if self.pause < RATE + PUNCTUAL:
                 break
         seen = [(t - start, v, w) for t, v, w in self.seen[count:]]
@@ -236,20 +243,23 @@ def of_commands(world: World) -> dict[str, object]:
     ago = since_first_call()
     best = world.node.create_publisher(TwistStamped, "cmd_vel_in", LATEST)
     sure = world.commands
-    found = {
-        "missing": world.fault(command=False),
-        "NaN": world.fault(command=lambda: world.command(math.nan)),
-        "infinite": world.fault(command=lambda: world.command(math.inf)),
-        "old": world.fault(command=lambda: world.command(ago=1.0)),
-        "ahead": world.fault(command=lambda: world.command(ago=-1.0)),
-        "repeated": world.fault(command=lambda: world.command(ago=ago())),
-        "in map": world.fault(command=lambda: world.command(frame="map")),
-        "wild": world.fault(command=lambda: world.command(5.0, 3.0), rests=False),
-        "out of order": world.fault(
-            command=lambda: after(0.004, lambda: world.command(0.1, ago=0.2), world.command),
-            rests=False,
-        ),
+    uncounted = {
+        "missing": False,
+        "NaN": lambda: world.command(math.nan),
+        "infinite": lambda: world.command(math.inf),
+        "old": lambda: world.command(ago=1.0),
+        "ahead": lambda: world.command(ago=-1.0),
+        "repeated": lambda: world.command(ago=ago()),
+        "in map": lambda: world.command(frame="map"),
     }
+    found = {
+        name: world.fault(command=command, word="no-command") for name, command in uncounted.items()
+    }
+    found["wild"] = world.fault(command=lambda: world.command(5.0, 3.0), rests=False)
+    found["out of order"] = world.fault(
+        command=lambda: after(0.004, lambda: world.command(0.1, ago=0.2), world.command),
+        rests=False,
+    )
     world.commands = best
     found["best effort"] = world.fault(rests=False)
     world.commands = sure
@@ -260,19 +270,26 @@ def of_commands(world: World) -> dict[str, object]:
 def of_odometry(world: World) -> dict[str, object]:
     """Faults of the base's odometry."""
     ago = since_first_call()
-    return {
-        "missing": world.fault(measure=False),
-        "NaN": world.fault(measure=lambda: world.measure(math.nan)),
-        "no rotation": world.fault(measure=lambda: world.measure(w=0.0)),
-        "of a laser": world.fault(measure=lambda: world.measure(frame="laser")),
-        "old": world.fault(measure=lambda: world.measure(ago=0.5)),
-        "repeated": world.fault(measure=lambda: world.measure(ago=ago())),
-        "out of order": world.fault(
-            measure=lambda: after(0.004, lambda: world.measure(1.4, ago=0.09), world.measure),
-            rests=False,
-        ),
-        "too fast": world.fault(first=lambda: None, measure=lambda: world.measure(1.4)),
+    uncounted = {
+        "missing": False,
+        "NaN": lambda: world.measure(math.nan),
+        "no rotation": lambda: world.measure(w=0.0),
+        "of a laser": lambda: world.measure(frame="laser"),
+        "old": lambda: world.measure(ago=0.5),
+        "repeated": lambda: world.measure(ago=ago()),
     }
+    found = {
+        name: world.fault(measure=measure, word="no-odometry")
+        for name, measure in uncounted.items()
+    }
+    found["out of order"] = world.fault(
+        measure=lambda: after(0.004, lambda: world.measure(1.4, ago=0.09), world.measure),
+        rests=False,
+    )
+    found["too fast"] = world.fault(
+        first=lambda: None, measure=lambda: world.measure(1.4), word="stopped, too-fast"
+    )
+    return found
 
 
 def main(scenario: str, node: str = "") -> None:

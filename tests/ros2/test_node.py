@@ -93,7 +93,7 @@ def test_without_a_command_that_counts_the_base_comes_to_rest(seen, fault):
 
     assert found["falls"] <= bar(found, 0.25)
     assert found["zero"] <= bar(found, 0.25 + 0.25)  # 0.5 m/s at 2 m/s2
-    assert "no-command" in found["said"]
+    assert any("no-command" in text for text in found["said"])
     assert found["zeros"] > 5  # they go on: silence is death
 
 
@@ -105,7 +105,7 @@ def test_without_odometry_that_counts_the_base_comes_to_rest(seen, fault):
 
     assert found["falls"] <= bar(found, 0.1)
     assert found["zero"] <= bar(found, 0.1 + 0.25)
-    assert "no-odometry" in found["said"]
+    assert any("no-odometry" in text for text in found["said"])
 
 
 @pytest.mark.parametrize("what", ["command", "odometry"])
@@ -128,7 +128,7 @@ def test_a_base_that_is_too_fast_is_stopped_until_a_reset(seen):
     found = seen["odometry"]["too fast"]
 
     assert found["falls"] <= bar(found, 0.0)
-    assert "stopped, too-fast" in found["said"]
+    assert any("stopped, too-fast" in text for text in found["said"])
     assert seen["latched"] == {"zero": True, "stays": True, "reset": True}
 
 
