@@ -40,6 +40,8 @@ PUNCTUAL = 0.04
 """Delay of a message of this process [s] that is no fault of its own."""
 ATTEMPTS = 40
 """At most so often a fault is made anew in which this process was late."""
+BEFORE = math.inf
+"""Age of a message that is stamped just before the last one, however long ago that came."""
 LASTS = 0.9
 """Time of a fault [s], longer than any time-out and the ramp after it."""
 MANY = 7
@@ -69,6 +71,8 @@ class World:
         self.speed = (0.0, 0.0)
         self.pause = 0.0
         """Longest pause between two rounds of messages [s]."""
+        self.sent = {"command": 0, "odometry": 0}
+        """Stamp of the last message of each kind [ns]."""
 
     def _sent(self, message: TwistStamped) -> None:
         self.speed = message.twist.linear.x, message.twist.angular.z
@@ -81,7 +85,7 @@ class World:
         self, v: float = 0.5, omega: float = 0.3, ago: float = 0.0, frame: str = ""
     ) -> None:
         message = TwistStamped()
-        message.header.stamp = self._stamp(ago)
+        message.header.stamp = self._stamp_of("command", ago)
         message.header.frame_id = frame
         message.twist.linear.x, message.twist.angular.z = v, omega
         self.commands.publish(message)
@@ -90,11 +94,19 @@ class World:
         self, v: float | None = None, ago: float = 0.0, frame: str = "base_link", w: float = 1.0
     ) -> None:
         message = Odometry(child_frame_id=frame)
-        message.header.stamp = self._stamp(ago)
+        message.header.stamp = self._stamp_of("odometry", ago)
         message.pose.pose.orientation.w = w
         message.twist.twist.linear.x = self.speed[0] if v is None else v
         message.twist.twist.angular.z = self.speed[1]
         self.odometry.publish(message)
+
+    def _stamp_of(self, kind: str, ago: float):
+        """Stamp of a message of an age."""
+        if ago == BEFORE:
+            return rclpy.time.Time(nanoseconds=self.sent[kind] - 1_000_000).to_msg()
+        stamp = self._stamp(ago)
+        self.sent[kind] = rclpy.time.Time.from_msg(stamp).nanoseconds
+        return stamp
 
     def _stamp(self, ago: float):
         now = self.node.get_clock().now().nanoseconds - round(ago * 1e9)
@@ -257,7 +269,7 @@ def of_commands(world: World) -> dict[str, object]:
     }
     found["wild"] = world.fault(command=lambda: world.command(5.0, 3.0), rests=False)
     found["out of order"] = world.fault(
-        command=lambda: after(0.004, lambda: world.command(0.1, ago=0.2), world.command),
+        command=lambda: after(0.004, lambda: world.command(0.1, ago=BEFORE), world.command),
         rests=False,
     )
     world.commands = best
@@ -283,7 +295,7 @@ def of_odometry(world: World) -> dict[str, object]:
         for name, measure in uncounted.items()
     }
     found["out of order"] = world.fault(
-        measure=lambda: after(0.004, lambda: world.measure(1.4, ago=0.09), world.measure),
+        measure=lambda: after(0.004, lambda: world.measure(1.4, ago=BEFORE), world.measure),
         rests=False,
     )
     found["too fast"] = world.fault(
