@@ -69,8 +69,6 @@ FILTERS: Mapping[str, Mapping[str, object]] = {
     },
 }  # fmt: skip
 """Command filters whose packages are compiled only."""
-LONGEST = "band of weak motors"
-"""The one with half a megabyte of C, which takes a compiler ten seconds."""
 NOTHING: Mapping[str, object] = MappingProxyType({})
 NOMINAL = "paper-simulation-nominal"
 GOLDEN = fmu_dir() / "golden" / "c"

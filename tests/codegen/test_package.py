@@ -135,10 +135,7 @@ def test_documented_footprint_of_a_robots_package_holds(
     assert "instructions a sample" not in readme
 
 
-@pytest.mark.parametrize(
-    "name",
-    quick(measured.FILTERS, *(name for name in measured.FILTERS if name != measured.LONGEST)),
-)
+@pytest.mark.parametrize("name", measured.FILTERS)
 def test_documented_footprint_of_a_filter_holds(name: str, tmp_path: Path) -> None:
     needs(measured.COMPILER)
     found = measured.filter_sizes(name, False, tmp_path)

@@ -24,7 +24,7 @@ from wmr_ctrl.proofs.methods.spec import versions
 from wmr_ctrl.proofs.runner import hashes, selected
 
 IDS = [claim.id for claim in all_claims()]
-LONG = ("eq57", "eq58", "eq6", "eq7", "eq8", "authority.")
+LONG = ("eq57", "eq58", "eq6", "eq7", "eq8", "authority.", "filter.slew-sent")
 QUICK = [
     "eq03",
     "eq25",
