@@ -296,21 +296,24 @@ def few_colours(source: Path, path: Path) -> None:
     image.save(path, optimize=True)
 
 
-def gallery() -> None:
-    """The pictures of the gallery, by the commands on its page."""
+def in_gallery() -> list[tuple[str, Path]]:
+    """Commands on the gallery's page, and the picture that each makes."""
     page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
     shown = re.findall(r"^\$ wmr-ctrl (.*)\n```\n\n!\[.*?\]\((\S+)\)", page, re.M)
+    return [(command, ROOT / "docs" / image) for command, image in shown]
+
+
+def by_command(command: str, target: Path) -> None:
+    """The picture that a command plots, in few colours."""
+    words = command.split()
     with tempfile.TemporaryDirectory() as folder:
-        for command, image in shown:
-            target = ROOT / "docs" / image
-            words = command.split()
-            made = Path(folder, words[words.index("--plot") + 1])
-            words[words.index("--plot") + 1] = str(made)
-            done = CliRunner().invoke(root, words)
-            if done.exit_code:
-                raise RuntimeError(f"{command}: {done.output}")
-            target.parent.mkdir(exist_ok=True)
-            few_colours(next(made.glob("*-poles.png")) if made.is_dir() else made, target)
+        made = Path(folder, words[words.index("--plot") + 1])
+        words[words.index("--plot") + 1] = str(made)
+        done = CliRunner().invoke(root, words)
+        if done.exit_code:
+            raise RuntimeError(f"{command}: {done.output}")
+        target.parent.mkdir(exist_ok=True)
+        few_colours(next(made.glob("*-poles.png")) if made.is_dir() else made, target)
 
 
 def lighten(path: Path) -> None:
@@ -325,7 +328,8 @@ def main(names: list[str]) -> None:
     """Draw what is named, or everything."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     if not names or "gallery" in names:
-        gallery()
+        for command, target in in_gallery():
+            by_command(command, target)
     for name in (one for one in names or (*PICTURES, *FILMS) if one != "gallery"):
         path = IMAGES / f"{name}{'.gif' if name in FILMS else '.png'}"
         if name in FILMS:
