@@ -1,16 +1,25 @@
 /* One pass of an identification filter over a log: the likelihood, its gradient and the Fisher information of each
-   block of time, with one direction of derivatives a lane.  Kernels are generated (kalman.py). */
+   block of time, with several directions of derivatives a lane.  Kernels are generated (kalman.py). */
 #include "lanes.h"
 
-#define GROUPS ((WMR_NAMES + WMR_LANES - 1) / WMR_LANES)
+#define TOGETHER (WMR_DIRECTIONS * WMR_LANES)
+#define GROUPS ((WMR_NAMES + TOGETHER - 1) / TOGETHER)
 #define PARAMETERS (WMR_NAMES + WMR_KNOWN)
 #define RESULTS (1 + 2 * WMR_OUTPUTS)
 #define COLUMN (WMR_OUTPUTS * (WMR_OUTPUTS + 3) / 2)
 
 enum { START, PIECE, SKIPPED, COUNTED, WATCHED };
 
+/* Parameters, what the kernels take of them alone, and directions: of a group one after the other. */
 typedef struct {
-    wmr_v x[WMR_PRIMAL], dx[GROUPS][WMR_PRIMAL];
+    wmr_v p[PARAMETERS], dp[GROUPS][WMR_DIRECTIONS * PARAMETERS];
+    wmr_v predict[WMR_PREDICT_PREPARED + 1], predict_slopes[WMR_PREDICT_SLOPES_PREPARED + 1];
+    wmr_v correct[WMR_CORRECT_PREPARED + 1], correct_slopes[WMR_CORRECT_SLOPES_PREPARED + 1];
+    int slopes;
+} model;
+
+typedef struct {
+    wmr_v x[WMR_PRIMAL], dx[GROUPS][WMR_DIRECTIONS * WMR_PRIMAL];
 } filter;
 
 static void spread(int count, const double *from, wmr_v *to)
@@ -20,6 +29,20 @@ static void spread(int count, const double *from, wmr_v *to)
     }
 }
 
+static void prepare(const double *parameters, int slopes, model *m)
+{
+    memset(m, 0, sizeof *m);
+    spread(PARAMETERS, parameters, m->p);
+    wmr_predict_prepare(m->p, m->predict);
+    wmr_predict_slopes_prepare(m->p, m->predict_slopes);
+    wmr_correct_prepare(m->p, m->correct);
+    wmr_correct_slopes_prepare(m->p, m->correct_slopes);
+    for (int i = 0; i < WMR_NAMES; ++i) {
+        m->dp[i / TOGETHER][i % TOGETHER / WMR_LANES * PARAMETERS + i][i % WMR_LANES] = 1.0;
+    }
+    m->slopes = slopes;
+}
+
 static void begin(const double *mean, const double *covariance, filter *f)
 {
     spread(WMR_STATE, mean, f->x);
@@ -27,30 +50,35 @@ static void begin(const double *mean, const double *covariance, filter *f)
     memset(f->dx, 0, sizeof f->dx);
 }
 
-static void step(const wmr_v *u, const wmr_v *p, wmr_v dp[][PARAMETERS], int groups, filter *f)
+static void step(const wmr_v *u, const model *m, filter *f)
 {
-    wmr_v next[WMR_PRIMAL], along[WMR_PRIMAL];
-    for (int g = 0; g < groups; ++g) {
-        wmr_predict(u, f->x, f->dx[g], p, dp[g], next, along);
+    wmr_v next[WMR_PRIMAL], along[WMR_DIRECTIONS * WMR_PRIMAL];
+    if (!m->slopes) {
+        wmr_predict(u, f->x, m->p, m->predict, next);
+    }
+    for (int g = 0; m->slopes && g < GROUPS; ++g) {
+        wmr_predict_slopes(u, f->x, m->p, f->dx[g], m->dp[g], m->predict_slopes, next, along);
         memcpy(f->dx[g], along, sizeof along);
     }
     memcpy(f->x, next, sizeof next);
 }
 
-/* Adds what a measurement tells: to nll (1), gradient (NAMES), fisher (NAMES by NAMES). */
-static void correct(const wmr_v *u, const wmr_v *p, wmr_v dp[][PARAMETERS], int groups, filter *f,
-                    double *nll, double *gradient, double *fisher, double *told)
+/* Adds what a measurement tells: to nll (1), and with slopes to gradient (NAMES), fisher (NAMES by NAMES). */
+static void correct(const wmr_v *u, const model *m, filter *f, double *nll, double *gradient,
+                    double *fisher, double *told)
 {
-    wmr_v next[WMR_PRIMAL], along[WMR_PRIMAL], y[RESULTS], dy[1 + COLUMN];
-    double column[COLUMN][GROUPS * WMR_LANES];
-    for (int g = 0; g < groups; ++g) {
-        wmr_correct(u, f->x, f->dx[g], p, dp[g], next, along, y, dy);
+    wmr_v next[WMR_PRIMAL], along[WMR_DIRECTIONS * WMR_PRIMAL], y[RESULTS];
+    wmr_v dy[WMR_DIRECTIONS * (1 + COLUMN)];
+    double rows[1 + COLUMN][GROUPS * TOGETHER];
+    if (!m->slopes) {
+        wmr_correct(u, f->x, m->p, m->correct, next, y);
+    }
+    for (int g = 0; m->slopes && g < GROUPS; ++g) {
+        wmr_correct_slopes(u, f->x, m->p, f->dx[g], m->dp[g], m->correct_slopes, next, y, along, dy);
         memcpy(f->dx[g], along, sizeof along);
-        for (int i = 0; i < WMR_LANES && gradient && g * WMR_LANES + i < WMR_NAMES; ++i) {
-            gradient[g * WMR_LANES + i] += dy[0][i];
-        }
-        for (int k = 0; k < COLUMN; ++k) {
-            memcpy(column[k] + g * WMR_LANES, &dy[1 + k], sizeof(wmr_v));
+        for (int k = 0; k < WMR_DIRECTIONS * (1 + COLUMN); ++k) {
+            double *row = rows[k % (1 + COLUMN)] + g * TOGETHER;
+            memcpy(row + k / (1 + COLUMN) * WMR_LANES, &dy[k], sizeof(wmr_v));
         }
     }
     memcpy(f->x, next, sizeof next);
@@ -60,10 +88,11 @@ static void correct(const wmr_v *u, const wmr_v *p, wmr_v dp[][PARAMETERS], int 
     if (nll) {
         *nll += y[0][0];
     }
-    for (int i = 0; fisher && groups == GROUPS && i < WMR_NAMES; ++i) {
-        for (int k = 0; k < COLUMN; ++k) {
+    for (int i = 0; gradient && i < WMR_NAMES; ++i) {
+        gradient[i] += rows[0][i];
+        for (int k = 1; k <= COLUMN; ++k) {
             for (int j = 0; j < WMR_NAMES; ++j) {
-                fisher[i * WMR_NAMES + j] += column[k][i] * column[k][j];
+                fisher[i * WMR_NAMES + j] += rows[k][i] * rows[k][j];
             }
         }
     }
@@ -77,15 +106,11 @@ WMR_EXPORT void wmr_read_log(int64_t count, const double *rows, const int32_t *k
                              const double *covariance, int32_t slopes, double *nll,
                              double *gradient, double *fisher, double *told)
 {
-    const int groups = slopes ? GROUPS : 1;
-    wmr_v u[WMR_WIDE], p[PARAMETERS], dp[GROUPS][PARAMETERS];
+    wmr_v u[WMR_WIDE];
+    model m;
     filter f;
     memset(&f, 0, sizeof f);
-    memset(dp, 0, sizeof dp);
-    spread(PARAMETERS, parameters, p);
-    for (int i = 0; i < WMR_NAMES; ++i) {
-        dp[i / WMR_LANES][i][i % WMR_LANES] = slopes ? 1.0 : 0.0;
-    }
+    prepare(parameters, slopes, &m);
     for (int64_t n = 0; n < count; ++n) {
         const double *row = rows + n * WMR_WIDE;
         const int counted = kinds[n] == COUNTED;
@@ -94,12 +119,12 @@ WMR_EXPORT void wmr_read_log(int64_t count, const double *rows, const int32_t *k
         if (kinds[n] == START) {
             begin(row, covariance, &f);
         } else if (kinds[n] == PIECE) {
-            step(u, p, dp, groups, &f);
+            step(u, &m, &f);
         } else {
             if (kinds[n] == WATCHED) {
                 memset(told, 0, 2 * WMR_OUTPUTS * sizeof(double));
             } else {
-                correct(u, p, dp, groups, &f, counted ? nll + b : 0,
+                correct(u, &m, &f, counted ? nll + b : 0,
                         counted && slopes ? gradient + b * WMR_NAMES : 0,
                         counted && slopes ? fisher + b * WMR_NAMES * WMR_NAMES : 0, told);
             }

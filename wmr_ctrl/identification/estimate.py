@@ -247,18 +247,19 @@ def plant_step(period: float) -> float:
     return period / math.ceil(period / 1e-3 - 1e-9)
 
 
-def parted(fit: Fit, passes: int, tell: Callable[[], None]) -> tuple[Fit, Fit, float]:
-    """The fit of what lies before the last third, that of the last third, and its begin [s]."""
-    problem = fit.problem
-    t, boost = problem.log.t, problem.boost
-    cut = float(t[-1] - HELD_OUT * (t[-1] - t[0]))
-    fits, theta = [], fit.theta
-    for begin, end in ((-np.inf, cut), (cut, np.inf)):
-        own = None if boost is None else boost[(t >= begin) & (t < end)]
-        part = replace(problem, log=problem.log.until(end, begin), boost=own)
-        fits.append(replace(scored(part, theta, fit.free, passes, tell), least=fit.least))
-        theta = fits[0].theta
-    return fits[0], fits[1], cut
+def cut_of(log: Samples) -> float:
+    """Time from which on a log's last third is held out [s]."""
+    return float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
+
+
+def fitted_part(
+    fit: Fit, begin: float, end: float, passes: int, tell: Callable[[], None], start: Fit
+) -> Fit:
+    """The fit, in its own model, of what lies from ``begin`` to before ``end`` [s]."""
+    t, boost = fit.problem.log.t, fit.problem.boost
+    own = None if boost is None else boost[(t >= begin) & (t < end)]
+    part = replace(fit.problem, log=fit.problem.log.until(end, begin), boost=own)
+    return replace(scored(part, start.theta, fit.free, passes, tell), least=fit.least)
 
 
 def score_of(white: Fit, trained: Fit, cut: float) -> Score:

@@ -2,8 +2,8 @@
 
 An extended Kalman filter on way and turn of the wheels. Its drift is the plant's own graph with the
 ground's resistance, Eqs. (1)-(6), stepped as the plant is stepped; the torque reaches it behind a
-delay and the drives' own lag. Every kernel carries the derivatives of mean and covariance by all
-parameters along (forward), so that one pass gives the likelihood, its gradient and the Fisher
+delay and the drives' own lag. Kernels with slopes carry the derivatives of mean and covariance by
+all parameters along (forward), so that one pass gives the likelihood, its gradient and the Fisher
 information.
 """
 
@@ -30,6 +30,8 @@ from wmr_ctrl.world.resistance import build as resistance
 from wmr_ctrl.world.resistance import load_of_wheel
 
 BLOCKS = 15
+DIRECTIONS = 2
+"""Directions of derivatives that a kernel takes at once, which share what no direction changes."""
 PIECE = ("right", "left", "h0", "h1", "boost")
 """Inputs of a piece in which a command acts: torques [N m], length h0 + h1 delay [s], and the
 factor by which the force noise is larger there."""
@@ -39,13 +41,13 @@ SEEN = ("first", "second", "variance1", "variance2", "of_speed")
 
 @dataclass(frozen=True)
 class FilterGraph:
-    """Kernels ``predict`` and ``correct`` of one model, and the order of their vectors.
+    """Kernels of one model, without slopes and with them, and the order of their vectors.
 
     ``names``: parameters; ``known``: numbers that are not searched; ``state``: length of the mean;
     ``noisy``: how many of it carry a covariance; ``outputs``: residuals of a measurement.
     """
 
-    kernels: tuple[Kernel, Kernel]
+    kernels: tuple[Kernel, ...]
     names: tuple[str, ...]
     known: tuple[str, ...]
     state: int
@@ -116,16 +118,16 @@ def torque_graph(scenario: Scenario) -> FilterGraph:
     noise = ca.blockcat([[by[2] @ white @ by[2].T, ca.SX(4, 2)], [ca.SX(2, 4), ca.diag(fresh)]])
     p = _full(cov, 6)
     following = ca.vertcat(by[0], keep * push, after, _packed(f @ p @ f.T + noise))
-    predict = _forward("predict", following, u, mean, cov, theta, known)
+    piece = _both("predict", "a piece", following, u, mean, cov, theta, known)
     seen = ca.SX.sym("seen", len(SEEN))
     h_way = ca.horzcat(ca.SX.eye(2), ca.SX(2, 4))
     h_speed = ca.horzcat(ca.SX(2, 2), ca.SX.eye(2), ca.SX(2, 2))
     rows = (1 - seen[4]) * h_way + seen[4] * h_speed
     own = seen[4] * ca.vertcat(a["n1"], a["n2"]) ** 2
-    after_it, *sizes = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
-    residual = sizes[0], sizes[1]
-    correct = _forward("correct", after_it, seen, mean, cov, theta, known, residual)
-    return FilterGraph((predict, correct), TORQUE_NAMES, TORQUE_KNOWN, 8, 6, 2)
+    after_it, *told = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
+    what = "correct", "a measurement, and what the likelihood takes of it"
+    measured = _both(*what, after_it, seen, mean, cov, theta, known, told)
+    return FilterGraph((*piece, *measured), TORQUE_NAMES, TORQUE_KNOWN, 8, 6, 2)
 
 
 def stepped(
@@ -155,66 +157,86 @@ def stepped(
 
 def _corrected(
     rows: ca.SX, noise: ca.SX, seen: ca.SX, mean: ca.SX, p: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """State after a measurement, its residual and the lower root of the residual's covariance."""
-    count, outputs = p.shape[0], rows.shape[0]
+) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """State after a measurement, its residual, and that one's covariance and inverse lower root."""
+    count = p.shape[0]
     residual = seen - rows @ mean[:count]
     cross = p @ rows.T
     s = rows @ cross + noise
-    root = ca.chol(s).T if outputs > 1 else ca.sqrt(s)
+    inverse = _inverse_root(s)
     # p - cross s^-1 cross' = p - w w' with w = cross root^-T, and the gain is w root^-1.
-    w = ca.solve(root, cross.T).T if outputs > 1 else cross / root
-    whitened = ca.solve(root, residual) if outputs > 1 else residual / root
-    after = ca.vertcat(mean[:count] + w @ whitened, mean[count:])
-    return ca.vertcat(after, _packed(p - w @ w.T)), residual, root
+    w = cross @ inverse.T
+    after = ca.vertcat(mean[:count] + w @ (inverse @ residual), mean[count:])
+    return ca.vertcat(after, _packed(p - w @ w.T)), residual, s, inverse
 
 
-def _forward(
+def _inverse_root(s: ca.SX) -> ca.SX:
+    """R^-1 of s = R R', R lower triangular (2, 2).
+
+    Roots of reciprocals: products with reciprocals of roots would be divisions, one by one.
+    """
+    first = ca.sqrt(1 / s[0, 0])
+    below = s[1, 0] * first
+    last = ca.sqrt(1 / (s[1, 1] - below**2))
+    return ca.blockcat([[first, ca.SX(1, 1)], [-below * first * last, last]])
+
+
+def _both(
     name: str,
+    after_what: str,
     after: ca.SX,
     u: ca.SX,
     mean: ca.SX,
     cov: ca.SX,
     theta: ca.SX,
     known: ca.SX,
-    seen: tuple[ca.SX, ca.SX] | None = None,
-) -> Kernel:
-    """A kernel of a step, and of its derivative in one direction: lanes take one direction each.
+    told: Sequence[ca.SX] = (),
+) -> tuple[Kernel, Kernel]:
+    """Kernels of a step, without and with its derivatives in DIRECTIONS a lane.
 
-    For a measurement it gives, too: minus the log of the likelihood (less a constant), residuals,
-    by how many standard deviations they are off, the gradient in that direction, and a column
-    whose products with the other directions' are the Fisher information.
+    For a measurement they give, too: minus the log of the likelihood (less a constant), residuals,
+    by how many standard deviations they are off; and by direction the gradient and a column whose
+    products with the other directions' are the Fisher information.
     """
     x, p = ca.vertcat(mean, cov), ca.vertcat(theta, known)
-    dx, dp = ca.SX.sym("dx", x.numel()), ca.SX.sym("dp", p.numel())
+    dx, dp = ca.SX.sym("dx", x.numel(), DIRECTIONS), ca.SX.sym("dp", p.numel(), DIRECTIONS)
 
     def along(value: ca.SX) -> ca.SX:
+        """Derivatives (n, DIRECTIONS)."""
         return ca.densify(ca.jtimes(value, ca.vertcat(x, p), ca.vertcat(dx, dp)))
 
-    inputs = {"u": u, "x": x, "dx": dx, "p": p, "dp": dp}
-    results = {"next": after, "dnext": along(after)}
-    meaning = "State after a piece, and its derivative."
-    if seen is not None:
-        meaning = "State after a measurement, its derivative, and what the likelihood takes of it."
-        results |= _likelihood(*seen, along)
-    return kernel(name, meaning, inputs, results)
+    inputs, results = {"u": u, "x": x, "p": p}, {"next": after}
+    if told:
+        results["y"] = _likelihood(*told)
+    meaning = f"State after {after_what}."
+    alone = kernel(name, meaning, inputs, results, prepared=True)
+    inputs, results = (
+        inputs | {"dx": ca.vec(dx), "dp": ca.vec(dp)},
+        results | {"dnext": ca.vec(along(after))},
+    )
+    if told:
+        results["dy"] = ca.vec(_slopes(*told, along))
+    meaning = f"State after {after_what}, and derivatives in {DIRECTIONS} directions."
+    return alone, kernel(f"{name}_slopes", meaning, inputs, results, prepared=True)
 
 
-def _likelihood(residual: ca.SX, root: ca.SX, along: Callable[[ca.SX], ca.SX]) -> dict[str, ca.SX]:
-    """(nll, residual, z) and, in a direction, (gradient, column of the Fisher information)."""
-    s = root @ root.T
-    inverse = ca.inv(root)
+def _likelihood(residual: ca.SX, s: ca.SX, inverse: ca.SX) -> ca.SX:
+    """(nll, residual, z) of a measurement, z the residual in standard deviations."""
     white = inverse @ residual
-    nll = ca.dot(white, white) / 2 + ca.sum1(ca.log(ca.diag(root)))
-    a = inverse @ along(residual)
-    b = inverse @ ca.reshape(along(ca.vec(s)), *s.shape) @ inverse.T
-    off = [b[j, k] for j in range(s.shape[0]) for k in range(j)]
-    gradient = ca.dot(a, white) + (ca.trace(b) - ca.dot(white, b @ white)) / 2
-    column = ca.vertcat(a, ca.diag(b) / ca.sqrt(2), *off)
-    return {
-        "y": ca.vertcat(nll, residual, residual / ca.sqrt(ca.diag(s))),
-        "dy": ca.vertcat(gradient, column),
-    }
+    nll = ca.dot(white, white) / 2 - ca.sum1(ca.log(ca.diag(inverse)))
+    return ca.vertcat(nll, residual, residual * ca.sqrt(1 / ca.diag(s)))
+
+
+def _slopes(residual: ca.SX, s: ca.SX, inverse: ca.SX, along: Callable[[ca.SX], ca.SX]) -> ca.SX:
+    """By direction the gradient of a measurement, and a column of the Fisher information."""
+    white = inverse @ residual
+    moved, spread = inverse @ along(residual), along(ca.vec(s))
+    columns = []
+    for k in range(DIRECTIONS):
+        a, b = moved[:, k], inverse @ ca.reshape(spread[:, k], *s.shape) @ inverse.T
+        gradient = ca.dot(a, white) + (ca.trace(b) - ca.dot(white, b @ white)) / 2
+        columns.append(ca.vertcat(gradient, a, ca.diag(b) / ca.sqrt(2), b[1, 0]))
+    return ca.horzcat(*columns)
 
 
 def _full(packed: ca.SX, size: int) -> ca.SX:
@@ -291,6 +313,7 @@ def _library(graph: FilterGraph) -> str:
         "STATE": graph.state,
         "PRIMAL": graph.primal,
         "OUTPUTS": graph.outputs,
+        "DIRECTIONS": DIRECTIONS,
         "WIDE": max(graph.state, len(PIECE)),
     }
     return str(lanes_library("read_log.c", sizes, graph.kernels))

@@ -12,7 +12,7 @@ from functools import cache
 
 import casadi as ca
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
@@ -21,7 +21,7 @@ from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.identification.bounds import UNITS, GuardBounds
-from wmr_ctrl.identification.estimate import intervals_of, parted
+from wmr_ctrl.identification.estimate import cut_of, fitted_part, intervals_of
 from wmr_ctrl.identification.fit import COUNTED, LAG_LEAST, Fit
 from wmr_ctrl.identification.kalman import BLOCKS
 from wmr_ctrl.logs.log import Floats
@@ -66,7 +66,7 @@ def guard_bounds(
     counted = white.problem.counting()[0] == COUNTED
     z = np.abs(white.last.sizes[counted])
     dbar = q * np.maximum(SIGMAS, z.max(axis=0))
-    wider = student.ppf(1 - 0.05 / 4, BLOCKS - 1) / student.ppf(0.975, BLOCKS - 1)
+    wider = stdtrit(BLOCKS - 1, 1 - 0.05 / 4) / stdtrit(BLOCKS - 1, 0.975)
     low, high = [], []
     for name in ("m", "I"):
         value, least, most = intervals[name]
@@ -147,10 +147,12 @@ def held_out(
 
     ``white`` and ``fit`` as for `guard_bounds`, of the whole log; ``scenario`` has its clock.
     """
-    trained, rest, cut = parted(white, PASSES, tell)
-    before = trained
-    if fit is not white:
-        before, rest, _ = parted(fit, PASSES, tell)
+    cut = cut_of(white.problem.log)
+    before = fitted_part(fit, -np.inf, cut, PASSES, tell, fit)
+    rest = fitted_part(fit, cut, np.inf, PASSES, tell, before)
+    trained = before
+    if fit.problem is not white.problem or (fit.free != white.free).any():
+        trained = fitted_part(white, -np.inf, cut, PASSES, tell, white)
     earlier, later = intervals_of(before), intervals_of(rest)
     bounds = guard_bounds(trained, earlier, scenario, colour)
     moved = [item.against(bounds) for item in contradictions(white, bounds, cut)]
