@@ -124,7 +124,7 @@ def torque_graph(scenario: Scenario) -> FilterGraph:
     h_speed = ca.horzcat(ca.SX(2, 2), ca.SX.eye(2), ca.SX(2, 2))
     rows = (1 - seen[4]) * h_way + seen[4] * h_speed
     own = seen[4] * ca.vertcat(a["n1"], a["n2"]) ** 2
-    after_it, *told = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
+    after_it, told = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
     what = "correct", "a measurement, and what the likelihood takes of it"
     measured = _both(*what, after_it, seen, mean, cov, theta, known, told)
     return FilterGraph((*piece, *measured), TORQUE_NAMES, TORQUE_KNOWN, 8, 6, 2)
@@ -157,8 +157,8 @@ def stepped(
 
 def _corrected(
     rows: ca.SX, noise: ca.SX, seen: ca.SX, mean: ca.SX, p: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-    """State after a measurement, its residual, and that one's covariance and inverse lower root."""
+) -> tuple[ca.SX, tuple[ca.SX, ca.SX, ca.SX]]:
+    """State after a measurement; its residual, that one's covariance, and inverse lower root."""
     count = p.shape[0]
     residual = seen - rows @ mean[:count]
     cross = p @ rows.T
@@ -167,7 +167,7 @@ def _corrected(
     # p - cross s^-1 cross' = p - w w' with w = cross root^-T, and the gain is w root^-1.
     w = cross @ inverse.T
     after = ca.vertcat(mean[:count] + w @ (inverse @ residual), mean[count:])
-    return ca.vertcat(after, _packed(p - w @ w.T)), residual, s, inverse
+    return ca.vertcat(after, _packed(p - w @ w.T)), (residual, s, inverse)
 
 
 def _inverse_root(s: ca.SX) -> ca.SX:
@@ -190,7 +190,7 @@ def _both(
     cov: ca.SX,
     theta: ca.SX,
     known: ca.SX,
-    told: Sequence[ca.SX] = (),
+    told: tuple[ca.SX, ca.SX, ca.SX] | None = None,
 ) -> tuple[Kernel, Kernel]:
     """Kernels of a step, without and with its derivatives in DIRECTIONS a lane.
 
@@ -206,15 +206,13 @@ def _both(
         return ca.densify(ca.jtimes(value, ca.vertcat(x, p), ca.vertcat(dx, dp)))
 
     inputs, results = {"u": u, "x": x, "p": p}, {"next": after}
-    if told:
+    if told is not None:
         results["y"] = _likelihood(*told)
     meaning = f"State after {after_what}."
     alone = kernel(name, meaning, inputs, results, prepared=True)
-    inputs, results = (
-        inputs | {"dx": ca.vec(dx), "dp": ca.vec(dp)},
-        results | {"dnext": ca.vec(along(after))},
-    )
-    if told:
+    inputs |= {"dx": ca.vec(dx), "dp": ca.vec(dp)}
+    results |= {"dnext": ca.vec(along(after))}
+    if told is not None:
         results["dy"] = ca.vec(_slopes(*told, along))
     meaning = f"State after {after_what}, and derivatives in {DIRECTIONS} directions."
     return alone, kernel(f"{name}_slopes", meaning, inputs, results, prepared=True)
