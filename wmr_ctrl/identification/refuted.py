@@ -150,9 +150,8 @@ def held_out(
     cut = cut_of(white.problem.log)
     before = fitted_part(fit, -np.inf, cut, PASSES, tell, fit)
     rest = fitted_part(fit, cut, np.inf, PASSES, tell, before)
-    trained = before
-    if fit.problem is not white.problem or (fit.free != white.free).any():
-        trained = fitted_part(white, -np.inf, cut, PASSES, tell, white)
+    same = fit.problem is white.problem and (fit.free == white.free).all()
+    trained = before if same else fitted_part(white, -np.inf, cut, PASSES, tell, white)
     earlier, later = intervals_of(before), intervals_of(rest)
     bounds = guard_bounds(trained, earlier, scenario, colour)
     moved = [item.against(bounds) for item in contradictions(white, bounds, cut)]
