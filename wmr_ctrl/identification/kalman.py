@@ -124,9 +124,9 @@ def torque_graph(scenario: Scenario) -> FilterGraph:
     h_speed = ca.horzcat(ca.SX(2, 2), ca.SX.eye(2), ca.SX(2, 2))
     rows = (1 - seen[4]) * h_way + seen[4] * h_speed
     own = seen[4] * ca.vertcat(a["n1"], a["n2"]) ** 2
-    after_it, told = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
+    after_it, reading = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
     what = "correct", "a measurement, and what the likelihood takes of it"
-    measured = _both(*what, after_it, seen, mean, cov, theta, known, told)
+    measured = _both(*what, after_it, seen, mean, cov, theta, known, reading)
     return FilterGraph((*piece, *measured), TORQUE_NAMES, TORQUE_KNOWN, 8, 6, 2)
 
 
@@ -190,7 +190,7 @@ def _both(
     cov: ca.SX,
     theta: ca.SX,
     known: ca.SX,
-    told: tuple[ca.SX, ca.SX, ca.SX] | None = None,
+    reading: tuple[ca.SX, ca.SX, ca.SX] | None = None,
 ) -> tuple[Kernel, Kernel]:
     """Kernels of a step, without and with its derivatives in DIRECTIONS a lane.
 
@@ -206,14 +206,14 @@ def _both(
         return ca.densify(ca.jtimes(value, ca.vertcat(x, p), ca.vertcat(dx, dp)))
 
     inputs, results = {"u": u, "x": x, "p": p}, {"next": after}
-    if told is not None:
-        results["y"] = _likelihood(*told)
+    if reading is not None:
+        results["y"] = _likelihood(*reading)
     meaning = f"State after {after_what}."
     alone = kernel(name, meaning, inputs, results, prepared=True)
     inputs |= {"dx": ca.vec(dx), "dp": ca.vec(dp)}
     results |= {"dnext": ca.vec(along(after))}
-    if told is not None:
-        results["dy"] = ca.vec(_slopes(*told, along))
+    if reading is not None:
+        results["dy"] = ca.vec(_slopes(*reading, along))
     meaning = f"State after {after_what}, and derivatives in {DIRECTIONS} directions."
     return alone, kernel(f"{name}_slopes", meaning, inputs, results, prepared=True)
 
