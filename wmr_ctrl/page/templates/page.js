@@ -18,10 +18,8 @@ const CHARTS = [
 
 function limitsOf(fleet, axis) {
   const limit = fleet.value(`limits.v_u1[${axis}]`), threshold = fleet.value(`limits.v_u2[${axis}]`);
-  return [
-    { value: limit, beyond: 1 }, { value: -limit, beyond: -1 },
-    { value: threshold, dotted: true }, { value: -threshold, dotted: true },
-  ];
+  const edges = [{ value: limit, beyond: 1 }, { value: -limit, beyond: -1 }];
+  return fleet.told.filtered ? edges : [...edges, { value: threshold, dotted: true }, { value: -threshold, dotted: true }];
 }
 
 class Page {

@@ -66,7 +66,7 @@ class Plane extends Sheet {
     const [left, high] = this.world(0, 0), [right, low] = this.world(this.width, this.height);
     for (let x = Math.ceil(left / step) * step; x <= right; x += step) {
       this.stroke([[this.X(x), 0], [this.X(x), this.height]]);
-      pen.fillText(`${shownNumber(Math.abs(x) < 1e-9 ? 0 : x)} m`, this.X(x) + 3, this.height - 5);
+      if (this.X(x) < this.width - 36) pen.fillText(`${shownNumber(Math.abs(x) < 1e-9 ? 0 : x)} m`, this.X(x) + 3, this.height - 5);
     }
     for (let y = Math.ceil(low / step) * step; y <= high; y += step) {
       this.stroke([[0, this.Y(y)], [this.width, this.Y(y)]]);
