@@ -68,7 +68,7 @@ _HOMES = {
     "RecordedDrive": "results.drive", "command_filter": "filter", "compare": "results.compare",
     "identify": "identification", "load_drive": "results.bag_topics", "tune": "tuning",
 }  # fmt: skip
-"""Where names are defined that are not in api.py."""
+"""Modules of the names that are not in api.py."""
 
 
 def __getattr__(name: str) -> object:

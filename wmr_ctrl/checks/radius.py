@@ -24,7 +24,7 @@ SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
 MARGIN = 1e-9
 """A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
 RTOL = 1e-7
-"""Of an edge of stability; four digits of it are printed."""
+"""Relative tolerance of an edge of stability; four digits of it are printed."""
 STRETCHES = 16
 """Into so many stretches of constant velocity the period of a reference is divided."""
 

@@ -148,7 +148,7 @@ def _swung(
     usable: tuple[float, float],
     of: Callable[[Scenario], tuple[float, float] | None],
 ) -> tuple[float, float] | None:
-    """What ``of`` loses where steps of v, and of omega, overshoot by one per cent more."""
+    """The loss of ``of`` where steps of v, and of omega, overshoot by one per cent more."""
     key = "damping" if scenario.filter.loop == "second-order" else "kp"
     least, most = scenario.filter.interval(key)
     costs = []

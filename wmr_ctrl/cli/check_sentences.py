@@ -42,12 +42,12 @@ REMEDIES = {
     "guard-holds-back": "shorten clock.control, narrow the bounds, or drive slower",
     "obstacle": "choose another path, or start elsewhere",
 }
-"""What to change for an objection or a remark, by its key."""
+"""Remedies for objections and remarks, by key."""
 TUNE = "lower the gains (`wmr-ctrl tune`), or measure better"
 
 
 def remedies(keys: Iterable[str]) -> Iterator[str]:
-    """What to change for objections, a line for each; for others than `REMEDIES`, where to read."""
+    """Lines that say what to change for each objection; beyond `REMEDIES`, where to read."""
     for place, key in enumerate(keys):
         other = TUNE if key.startswith("gains.") else f"see --only {key}"
         head = "" if place else "\nWhat to change:\n"

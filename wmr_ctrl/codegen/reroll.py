@@ -100,7 +100,7 @@ class _Rerolling:
         return {key for key, often in count.items() if often >= SHORTEST}
 
     def _sharings(self, number: int) -> list[Sharing]:
-        """For each operand: operation, position, operand, and the array of the other one."""
+        """The operation, position, operand and other array, for each operand."""
         node = self.graph.nodes[number]
         arrays = [self.place.get(operand, ("",))[0] for operand in node.operands]
         return [

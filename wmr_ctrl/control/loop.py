@@ -168,7 +168,7 @@ class Graphs:
 
     @cached_property
     def delay_steps(self) -> ca.Function:
-        """From the values of the parameters to the delay in plant steps."""
+        """Graph of the delay in plant steps, from the values of the parameters."""
         return ca.Function("delay", [self.p], [self.clock[CLOCK.index("delay_steps")]])
 
 

@@ -101,7 +101,7 @@ class Corridor:
 
     @property
     def figures(self) -> dict[str, object]:
-        """What `check --json` has of it."""
+        """Its figures in `check --json`."""
         clearance = None if self.clearance is None else asdict(self.clearance)
         if self.position is None:
             return {"refused": self.refused, "closes": self.closes, "clearance": clearance}

@@ -142,7 +142,7 @@ class Certifier:
         return measured * share * UP, share
 
     def _before(self, inputs: Inputs, law: Floats) -> Floats:
-        """How far off the velocity (2) is that an observer remembers at a start, in effect.
+        """Error of the velocity (2) that an observer in effect remembers at the start.
 
         It observes no force at its first sample, however far off the measured velocity is.
         """
@@ -176,7 +176,9 @@ class Certifier:
         return self._peaks(inputs, self._rest(inputs), self.law_rest)
 
     def _rest(self, inputs: Inputs) -> Floats:
-        """What a plant step adds on the reference, with what another mass makes of its forces."""
+        """Increment of a plant step on the reference, the effect of another mass on its forces
+        included.
+        """
         return np.asarray((self.step_rest + self.by_body @ inputs.body) * UP)
 
     @property
@@ -223,14 +225,14 @@ class Certifier:
         return self._peaks(inputs, *self._added(inputs, peaks), started)
 
     def settled(self, inputs: Inputs, peaks: Peaks) -> Peaks:
-        """What follows K samples within ``peaks``, K as in `LoopGains` (ledger: corridor.latch)."""
+        """States after K samples within ``peaks``, K as in `LoopGains` (ledger: corridor.latch)."""
         forced, gains = self.image(inputs, peaks, started=False), self.gains
         norm = float((peaks.state / gains.scale).max()) * UP
         parts = zip((forced.fast, forced.state, forced.law), self._three, strict=True)
         return Peaks(*((part + item.left * norm) * UP for part, item in parts))
 
     def next_sample(self, inputs: Inputs, state: Floats, peaks: Peaks) -> Peaks:
-        """From a state within ``state``, over one sample in which nothing leaves ``peaks``."""
+        """Sizes over one sample from a state within ``state``, while nothing leaves ``peaks``."""
         step, law = self._added(inputs, peaks)
         given, step = self._given(inputs, law), step + np.abs(self.added)
 
@@ -241,7 +243,7 @@ class Certifier:
         return Peaks(*map(of, self._three))
 
     def share(self, peaks: Peaks) -> float:
-        """Of the condition that is used most within these deviations, 1 where it is broken."""
+        """Largest use of any condition within these deviations; at 1 it is broken."""
         return self._tube(peaks).share
 
     @property
@@ -249,7 +251,9 @@ class Certifier:
         return self.gains.fast, self.gains.state, self.gains.law
 
     def _added(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
-        """What a plant step and the law add to their linear parts within these deviations."""
+        """Remainders that a plant step and the law add to their linear parts within these
+        deviations.
+        """
         step, law = self._remainders(inputs, peaks)
         return (
             (self._rest(inputs) + step.sum(axis=(1, 2))) * UP,
@@ -263,7 +267,9 @@ class Certifier:
         return np.concatenate((inputs.push, law, error))
 
     def _remainders(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
-        """What the linear part leaves of the robot's step and of the law, by pairs of variables."""
+        """Remainders of the robot's step and of the law beyond their linear parts, by pairs of
+        variables.
+        """
         loop, nz = self.loop, len(self.loop.names)
         queue, memory = COMMAND * loop.queue, loop.memory
         pairs = np.outer(peaks.fast[:ROBOT], peaks.fast[:ROBOT])

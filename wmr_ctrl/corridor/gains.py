@@ -32,7 +32,7 @@ from wmr_ctrl.corridor.sample import (
 LEFT, FAINTEST = 1e-6, 0.1
 """Size of A^K at which the sums end, and the largest with which they may end."""
 MOST_SAMPLES, MOST_BITS, MOST_STEPS = 12_000, 30_000, 100_000
-"""Of samples, bits, and plant steps within those samples: some 4 s of CPU."""
+"""Largest numbers of samples, bits, and plant steps in those samples: some 4 s of CPU."""
 SPARE_BITS = 320
 DIRECTIONS = 16
 PAIRS = [(a, b) for a in range(ROBOT) for b in range(a + 1, ROBOT)]
@@ -182,7 +182,8 @@ class _Sums:
         return norms
 
     def gains(self, rows: OutputRows, added: Floats | None = None) -> Gains:
-        """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct.
+        """Gains of some rows: sums of sizes with the shares of rounding and tail, and the direct
+        part.
 
         ``added``: what the present sample has added so far, of what it always adds, to the state
         that ``rows`` picks from; None: nothing.

@@ -28,7 +28,7 @@ from wmr_ctrl.signals import D_HAT, POSE, REFERENCE, TORQUE, VELOCITY, Signal
 LARGER = (1.6, 1.4, 1.2, 1.1, 1.05, 1.02)
 """Multiples of the corridor's box that are tried for Y."""
 HALVINGS, STAGES = 20, 4
-"""Of the search for b; times K samples after which the bound is taken once more."""
+"""Halvings in the search for b; number of rounds of K samples over which the bound is refined."""
 DUST = 1e-9
 """Added to all of Y, in units of each: what a run starts with may be off by rounding."""
 ALONE = {"corridor.start": (0.0, 0.0, 0.0), "corridor.cells": 0}

@@ -134,7 +134,7 @@ def _plural(hint: object) -> str:
 
 @lru_cache(maxsize=1024)
 def _alternatives(hint: object) -> tuple[tuple[object, tuple[Any, ...]], ...]:
-    """Of each part of a hint its kind, and what a collection of that kind holds."""
+    """Kind of each part of a hint, with the kind of the elements of a collection."""
     return tuple((_kind(part), get_args(part)) for part in _parts(hint))
 
 

@@ -183,7 +183,7 @@ class Quantity:
         return self._listed(value, path, bool)
 
     def _listed(self, value: object, path: str, kind: type) -> tuple[object, ...]:
-        """At least one value of that kind, or the default; one by itself is a list of it."""
+        """One or more values of that kind, or the default; a single value counts as a list."""
         items = [value] if isinstance(value, kind) else as_list(value)
         right = items and all(isinstance(item, kind) for item in items)
         if items is None or not (right or tuple(items) == self.default):

@@ -200,7 +200,7 @@ class BandGovernor:
         self.command, self.refused = usable_command(self.asked.sym)
 
     def _slopes(self, axis: int, low: Port, high: Port) -> list[Port]:
-        """What the conditions divide by, worked out once: divisions take most of a step's time."""
+        """Divisors of the conditions, worked out once: divisions take most of a step's time."""
         inverse = ca.Function("inverse", [low.sym, high.sym], inverse_slopes(low.sym, high.sym))
         values = [item.full().ravel() for item in inverse(low.value, high.value)]
         return [

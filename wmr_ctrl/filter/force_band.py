@@ -104,7 +104,7 @@ def _tables(loop: PiLoop, T: float) -> Band:
 
 
 def force_forecast(axis: int, size: int) -> tuple[Port, Port, Port]:
-    """What is known of an axis' force: bounds of it and of its negative, ahead and far ahead."""
+    """Forecast of an axis' force: bounds of it and of its negative, piece by piece and beyond."""
     name, unit = NAMES[axis], UNITS[axis]
     return (
         port(Signal(f"over_force_{name}", unit, f"bound of the force on {name}, ahead", size)),
@@ -157,7 +157,7 @@ def force_steps(
 
 
 def _rooms(known: Forecast, most: ca.SX, held: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """What is left of ``most`` on each piece and behind them, above and below."""
+    """Room left below ``most`` on each piece and beyond them, above and below."""
     over, under = (ca.vertcat(item, known.tail) for item in (known.over, known.under))
     return most - (over + held), most - (under - held)
 

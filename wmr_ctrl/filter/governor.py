@@ -62,7 +62,7 @@ def relaxed(v: ca.SX, target: ca.SX, most: ca.SX, least: ca.SX) -> ca.SX:
 
 
 def admitted(r: Sequence[ca.SX], lo: Sequence[ca.SX], hi: Sequence[ca.SX]) -> list[ca.SX]:
-    """For each axis the share of its command r that its limits lo <= 0 <= hi admit, at most 1."""
+    """Share of each axis' command r that its limits lo <= 0 <= hi admit, at most 1."""
     limits = [ca.if_else(r[i] >= 0, hi[i], -lo[i]) for i in range(len(r))]
     return [limit / ca.fmax(ca.fabs(r[i]), limit) for i, limit in enumerate(limits)]
 

@@ -149,7 +149,9 @@ def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
 
 
 def _of_the_band(bound: Bound) -> Iterator[str]:
-    """What comes between the band's commands and the loop whose step responses it knows."""
+    """Objections to what lies between the band's commands and the loop whose step responses it
+    knows.
+    """
     if bound.hidden:
         yield (
             f"{bound.hidden} The band counts on every command reaching the loop as it was sent. "
@@ -164,7 +166,7 @@ def _of_the_band(bound: Bound) -> Iterator[str]:
 
 
 def _of_slow_commands(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """What makes the command that acts change faster than it was sent."""
+    """Objections to what makes the acting command change faster than it was sent."""
     if bound.hidden:
         yield (
             f"{bound.hidden} With filter.slew the clip counts on every command reaching the loop "

@@ -101,7 +101,7 @@ def _beside(place: Floats, low: Floats, high: Floats) -> Span:
 
 
 def _shared(x: Span, y: Span) -> Span:
-    """What two enclosures of one number have in common."""
+    """Intersection of two enclosures of one number."""
     return Span(np.maximum(x.lo, y.lo), np.minimum(x.hi, y.hi))
 
 
@@ -203,7 +203,7 @@ def _between(cells: Cells, x: Span, slope: Span, length: float) -> tuple[Floats,
 
 
 def _bent(cells: Cells, x: Span, slope: Span, length: float) -> Span:
-    """How far a response is from the line between the ends of each piece, at most.
+    """Largest distance of a response from the chord of each piece.
 
     Its energy never grows, so that of a piece's start bounds how much it bends.
     """

@@ -258,7 +258,7 @@ def _joined(
     factor: float,
     offset: float,
 ) -> dict[str, Any]:
-    """From the part that gives a quantity: its row first, then what the end makes of it."""
+    """Conversion from the part that gives a quantity: its own row first, then that of the end."""
     if quantity not in owner:
         raise ArgumentError(
             f"{end[-1][1]} needs {quantity}, which no part of the package gives. Map another "

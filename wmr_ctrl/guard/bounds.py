@@ -56,7 +56,7 @@ class GuardNumbers(Guard):
 
     @property
     def jitter(self) -> float:
-        """By how much less late a command may be [s]."""
+        """Largest amount by which a command can be less late [s]."""
         return pair_of(self.delay)[1] - pair_of(self.delay)[0]
 
     @property

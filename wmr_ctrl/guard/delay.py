@@ -125,7 +125,7 @@ class InFlight:
 
 
 def in_flight(sent: Sent, axis: int, b: Bounds) -> InFlight:
-    """Of forces that were sent, with the periods for which each counts."""
+    """Sums over forces that were sent, with the periods for which each counts."""
     ahead, back = ca.SX(0), ca.SX(0)
     for force, periods in sent:
         ways = ca.horzsplit(force[axis, :])
@@ -135,7 +135,7 @@ def in_flight(sent: Sent, axis: int, b: Bounds) -> InFlight:
 
 
 def largest_force(b: Bounds) -> ca.SX:
-    """Of one axis, behind a delay [N or N m]; at least what it brakes with."""
+    """Largest force of one axis behind a delay [N or N m], at least its braking force."""
     assert b.delay is not None
     held_back = ca.fmax(b.braking + b.net, 0) / b.alpha
     largest = (b.M_min * (b.u1 - b.f_speed) - held_back) / b.delay - b.net
@@ -169,7 +169,7 @@ def delayed_push(
 def _felt(
     forces: Sequence[ca.SX], late: Counting, numbers: Varying, axis: int, b: Bounds, tails: Tails
 ) -> InFlight:
-    """Behind a lag that varies: integrals of the push that may be felt, and b times its end."""
+    """Integrals of the push that can be felt behind a varying lag, and b times its last value."""
     starts = tails.felt(axis, b)
     ahead, back = (
         follow(starts[i], forces, numbers.pieces, axis, b, way) for i, way in enumerate((1, -1))
@@ -227,7 +227,9 @@ class Followed:
 def follow(
     start: ca.SX, forces: Sequence[ca.SX], pieces: Sequence[Passage], axis: int, b: Bounds, way: int
 ) -> Followed:
-    """From ``start`` through the pieces; ``forces`` (2,), the latest first; ``way`` 1 or -1."""
+    """Push carried from ``start`` through the pieces; ``forces`` (2,), the latest first; ``way`` 1
+    or -1.
+    """
     mean, rest, z = ca.SX(0), ca.SX(0), start
     for item in pieces:
         p = push([forces[j - 1][axis] for j in item.which], b, way)

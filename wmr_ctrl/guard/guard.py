@@ -108,7 +108,7 @@ def bounds_of(p: Parameters, late: tuple[Counting, Counting]) -> Bounds:
 
 
 def _times(period: ca.SX, each: Sequence[float]) -> ca.SX | None:
-    """Of both axes from numbers of periods; one where they are the same, None without any."""
+    """Times of both axes from numbers of periods; one if they are equal, None if there are none."""
     if not any(each):
         return None
     return period * (each[0] if each[0] == each[1] else ca.SX(ca.DM(each)))

@@ -22,7 +22,7 @@ from fractions import Fraction
 Weights = tuple[float, float, float]
 """Before p, the difference that falls and the one that rises [periods]."""
 Integral = Callable[[Fraction, Fraction, Fraction | None], Decimal]
-"""Of P(s) exp(-(begin - s)/tau) between the ages begin and end; of P(s) alone without a tau."""
+"""Integral of P(s) exp(-(begin - s)/tau) between the ages begin and end; of P(s) if tau is None."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def varying(
     count: int, delay: tuple[Fraction, Fraction], span: tuple[Fraction, Fraction],
     mean: Integral, rest: Integral,
 ) -> Varying:  # fmt: skip
-    """For ``count`` listed commands, the ``delay``'s bounds, and the lag's, ``span``."""
+    """Pieces for ``count`` commands, from the bounds of ``delay`` and of the lag, ``span``."""
     (lo, hi), (a, b) = delay, span
     jitter = hi - lo
 
@@ -84,7 +84,7 @@ def varying(
 
 
 def ramp(age: Fraction, window: Fraction) -> Integral:
-    """With P(s) = 1 up to ``age``, from there falling to 0 over the window."""
+    """Integral with P(s) = 1 up to ``age`` and falling to 0 over the window from there."""
     oldest = age + window
 
     def integral(begin: Fraction, end: Fraction, tau: Fraction | None) -> Decimal:
@@ -98,7 +98,7 @@ def ramp(age: Fraction, window: Fraction) -> Integral:
 
 
 def less(first: Integral, second: Integral) -> Integral:
-    """With the difference of two weights."""
+    """Integral with the difference of two weights."""
     return lambda begin, end, tau: first(begin, end, tau) - second(begin, end, tau)
 
 

@@ -54,7 +54,7 @@ BECAUSE = {
 SMALL, PART = 0.03, 0.35
 LEAST_LATE = {"delay": 0.0, "lag": LAG_LEAST}
 GRID_POINTS, SPREAD = 13, 3.5
-"""Of the likelihood's picture: points either way, and half its width in standard errors."""
+"""Points either way in the likelihood's picture, and half its width in standard errors."""
 
 
 class Estimate(NamedTuple):
@@ -82,8 +82,8 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True)
 class Score:
-    """How well the held-out third is predicted: shares of both speeds' variance, by the fit and by
-    constant velocities; the time [s] from which on it was held out.
+    """Prediction of the held-out third: shares of both speeds' variance, by the fit and by constant
+    velocities, and the time [s] at which that third begins.
 
     ``usable_speed`` of a guard with the bounds, and what one newton more of dbar costs [m/s]; None
     if the guard refuses them.
@@ -301,7 +301,7 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
 
 
 def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
-    """What a log says of a speed loop, and what it does not."""
+    """Remarks on what a log says of a speed loop, and what it does not."""
     remarks = [
         "gains are against the log's own measured speeds: an error in a wheel's radius or "
         "track affects both, and no log of wheels shows it. Add it to filter.gain."

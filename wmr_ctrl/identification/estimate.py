@@ -263,7 +263,7 @@ def fitted_part(
 
 
 def score_of(white: Fit, trained: Fit, cut: float) -> Score:
-    """How well a fit of the rest predicts the last third, in free runs of a second."""
+    """Score of a fit of the rest on the last third, in free runs of a second."""
     problem = white.problem
     rest = problem.log.until(np.inf, cut)
     result = replace(problem, log=rest).read(trained.theta, slopes=False)
@@ -323,7 +323,7 @@ def loop_estimates(fits: Fits, period: float) -> dict[str, Estimate]:
 
 
 def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
-    """How well a fit of the rest predicts the last third from commands alone."""
+    """Score of a fit of the rest on the last third, from commands alone."""
     t, shares = axes[0].t, []
     for axis, fit in zip(axes, trained, strict=True):
         if fit is None:

@@ -34,7 +34,7 @@ PASSES = 40
 ENOUGH = 2e-3
 """Gain in log-likelihood below which scoring ends: 6 % of a standard error."""
 DAMPING = 1e-3
-"""Of the first step, and at least after a step that gained nothing."""
+"""Damping of the first step, and the least after a step that gained nothing."""
 ACCEPTED = 1.92
 """Fall of the log-likelihood at the end of an interval by the likelihood."""
 FLOOR = 2e-3
@@ -168,7 +168,9 @@ class LogProblem:
         return start
 
     def _covariance(self) -> Floats:
-        """Of a stretch's start: what is seen to its variance, all else hardly known; packed."""
+        """Packed covariance at a stretch's start: measured values with their variance, the rest
+        hardly known.
+        """
         way = np.full(2, 1.0) if self.log.of_speed else self.log.variance
         return packed(np.concatenate((way, [0.25, 1.0, 0.0, 0.0])))
 
@@ -200,7 +202,9 @@ class Fit:
 
     @property
     def inside(self) -> np.ndarray:
-        """Which are free (n,), less noises at an end, whose slopes would move the others."""
+        """Free parameters (n,) without noises at an end of their range, whose slopes would move the
+        others.
+        """
         least, most = ends(self.problem, self.free)
         names = self.problem.filter.graph.names
         noise = np.array([name[0] in "qsn" or name == "time" for name in names])

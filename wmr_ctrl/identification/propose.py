@@ -48,7 +48,7 @@ SHARE = 0.9
 SMALLER, TRIALS = 0.8, 12
 STEP = 5e-3
 CROSSOVER = 0.3
-"""Of the loop that follows the drive, over delay and lag together."""
+"""Crossover of the loop that follows the drive, as a share of 1/(delay + lag)."""
 CORNERS = ("m", "I", "Fc", "c")
 """Parameters that are taken at both ends of their intervals; delay and lag at the later."""
 LATE = ("delay", "lag")

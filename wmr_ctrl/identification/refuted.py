@@ -1,4 +1,4 @@
-"""What a guard may count on by a log, and what the log's last third has against it.
+"""Bounds that a guard may rely on by a log, and what in the log's last third refutes them.
 
 Motion that bounds of the rest do not explain, by the guard's own monitor, and changed numbers.
 """
@@ -97,7 +97,7 @@ def guard_bounds(
 
 
 def tolerance_sentence(white: Fit, colour: float | None) -> str:
-    """What may be said of dbar: a share of blocks of time, or only that it was the largest seen."""
+    """Sentence about dbar: a share of blocks of time, or only that it was the largest seen."""
     log = white.problem.log
     length = max(1.0, BLOCK_TIMES * (colour or 0.0))
     count = int((log.t[-1] - log.t[0]) / length)

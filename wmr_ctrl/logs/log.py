@@ -325,7 +325,7 @@ FACTORS = {
     1000.0: "millimetres for metres", 4.0: "a quarter of the counts in a turn (or all four edges)",
 }  # fmt: skip
 NEAR = 0.08
-"""How near a ratio must be to one of these factors to be named after it."""
+"""Tolerance within which a ratio is named after one of these factors."""
 
 
 def unit_of(ratio: float) -> str | None:

@@ -30,7 +30,7 @@ COUNTED_FROM = 1.0
 
 @dataclass(frozen=True)
 class Samples:
-    """What was seen and what was commanded, on the clocks of the log.
+    """Measurements and commands on the clocks of the log.
 
     ``t`` (N,) [s] and ``seen`` (N, 2): way [m] and turn [rad], or both speeds (``of_speed``), with
     variances (2,) that are known of each; ``command_t`` (M,) [s] and ``command`` (M, 2): torques

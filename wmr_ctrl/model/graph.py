@@ -176,7 +176,7 @@ def _with_reciprocals(nodes: list[Node], stores: list[Store]) -> tuple[list[Node
 
 
 def kinds(nodes: Iterable[Node]) -> list[int]:
-    """Of each value whether it is PLAIN, STEADY or CHANGING."""
+    """Kind of each value: PLAIN, STEADY or CHANGING."""
     listed: list[int] = []
     for node in nodes:
         if node.place is not None:

@@ -69,7 +69,7 @@ def function_named(name: str) -> FunctionType | None:
 
 @contextmanager
 def altered(name: str, change: Change) -> Iterator[None]:
-    """For a time every caller of the function gets its results changed."""
+    """Context in which every caller of the function gets altered results."""
     function = function_named(name)
     assert function is not None, name
     code, defaults, named = function.__code__, function.__defaults__, function.__kwdefaults__

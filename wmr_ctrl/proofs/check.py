@@ -89,7 +89,9 @@ def graph_hash(claim: Claim) -> str:
 
 
 def _quick(method: Method) -> Method:
-    """For the mutation, the first case that fails is enough; of two methods each must refute."""
+    """Method for the altered claim: the first case that fails is enough; of two methods each must
+    refute.
+    """
     if isinstance(method, Both):
         return Both(_quick(method.first), _quick(method.second), all_refute=True)
     return replace(method, quick=True) if isinstance(method, Ring) else method

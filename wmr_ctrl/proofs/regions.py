@@ -15,7 +15,8 @@ from wmr_ctrl.proofs.case import POSITIVE, Case
 TARGETS = ("far-", "middle-", "near-", "zero", "near+", "middle+", "far+")
 TARGET_EDGES = ("edge-", "corner-", "corner+", "edge+")
 SMOOTH_TARGETS = ("beyond-", "corner-", "near-", "zero", "near+", "corner+", "beyond+")
-"""Of the smooth barrier, whose middle region is gone: beyond v_u2 the target follows at once."""
+"""Regions of the smooth barrier, which has no middle one: beyond v_u2 the target follows at once.
+"""
 SIDES = ("out-", "in-", "zero", "in+", "out+")
 SIDE_EDGES = ("kink-", "kink+")
 CHARTED = ("far", "middle", "near", "beyond", "out", "in")

@@ -113,7 +113,8 @@ def _least(*values: float) -> float:
 
 @contextmanager
 def functions_for_traced(package: str, but: str) -> Iterator[None]:
-    """For a time the modules of a package have sin, expm1, min and float that keep expressions.
+    """Context in which the modules of a package have sin, expm1, min and float that keep
+    expressions.
 
     Their other functions of ``math`` see a traced number as the float that it is, and so do all of
     the module ``but``, which looks at results alone.

@@ -94,12 +94,12 @@ class TestSpec:
 
     @property
     def scale(self) -> float:
-        """What a number is multiplied by for readers: lengths are in mm."""
+        """Factor of a number for readers: lengths are in mm."""
         return 1e3 if self.unit == "m" else 1.0
 
     @property
     def label(self) -> str:
-        """What is measured, and the unit in which readers see it."""
+        """Name of the measured quantity, with the unit in which readers see it."""
         unit = f" [{'mm' if self.unit == 'm' else self.unit}]" if self.unit else ""
         return f"{self.text}{' (stand-in)' if self.stand_in else ''}{unit}"
 

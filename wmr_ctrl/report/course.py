@@ -1,4 +1,4 @@
-"""What a map of a run shows beside the path: waypoints, goal, places kept out, the robot's size."""
+"""Parts of a run's map besides the path: waypoints, goal, places kept out, the robot's size."""
 
 from dataclasses import dataclass
 

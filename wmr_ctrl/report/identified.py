@@ -1,4 +1,4 @@
-"""What a log says about a robot, as a picture and as one page of HTML."""
+"""A robot as a log shows it: a picture, and one page of HTML."""
 
 from __future__ import annotations
 

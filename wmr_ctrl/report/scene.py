@@ -83,7 +83,7 @@ class Scene:
 
     @property
     def size(self) -> float:
-        """Of the robots, where that of BODY, WHEEL and TRACK is 1."""
+        """Size of the robots relative to BODY, WHEEL and TRACK."""
         return (self.course.half_track or TRACK) / TRACK
 
 

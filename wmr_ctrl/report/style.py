@@ -42,7 +42,7 @@ Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 """A line's dash pattern, as matplotlib takes it."""
 
 DASHES: tuple[Dash, ...] = ("-", DASHED, DASH_DOT, DOTTED)
-"""Of runs drawn over each other, so that one that lies on another hides it in part only."""
+"""Dashes of runs drawn over each other, so that one hides another only in part."""
 _SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
 _SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
           "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip

@@ -145,7 +145,7 @@ def _compare_drives(drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: f
 
 
 def _within(t: FloatArray, other: FloatArray) -> NDArray[np.bool_]:
-    """Which of ``t`` (N,) lie on a time of ``other``, or between two that are no gap apart."""
+    """Mask of ``t`` (N,) at a time of ``other``, or between two without a gap."""
     before = np.searchsorted(other, t + _AT_ONCE, side="right") - 1
     after = np.searchsorted(other, t - _AT_ONCE, side="left")
     inside = (before >= 0) & (after < len(other))

@@ -55,7 +55,7 @@ UNITS: Mapping[str, str] = {
 }  # fmt: skip
 """Columns that a drive may have, and the unit of each."""
 NEVER = "desired motion, errors, limits or V1"
-"""What no drive has."""
+"""Quantities that no drive has."""
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,8 @@ class RecordedDrive:
 
 
 def drive_of(run: Run, name: str = "") -> RecordedDrive:
-    """What the base of a run tells of it: what was measured, where the run has that, else the true.
+    """Drive as the base of a run would record it: measured values where the run has them, else true
+    ones.
 
     Wheels' angles are there where the run has counts.
     """

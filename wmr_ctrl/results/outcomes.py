@@ -127,7 +127,7 @@ class Outcome(StrEnum):
     FAILED = "failed"
 
     def sentence(self, monitor: Monitor, guard: bool = False) -> str:
-        """What happened, with time [s], axis and remedy, from what the monitor saw.
+        """Sentence about what the monitor saw, with time [s], axis and remedy.
 
         ``guard``: whether the velocity guard was on.
         """

@@ -184,7 +184,7 @@ class Run:
 
     @cached_property
     def outlook(self) -> Outlook | None:
-        """What theory says of law and scenario without a run, with its objections.
+        """Outlook of theory on law and scenario without a run, with its objections.
 
         None if scenario or law are not known here.
         """
@@ -197,7 +197,7 @@ class Run:
 
     @cached_property
     def corridor_left(self) -> CorridorLeft | None:
-        """Where a run that had settled in the certified corridor first left it.
+        """First time at which a run that had settled in its certified corridor left it.
 
         None if it did not leave, if there is no corridor, and if only the plane model and effects
         of this package move the robot, since the certificate covers those.

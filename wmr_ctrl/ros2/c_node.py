@@ -39,7 +39,7 @@ GIVEN = tuple(name for name in FILTER if name not in ("scenario", "autostart"))
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSettings:
-    """What is compiled into the node: its gate, ``frame`` of base and commands, kind of message.
+    """Settings compiled into the node: its gate, ``frame`` of base and commands, kind of message.
 
     ``at_once``: a command is answered when it comes, where one is due.  ``discovery``: how long
     others are looked for before it starts [s].
@@ -136,7 +136,7 @@ def write_node(
 
 
 def kept(scenario: Scenario, settings: NodeSettings) -> str:
-    """What a node keeps, in one line."""
+    """The limits that a node keeps, in one line."""
     (v, omega), own, gate = scenario.limits.v_u1, scenario.filter, settings.gate
     return (
         f"{scenario.name}: filter {own.kind}, limits {v:g} m/s and {omega:g} rad/s, period "

@@ -34,7 +34,7 @@ class Clocks:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How often each was seen that was."""
+        """Numbers of happenings, by name, without those that never happened."""
         listed = zip(HAPPENINGS, self.struct.counts, strict=True)
         return {name: count for name, count in listed if count}
 
@@ -43,7 +43,7 @@ class Clocks:
         self.struct.begun = 0
 
     def see(self, now: Moment) -> tuple[str, ...]:
-        """What has happened since the last callback: "time-back", "time-forth", "frozen"."""
+        """Happenings since the last callback: "time-back", "time-forth", "frozen"."""
         return named_happenings(self._see(byref(self.struct), byref(now.struct)))
 
 

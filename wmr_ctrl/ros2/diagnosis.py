@@ -1,4 +1,4 @@
-"""What diagnostics say: level and sentence, from flags and from who else publishes."""
+"""Level and sentence of diagnostics, from flags and from who else publishes."""
 
 from __future__ import annotations
 

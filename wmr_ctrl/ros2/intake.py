@@ -1,4 +1,4 @@
-"""Which messages count: in order, of this moment, in the right frame, numbers; and are samples."""
+"""Messages that count (in order, recent, in the right frame, finite) and are samples."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ BURST = 0.1
 
 
 class IntakeCounts:
-    """How many messages of a topic counted, and how many did not, by reason."""
+    """Numbers of a topic's messages that counted, and of those that did not, by reason."""
 
     def __init__(self, struct: IntakeStruct) -> None:
         """Look at what C has."""
@@ -96,7 +96,7 @@ def is_rotation(x: float, y: float, z: float, w: float) -> bool:
 
 
 class Pace:
-    """Which messages are a law's samples, by their stamps [ns]: one a ``period`` [ns].
+    """Selection of a law's samples by the stamps [ns] of messages: one a ``period`` [ns].
 
     A sample is the message nearest to the time at which one is due.  That time follows the
     messages, as a phase-locked loop of first order does: it neither holds the jitter of the first

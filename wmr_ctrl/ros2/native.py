@@ -14,7 +14,7 @@ from wmr_ctrl.ros2.compiled_system import VISIBLE
 NS = 1e-9
 """Second of a nanosecond."""
 HAPPENINGS = ("time-back", "time-forth", "frozen")
-"""What can happen to time, in the order of its bits."""
+"""Happenings of time, in the order of their bits."""
 REASONS = 9
 """Number of words of ``wmr_reason``."""
 NODE_CORE = ("node_core.h", "node_core.c")

@@ -18,7 +18,7 @@ from wmr_ctrl.results.frames import library
 Floats = NDArray[np.float64]
 
 SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
-"""Of the search in logarithms: its first step and its bound; digits that a gain is given with."""
+"""First step and bound of the search in logarithms; digits of a gain."""
 
 
 @dataclass(frozen=True, order=True)
@@ -51,7 +51,7 @@ class Search:
     """CMA-ES over the logarithms of gains relative to the start's; the same for the same plan."""
 
     def __init__(self, start: Mapping[str, Sequence[float]]) -> None:
-        """From gains by key, all positive; raises MissingExtraError without cma."""
+        """Search from gains by key, all positive; raises MissingExtraError without cma."""
         self.start, size = start, sum(map(len, start.values()))
         draws = np.random.RandomState(size)  # cma asks for this kind; nothing global is touched
         options = {

@@ -25,7 +25,7 @@ SECTIONS, HALVINGS = 40, 35
 
 @dataclass(frozen=True)
 class Row:
-    """At v_c0 = c: the velocity of the maximum of rho V1/A, a bound below it and one above."""
+    """Velocity of the maximum of rho V1/A at v_c0 = c, with a lower and an upper bound of it."""
 
     c: float
     v: float
@@ -72,7 +72,7 @@ class Numbers:
         return plain if self.resisted(plain, c) >= self.resisted(ahead, c) else ahead
 
     def rows(self) -> list[Row]:
-        """From c = 0 to the largest target, in steps that lower the maximum by STEP."""
+        """Rows from c = 0 to the largest target, in steps that lower the maximum by STEP."""
         c, found = 0.0, []
         while True:
             v = self.best(c)
@@ -137,7 +137,7 @@ def rows(axis: int) -> tuple[Row, ...]:
 
 @lru_cache(maxsize=2)
 def links(axis: int) -> tuple[tuple[tuple[float, float], ...], ...]:
-    """Of each row of the table its chain of intervals."""
+    """Chain of intervals of each row of the table."""
     return tuple(tuple(AXES[axis].steps(row)) for row in rows(axis))
 
 
@@ -171,7 +171,7 @@ def ratio_points(axis: int) -> list[Point]:
 
 
 def link_points(axis: int) -> list[Point]:
-    """Of every row its links, each with the end of the one before; ``first`` and ``last`` are 1."""
+    """Links of every row, each with the end of the one before; ``first`` and ``last`` are 1."""
     n, points = AXES[axis], list[Point]()
     for r, chain in zip(rows(axis), links(axis), strict=True):
         for k, (a, b) in enumerate(chain):

@@ -1,4 +1,4 @@
-"""What the certified corridor takes for granted of laws, guard and wheels off their limits.
+"""Assumptions of the certified corridor about laws, guard and wheels off their limits.
 
 Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.corridor` reads it.
 """

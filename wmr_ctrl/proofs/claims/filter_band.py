@@ -138,7 +138,7 @@ class BandStep(BandAxis):
         return at_least(self.most, way * forecast.u + (forecast.tail if part < 0 else bounds[part]))
 
     def inside(self, *parts: int) -> tuple[Relation, ...]:
-        """What is known before the step, of these parts: the command held, and 0 sent."""
+        """Bounds of these parts before the step: with the command held, and with 0 sent."""
         kept = self.forecast, self.forecast.changed(ca.SX(0), self.table)
         return tuple(self.within(f, part, way) for f in kept for part in parts for way in (1, -1))
 

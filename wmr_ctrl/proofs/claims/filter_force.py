@@ -151,14 +151,14 @@ class DraggedAxis:
         return self.force.forecast, replace(self.speed.forecast, u=u)
 
     def after(self, to: ca.SX) -> Forecast:
-        """What is known of the force with friction behind a change of the command."""
+        """Forecast of the force with friction after a change of the command."""
         force, speed = self.forecasts
         changed = force.changed(to, self.force.table), speed.changed(to, self.speed.table)
         return with_drag(*changed, self.symbols["drag"])
 
     @property
     def stated(self) -> tuple[Relation, ...]:
-        """What is stated of both, and a drag that is not negative."""
+        """Hypotheses about both, with a drag that is not negative."""
         return (*self.force.stated, *self.speed.stated, at_least(self.symbols["drag"]))
 
 

@@ -299,7 +299,7 @@ class GuardAxis:
         return (*self.sound(), brakes, *known, *limits)
 
     def beyond(self, way: int) -> ca.SX:
-        """By how much v+ is too large where the new command takes over."""
+        """Excess of v+ where the new command takes over."""
         return self["beyond"] if self.lateness == LAGGING else self.start(way) - self["u1"]
 
     def outside(self, way: int, *during: Relation) -> tuple[Relation, ...]:

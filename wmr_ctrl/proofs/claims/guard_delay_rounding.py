@@ -109,7 +109,7 @@ class QueuedAxis(RoundedAxis):
 
     @property
     def over(self) -> ca.SX:
-        """By how much the computed brakes' part of the sum may be off, times 1 + alpha delay."""
+        """Error of the computed brakes' part of the sum, times 1 + alpha delay."""
         return (16 + 8 * (1 + self.waits)) * UNIT * self.reach
 
     def arrives(self, way: int) -> tuple[Relation, ...]:

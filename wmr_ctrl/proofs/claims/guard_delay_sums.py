@@ -53,7 +53,7 @@ class Queue:
         return self.symbols[name]
 
     def sums(self, count: int) -> InFlight:
-        """Of the first ``count`` commands."""
+        """Sums over the first ``count`` commands."""
         one, none = ca.SX(1), ca.SX(0)
         b = Bounds(one, one, one, one, self["dbar"], none, one, none, self["f_min"], none)
         listed = range(1, count + 1)

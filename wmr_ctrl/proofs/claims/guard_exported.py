@@ -76,7 +76,7 @@ class Assembled:
 
     @cached_property
     def told(self) -> dict[str, ca.SX]:
-        """What it publishes beside the torques."""
+        """Published values besides the torques."""
         return {output.signal.name: output.expr for output in self.system.diagnostics}
 
     @property
@@ -106,7 +106,7 @@ class Assembled:
 
     @cached_property
     def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
-        """Of each axis the measured velocity, its bounds, and what is under way.
+        """Measured velocity, bounds and commands under way of each axis.
 
         u1 is v_u1 less (1 + n) 2^-44 of it.
         """
@@ -152,7 +152,7 @@ class Assembled:
 
     @property
     def signs(self) -> tuple[Relation, ...]:
-        """What is divided by is positive."""
+        """Signs of the divisors: all positive."""
         bounds = [b for _, b, _ in self.axes]
         masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
         return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
@@ -164,7 +164,7 @@ class Assembled:
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
-        """What a law asks for stands for any force."""
+        """Symbols that stand for the law's force, which may be any."""
         asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
         return {name: self.asked[axis] for name, axis in asked.items()}
 

@@ -61,7 +61,7 @@ class Step:
         names: tuple[str, ...],
         more: dict[str, ca.SX] | None = None,
     ) -> Statement:
-        """For 0 < u2 < u1 and 0 < E < 1, on the graph of `prox_step`, cut at ``names``."""
+        """Statement for 0 < u2 < u1 and 0 < E < 1 on the graph of `prox_step`, cut at ``names``."""
         t, one = self.inputs, ca.SX(1)
         inner = {
             "carried": self.start,

@@ -197,7 +197,7 @@ def limit(mutation: Mutation, axis: int) -> Statement:
 
 
 def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
-    """What a size is beyond ``to`` is at most a share of what it was."""
+    """Goal: the excess of a size over ``to`` is at most a share of what it was."""
     return at_least(share * ca.fmax(before - to, 0), ca.fmax(after - to, 0))
 
 

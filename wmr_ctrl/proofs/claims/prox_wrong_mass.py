@@ -49,7 +49,7 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
 
 
 def sampled_before(axis: int) -> Both:
-    """By z3, and by exact algebra: one torque and the old velocity are what the hypotheses say."""
+    """Z3 and exact algebra: one torque and the old velocity follow from the hypotheses."""
     of, inertia, v = f"[{axis + 1}]", ("model.m", "model.I")[axis], VELOCITY_NAMES[axis]
     names = (f"f_hat{of}", "tau_applied[2]", v, "a", "w", "mu", *["drag"] * (axis == 0))
     sure = ("clock.control", inertia, "robot.r", "robot.l")

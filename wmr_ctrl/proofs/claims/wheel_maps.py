@@ -1,4 +1,4 @@
-"""Behind the guard: maps onto the wheels' torques that keep what the guard has secured."""
+"""Maps behind the guard onto the wheels' torques, which keep what the guard has secured."""
 
 import casadi as ca
 

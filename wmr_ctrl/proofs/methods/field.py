@@ -54,7 +54,9 @@ class QuotientField:
         return self.monic(numer, denom)
 
     def monic(self, numer: fmpq_mpoly, denom: fmpq_mpoly) -> Quotient:
-        """Of polynomials without a common factor: the denominator begins with the coefficient 1."""
+        """Quotient of polynomials without a common factor whose denominator begins with the
+        coefficient 1.
+        """
         first = denom.leading_coefficient()
         if first != 1:
             numer, denom = numer / first, denom / first

@@ -1,4 +1,4 @@
-"""What a verdict of z3 rests on, query by query, as SMT-LIB 2 text for any other solver."""
+"""The queries that a verdict of z3 rests on, as SMT-LIB 2 text for any other solver."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -288,7 +288,7 @@ def violations(walk: Walk, goals: int) -> Iterator[Any]:
 
 
 def _guards(walk: Walk, goals: int) -> dict[int, Any]:
-    """Of each node that a goal needs, the condition under which it is read."""
+    """Conditions under which each node that a goal needs is read."""
     guards: dict[int, Any] = {
         k: z3.BoolVal(True, walk.values[k].ctx) for k in walk.graph.outputs[:goals]
     }

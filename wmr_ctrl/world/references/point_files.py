@@ -25,7 +25,7 @@ from wmr_ctrl.fields.problems import show
 
 Point = tuple[float, float]
 SUFFIXES = (".csv", ".tsv", ".txt", ".yaml", ".yml")
-"""Of a path's file: the last two are `path_yaml`'s."""
+"""Suffixes of a path's file: the last two are `path_yaml`'s."""
 LARGEST_PATH = 10_000_000
 """Bytes; a planner's path has some fifty a point."""
 AXES = ("x", "y")
@@ -33,7 +33,9 @@ UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3}
 """Units that a header may state, in m."""
 _UNIT = "|".join(UNITS)
 NAME = re.compile(rf"([xyXY])\s*(?:\[\s*({_UNIT})\s*\]|\(\s*({_UNIT})\s*\)|_({_UNIT}))?")
-"""Of a column: x or y, perhaps with a unit in brackets or parentheses, or after an underscore."""
+"""Pattern of a column's name: x or y, perhaps with a unit in brackets or parentheses, or after an
+underscore.
+"""
 AXIS = re.compile(r"[xy](?![a-z]).*", re.IGNORECASE | re.DOTALL)
 """Text that begins as the name of an axis does, whatever unit or frame follows."""
 SAME = 1e-9
