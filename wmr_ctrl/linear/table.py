@@ -11,7 +11,6 @@ import numpy as np
 
 from wmr_ctrl.checks.surroundings import lost_poses, rare_poses, rounded_effects
 from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.margins import Margins
 from wmr_ctrl.linear.point import reference_velocity
 
 if TYPE_CHECKING:
@@ -137,21 +136,15 @@ def _margins(report: LinearReport, width: int) -> Iterator[str]:
     given = {f"{report.scenario.clock.control:g} s": report.sampled_margins}
     if not report.late:
         given = {"continuous": report.margins} | given
-    rows = [
-        (f"{force}, {label}", *_margin_cells(item))
-        for label, both in given.items()
-        for force, item in zip(_FORCES, both, strict=True)
-    ]
+    rows = []
+    for label, both in given.items():
+        for force, item in zip(_FORCES, both, strict=True):
+            figures = (item.gain, item.gain_down, item.phase, item.delay, item.disk) if item else ()
+            rows.append((f"{force}, {label}", *(map(_number, figures) if item else ("unstable",))))
     header = ("margins", "gain up", "gain down", "phase [deg]", "delay [s]", "disk")
     yield ""
     yield from _table(header, rows, width)
     yield ""
-
-
-def _margin_cells(item: Margins | None) -> tuple[str, ...]:
-    if item is None:
-        return ("unstable",)
-    return tuple(map(_number, (item.gain, item.gain_down, item.phase, item.delay, item.disk)))
 
 
 def _model_errors(report: LinearReport, width: int) -> Iterator[str]:

@@ -16,8 +16,6 @@ EVALUATIONS = 10_000
 """Evaluations of a law that were timed."""
 PAPER_TIMES = {"pid": 0.4056, "smc": 2.0662, "mb": 0.3875, "nn": 1.4294}
 """Time that so many evaluations of each law took the authors [s]."""
-COUNT = 88
-"""Number of numbered equations."""
 
 
 @dataclass(frozen=True)
@@ -49,13 +47,6 @@ class Symbol:
 def equations() -> tuple[Equation, ...]:
     """All equations in order."""
     return tuple(Equation(**row) for row in _data("equations.toml")["equation"])
-
-
-def equation(number: int) -> Equation:
-    """One equation; LookupError for a number that the paper does not have."""
-    if not 1 <= number <= COUNT:
-        raise LookupError(f"the paper has equations 1 to {COUNT}, not {number}")
-    return equations()[number - 1]
 
 
 @lru_cache(maxsize=1)
