@@ -28,7 +28,7 @@ REMEDIES = {
     "gains.nn.eta": "lower gains.nn.eta, or raise gains.nn.rho1",
     "actuator.delay": "lower the gains, or shorten clock.control and the delay",
     "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
-    "guard.dbar": "shorten clock.control, or narrow guard.M_min and guard.dbar",
+    "guard.dbar": "shorten clock.control, or narrow the guard's bounds",
     "guard.alpha": "lower guard.alpha, or measure the velocity better",
     "filter.kind": 'set filter.kind = "clip" or "governor"',
     "filter.trust": "make the filter's intervals cover the base",

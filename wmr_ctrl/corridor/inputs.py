@@ -16,7 +16,7 @@ from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.loop import AXES, Condition
-from wmr_ctrl.guard.bounds import aim, net, pair_of
+from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.world.delay import DELAY
 from wmr_ctrl.world.effect import Effect, EffectRole, Rate
@@ -142,9 +142,10 @@ def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
         raise NoCorridorError(
             "the guard counts late commands or velocities, and whether it acts then is not covered"
         )
-    masses, errors = pair_of(guard.M_min), pair_of(guard.nbar)
+    errors = pair_of(guard.nbar)
     for i, axis in enumerate(AXES):
-        slope, top, left = masses[i] * (guard.alpha or 0.0), aim(scenario, guard, i), net(guard, i)
+        slope = mass_range(guard, i)[0] * (guard.alpha or 0.0)
+        top, left = aim(scenario, guard, i), net(guard, i)
         sizes = {
             f"the guard's ceiling ({axis})": (force[i] + slope * v[i], top - errors[i]),
             f"the guard's largest force ({axis})": (force[i], top - guard.f_speed[i]),

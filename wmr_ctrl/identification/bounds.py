@@ -147,6 +147,12 @@ class GuardBounds:
 
     section: ClassVar[str] = "guard"
 
+    @property
+    def masses(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and largest mass [kg], and moment of inertia [kg m2]."""
+        first, second = zip(self.M_min, self.M_max, strict=True)
+        return first, second
+
     def pairs(self) -> dict[str, tuple[tuple[float, float], str]]:
         """Numbers by key of [guard], with their unit."""
         axes, masses = "N, N m", "kg, kg m²"

@@ -324,9 +324,8 @@ def _scenario(
         "resistance.rolling": [rolling, rolling],
         "actuator.delay": min(max(delay, 0.0), bounds.delay[1]), "actuator.lag": values["lag"],
         "disturbance.std": std, "disturbance.truncate": most / std * (1 - 1e-9),
-        "guard.M_min": list(bounds.M_min), "guard.M_max": list(bounds.M_max),
-        "guard.dbar": list(bounds.dbar), "guard.nbar": list(bounds.nbar),
-        "guard.delay": None if bounds.wide else list(bounds.delay), "guard.lag": list(bounds.lag),
+        **{f"guard.{key}": list(pair) for key, (pair, _) in bounds.pairs().items()},
+        **({"guard.delay": None} if bounds.wide else {}),
     })  # fmt: skip
     if bounds.refuted:
         remarks.append(
@@ -336,7 +335,7 @@ def _scenario(
         )
         return result
     if bounds.wide:
-        (low, high), least, most = bounds.delay, bounds.M_min[0], bounds.M_max[0]
+        (low, high), (least, most) = bounds.delay, bounds.masses[0]
         remarks.append(
             "the guard is off: it takes a delay known to a control period, and a mass or inertia "
             f"that is determined; the delay lies between {1e3 * low:.3g} and {1e3 * high:.3g} ms, "

@@ -204,12 +204,13 @@ def contradictions(
     forced = list(_unit_motions(white, bounds, log))
     for axis in (0, 1):
         windows = [_windows(log, span, axis, bounds, forced) for span in SPANS]
-        pushes = [item.least((bounds.M_min[axis], bounds.M_max[axis])) for item in windows]
+        pushes = [item.least(bounds.masses[axis]) for item in windows]
         most = [float(item.max(initial=0.0)) for item in pushes]
         k = int(np.argmax(most))
         if most[k] <= bounds.dbar[axis]:
             continue
-        ranges = [(bounds.M_min[axis] / f, bounds.M_max[axis] * f) for f in WIDENED]
+        least, heaviest = bounds.masses[axis]
+        ranges = [(least / f, heaviest * f) for f in WIDENED]
         enough = (
             item
             for item in ranges
@@ -234,8 +235,7 @@ def outside(
     Values are apart by APART times both half-widths and by what matters: a twentieth of a mass, a
     control period [s] of the delay.
     """
-    ranges = {"m": (bounds.M_min[0], bounds.M_max[0]), "I": (bounds.M_min[1], bounds.M_max[1]),
-              "delay": bounds.delay}  # fmt: skip
+    ranges = dict(zip(("m", "I", "delay"), (*bounds.masses, bounds.delay), strict=True))
     keys = {"m": "guard.M_min[1] to M_max[1]", "I": "guard.M_min[2] to M_max[2]",
             "delay": "guard.delay"}  # fmt: skip
     for name, (least, most) in ranges.items():
