@@ -47,17 +47,7 @@ ELSEWHERE = (
     Platform("wasm", WASM, 0, NODE, HERE / "run.mjs", ".wasm"),
     Platform("wasm 2 lanes", (*WASM, *SIMD128), 2, NODE, HERE / "run.mjs", ".wasm"),
 )
-QUICK = (HERE_NOW[0], HERE_NOW[2], HERE_NOW[6])
 EVERYWHERE = HERE_NOW + ELSEWHERE
-
-
-def named(platforms: tuple[Platform, ...]) -> pytest.MarkDecorator:
-    return pytest.mark.parametrize("platform", platforms, ids=[item.name for item in platforms])
-
-
-@named(QUICK)
-def test_compilers_and_lanes_agree(platform: Platform, tmp_path: Path) -> None:
-    assert differences(platform, "mb", ["everything"], tmp_path) == []
 
 
 @pytest.mark.slow
