@@ -38,10 +38,11 @@ class Excursion:
 class Attacked(_Loop):
     """The oracle's loop from a start on the path, with given pushes and errors of measurements."""
 
-    def __init__(self, scenario, law, push, pose=None, velocity=None):
+    def __init__(self, scenario, law, push, pose=None, velocity=None, changing=False):
         setup = settle(scenario, law)
         clock = replace(scenario.clock, duration=len(push) * scenario.clock.control)
-        scenario = replace(scenario, clock=clock, changes=())
+        kept = [item for item in scenario.changes if changing and item.t < clock.duration]
+        scenario = replace(scenario, clock=clock, changes=tuple(kept))
         super().__init__(scenario, law, vars(setup.gains), vars(setup.kinematics), 0)
         self.noise, start = push, self.reference(0.0)
         self.state = (start.x, start.y, start.theta, start.v1, start.v2)
@@ -63,12 +64,13 @@ class Attacked(_Loop):
         return acting
 
 
-def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0):
+def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, changing=False):
     """The Excursion under wheel torques ``push`` (N, 2) and errors ``pose``, ``velocity`` (N, 2).
 
-    At sample ``at`` the robot is moved by ``jump``: ahead, aside [m] and a turn [rad].
+    At sample ``at`` the robot is moved by ``jump``: ahead, aside [m] and a turn [rad].  Its own
+    changes come where it is ``changing``.
     """
-    loop = Attacked(scenario, law, push, pose, velocity)
+    loop = Attacked(scenario, law, push, pose, velocity, changing)
     loop.jump, loop.at = jump, at * scenario.clock.substeps
     loop.run(None)
     columns = loop.log.columns()

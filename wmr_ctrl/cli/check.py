@@ -123,7 +123,7 @@ def _answers(case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue
             progress(count / len(laws))
             grip = (replace(item, objects=False) for item in grip_warnings(setup))
             warned[law] = (*warnings_for(setup), *grip)
-            tubes[law] = find_corridor(case, law)
+            tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
             if not setup.takes_velocity:
                 stable[law] = stability(case, law)
         runs = _runs(case, laws, progress)

@@ -26,12 +26,14 @@ NOT_CHECKED = (
 )
 
 
-def find_corridor(scenario: Scenario, law: str) -> Corridor:
+def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corridor:
     """The Corridor of ``law`` on ``scenario``; raises what `settle` raises.
 
-    Without python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
+    On a circle or a line it holds for good, or until the robot changes.  ``whole``: also of the
+    scenario's whole run, along any path and with all changes, which takes some seconds.  Without
+    python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
-    return _of(settle(scenario, law))
+    return _of(settle(scenario, law), whole)
 
 
 def corridor_monitor(scenario: Scenario, law: str) -> System:
@@ -64,10 +66,16 @@ def left_corridor(run: Run) -> CorridorLeft | None:
 
 
 @lru_cache(maxsize=256)
-def _of(setup: Setup) -> Corridor:
+def _of(setup: Setup, whole: bool) -> Corridor:
     tube = Corridor(setup.name, refused=NOT_CHECKED)
     if find_spec("flint") is not None:
+        from wmr_ctrl.corridor.inputs import is_steady
         from wmr_ctrl.corridor.masses import certified
+        from wmr_ctrl.corridor.whole import certified_run
 
-        tube = certified(setup)
-    return replace(tube, clearance=find_clearance(setup.scenario, tube.position))
+        steady = is_steady(setup)
+        tube = certified(setup) if steady or not whole else certified_run(setup)
+        if whole and steady and tube.position is not None and tube.until is not None:
+            tube = replace(tube, whole=certified_run(setup))
+    position = tube.position if tube.whole is None else tube.whole.position
+    return replace(tube, clearance=find_clearance(setup.scenario, position))

@@ -28,6 +28,8 @@ class Corridor:
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
     ``late``: drives have delay or lag, and have to give friction's torque at the start already.
+    ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
+    ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
     ``clearance``: what is left to the scenario's obstacles, None without any.
     """
 
@@ -49,6 +51,8 @@ class Corridor:
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_late: float | None = None
     late: bool = False
+    run: float | None = None
+    whole: Corridor | None = None
 
     @property
     def merit(self) -> tuple[bool, float]:
@@ -64,7 +68,9 @@ class Corridor:
     @property
     def sentence(self) -> str:
         """All of it in words."""
-        return self._promise + ("" if self.clearance is None else f"; {self.clearance.sentence}")
+        whole = "" if self.whole is None else self.whole._over_run
+        beside = "" if self.clearance is None else f"; {self.clearance.sentence}"
+        return f"{self._promise}{whole}{beside}"
 
     @property
     def _promise(self) -> str:
@@ -73,6 +79,7 @@ class Corridor:
             return f"no corridor: {self.refused}{closes}"
         loaded = ", with the torque that friction takes in its drives" if self.late else ""
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
+        lasts += "" if self.run is None else f", in a run of {self.run:g} s"
         return (
             f"corridor: within {length(self.position)} and {self.heading:.2g} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
@@ -81,11 +88,24 @@ class Corridor:
         )
 
     @property
+    def _over_run(self) -> str:
+        """Of the whole run behind what holds for a part of it."""
+        if self.position is None:
+            return f"; over the whole run {self._promise}"
+        return (
+            f"; within {length(self.position)} and {self.heading:.2g} rad over the whole run of "
+            f"{self.run:g} s, where no limit and no guard acts either (most used: {self.binding}, "
+            f"{100 * (self.share or 0.0):.0f} %)"
+        )
+
+    @property
     def _from(self) -> str:
         ahead, aside, turn = self.start
         moved = f"{length(ahead)} ahead, {length(aside)} aside and {turn:g} rad"
         late, begun = length(self.position_late or 0.0), length(self.position or 0.0)
-        more = f" (in the long run within {late})" if any(self.start) or late != begun else ""
+        when = "in the long run" if self.run is None else "in its second half"
+        counted = any(self.start) or (late != begun and self.run is None)
+        more = f" ({when} within {late})" if counted else ""
         return (f"on it, or moved there by up to {moved}" if any(self.start) else "on it") + more
 
     @property
@@ -104,13 +124,17 @@ class Corridor:
         """Its figures in `check --json`."""
         clearance = None if self.clearance is None else asdict(self.clearance)
         if self.position is None:
-            return {"refused": self.refused, "closes": self.closes, "clearance": clearance}
+            return {
+                "refused": self.refused, "closes": self.closes, "clearance": clearance,
+                "run": self.run,
+            }  # fmt: skip
         return {
             "position": self.position, "heading": self.heading,
             "start": list(self.start), "position_late": self.position_late,
             "binding": self.binding, "share": self.share, "linear": self.linear,
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
             "mass": self.mass, "masses": self.masses, "until": self.until, "clearance": clearance,
+            "run": self.run, "whole": None if self.whole is None else self.whole.figures,
         }  # fmt: skip
 
 

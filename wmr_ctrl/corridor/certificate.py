@@ -26,12 +26,12 @@ from wmr_ctrl.corridor.inputs import (
     Inputs,
     NoCorridorError,
     bounded_inputs,
+    check_covered,
     conditions,
     steady_motion,
 )
 from wmr_ctrl.corridor.loop import UP, SampledLoop
 from wmr_ctrl.corridor.sample import SlowLoopError
-from wmr_ctrl.laws.registry import LAWS
 
 ROUNDS, CLOSE, INFLATED, LEAST = 60, 1e-7, 1e-6, 1e-15
 """Rounds of the fixed point, the change at which they end, and what is added before the check."""
@@ -84,11 +84,7 @@ class Certifier:
 
     def __init__(self, setup: Setup) -> None:
         """NoCorridorError where the loop is not covered."""
-        if setup.takes_velocity:
-            raise NoCorridorError("a base that takes velocities is not covered")
-        if setup.control_law.inside is None:
-            able = ", ".join(name for name, law in LAWS.items() if law.inside is not None)
-            raise NoCorridorError(f"only {able} have one, away from their limits")
+        check_covered(setup)
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
         self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup))
         shown, moved = loop.law.value(), loop.step.value()

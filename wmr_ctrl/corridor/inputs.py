@@ -17,6 +17,7 @@ from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.loop import AXES, Condition
 from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
+from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.world.delay import DELAY
 from wmr_ctrl.world.effect import Effect, EffectRole, Rate
@@ -85,6 +86,15 @@ def bounded_inputs(setup: Setup) -> Inputs:
     return Inputs(push, pose, np.array(scenario.section(VelocityNoise).velocity_noise))
 
 
+def check_covered(setup: Setup) -> None:
+    """NoCorridorError for a base or a law of which there is no loop to certify."""
+    if setup.takes_velocity:
+        raise NoCorridorError("a base that takes velocities is not covered")
+    if setup.control_law.inside is None:
+        able = ", ".join(name for name, law in LAWS.items() if law.inside is not None)
+        raise NoCorridorError(f"only {able} have one, away from their limits")
+
+
 def _in_the_step(effect: Effect) -> bool:
     """True for what is part of a plant step's graph: a disturbance at its rate."""
     return effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.STEP
@@ -106,15 +116,22 @@ def _push(effect: Effect, setup: Setup) -> Floats:
     return np.full(2, float(ca.evalf(wheel[0]))) * (1 + 1e-15)
 
 
-def steady_motion(setup: Setup) -> Floats:
-    """Desired velocity (2) of a circle or a line; NoCorridorError for a path that changes it."""
+def is_steady(setup: Setup) -> bool:
+    """True on a circle or a line, where the desired velocity never changes."""
     system = reference(setup.scenario)
     v_d, rates = (ca.vertcat(*(item.expr for item in part))
                   for part in (system.outputs[3:5], system.outputs[5:]))  # fmt: skip
-    changing = ca.vertcat(system.u, system.x)
-    if ca.depends_on(v_d, changing) or not rates.is_zero():
+    return not ca.depends_on(v_d, ca.vertcat(system.u, system.x)) and rates.is_zero()
+
+
+def steady_motion(setup: Setup) -> Floats:
+    """Desired velocity (2) of a circle or a line; NoCorridorError for a path that changes it."""
+    system = reference(setup.scenario)
+    v_d = ca.vertcat(*(item.expr for item in system.outputs[3:5]))
+    if not is_steady(setup):
         raise NoCorridorError(
-            "the desired velocity changes along the path: circles and lines alone are covered"
+            "the desired velocity changes along the path: circles and lines alone are covered for "
+            "good, other paths over a whole run (`check` with one law)"
         )
     return np.asarray(system.function("v_d", [v_d])([0.0] * system.u.numel(), system.x0, system.p0)
                       ).ravel()  # fmt: skip

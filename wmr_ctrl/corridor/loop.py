@@ -11,7 +11,7 @@ and both are their values on the reference, a linear part, and a remainder of se
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -20,7 +20,7 @@ from flint import arb
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.surroundings import surroundings
-from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, World, carried
 from wmr_ctrl.control.applied import followed, remembered
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import Balls, Enclosure, upper
@@ -113,35 +113,48 @@ class SampledLoop:
 
     def __init__(self, setup: Setup, v_d: Floats, asked: Asked) -> None:
         """Compose the graphs; ``asked``: conditions on the asked force and measured velocity."""
-        scenario, clock, robot = setup.scenario, setup.scenario.clock, setup.scenario.robot
-        self.setup, self.steps = setup, clock.substeps
-        self._asked = asked
-        inner = replace(setup, law=replace(setup.control_law, build=self._inside))
-        loop, around = Loop(inner), surroundings(scenario)
+        robot = setup.scenario.robot
+        loop, world = self._prepare(setup, asked)
         point = loop.on_reference(np.array(v_d, dtype=float))
-        world = around.worlds(clock.control)[0][1]
-        self.names = world.names
         torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(point.force))))
         fast = np.concatenate((point.s, *(
             torque if item.signal.unit == TORQUE[0].unit else item.value for item in world.fast[5:]
         )))  # fmt: skip
-        sizes = (("z", len(fast)), ("u", COMMAND), ("d", COMMAND), ("body", COMMAND))
-        z, u, push, body = (ca.SX.sym(name, n) for name, n in sizes)
-        held = ca.vertcat(
-            force_to_wheel(*_wheels(robot), u), push, ca.SX.zeros(world.held - 2 * COMMAND)
-        )
-        numbers = ca.SX(ca.DM(around.numbers(world, clock.control, clock.plant, None)))
-        for name, value in zip(BODY, ca.vertsplit(body), strict=True):
-            numbers[world.place(name)] = value
-        after = world.step(
-            0, z, z[2], held, numbers, ca.DM(v_d)
-        )  # seen by the robot: its theta = 0
+        by, after = self._step_graph(world, ca.SX(ca.DM(v_d)), {})
         at = np.concatenate((fast, point.force, np.zeros(COMMAND), (robot.m, robot.I)))
-        self.step = Curve("the robot", ca.vertcat(z, u, push, body), after, at)
-        drives = scenario.actuator
+        self.step = Curve("the robot", by, after, at)
+        self._compose_law(loop, point.memory, point.force)
+
+    def _prepare(self, setup: Setup, asked: Asked) -> tuple[Loop, World]:
+        """The law's loop without limits, and the graphs around it."""
+        scenario, clock = setup.scenario, setup.scenario.clock
+        self.setup, self.steps = setup, clock.substeps
+        self._asked = asked
+        loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
+        world = surroundings(scenario).worlds(clock.control)[0][1]
+        self.names, drives = world.names, scenario.actuator
         late = drives.delay + drives.unmodelled_delay
         self.late = int(np.floor(late / clock.plant + 0.5))
-        self._compose_law(loop, point.memory, point.force)
+        return loop, world
+
+    def _step_graph(
+        self, world: World, v_d: ca.SX, changed: Mapping[str, ca.SX]
+    ) -> tuple[ca.SX, ca.SX]:
+        """Fast state, command, push and BODY in one, and the fast state a plant step later.
+
+        The reference moves at ``v_d``; ``changed``: other numbers of the robot by their names.
+        """
+        scenario, clock = self.setup.scenario, self.setup.scenario.clock
+        sizes = (("z", world.size), ("u", COMMAND), ("d", COMMAND), ("body", COMMAND))
+        z, u, push, body = (ca.SX.sym(name, n) for name, n in sizes)
+        torque = force_to_wheel(*_wheels(scenario.robot), u)
+        held = ca.vertcat(torque, push, ca.SX.zeros(world.held - 2 * COMMAND))
+        around = surroundings(scenario)
+        numbers = ca.SX(ca.DM(around.numbers(world, clock.control, clock.plant, None)))
+        for name, value in {**dict(zip(BODY, ca.vertsplit(body), strict=True)), **changed}.items():
+            numbers[world.place(name)] = value
+        after = world.step(0, z, z[2], held, numbers, v_d)  # seen by the robot: its theta = 0
+        return ca.vertcat(z, u, push, body), after
 
     def _inside(self, context: LawContext) -> System:
         """The law away from its limits, with the conditions' values and sizes as further memory."""
@@ -162,17 +175,38 @@ class SampledLoop:
         return replace(law.system, state=(*law.system.state, seen), update=update)
 
     def _compose_law(self, loop: Loop, memory: Floats, rest: Floats) -> None:
+        v_d = self.step.at[3:ROBOT]
+        desired = ca.SX(ca.DM(v_d))
+        by, output, sizes = self._law_graph(loop, desired, ca.SX.zeros(2), desired)
+        memory = memory[: self.memory - self.filter]
+        if self.filter:
+            memory = np.concatenate((memory, self.step.at[:ROBOT]))
+        at = np.concatenate((
+            self.step.at[:ROBOT], memory, np.tile(rest, self.queue), rest[: self.acting],
+        ))  # fmt: skip
+        self.remains = np.concatenate((rest, memory, rest[: self.acting]))
+        self.at = np.concatenate((
+            self.step.at[: len(self.names)], np.tile(rest, self.queue), self.remains[COMMAND:],
+        ))  # fmt: skip
+        self.law = Curve("the law", by, output, at)
+        self.most = Curve("the limits", by, sizes, at).value()
+
+    def _law_graph(
+        self, loop: Loop, v_d: ca.SX, rate: ca.SX, came: ca.SX
+    ) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """What the law is given in one, its outputs, and the sizes of the conditions' values.
+
+        The reference moves at ``v_d``, which changes at ``rate``, and came at ``came`` (2 each).
+        """
         setup, scenario, core = self.setup, self.setup.scenario, loop.core
         period = scenario.clock.control
         self.count = len(self.conditions)
-        law_memory = len(memory) - 2 * self.count
-        memory = memory[:law_memory]
+        law_memory = core.x.numel() - 2 * self.count
         places, place = dict[Signal, int](), 0
         for item in core.state:
             places[item.signal], place = place, place + item.signal.size
         observes = OLD_VELOCITY in places
         self.observed = (places[FORCE_HAT], places[OLD_VELOCITY]) if observes else None
-        v_d = ca.DM(self.step.at[3:ROBOT])
         filtered = scenario.sensor.correction < 1
         self.filter = ROBOT if filtered else 0
         self.memory = law_memory + self.filter
@@ -188,8 +222,8 @@ class SampledLoop:
         shown = s
         if filtered:
             share = ca.SX(scenario.sensor.correction)
-            seen = estimated(own[law_memory:], s[:3], v_d, ca.SX(period), share)
-            shown, memory = ca.vertcat(seen, s[3:]), np.concatenate((memory, self.step.at[:ROBOT]))
+            seen = estimated(own[law_memory:], s[:3], came, ca.SX(period), share)
+            shown = ca.vertcat(seen, s[3:])
         sent, acting = ca.SX.sym("sent", COMMAND * self.queue), ca.SX.sym("acting", self.acting)
         queue = ca.vertsplit(sent, COMMAND) if self.queue else []
         forces, end = [], acting
@@ -205,29 +239,21 @@ class SampledLoop:
             forces.append(value)
         given = ca.vertcat(own[:law_memory], ca.SX.zeros(2 * self.count))
         numbers = ca.DM(loop.parameters(period))
-        force, following = loop.act(shown, v_d, ca.DM.zeros(2), given, ca.vertcat(*forces), numbers)
+        force, following = loop.act(shown, v_d, rate, given, ca.vertcat(*forces), numbers)
         by = ca.vertcat(s, own, sent, acting)
         sizes = following[law_memory + self.count :]
         values = following[law_memory : law_memory + self.count]
         output = ca.vertcat(force, following[:law_memory], shown[: self.filter], end, values)
-        at = np.concatenate((
-            self.step.at[:ROBOT], memory, np.tile(rest, self.queue), rest[: self.acting],
-        ))  # fmt: skip
-        self.remains = np.concatenate((rest, memory, rest[: self.acting]))
-        self.at = np.concatenate((
-            self.step.at[: len(self.names)], np.tile(rest, self.queue), self.remains[COMMAND:],
-        ))  # fmt: skip
-        self.law = Curve("the law", by, output, at)
-        self.most = Curve("the limits", by, sizes, at).value()
+        return by, output, sizes
 
 
-def estimated(past: ca.SX, e: ca.SX, v_d: ca.DM, T: ca.SX, share: ca.SX) -> ca.SX:
+def estimated(past: ca.SX, e: ca.SX, v_d: ca.SX, T: ca.SX, share: ca.SX) -> ca.SX:
     """Error (3,) of the pose that the sensor estimates (see `wmr_ctrl.world.pose_sensor`).
 
     ``past``: that error and the velocity measured a sample ago (5,); ``e``: the true error now.
     """
     before = _placed(ca.SX.zeros(3), past[:3])
-    desired = carried(ca.SX.zeros(3), ca.SX(v_d), T)
+    desired = carried(ca.SX.zeros(3), v_d, T)
     seen = corrected(reckoned(before, past[3:], T), _placed(desired, e), share)
     return tracking_error(desired, seen)
 

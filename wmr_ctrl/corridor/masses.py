@@ -60,8 +60,13 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         heading=max(tube.heading for tube in tubes),
         binding=worst.binding,
         share=worst.share,
-        masses=tuple(mass_range(setup.guard, i) for i in (0, 1)) if len(cells) > 1 else None,
+        masses=mass_ranges(setup) if len(cells) > 1 else None,
     )
+
+
+def mass_ranges(setup: Setup) -> tuple[tuple[float, float], ...]:
+    """Intervals of mass and inertia that the guard counts on [kg, kg m2]."""
+    return tuple(mass_range(setup.guard, i) for i in (0, 1))
 
 
 def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
@@ -72,7 +77,7 @@ def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
     scenario, count = setup.scenario, setup.scenario.corridor.cells
     if not count or not scenario.guard.enabled:
         return [(setup, np.zeros(COMMAND))]
-    ranges = np.array([mass_range(setup.guard, i) for i in (0, 1)])
+    ranges = np.array(mass_ranges(setup))
     widths = (ranges[:, 1] - ranges[:, 0]) / (2 * count)
     middles = ranges[:, :1] + widths[:, None] * (2 * np.arange(count) + 1)
     believed = {f"model.{key}": getattr(scenario.believed, key) for key in ("m", "I", "mu")}

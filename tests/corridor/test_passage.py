@@ -1,0 +1,111 @@
+"""What a passage rests on: spans, the undisturbed run, matrices of samples, sums of columns."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+from flint import arb
+
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.carried import CarriedColumns
+from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
+from wmr_ctrl.corridor.midradius import MidRadius, MidRadiusGraph
+from wmr_ctrl.corridor.motion import LAW_UNSURE, UNSURE
+from wmr_ctrl.scenario import load_scenario, override
+
+x = ca.SX.sym("x", 3)
+WHOLE = ca.vertcat(
+    ca.sin(x[0]) * x[1] / (2 + x[2] ** 2), ca.tanh(x[1]) - ca.exp(-x[0]), ca.fabs(x[2]) + x[0],
+    ca.fmax(x[0], x[1] - x[2]), ca.sqrt(3 + x[0]), ca.if_else(x[2] > -9, ca.cos(x[1]), x[0]),
+    ca.expm1(x[2]), ca.fmin(x[0], x[2]),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("wide", [0.0, 1e-9, 0.3])
+def test_spans_hold_what_balls_of_high_precision_say(wide):
+    rng = np.random.default_rng(3)
+    middle, radius = rng.uniform(-2, 2, (40, 3)), wide * rng.uniform(0, 1, (40, 3))
+    graph, balls = MidRadiusGraph("f", [x], WHOLE), Enclosure("f", [x], WHOLE)
+
+    result = graph([MidRadius(middle[:, k], radius[:, k]) for k in range(3)])
+
+    for share in (-0.999, 0.3, 0.999):
+        points = middle + share * radius
+        for k, row in enumerate(points):
+            exact = np.array([float(v.mid()) for v in balls([arb(v) for v in row.tolist()])])
+            assert (np.abs(exact - result.middle[k]) <= result.radius[k] + 1e-300).all()
+    assert wide > 0 or result.radius.max() < 1e-14
+
+
+def test_products_of_matrices_in_spans_hold_those_of_any_within():
+    rng = np.random.default_rng(4)
+    a, b = (MidRadius(rng.normal(size=(6, 5, 5)), 1e-3 * rng.random((6, 5, 5))) for _ in range(2))
+    product = a @ b
+
+    for _ in range(50):
+        one, two = (m.middle + m.radius * rng.uniform(-1, 1, m.middle.shape) for m in (a, b))
+        assert (np.abs(one @ two - product.middle) <= product.radius).all()
+
+
+def test_a_condition_that_a_span_leaves_open_is_not_guessed():
+    graph = MidRadiusGraph("choice", [x], ca.if_else(x[0] > 0, x[1], x[2]))
+
+    with pytest.raises(OpenBoxError, match="choice"):
+        graph([MidRadius(np.array([0.1]), np.array([0.2])), *[MidRadius(np.zeros(1))] * 2])
+
+
+@pytest.fixture(scope="module")
+def eight():
+    changes = [{"t": 0.505, "m": 60.0}]
+    told = {"reference.kind": "lemniscate", "clock.duration": 1.0, "changes": changes}
+    return Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
+
+
+def test_the_undisturbed_run_is_what_the_graphs_say(eight):
+    by = eight._step_by(0, 100)
+    step = eight.loop.step_curve.value(MidRadius(by), MidRadius(eight.loop.step_numbers))
+    law = eight.loop.law_curve.value(
+        MidRadius(eight._law_by(0, 100)), MidRadius(eight.loop.law_numbers)
+    )
+
+    for value, told, most in ((step, eight.fine[:, 1:], UNSURE), (law, eight.outs, LAW_UNSURE)):
+        size = np.abs(value.middle - told) + value.radius
+        assert (size <= most).all()
+        assert value.radius.max() > 0
+    assert np.abs(eight.states[1:, :5] - eight.fine[:, -1, :5]).max() == 0
+
+
+def test_matrices_of_samples_are_the_slopes_of_the_loop_as_it_is_run(eight):
+    """Also in the sample in which the robot changes, at its sixth plant step."""
+    here = eight.stretch(48, 53)
+    loop, size, start = eight.loop, 1e-6, eight.states[48:53]
+    for k in range(5):
+        result = np.zeros_like(here.A.middle[k])
+        for i in range(result.shape[1] - 1):  # not that the observer has started
+            ends = []
+            for sign in (1, -1):
+                x0 = start[k].copy()
+                step = size * max(1.0, abs(x0[i]))
+                x0[i] += sign * step
+                ends.append(loop.sampled(48 + k)(x0))
+            result[:, i] = (ends[0] - ends[1]) / (2 * step)
+        scale = 1e-5 * (1 + np.abs(result).max(axis=1, keepdims=True))
+        assert (np.abs(result - here.A.middle[k]) <= here.A.radius[k] + scale).all()
+
+
+def test_sums_in_single_precision_are_not_below_those_in_double():
+    rng = np.random.default_rng(5)
+    carried = CarriedColumns([0, 1, 2], 4, 50, (2, 2))
+    carried.values[:] = rng.normal(size=carried.values.shape) * 10 ** rng.uniform(-9, 3, (4, 1))
+    rows, state = rng.normal(size=(30, 4)), np.abs(carried.values).sum(axis=1)
+
+    _, result = carried.sums(rows, state)
+
+    end = carried.boxes.end
+    seen = rows @ carried.values
+    pairs = seen[:, end:].reshape(30, -1, 2)
+    exact = np.abs(seen[:, :end]).sum(axis=1) + np.hypot(*pairs.transpose(2, 0, 1)).sum(axis=1)
+    assert (result >= exact).all()
+    assert result == pytest.approx(exact, rel=1e-3)

@@ -1,0 +1,57 @@
+"""The corridor over a whole run, along a path that changes its velocity and past changes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.corridor.adversary import DIRECTIONS, TINY, attack
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.scenario import load_scenario, override
+
+PERIOD, WINDOW, STRIDE = 0.02, 150, 15
+EIGHT = {"reference.kind": "lemniscate", "changes": [], "disturbance.std": 0.5}
+HEAVIER = [{"t": 4.0, "m": 65.0, "I": 7.0, "mu": 0.15}]
+CASES = {
+    "a figure of eight, where it is slowest": (EIGHT, 10.24, 1.25),
+    "a figure of eight, where it turns fastest": (EIGHT, 3.2, 1.3),
+    "a circle, just after the robot became heavier": ({"changes": HEAVIER}, 4.18, 1.25),
+}
+"""Changes, the time to which pushes lead furthest [s], and how tight the corridor is at least."""
+
+
+def worst_pushes(scenario, law, end):
+    """For each of DIRECTIONS: signs (samples, 2) of pushes that lead furthest that way at last."""
+    blank = np.zeros((end, 2))
+    rest = attack(scenario, law, blank, changing=True).e[-1]
+    places = np.arange(end - 1, max(end - WINDOW, 0), -STRIDE)[::-1]
+    answers = np.zeros((2, len(places), 3))
+    for wheel in (0, 1):
+        for k, place in enumerate(places):
+            push = blank.copy()
+            push[place, wheel] = TINY
+            answers[wheel, k] = attack(scenario, law, push, changing=True).e[-1] - rest
+    for ahead, left in DIRECTIONS:
+        led = ahead * answers[..., 0] + left * answers[..., 1]
+        every = [np.interp(np.arange(end), places, row) for row in led]
+        yield np.sign(np.stack(every, axis=1))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_no_adversary_leaves_it_and_some_come_near(case):
+    changes, until, loose = CASES[case]
+    told = {"clock.control": PERIOD, "clock.duration": 12.0, **changes}
+    scenario = override(load_scenario("safe-simulation"), told)
+    size = scenario.disturbance.std * scenario.disturbance.truncate
+
+    tube = find_corridor(scenario, "prox", whole=True)
+    tube = tube.whole or tube
+    signs = worst_pushes(scenario, "prox", round(until / PERIOD))
+    reached = [attack(scenario, "prox", size * push, changing=True) for push in signs]
+    farthest = max(reached, key=lambda item: item.position)
+
+    assert tube.run == 12.0
+    assert farthest.position <= tube.position
+    assert tube.position / loose <= farthest.position
+    assert np.abs(farthest.e[:, 2]).max() <= tube.heading
+    assert not farthest.clipped

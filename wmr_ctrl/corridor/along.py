@@ -1,0 +1,197 @@
+"""A law's loop along the scenario's whole run: undisturbed, and what deviates from that by rows.
+
+What may disturb a sample is a column each, of what the loop makes of it: pushes, errors of what is
+measured, and what the linear part leaves of the law's force, each of any sign.  They are carried
+along by the sample's own matrix.  All else that a sample adds, remainders, the radii of the
+matrices and every rounding, is a box.  Columns that have become old are counted into that box.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property, partial
+from itertools import pairwise
+from math import ceil, cos, pi, sin
+
+import numpy as np
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.inputs import NoCorridorError, conditions
+from wmr_ctrl.corridor.loop import UP
+from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
+from wmr_ctrl.corridor.motion import MovingLoop, motion_of
+from wmr_ctrl.corridor.stretch import Stretch, stretch
+
+DIRECTIONS = 12
+CHUNK, KNOT = 1.0, 0.02
+"""Seconds: that one bend holds for, and between knots within a sample."""
+LEFT, LONGEST = 5e-3, 1500
+"""What is left of a column that counts as old, and the samples after which any does."""
+PLACES = 9
+"""Samples at which it is looked how fast the loop forgets."""
+WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
+
+
+class Along:
+    """A law's loop along its scenario's run."""
+
+    def __init__(self, setup: Setup) -> None:
+        """Compose the graphs and run the loop undisturbed; NoCorridorError if that fails."""
+        self.setup, self.motion = setup, motion_of(setup.scenario)
+        self.loop = loop = MovingLoop(setup, self.motion, partial(conditions, setup))
+        self.states, self.fine, self.outs = loop.undisturbed()
+        if not (np.isfinite(self.states).all() and np.isfinite(self.outs).all()):
+            raise NoCorridorError("the loop is unstable where nothing disturbs it")
+        period, steps, nz = setup.scenario.clock.control, loop.steps, len(loop.names)
+        count = max(1, min(steps, ceil(period / KNOT - 1e-9)))
+        self.knots = [round(k * steps / count) for k in range(count)]
+        turns = [k * pi / DIRECTIONS for k in range(DIRECTIONS)]
+        rows = [*np.eye(nz), *(_row(nz, (0, cos(t)), (1, sin(t))) for t in turns)]
+        for (a, b), ratio in zip(self.pairs, self.ratios, strict=True):
+            rows += [_row(nz, (a, 1.0), (b, sign * ratio)) for sign in (1, -1)]
+        self.rows = np.array(rows)
+        sizes = loop.sizes(*(
+            [MidRadius(np.array([x])) for x in part]
+            for part in (self._law_by(0, 1)[0], loop.law_numbers[0])
+        ))  # fmt: skip
+        self.most = (sizes.middle - sizes.radius)[0] * (1 - 2**-50)
+
+    def time(self, k: int) -> float:
+        """Of a sample [s]."""
+        return k * self.setup.scenario.clock.control
+
+    def chunks(self) -> list[tuple[int, int]]:
+        """First and last samples of what is looked at together; the first sample is alone."""
+        n = len(self.motion.v_d)
+        size = max(10, round(CHUNK / self.setup.scenario.clock.control))
+        ends = [0, 1, *range(1 + size, n, size), n]
+        return [(a, b) for a, b in pairwise(ends) if a < b]
+
+    @cached_property
+    def pairs(self) -> list[tuple[int, int]]:
+        """Of the robot's errors, those whose product bends law or step."""
+        both = [self.loop.law_curve.bends, self.loop.step_curve.bends]
+        result = {(min(i, j), max(i, j)) for item in both for _, i, j in item.tolist() if i != j}
+        return sorted((i, j) for i, j in result if j < ROBOT)
+
+    @cached_property
+    def _halfway(self) -> Stretch:
+        half = len(self.motion.v_d) // 2
+        return self.stretch(half, half + 1)
+
+    @cached_property
+    def lasting(self) -> list[int]:
+        """Components of the state of which boxes become columns: those that last."""
+        first = len(self.loop.names) + COMMAND * self.loop.queue
+        lasting = np.abs(np.diag(self._halfway.A.middle[0])) > ROUNDED
+        return [*range(len(self.loop.names)), *(first + np.flatnonzero(lasting[first:])).tolist()]
+
+    @cached_property
+    def typical(self) -> Floats:
+        """Sizes of errors (5, 2) that pushes of 1 N m lead to, halfway; nothing rests on them."""
+        here = self._halfway
+        A, x, seen = here.A.middle[0], here.push.middle[0], 0.0
+        for _ in range(LONGEST):
+            seen, x = seen + np.abs(x[:ROBOT]), A @ x
+        return np.asarray(seen)
+
+    @cached_property
+    def ratios(self) -> Floats:
+        """Of these sizes, by pairs."""
+        sizes = self.typical.sum(axis=1)
+        sizes = sizes + 1e-6 * sizes.max()
+        return np.array([sizes[a] / sizes[b] for a, b in self.pairs])
+
+    @cached_property
+    def memory(self) -> int:
+        """Samples after which a column counts as old."""
+        n = len(self.motion.v_d)
+        places = sorted({round(k) for k in np.linspace(1, n - 1, PLACES)})
+        return min(n, max(_forgets(self.stretch(k, k + 1)) for k in places))
+
+    def _law_by(self, first: int, last: int) -> Floats:
+        loop, nz = self.loop, len(self.loop.names)
+        queue = nz + COMMAND * loop.queue
+        x = self.states[first:last]
+        own, sent = x[:, queue : queue + loop.memory], x[:, nz:queue]
+        return np.hstack([x[:, :ROBOT], own, sent, x[:, queue + loop.memory :]])
+
+    def _step_by(self, first: int, last: int) -> Floats:
+        """Variables of each plant step (samples, steps, ...)."""
+        loop, body = self.loop, self.motion.robot[first:last, :, :2]
+        behind, rest = divmod(loop.late, loop.steps)
+        u = np.vstack([np.zeros((behind + 1, COMMAND)), self.outs[:, :COMMAND]])
+        age = behind + (np.arange(loop.steps) < rest)
+        acts = u[np.arange(first, last)[:, None] + behind + 1 - age[None, :]]
+        push = np.zeros((*acts.shape[:2], COMMAND))
+        return np.concatenate([self.fine[first:last, :-1], acts, push, body], axis=2)
+
+    def law_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
+        """Of the law's variables and numbers over some samples."""
+        return hull(self._law_by(first, last), 0), hull(self.loop.law_numbers[first:last], 0)
+
+    def step_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
+        """Of a plant step's variables and numbers over all plant steps of some samples."""
+        by, numbers = self._step_by(first, last), self.loop.step_numbers[first:last]
+        both = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
+        first_range, second_range = both
+        return first_range, second_range
+
+    def stretch(self, first: int, last: int) -> Stretch:
+        """Matrices of some samples, a plant step's slopes for all of a sample's steps."""
+        loop = self.loop
+        by = MidRadius(self._law_by(first, last)), MidRadius(loop.law_numbers[first:last])
+        law = loop.law_curve.slopes(*by)
+        by = hull(self._step_by(first, last), 1), hull(loop.step_numbers[first:last], 1)
+        return stretch(loop, law, loop.step_curve.slopes(*by), self.knots)
+
+    def distance(self, k: int, reach: Floats) -> float:
+        """Distance [m] from the place on the path of anything in a sample, by what rows reach."""
+        directions = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
+        off = np.abs(self.fine[k, :, :2] @ self.rows[directions, :2].T).max(axis=0)
+        ahead = (off + reach[directions]).max() + self.motion.aside[k]
+        return float(ahead / cos(pi / (2 * DIRECTIONS)) * UP)
+
+    def blamed(self, reach: Floats, k: int) -> str:
+        """The product of two errors that adds most to what a plant step leaves, in words."""
+        curve, nz = self.loop.step_curve, len(self.loop.names)
+        by, numbers = self.step_range(k, k + 1)
+        bends = np.abs(curve.bend(by, numbers))
+        row, i, j = curve.bends.T
+        inside = (row < nz) & (i < ROBOT) & (j < ROBOT)
+        row, i, j, bends = row[inside], i[inside], j[inside], bends[inside]
+        worst = (bends * reach[i] * reach[j] / reach[row]).argmax()
+        a, b = sorted((i[worst], j[worst]))
+        term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
+        return f"{term} may grow as large as what the loop corrects at t = {self.time(k):.4g} s"
+
+
+def _forgets(here: Stretch) -> int:
+    """Samples until little is left of a push, were the loop always as it is here."""
+    A, x = here.A.middle[0], here.push.middle[0]
+    scale, later = np.zeros(len(A)), x
+    for _ in range(200):
+        scale, later = scale + np.abs(later).sum(axis=1), A @ later
+    scale += 1e-9 * scale.max()
+    first = 0.0
+    for age in range(LONGEST):
+        size = float((np.abs(x).sum(axis=1) / scale).max())
+        first, x = max(first, size), A @ x
+        if size < LEFT * first:
+            return age
+    return LONGEST
+
+
+def hull(points: Floats, axis: int) -> MidRadius:
+    """The spans that hold all points along an axis."""
+    low, high = points.min(axis=axis), points.max(axis=axis)
+    size = np.maximum(np.abs(low), np.abs(high))
+    wide = (high - low) / 2 * UP + ROUNDED * size
+    return MidRadius((low + high) / 2, np.where(low == high, 0.0, wide))
+
+
+def _row(size: int, *entries: tuple[int, float]) -> Floats:
+    row = np.zeros(size)
+    for place, value in entries:
+        row[place] = value
+    return row

@@ -1,0 +1,91 @@
+"""Columns of what disturbed each of the last samples, carried along by the loop's matrices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from wmr_ctrl.checks.world import COMMAND, Floats
+from wmr_ctrl.corridor.loop import UP
+
+SINGLE, FAINT = 2.0**-24, 1e-30
+"""Share by which a single-precision result errs, and a size that it may take for 0."""
+
+
+@dataclass
+class Kind:
+    """So many columns in each of ``count`` slots from ``first`` on; the oldest slot is ``slot``."""
+
+    first: int
+    count: int
+    each: int
+    slot: int = field(default=0)
+
+    @property
+    def end(self) -> int:
+        """The column after its last one."""
+        return self.first + self.count * self.each
+
+    def next(self) -> slice:
+        """Columns of the oldest slot, which becomes the newest."""
+        begin = self.first + self.slot * self.each
+        self.slot = (self.slot + 1) % self.count
+        return slice(begin, begin + self.each)
+
+
+class CarriedColumns:
+    """The columns of all kinds as one matrix of doubles.
+
+    ``known``: of what disturbs, ``added``: of the law's force, ``boxes``: of the components
+    ``lasting``, ``misled``: pairs of a disc.
+    """
+
+    def __init__(self, lasting: list[int], n: int, held: int, widths: tuple[int, int]) -> None:
+        """Of the last ``held`` samples; ``widths``: of ``known`` and of ``misled``."""
+        self.lasting = lasting
+        self.known = Kind(0, held, widths[0])
+        self.added = Kind(self.known.end, held, COMMAND)
+        self.boxes = Kind(self.added.end, held, len(lasting))
+        self.misled = Kind(self.boxes.end, held, widths[1])
+        self.values = np.zeros((n, self.misled.end))
+        self._next = np.zeros_like(self.values)
+        self.weights = np.ones((self.boxes.end, 2), dtype=np.float32)
+        self.weights[self.known.end :, 0] = 0
+
+    def carry(self, A: Floats) -> None:
+        """Multiply all."""
+        np.matmul(A, self.values, out=self._next)
+        self.values, self._next = self._next, self.values
+
+    def replace(self, kind: Kind, new: Floats | float) -> Floats:
+        """Put the newest in the place of the oldest; returns the sizes (n) that these had."""
+        place = kind.next()
+        old: Floats = np.abs(self.values[:, place]).sum(axis=1)
+        self.values[:, place] = new
+        return old
+
+    def boxed(self, box: Floats) -> Floats:
+        """Make the newest boxes of the lasting components of a box (n); returns the rest."""
+        newest = self.boxes.first + (self.boxes.slot - 1) % self.boxes.count * self.boxes.each
+        places = newest + np.arange(self.boxes.each)
+        self.values[self.lasting, places] = box[self.lasting]
+        rest = box.copy()
+        rest[self.lasting] = 0.0
+        return rest
+
+    def sums(self, rows: Floats, state: Floats) -> tuple[Floats, Floats]:
+        """Sizes of rows (r, n) of the sum of all: of what disturbs alone, and of all.
+
+        In single precision, with its rounding counted by the largest ``state`` (n).
+        """
+        seen = np.abs(rows.astype(np.float32) @ self.values.astype(np.float32))
+        end = self.boxes.end
+        result = (seen[:, :end] @ self.weights).astype(float)
+        if self.misled.each:
+            pairs = seen[:, end:].reshape(len(rows), -1, 2)
+            result += np.hypot(pairs[..., 0], pairs[..., 1]).sum(axis=1, dtype=float)[:, None]
+        many = seen.shape[1]
+        size = np.abs(rows) @ (state + many * FAINT)
+        result = result * (1 + 2 * many * SINGLE) + 2 * (len(state) + 8) * SINGLE * size[:, None]
+        return result[:, 0] * UP, result[:, 1] * UP

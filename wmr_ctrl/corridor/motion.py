@@ -1,0 +1,215 @@
+"""The sampled loop along any motion of its reference: what it does undisturbed, and its slopes.
+
+The motion is given by the reference's numbers at the samples.  Between two of them a robot that
+keeps its place moves at one velocity ``way``, which ends at the later pose but for ``gap``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from flint import arb
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.enclosure import Enclosure
+from wmr_ctrl.corridor.loop import Asked, SampledLoop
+from wmr_ctrl.corridor.midradius import MidRadius, MidRadiusGraph
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
+
+UNSURE, LAW_UNSURE = 1e-12, 1e-9
+"""What numbers of reference and plant step, and the law's, are off at most as doubles give them."""
+
+
+@dataclass(frozen=True)
+class RunMotion:
+    """A reference over ``n`` samples.
+
+    ``v_d`` and ``rate`` (n, 2) at the samples, ``way`` (n + 1, 2) from each sample to the next and
+    before the first one; ``gap`` [m] (n): between where ``way`` leads and the next desired
+    position; ``reckoned`` [m] (n): the same of dead reckoning by ``way`` in one step of a sample;
+    ``aside`` [m] (n): the largest of these distances at plant steps within a sample.
+    ``robot`` (n, steps, 3): mass, inertia and friction at each plant step.
+    """
+
+    v_d: Floats
+    rate: Floats
+    way: Floats
+    gap: Floats
+    reckoned: Floats
+    aside: Floats
+    robot: Floats
+
+
+def motion_of(scenario: Scenario) -> RunMotion:
+    """The scenario's whole run."""
+    clock, steps = scenario.clock, scenario.clock.substeps
+    n, h = clock.samples, clock.plant
+    rows = sample(scenario, np.arange(n * steps + 1, dtype=float) * h)
+    at, every = rows[::steps], rows
+    turn = np.diff(at[:, 2]) / clock.control
+    length = _chord(at[:-1, :3], at[1:, :3], turn, clock.control)
+    way = np.stack([length, turn], axis=1)
+    apart = _apart(at[:-1, :3], every, way, steps, h)
+    reckoned = _apart(at[:-1, :3], at, way, 1, clock.control)[:, 0]
+    way = np.vstack([way[:1], way])
+    return RunMotion(at[:-1, 3:5], at[:-1, 5:7], way, apart[:, -1], reckoned, apart.max(axis=1),
+                  _robots(scenario, n, steps))  # fmt: skip
+
+
+def _chord(start: Floats, end: Floats, turn: Floats, period: float) -> Floats:
+    """Velocity along an arc of a given turn whose chord is as long as the way, with its sign."""
+    half = turn * period / 2
+    way = end[:, :2] - start[:, :2]
+    angle = start[:, 2] + half
+    along = -np.sin(angle) * way[:, 0] + np.cos(angle) * way[:, 1]
+    return np.asarray(along / np.sinc(half / np.pi) / period)
+
+
+def _apart(start: Floats, every: Floats, way: Floats, steps: int, h: float) -> Floats:
+    """Distances (n, steps) [m] of the desired from the carried position at each plant step."""
+    pose, v = ca.SX.sym("pose", 3), ca.SX.sym("v", 2)
+    step = ca.Function("carried", [pose, v], [carried(pose, v, ca.SX(h))])
+    now, result = start.T, []
+    for s in range(steps):
+        now = np.asarray(step(now, way.T))
+        there = every[s + 1 :: steps][: len(start)]
+        result.append(np.hypot(now[0] - there[:, 0], now[1] - there[:, 1]) + UNSURE)
+    return np.stack(result, axis=1)
+
+
+def _robots(scenario: Scenario, n: int, steps: int) -> Floats:
+    robot = scenario.robot
+    rows = np.tile([robot.m, robot.I, robot.mu], (n * steps, 1))
+    for change in scenario.changes:
+        since = np.ceil(change.t / scenario.clock.plant - 1e-9)
+        for place, name in enumerate(("m", "I", "mu")):
+            if name in change.values():
+                rows[int(since) :, place] = change.values()[name]
+    return rows.reshape(n, steps, 3)
+
+
+class MovingCurve:
+    """A graph of variables and of numbers that the motion changes: values, slopes, bends."""
+
+    def __init__(self, name: str, by: ca.SX, numbers: ca.SX, output: ca.SX) -> None:
+        """Differentiate."""
+        self.name, self.shape = name, (output.numel(), by.numel())
+        slope = ca.jacobian(output, by)
+        self.function = ca.Function("curve", [by, numbers], [ca.densify(output)])
+        self._value = MidRadiusGraph(name, [by, numbers], ca.densify(output))
+        self._slope = MidRadiusGraph(f"the slope of {name}", [by, numbers], slope)
+        bent = ca.jacobian(slope.nz[:], by)
+        self._bend = Enclosure(f"the bend of {name}", [by, numbers], bent)
+        first = self._slope.pattern.T
+        self.bends = np.array([(*first[k], j) for k, j in self._bend.pattern]).reshape(-1, 3)
+
+    def value(self, by: MidRadius, numbers: MidRadius) -> MidRadius:
+        """Values at points (..., n) under numbers (..., n)."""
+        return self._value(_columns(by), _columns(numbers))
+
+    def slopes(self, by: MidRadius, numbers: MidRadius) -> MidRadius:
+        """Matrices (..., outputs, inputs) there."""
+        result = self._slope(_columns(by), _columns(numbers))
+        lead, (rows, columns) = result.middle.shape[:-1], self._slope.pattern
+        middle, radius = np.zeros((2, *lead, *self.shape))
+        middle[..., rows, columns], radius[..., rows, columns] = result.middle, result.radius
+        return MidRadius(middle, radius)
+
+    def bend(self, by: MidRadius, numbers: MidRadius) -> Floats:
+        """Half the second derivatives over a box, in the order of ``bends`` (output, n, n)."""
+        pairs = ((item.middle.tolist(), item.radius.tolist()) for item in (by, numbers))
+        given = [[arb(*both) for both in zip(*parts, strict=True)] for parts in pairs]
+        return np.array([0.5 * float(x.abs_upper()) * (1 + 2**-50) for x in self._bend(*given)])
+
+    def remainders(self, bend: Floats, products: Floats) -> Floats:
+        """What the linear part leaves of each output, for products (n, n) of deviations."""
+        row, i, j = self.bends.T
+        return np.asarray(np.bincount(row, bend * products[i, j], self.shape[0]), dtype=float)
+
+
+def _columns(points: MidRadius) -> list[MidRadius]:
+    return [points[..., k] for k in range(points.middle.shape[-1])]
+
+
+class MovingLoop(SampledLoop):
+    """A law's loop along a motion; graphs as in SampledLoop, by ``MovingCurve``."""
+
+    def __init__(self, setup: Setup, motion: RunMotion, asked: Asked) -> None:
+        """Compose the graphs."""
+        self.motion = motion
+        loop, world = self._prepare(setup, asked)
+        way, mu = ca.SX.sym("way", 2), ca.SX.sym("mu")
+        by, after = self._step_graph(world, way, {"robot.mu": mu})
+        self.step_curve = MovingCurve("the robot", by, ca.vertcat(way, mu), after)
+        v_d, rate, came = (ca.SX.sym(name, 2) for name in ("v_d", "rate", "came"))
+        by, output, sizes = self._law_graph(loop, v_d, rate, came)
+        numbers = ca.vertcat(v_d, rate, came)
+        self.law_curve = MovingCurve("the law", by, numbers, output)
+        self.sizes = MidRadiusGraph("the limits", [by, numbers], ca.densify(sizes))
+        rest = [item.value for item in world.fast[5:]]
+        begun = np.array(loop.core.x0)[: self.memory - self.filter]
+        fast = np.concatenate((np.zeros(3), motion.v_d[0], *map(np.atleast_1d, rest)))
+        if self.filter:
+            begun = np.concatenate((begun, fast[:ROBOT]))
+        self.start = np.concatenate((
+            fast, np.zeros(COMMAND * self.queue), begun, np.zeros(self.acting),
+        ))  # fmt: skip
+
+    @property
+    def law_numbers(self) -> Floats:
+        """Numbers of the law's graph at each sample (n, 6)."""
+        motion = self.motion
+        return np.hstack([motion.v_d, motion.rate, motion.way[:-1]])
+
+    @property
+    def step_numbers(self) -> Floats:
+        """Numbers of the step's graph at each plant step (n, steps, 3)."""
+        motion, steps = self.motion, self.steps
+        way = np.repeat(motion.way[1:, None], steps, axis=1)
+        return np.concatenate([way, motion.robot[..., 2:]], axis=2)
+
+    @cached_property
+    def _sample(self) -> ca.Function:
+        """The state a sample later, the fast state at plant steps, the law's outputs."""
+        nz, nq, nm = len(self.names), COMMAND * self.queue, self.memory
+        x, p = ca.MX.sym("x", len(self.start)), ca.MX.sym("p", 6)
+        q = ca.MX.sym("q", 5, self.steps)
+        z, sent, memory, acting = ca.vertsplit(x, [0, nz, nz + nq, nz + nq + nm, len(self.start)])
+        out = self.law_curve.function(ca.vertcat(z[:ROBOT], memory, sent, acting), p)
+        u = out[:COMMAND]
+        queue = [u, *(ca.vertsplit(sent, COMMAND) if self.queue else [])]
+        behind, rest = divmod(self.late, self.steps)
+        course = [z]
+        for s in range(self.steps):
+            acts = queue[behind + (s < rest)]
+            by = ca.vertcat(course[-1], acts, ca.MX.zeros(COMMAND), q[3:, s])
+            course.append(self.step_curve.function(by, q[:3, s]))
+        na = self.acting
+        after = ca.vertcat(course[-1], *queue[: self.queue], out[COMMAND : COMMAND + nm + na])
+        return ca.Function("sample", [x, p, q], [after, ca.horzcat(*course), out])
+
+    @cached_property
+    def _given(self) -> tuple[Floats, Floats]:
+        """Numbers of the law and of the plant steps, in columns."""
+        given = np.concatenate([self.step_numbers, self.motion.robot[..., :2]], axis=2)
+        return self.law_numbers.T, given.transpose(2, 0, 1).reshape(5, -1)
+
+    def sampled(self, k: int) -> Callable[[Floats], Floats]:
+        """The state a sample later, by the state at sample ``k``."""
+        law, steps = self._given
+        part = slice(k * self.steps, (k + 1) * self.steps)
+        return lambda x: np.asarray(self._sample(x, law[:, k], steps[:, part])[0]).ravel()
+
+    def undisturbed(self) -> tuple[Floats, Floats, Floats]:
+        """In doubles: state at n + 1 samples, fast state at plant steps, outputs of the law."""
+        n, nz = len(self.motion.v_d), len(self.names)
+        states, courses, outs = self._sample.mapaccum(n)(self.start, *self._given)
+        states = np.vstack([self.start, np.asarray(states).T])
+        fine = np.asarray(courses).reshape(nz, n, self.steps + 1).transpose(1, 2, 0)
+        return states, fine, np.asarray(outs).T

@@ -1,0 +1,254 @@
+"""A passage: sets of deviations carried over a whole run, and checked in each sample.
+
+In a sample that begins with deviations X of the state, the law's remainder follows from X.  That of
+the plant steps follows from a box Z of what the fast state reaches within the sample, which is
+guessed and then has to hold what comes of it (ledger: corridor.passage).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.carried import CarriedColumns
+from wmr_ctrl.corridor.enclosure import OpenBoxError
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.loop import UP
+from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
+from wmr_ctrl.corridor.motion import LAW_UNSURE, UNSURE, MovingCurve
+from wmr_ctrl.corridor.stretch import Stretch
+
+FAR, NEAR, TRIES = 30.0, 1e-3, 40
+"""Growth over the linear loop, and more [m, rad], with which a sample counts as lost; tries."""
+GUESSED, GROWN = 1.01, 1.03
+"""Of Z: its first guess, and its growth from try to try."""
+ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
+"""Growth of the box that a bend holds on; below that share of the typical sizes another."""
+DOT = 100 * ROUNDED
+"""Share by which a sum of up to 100 products can err."""
+
+
+@dataclass(frozen=True)
+class RunBounds:
+    """What is certified along a motion, by samples.
+
+    ``position``, ``linear`` [m] and ``heading`` [rad] (n): the most in each sample, the second
+    without what is not linear; ``share`` (n): of the condition that is used most, ``binding`` (n)
+    its number.
+    """
+
+    position: Floats
+    linear: Floats
+    heading: Floats
+    share: Floats
+    binding: Floats
+
+
+@dataclass
+class Instant:
+    """A sample: its number in the run and in its chunk, whose matrices and end are given."""
+
+    k: int
+    at: int
+    end: int
+    here: Stretch
+
+
+class Passing:
+    """One passage of a loop under bounded inputs; ``run`` makes it."""
+
+    def __init__(self, along: Along, inputs: Inputs, start: Floats) -> None:
+        """From a start off by |e| <= ``start`` (3)."""
+        self.along, self.inputs, self.loop = along, inputs, along.loop
+        n, self.nz = along.states.shape[1], len(self.loop.names)
+        self.error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
+        width = 2 * COMMAND if inputs.velocity.any() else COMMAND
+        self.carried = CarriedColumns(
+            along.lasting, n, along.memory, (width, COMMAND if inputs.pose else 0)
+        )
+        self.pending = np.zeros(n)
+        self.pending[:3] = start
+        if self.loop.filter:
+            self._begin_estimate()
+        self.rows = np.hstack([along.rows, np.zeros((len(along.rows), n - self.nz))])
+        self.commands: list[Floats] = []
+        self.law_bend: tuple[Floats, Floats] | None = None
+        self.step_bend: tuple[Floats, Floats] | None = None
+
+    def _begin_estimate(self) -> None:
+        """A run's first estimate of the pose is the measured one, not one that is reckoned."""
+        loop = self.loop
+        first = COMMAND + loop.memory - loop.filter
+        place = len(self.pending) - loop.acting - loop.filter
+        share = self.along.setup.scenario.sensor.correction
+        begun = np.abs(self.along.outs[0, first : first + 3])
+        self.pending[place : place + 3] = begun / (1 - share)
+        self.pending[place : place + 2] += self.inputs.pose
+
+    def run(self) -> RunBounds:
+        """Over all samples; NoCorridorError at the first at which a condition is broken."""
+        result = []
+        reach = np.zeros(len(self.rows)), np.abs(self.rows) @ self.pending
+        for first, last in self.along.chunks():
+            here = self.along.stretch(first, last)
+            self.law_bend = self.step_bend = None
+            for k in range(first, last):
+                reach, item = self._sample(Instant(k, k - first, last, here), reach)
+                result.append(item)
+        values = np.array(result)
+        position, linear, heading, share, worst = values.T
+        return RunBounds(position, linear, heading, share, worst.astype(int))
+
+    def _sample(
+        self, now: Instant, reach: tuple[Floats, Floats]
+    ) -> tuple[tuple[Floats, Floats], tuple[float, ...]]:
+        """From what rows reach at a sample, by pushes and errors alone and in all, to the next."""
+        along, nz = self.along, self.nz
+        state, law, added, direct = self._law(now, reach[1])
+        share, worst = self._conditions(law, now)
+        extra, knots = self._within(now, state, added[:COMMAND] + direct[:COMMAND])
+        box, sizes = self._carry(now, state, added, direct), np.zeros(len(state))
+        sizes[:nz] = np.abs(self.carried.values[:nz]).sum(axis=1) * UP
+        linear, old = self.carried.sums(self.rows, sizes)
+        old = old + np.abs(self.rows) @ self.pending
+        guess = np.maximum(reach[1], old) * GUESSED + UNSURE
+        far = FAR * np.maximum(reach[0], linear)[:ROBOT] + NEAR
+        for _ in range(TRIES):
+            step = self._step(guess, law, now) + now.here.body[now.at] @ self.inputs.body + UNSURE
+            left = now.here.steps[now.at] @ step * UP
+            own = box.copy()
+            own[:nz] += left
+            most = np.maximum(np.maximum(reach[1], old + np.abs(self.rows) @ own), knots)
+            most = (most + np.abs(along.rows) @ (extra + left)) * UP
+            if (most <= guess).all():
+                break
+            if (most[:ROBOT] > far).any():
+                raise NoCorridorError(along.blamed(guess, now.k))
+            guess = np.maximum(guess, most * GROWN)
+        else:
+            raise NoCorridorError(along.blamed(guess, now.k))
+        self.pending = self.carried.boxed(self.pending + own)
+        reached = along.distance(now.k, most), along.distance(now.k, np.maximum(reach[0], linear))
+        heading = float(most[2] + np.abs(along.fine[now.k, :, 2]).max())
+        after = old + np.abs(self.rows) @ own
+        return (linear, after * UP), (*reached, heading, share, float(worst))
+
+    def _law(self, now: Instant, reach: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """State, the law's outputs, what it adds to its linear part, and what errors add to it."""
+        here, at, nz = now.here, now.at, self.nz
+        outputs = here.outputs.middle[at]
+        others = np.abs(self.carried.values[nz:]).sum(axis=1) + self.pending[nz:]
+        state = np.concatenate([reach[:nz], others]) * UP
+        _, result = self.carried.sums(outputs, state)
+        result = result + np.abs(outputs) @ self.pending
+        wide = (here.outputs.radius[at] + DOT * np.abs(outputs)) @ state
+        added, direct = self._law_added(reach, state, now), here.seen.most[at] @ self.error * UP
+        law = (result + wide + direct + added) * UP
+        self.commands = [law[:COMMAND], *self.commands][: self.loop.queue + 1]
+        return state, law, added, direct
+
+    def _carry(self, now: Instant, state: Floats, added: Floats, direct: Floats) -> Floats:
+        """All columns a sample on, with its own; returns what it adds beside them, as a box (n)."""
+        here, at, inputs, carried = now.here, now.at, self.inputs, self.carried
+        A, by_law, push, seen = (
+            getattr(here, name).middle[at] for name in ("A", "law", "push", "seen")
+        )
+        known = [push * inputs.push]
+        if inputs.velocity.any():
+            known.append(by_law @ seen[:, 3:] * inputs.velocity)
+        carried.carry(A)
+        gone = carried.replace(carried.known, np.hstack(known))
+        gone += carried.replace(carried.added, by_law[:, :COMMAND] * added[:COMMAND])
+        if inputs.pose:
+            gone += carried.replace(carried.misled, by_law @ seen[:, :2] * inputs.pose)
+        self.pending = np.abs(A) @ self.pending * UP
+        gone += carried.replace(carried.boxes, 0.0)
+        box = gone + (here.A.radius[at] + DOT * np.abs(A)) @ state
+        box += np.abs(by_law[:, COMMAND:]) @ added[COMMAND:]
+        box += (here.law.radius[at] + DOT * np.abs(by_law)) @ (added + direct)
+        box += here.law.most[at] @ (here.seen.radius[at] + DOT * np.abs(seen)) @ self.error
+        box += (here.push.radius[at] + DOT * np.abs(push)) @ inputs.push
+        box[:2] += self.along.motion.gap[now.k]
+        if self.loop.filter:
+            place = len(A) - self.loop.acting - self.loop.filter
+            box[place : place + 2] += self.along.motion.reckoned[now.k]
+        return np.asarray(box * UP)
+
+    def _within(self, now: Instant, state: Floats, commands: Floats) -> tuple[Floats, Floats]:
+        """What times within the sample may be off their chords; what rows reach at the knots."""
+        rows, at, push = self.along.rows, now.at, self.inputs.push
+        extra, most = np.zeros(self.nz), np.zeros(len(rows))
+        for j, knot in enumerate(now.here.knots):
+            by_state, by_push, by_command = (part[at] for part in knot.apart)
+            extra = np.maximum(extra, by_state @ state + by_push @ push + by_command @ commands)
+            if j:
+                here = rows @ knot.state.middle[at]
+                _, result = self.carried.sums(here, state)
+                result = result + np.abs(here) @ self.pending
+                wide = (knot.state.radius[at] + DOT * np.abs(knot.state.middle[at])) @ state
+                added = wide + knot.command.most[at] @ commands
+                pushed = np.abs(rows @ knot.push.middle[at]) @ push
+                wide = added + DOT * knot.push.most[at] @ push + knot.push.radius[at] @ push
+                most = np.maximum(most, result + pushed + np.abs(rows) @ wide)
+        return extra, most
+
+    def _conditions(self, law: Floats, now: Instant) -> tuple[float, int]:
+        """Share of the condition that is used most, and its number."""
+        along, count = self.along, self.loop.count
+        level = np.abs(along.outs[now.k, -count:]) + LAW_UNSURE + law[-count:]
+        shares = np.full(count, np.inf)
+        np.divide(level, along.most, out=shares, where=along.most > 0)
+        worst = int(shares.argmax())
+        if shares[worst] * UP > 1:
+            raise NoCorridorError(
+                f"{self.loop.conditions[worst].name} may reach {level[worst]:.3g} of "
+                f"{along.most[worst]:.3g} at t = {along.time(now.k):.4g} s"
+            )
+        return float(shares[worst] * UP), worst
+
+    def _products(self, reach: Floats, error: Floats) -> Floats:
+        """Largest products (5, 5) of two of the robot's errors as they are measured."""
+        along, sizes = self.along, reach[:ROBOT]
+        pairs = np.outer(sizes, sizes)
+        both = reach[-2 * len(along.pairs) :].reshape(-1, 2).max(axis=1) ** 2 / (4 * along.ratios)
+        first, second = np.array(along.pairs).T
+        pairs[first, second] = np.minimum(pairs[first, second], both)
+        pairs[second, first] = pairs[first, second]
+        mixed = np.outer(sizes, error)
+        return np.asarray(pairs + mixed + mixed.T + np.outer(error, error))
+
+    def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
+        """What the law's outputs are off their linear part at most, with doubles' rounding."""
+        loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
+        own, acting = np.split(state[queue:], [loop.memory])
+        sizes = np.concatenate([state[:ROBOT] + self.error, own, state[self.nz : queue], acting])
+        if self.law_bend is None or (sizes > self.law_bend[0]).any():
+            self.law_bend = self._bend(loop.law_curve, self.along.law_range(now.k, now.end), sizes)
+        products = np.outer(sizes, sizes)
+        products[:ROBOT, :ROBOT] = self._products(reach, self.error)
+        return loop.law_curve.remainders(self.law_bend[1], products) * UP + LAW_UNSURE
+
+    def _step(self, guess: Floats, law: Floats, now: Instant) -> Floats:
+        """What a plant step is off its linear part at most while Z is not left."""
+        curve, acts = self.loop.step_curve, np.max(self.commands, axis=0)
+        sizes = np.concatenate([guess[: self.nz], acts, self.inputs.push, self.inputs.body])
+        if self.step_bend is None or (sizes > self.step_bend[0]).any():
+            self.step_bend = self._bend(curve, self.along.step_range(now.k, now.end), sizes)
+        products = np.outer(sizes, sizes)
+        products[:ROBOT, :ROBOT] = self._products(guess, np.zeros(ROBOT))
+        return curve.remainders(self.step_bend[1], products) * UP
+
+    def _bend(
+        self, curve: MovingCurve, ranges: tuple[MidRadius, MidRadius], sizes: Floats
+    ) -> tuple[Floats, Floats]:
+        """A box with room about sizes of deviations, and the bends on it."""
+        little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
+        room = FIRST_ROOM if little else ROOM
+        grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges
+        try:
+            return grown, curve.bend(MidRadius(by.middle, (by.radius + grown) * UP), numbers)
+        except OpenBoxError as error:
+            raise NoCorridorError(f"the box that it needs grows without end ({error})") from error

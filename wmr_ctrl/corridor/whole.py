@@ -1,0 +1,91 @@
+"""Corridor of a law over a scenario's whole run, along any path, with what the robot changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.answer import Corridor
+from wmr_ctrl.corridor.enclosure import OpenBoxError
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, bounded_inputs, check_covered
+from wmr_ctrl.corridor.masses import mass_cells, mass_ranges
+from wmr_ctrl.corridor.passage import Passing, RunBounds
+from wmr_ctrl.world.references.kind import reference
+
+LEAST = 2.0**-8
+"""Least share of pushes and errors that is tried where all of them have no corridor."""
+
+
+def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
+    """The Corridor of a setup over the run of its scenario; with cells, of all masses in them.
+
+    ``closing``: where there is none, search for the share of inputs with which there is one.
+    """
+    scenario, cells = setup.scenario, mass_cells(setup)
+    known = Corridor(setup.name, run=scenario.clock.duration, mass=scenario.robot.m)
+    result: list[tuple[Along, RunBounds]] = []
+    try:
+        check_covered(setup)
+        if reference(scenario).x.numel():
+            raise NoCorridorError("a reference that has a state of its own is not covered")
+        if len(cells) > 1 and scenario.changes:
+            raise NoCorridorError("masses in cells (corridor.cells) and changes are not covered")
+        for cell, widths in cells:
+            inputs = replace(bounded_inputs(cell), body=widths)
+            first, second = map(float, inputs.velocity)
+            known = replace(
+                known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)
+            )
+            result.append(_passed(cell, inputs, closing))
+    except NoCorridorError as error:
+        here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
+        return replace(known, refused=f"{here}{error}", closes=error.closes)
+    along, passage = max(result, key=lambda item: float(item[1].share.max()))
+    worst = int(passage.share.argmax())
+    every = [item for _, item in result]
+    return replace(
+        known,
+        position=_most(item.position for item in every),
+        position_late=_most(item.position[len(item.position) // 2 :] for item in every),
+        linear=_most(item.linear for item in every),
+        heading=_most(item.heading for item in every),
+        start=scenario.corridor.start,
+        binding=along.loop.conditions[passage.binding[worst]].name,
+        share=float(passage.share[worst]),
+        masses=mass_ranges(setup) if len(cells) > 1 else None,
+    )
+
+
+def _most(courses: Iterable[Floats]) -> float:
+    return max(float(course.max()) for course in courses)
+
+
+def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBounds]:
+    start = np.array(setup.scenario.corridor.start)
+    try:
+        along = Along(setup)
+    except OpenBoxError as error:
+        raise NoCorridorError(f"the undisturbed loop cannot be followed ({error})") from error
+    try:
+        return along, Passing(along, inputs, start).run()
+    except NoCorridorError as error:
+        closes = _closing(along, inputs, start) if closing else None
+        raise NoCorridorError(str(error), closes) from error
+
+
+def _closing(along: Along, inputs: Inputs, start: Floats) -> float | None:
+    """The first half, quarter, eighth, ... of the inputs with which there is a corridor."""
+    share = 0.5
+    while share >= LEAST and inputs.any:
+        try:
+            Passing(along, inputs.scaled(share), start).run()
+        except NoCorridorError:
+            share /= 2
+        else:
+            return share
+    return None
