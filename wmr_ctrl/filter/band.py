@@ -214,7 +214,7 @@ class BandGovernor:
 
     @property
     def forecasts(self) -> list[Forecast]:
-        """What is known at the sample."""
+        """Forecast of each channel at the sample."""
         return [
             Forecast(over.sym, under.sym, tail.sym, self.last.sym[number % len(AXES)])
             for number, (over, under, tail) in enumerate(self.state)

@@ -109,7 +109,7 @@ def propose(result: BaseIdentification, floor: float = 4.0) -> ProposedDrive:
 
 @dataclass(frozen=True)
 class Simulated:
-    """What a drive comes to: the path (N, 3) of the robot as estimated; of all corners the farthest
+    """Outcome of a drive: the path (N, 3) of the robot as estimated; of all corners the farthest
     way from the start [m], the largest speeds, the share of samples at a limit of torque; the
     logarithm of the information's determinant, and the verdicts that it would earn.
     """

@@ -54,7 +54,7 @@ class BandAxis:
 
     @cached_property
     def forecast(self) -> Forecast:
-        """What is known at the sample."""
+        """Forecast at the sample."""
         s = self.symbols
         return Forecast(self.column("over"), self.column("under"), s["tail"], s["u"])
 

@@ -49,7 +49,7 @@ class ForceAxis:
 
     @cached_property
     def forecast(self) -> Forecast:
-        """What is known at the sample."""
+        """Forecast at the sample."""
         s = self.symbols
         return Forecast(s["over"], s["under"], s["tail"], s["u"])
 
