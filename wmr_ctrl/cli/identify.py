@@ -149,10 +149,10 @@ def _text(result: BaseIdentification) -> str:
     stretches = [
         f"{name} {item.seconds[0]:.3g} to {item.seconds[1]:.3g} s"
         for name, item in result.parameters.items()
-        if item.verdict != "determined" and item.seconds[1]
+        if item.seconds[1]
     ]
     if stretches:
-        text = f"half of the information on what is not determined: {', '.join(stretches)}"
+        text = f"seconds with half of the information on each: {', '.join(stretches)}"
         lines += [wrapped(text, hang="  "), ""]
     limited = result.bounds.section
     for name, (value, _) in result.bounds.pairs().items():
