@@ -91,7 +91,7 @@ def test_switch_of_the_paper_leaves_the_model_based_law_behind(loop, told):
     (warning,) = told("mb", scenario="paper-simulation", key=MODEL)
 
     assert velocity_error(at, heavy) == pytest.approx(-0.150, rel=4e-3)
-    assert "95.6 N from 40 s on where mb believes 39.2 N" in warning.sentence
+    assert "95.6 N from 40 s on, but mb believes 39.2 N" in warning.sentence
     assert "0.015 m behind" in warning.sentence
 
 

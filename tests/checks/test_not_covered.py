@@ -57,7 +57,7 @@ def test_behind_a_guard_a_delay_endangers_the_path_alone(told, lag, kept):
     late = {"guard.enabled": True, "actuator.delay": 0.02, "actuator.lag": lag}
     (warning,) = told("mb", late, key="actuator.delay")
 
-    assert ("The guard keeps the limits" in warning.sentence) is kept
+    assert ("The guard still keeps the limits" in warning.sentence) is kept
 
 
 @pytest.mark.parametrize("law", ["pid", "mb"])

@@ -186,7 +186,7 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> 
         ("actuator.tau_max", 20.0, "wind up"),
         ("disturbance.push", [3.0, 0.0], "filter.push[1]"),
         ("robot.mu", 0.1, "filter.push[1]"),
-        ("base.loop", "first-order", "not the base of this run"),
+        ("base.loop", "first-order", "does not fit the base of this run"),
     ],
 )
 def test_a_pi_base_outside_the_stated_family_is_refused(key: str, value: Any, words: str) -> None:
@@ -242,7 +242,7 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
 
 
 BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
-    "pi": ({"base.loop": "pi"}, "never pass their command"),
+    "pi": ({"base.loop": "pi"}, "never exceed their command"),
     "tau": ({"base.tau": [0.19, 0.2]}, "outside filter.tau"),
     "gain": ({"base.gain": [1.11, 1.0]}, "outside filter.gain"),
     "weak": ({"base.gain": [1.0, 0.89]}, "outside filter.gain"),
@@ -251,7 +251,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
     "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
     "noise": ({"sensor.velocity_noise": [0.02, 0.0]}, "filter.odometry[1]"),
-    "window": ({"sensor.velocity_window": 0.1}, "a mean over a while"),
+    "window": ({"sensor.velocity_window": 0.1}, "a mean over some time"),
 }
 
 

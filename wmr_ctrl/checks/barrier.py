@@ -53,13 +53,13 @@ def _warning(loop: Loop, axis: int, phase: Phase) -> Warning:
     when = f"from {phase.t:g} s on" if phase.t else "at the start"
     surplus, remedy = "", ""
     if loop.traits.model:
-        surplus = " of friction that the law compensates and the robot does not have"
-        remedy = ", or let model.mu and model.m not overestimate friction"
+        surplus = ", because the law compensates friction that the robot does not have"
+        remedy = ", or lower model.mu or model.m so that they do not overestimate friction"
     return Warning(
         "model" if loop.traits.model else "law",
-        f"The barrier of {loop.law} cannot hold |{SPEEDS[axis]}| below {limit} {when}: its pull, "
-        f"weak while the error is large, is exceeded by {push:.3g} {FORCE_UNITS[axis]}{surplus}. "
-        f"Start nearer to the reference{remedy}.",
+        f"The barrier of {loop.law} cannot hold |{SPEEDS[axis]}| below {limit} {when}: while the "
+        f"error is large its pull is weak, and falls short by {push:.3g} "
+        f"{FORCE_UNITS[axis]}{surplus}. Start nearer to the reference{remedy}.",
         "Eqs. (9), (15)" if loop.traits.theorem == 1 else "Eq. (15)",
     )
 
@@ -89,8 +89,8 @@ def wrong_model(loop: Loop) -> Iterator[Warning]:
     )
     yield Warning(
         "model",
-        f"Friction is {forces[0]:.3g} N {_from(phase)} where {loop.law} believes {forces[1]:.3g} N"
-        f"{exact}. Expect {consequence} from then on; nn adapts instead.",
+        f"Friction is {forces[0]:.3g} N {_from(phase)}, but {loop.law} believes {forces[1]:.3g} "
+        f"N{exact}. Expect {consequence} from then on; nn adapts instead.",
         f"Eq. (9), Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
         objects=way > loop.scenario.metrics.tolerance,
     )

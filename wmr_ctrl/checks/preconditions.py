@@ -31,15 +31,15 @@ def units(loop: Loop) -> Iterator[Warning]:
 def start(loop: Loop) -> Iterator[Warning]:
     """Yield where the run starts outside or at the limit, and a law that does not look at it."""
     limits = loop.scenario.limits
-    back = "only the guard brings it back" if loop.guarded else "nothing brings it back for sure"
+    back = "only the guard brings it back" if loop.guarded else "nothing surely brings it back"
     for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
         named = f"initial.velocity[{axis + 1}] = {v:.9g} {UNITS[axis]}"
         place = f"limits.v_u1[{axis + 1}]"
         if abs(v) > u1:
             yield Warning(
                 "initial.velocity",
-                f"{named} is outside {place} = {u1:g}: the run begins with a violation, no promise "
-                f"holds out there, and {back}. Start inside the limit.",
+                f"{named} is outside {place} = {u1:g}: the run begins with a violation, no "
+                f"guarantee holds there, and {back}. Start inside the limit.",
                 LIMIT,
             )
         elif loop.traits.barrier and abs(v) > u1 - limits.clip:
@@ -64,8 +64,8 @@ def _blind(loop: Loop) -> Iterator[Warning]:
         yield Warning(
             "law",
             f"{loop.law} does not know the velocity limit, and at the start the kinematic loop "
-            f"asks for {named}: expect violations. Choose a law that knows it, such as mb or nn, "
-            "switch the guard on, or start nearer.",
+            f"asks for {named}: expect violations. Choose a law that knows the limit, such as mb "
+            "or nn, switch the guard on, or start nearer.",
             "Eq. (7)",
         )
 
@@ -88,8 +88,8 @@ def preconditions(loop: Loop) -> Iterator[Warning]:
         proof = f"proof of Theorem {loop.traits.theorem}" if loop.traits.theorem else "proof"
         yield Warning(
             "gains.kinematics.k",
-            f"gains.kinematics.k[2] = {k2:g} is below 1, which the {proof} that the error of the "
-            "path vanishes asks for: raise it.",
+            f"gains.kinematics.k[2] = {k2:g} is below 1, but the {proof} that the path error "
+            "vanishes needs at least 1: raise it.",
             "Eq. (42)",
             objects=False,
         )
@@ -133,12 +133,11 @@ def _not_moving(loop: Loop, slowest: float) -> Warning:
         if slowest < -STANDSTILL
         else "falls to 0, and while it stands still nothing steers the sideways error e2"
     )
-    asking = "the theorems ask" if loop.traits.theorem else "that the error vanishes is known"
+    asking = "the theorems ask" if loop.traits.theorem else "convergence is known only"
     remedy = "Ask for a reference that keeps moving forwards."
     if loop.scenario.reference.arrival is not None:
         remedy = (
-            "It is meant to begin and end at rest: whether the robot arrives is what a run shows "
-            "(arrival)."
+            "It begins and ends at rest by design; a run shows whether the robot arrives (arrival)."
         )
     return Warning(
         "reference",
@@ -156,10 +155,10 @@ def late_drives(loop: Loop) -> Iterator[Warning]:
     if stated and stated > true * (1 + WHOLE):
         yield Warning(
             f"gains.{loop.law}.delay",
-            f"gains.{loop.law}.delay = {stated:g} s is longer than the {true:g} s by which every "
-            "command is late at least: the law counts on commands that have acted already, and can "
-            "cycle. State the shortest delay that there may be, or 0; that of the guard "
-            "(actuator.delay) is the longest.",
+            f"gains.{loop.law}.delay = {stated:g} s is longer than {true:g} s, the shortest delay "
+            "of a command: the law then predicts with commands that have already ended, and can "
+            "cycle. State the shortest possible delay, or 0; the guard's (actuator.delay) is the "
+            "longest.",
             "prediction of the law",
         )
     elif not stated and loop.scenario.actuator.delay >= loop.scenario.clock.control:
@@ -168,12 +167,12 @@ def late_drives(loop: Loop) -> Iterator[Warning]:
 
 def _late(loop: Loop) -> Warning:
     held = loop.guarded and not loop.setup.void
-    promise = "The guard keeps the limits all the same, not the path. " if held else ""
+    promise = "The guard still keeps the limits, but not the path. " if held else ""
     cost = (
-        "the theorems let the torque act at once, and at 10 ms a single period of delay is enough "
-        "to break mb"
+        "the theorems assume that the torque acts at once, and at 10 ms a single period of delay "
+        "breaks mb"
         if loop.traits.theorem
-        else "what is computed from one sample acts after the next one was taken"
+        else "what is computed from one sample acts only after the next one"
     )
     return Warning(
         "actuator.delay",
@@ -199,7 +198,7 @@ def noise(loop: Loop) -> Iterator[Warning]:
         "disturbance.std",
         f"The torque noise ({disturbance.std:g} N m rms, {bound}) {cover} the start it pushes "
         f"{SPEEDS[axis]} with {push[axis]:.3g} {unit} rms, and the barrier of {loop.law} pulls "
-        f"back with at most {pull[axis]:.3g} {unit}. That the limit is kept is not certain: try "
+        f"back with at most {pull[axis]:.3g} {unit}. It is not certain that the limit is kept: try "
         "several seeds, start nearer, or switch the guard on.",
         f"Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eqs. (4), (15)",
         objects=bool(pull[axis] < min(truncate, REACHED) * push[axis]),

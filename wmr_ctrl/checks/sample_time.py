@@ -96,10 +96,10 @@ def _mass(loop: Loop) -> Iterator[Warning]:
         return
     yield Warning(
         "model.m",
-        f"{loop.law} is stable around the reference while the robot's mass and inertia are "
+        f"{loop.law} is stable around the reference only while the robot's mass and inertia are "
         f"{masses[0]:.3g} to {masses[1]:.3g} times the believed ones, at clock.control = "
-        f"{loop.scenario.clock.control:g} s; outside of that it cycles. Gains for {NEAR[0]:g} to "
-        f"{NEAR[1]:g} are lower{gains_that_fit(loop)}.",
+        f"{loop.scenario.clock.control:g} s; outside this range it cycles. Gains for {NEAR[0]:g} "
+        f"to {NEAR[1]:g} are lower{gains_that_fit(loop)}.",
         f"{loop.equations}, linearised and sampled",
         objects=masses[0] > CLOSE[0] or masses[1] < CLOSE[1],
     )
@@ -112,8 +112,8 @@ def _kink(loop: Loop) -> Iterator[Warning]:
         named = joined(f"{limit:.4g} s for {name}" for name, limit in pairs)
         yield Warning(
             PERIOD,
-            f"clock.control = {period:g} s is too long for {loop.law} where the barrier sets in, "
-            f"at v_u2 (the bounds are {named}): while the error is large the velocity swings about "
+            f"clock.control = {period:g} s is too long for {loop.law} where the barrier begins, at "
+            f"v_u2 (the bounds are {named}): while the error is large the velocity swings about "
             f"v_u2 and may leave the limit. Choose {SAFE * min(limits):.2g} s or less.",
             "Eqs. (9)-(15), kink at v_u2",
         )

@@ -192,18 +192,18 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
         return
     yield Warning(
         "base.kind",
-        'base.kind = "velocity": stability around the reference is not worked out for such a base, '
-        "whose speed loop lies between the law and the wheels; runs show it.",
+        'base.kind = "velocity": stability around the reference is not computed for such a base, '
+        "because its speed loop lies between the law and the wheels; runs show it.",
         "docs/filter.md",
         objects=False,
     )
     if scenario.filter.kind == "none":
         yield Warning(
             "filter.kind",
-            'filter.kind = "none": nothing keeps the base within limits.v_u1 for sure. Choose '
+            'filter.kind = "none": nothing surely keeps the base within limits.v_u1. Choose '
             '"clip" or "governor".',
             "docs/filter.md",
             objects=False,
         )
     for sentence in broken_hypotheses(scenario, loop.setup.bound):
-        yield Warning("filter.trust", f"The filter promises nothing. {sentence}", "docs/filter.md")
+        yield Warning("filter.trust", f"The filter has no guarantee: {sentence}", "docs/filter.md")

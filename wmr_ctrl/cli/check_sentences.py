@@ -17,14 +17,14 @@ PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 NOT_THE_PATH = "tracking of the path is not"
 REMEDIES = {
     "law": "start nearer, switch the guard on, or choose a law that knows the limit",
-    "model": "correct model.m, model.I or model.mu, start nearer, or take nn",
+    "model": "correct model.m, model.I or model.mu, start nearer, or use nn",
     "model.m": "lower the gains (`wmr-ctrl tune`), or state the mass more accurately",
     "reference": "ask for a slower one that moves forwards, or raise its limit",
     "clock.control": "shorten clock.control, or lower the gains (`wmr-ctrl tune`)",
     "clock.plant": "shorten clock.plant, or raise robot.v_s",
     "disturbance.std": "try several seeds, start nearer, or switch the guard on",
     "initial.velocity": "start well inside the limits",
-    "gains.kinematics.k": "raise it, or take a law that knows or learns friction",
+    "gains.kinematics.k": "raise it, or use a law that knows or learns friction",
     "gains.nn.eta": "lower gains.nn.eta, or raise gains.nn.rho1",
     "actuator.delay": "lower the gains, or shorten clock.control and the delay",
     "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
@@ -33,8 +33,8 @@ REMEDIES = {
     "filter.kind": 'set filter.kind = "clip" or "governor"',
     "filter.trust": "make the filter's intervals cover the base",
     "limit-violated": "switch the guard on, start nearer, or slow the reference",
-    "not-tracked": "see the other findings; else change gains or metrics.tolerance",
-    "goal-not-reached": "see the other findings; else change gains or clock.duration",
+    "not-tracked": "see the other findings; or change gains or metrics.tolerance",
+    "goal-not-reached": "see the other findings; or change gains or clock.duration",
     "too-fast": "ask for a slower reference, or raise limits.v_u1",
     "oscillates": "lower the gains, or shorten clock.control and the delay",
     "chatter": "lower the gains, or measure better (finer encoders, a longer window)",
@@ -162,7 +162,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     if facts.kind == "band":
         yield (
             "a delay costs nothing of that as long as it stays the same; delays that vary by a "
-            "millisecond, or by any time, are refused (filter.delay)"
+            "millisecond, or by any other time, are refused (filter.delay)"
         )
     costs = {
         "millisecond of delay": None if facts.kind == "band" else facts.delay_cost,
@@ -177,7 +177,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         more = facts.rise_cost or (0.0, 0.0)
         added = f"; one more per cent of overshoot adds {more[0]:.2g} s, {more[1]:.2g} s"
         yield (
-            f"commands come to 0.9 of the limits after {first:.3g} s (linear), {second:.3g} s "
+            f"commands reach 0.9 of the limits after {first:.3g} s (linear), {second:.3g} s "
             f"(angular){added if facts.rise_cost else ''}"
         )
     texts = [f"one more {name} costs {speeds(cost)}" for name, cost in costs.items() if cost]

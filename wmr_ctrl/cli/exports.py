@@ -130,9 +130,9 @@ def codegen(
 ) -> None:
     """Write a law as C99: header, source, example, test vectors and build files.
 
-    LAW may be `filter`: the command filter of a scenario with filter.kind = "clip",
-    "governor" or "band"; or `corridor`: what tells whether the certified corridor of --law holds
-    the robot, and whether it was left.
+    LAW may be `filter`: the command filter of a scenario with filter.kind = "clip", "governor" or
+    "band"; or `corridor`: a monitor that says from when on the robot is in the certified corridor
+    of --law, and whether it has left it.
 
     The code uses no heap, no input or output and no globals: the caller owns the law's memory.
     """

@@ -182,10 +182,10 @@ def tune(
     Minimises the root of the mean of position_rms^2 + (W torque_change_rms)^2 over the training
     seeds, for the scenario's robot and for 0.6 and 1.6 times the assumed mass, with the guard off.
     With --merit corridor the certified corridor takes the place of position_rms; gains with a
-    certificate come before all without one, and those are judged by what a linear loop would leave.
-    Fewer runs that end early come before a smaller objective. Writes the scenario with the gains
-    found, and shows how they perform on test seeds and on references that were not used for
-    training. An interrupted search continues when the command is repeated.
+    certificate rank above all without one, which are ranked by the linear loop's deviation. Fewer
+    runs that end early rank above a smaller objective. Writes the scenario with the gains found,
+    and shows how they perform on test seeds and on references that were not used for training. An
+    interrupted search continues when the command is repeated.
     """
     opt.check_output(out, (".toml",), "--out")
     from wmr_ctrl import tuning

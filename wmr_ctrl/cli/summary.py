@@ -74,7 +74,7 @@ def _counted(run: Run) -> Iterator[str]:
     ]
     dbar = "" if known.dbar is None else f"dbar {_force(known.dbar)}; "
     rest = f"{dbar}nbar {speeds(known.nbar)}; alpha {_number(known.alpha, '1/s')}"
-    yield wrapped(f"The guard counts on {', '.join(masses)}; {rest}.")
+    yield wrapped(f"The guard relies on {', '.join(masses)}; {rest}.")
 
 
 def _usable(run: Run) -> Iterator[Row]:

@@ -68,20 +68,20 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
         if drive.active(scenario):
             yield (
                 f"{drive.title} acts behind the speed loop, so its speed may exceed its command. "
-                "Take it out of the scenario."
+                "Remove it from the scenario."
             )
     if stated.loop == "pi" and has_loop(scenario, "pi"):
         yield from _of_pi_loops(scenario, bound)
         return
     if stated.loop != "first-order":
         yield (
-            f'filter.loop = "{stated.loop}" is not the base of this run, whose base.loop = '
+            f'filter.loop = "{stated.loop}" does not fit the base of this run, whose base.loop = '
             f'"{scenario.base.loop}". State the loop that the base has.'
         )
     if bound.overshoots:
         yield (
-            f"{bound.overshoots} A filter for first-order loops is for speeds that never pass "
-            'their command. Take filter.loop = "pi" and state its intervals.'
+            f"{bound.overshoots} A filter for first-order loops is for speeds that never exceed "
+            'their command. Use filter.loop = "pi" and state its intervals.'
         )
     if has_loop(scenario, "first-order"):
         for axis, gain in enumerate(scenario.base.gain, 1):
@@ -108,8 +108,8 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
             yield _outside(key, value, unit, f"filter.{name}", stated.interval(name))
     if any(change.m is not None or change.I is not None for change in scenario.changes):
         yield (
-            "[[changes]] gives the robot another mass while it drives, and the peak gain is that "
-            "of loops that stay as they are. Leave mass and inertia as they are."
+            "[[changes]] changes the robot's mass while it drives, and the peak gain holds for "
+            "loops that do not change. Leave mass and inertia constant."
         )
     yield from _of_weak_motors(scenario)
     pushes = bound.dbar[0] + largest_friction(scenario), bound.dbar[1]
@@ -122,8 +122,8 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
             )
     if any(bound.command):
         yield (
-            "base.quantum rounds the command, which a filter for PI loops does not count. Set it "
-            "to 0."
+            "base.quantum rounds the command, which a filter for PI loops does not allow for. Set "
+            "it to 0."
         )
 
 
@@ -144,7 +144,7 @@ def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
     if needed > most * (1 + ROUNDING):
         yield (
             f"actuator.tau_max = {most:g} N.m: filter.force = [{force[0]:g}, {force[1]:g}] may ask "
-            f"a wheel for {needed:.4g} N.m, r (F + moment/l)/2. State less force."
+            f"a wheel for {needed:.4g} N.m, r (F + moment/l)/2. State a smaller force."
         )
 
 
@@ -154,14 +154,14 @@ def _of_the_band(bound: Bound) -> Iterator[str]:
     """
     if bound.hidden:
         yield (
-            f"{bound.hidden} The band counts on every command reaching the loop as it was sent. "
-            'Take filter.kind = "clip".'
+            f"{bound.hidden} The band relies on every command reaching the loop as it was sent. "
+            'Use filter.kind = "clip".'
         )
     soonest, latest = bound.takeover
     if bound.losses or soonest != latest:
         yield (
-            "Commands may be lost, or late by times that vary, and the band counts on each taking "
-            'over one period after the one before it. Take filter.kind = "clip".'
+            "Commands may be lost, or delayed by varying times, and the band relies on each one "
+            'taking effect one period after the one before it. Use filter.kind = "clip".'
         )
 
 
@@ -169,7 +169,7 @@ def _of_slow_commands(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Objections to what makes the acting command change faster than it was sent."""
     if bound.hidden:
         yield (
-            f"{bound.hidden} With filter.slew the clip counts on every command reaching the loop "
+            f"{bound.hidden} With filter.slew the clip relies on every command reaching the loop "
             "as it was sent. Leave out filter.slew."
         )
     yield from _of_the_times(scenario, bound)
@@ -192,8 +192,8 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
     stated, base = scenario.filter, scenario.base
     if bound.hidden:
         yield (
-            f"{bound.hidden} The governor counts on a speed that begins to change at once, and "
-            'breaks on whatever it does not see. Take filter.kind = "clip".'
+            f"{bound.hidden} The governor relies on a speed that begins to change at once, and "
+            'anything that it does not see breaks its guarantee. Use filter.kind = "clip".'
         )
     if has_loop(scenario, "first-order") and stated.tau is not None:
         for axis in (0, 1):
@@ -214,9 +214,9 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
             )
     if any(bound.window):
         yield (
-            "The sensors' velocity is a mean over a while (sensor.velocity_window, [encoder]), and "
-            "the governor counts on that of one instant. Leave out filter.odometry, which it does "
-            "not need, or take a sensor without window."
+            "The sensors' velocity is a mean over some time (sensor.velocity_window, [encoder]), "
+            "and the governor relies on that of one instant. Leave out filter.odometry, which it "
+            "does not need, or take a sensor without window."
         )
     linear, angular = bound.age
     if linear != angular:

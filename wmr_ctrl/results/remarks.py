@@ -185,7 +185,7 @@ def _oscillates(run: Run) -> Iterator[Remark]:
         if share > SWAY:
             yield Remark(
                 "oscillates",
-                f"{name} sways about the desired one by {percent(share)} of its limit RMS, more "
+                f"{name} swings about the desired one by {percent(share)} of its limit RMS, more "
                 f"than {percent(SWAY)}: the robot does not drive steadily. {CALMER}",
             )
             return
@@ -208,7 +208,7 @@ def _chatters(run: Run) -> Iterator[Remark]:
             "chatter",
             f"The wheel torques change by {change:.3g} N m RMS from sample to sample and swing by "
             f"{swing:.3g} N m RMS, where the desired motion needs {needed:.3g} N m RMS in all: "
-            "noise and gains drive them, not the motion. Lower the law's gains, or measure better "
+            "noise and gains move them, not the motion. Lower the law's gains, or measure better "
             "(finer encoders, a longer encoder.window or sensor.velocity_window).",
         )
 
