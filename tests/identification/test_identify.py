@@ -192,7 +192,8 @@ def test_gradient_and_likelihood_agree():
         return filter_(events, np.concatenate((theta, known)), covariance, slopes)
 
     whole, alone = read(theta), read(theta, slopes=False)
-    assert (alone.nll == whole.nll).all() and (alone.mean == whole.mean).all()
+    assert (alone.nll == whole.nll).all()
+    assert (alone.mean == whole.mean).all()
     gradient = whole.gradient.sum(axis=0)
     for k, name in enumerate(names):
         step = np.zeros(len(names))
