@@ -15,7 +15,7 @@ static double draw(double size)
 
 static double odd(double usual, int k)
 {
-    return k == 0 ? (double)NAN : k == 1 ? (double)INFINITY : k == 2 ? -1e300 : usual;
+    return k == 0 ? (double)NAN : k == 1 ? (double)INFINITY : k == 2 ? -1e30 : usual;
 }
 
 int main(void)
@@ -29,15 +29,16 @@ int main(void)
     wmr_filter_start(&memory);
     for (int k = 0; k < 4000; ++k) {
         if (k % 5 == 0) {
-            in.v_asked[0] = draw(3.0);
-            in.v_asked[1] = draw(3.0);
+            in.v_asked[0] = (wmr_real)draw(3.0);
+            in.v_asked[1] = (wmr_real)draw(3.0);
         }
-        if (k % 97 < 3) in.v_asked[k % 2] = odd(0.0, k % 97);
+        if (k % 97 < 3) in.v_asked[k % 2] = (wmr_real)odd(0.0, k % 97);
 #ifdef GOVERNS
-        in.v_odometry[0] = odd(draw(0.3), k % 89);
-        in.v_odometry[1] = draw(0.3);
-        in.odometry_age = odd(k % 7 ? 0.0 : -1.0, k % 83);
-        in.elapsed = odd(k % 61 ? 0.0 : draw(0.2), k % 79); /* late, early, or back in time */
+        in.v_odometry[0] = (wmr_real)odd(draw(0.3), k % 89);
+        in.v_odometry[1] = (wmr_real)draw(0.3);
+        in.odometry_age = (wmr_real)odd(k % 7 ? 0.0 : -1.0, k % 83);
+        /* late, early, or back in time */
+        in.elapsed = (wmr_real)odd(k % 61 ? 0.0 : draw(0.2), k % 79);
 #endif
         if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
         if (!put(&out, sizeof out) || !put(&memory, sizeof memory)) return 1;

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, run
 from tests.filter.test_filter import scenario
 from wmr_ctrl.codegen.package import package_files
@@ -45,6 +46,29 @@ ODD = (
 }
 """
 )
+MISUSED = (
+    MEMORY
+    + """    const wmr_real asked[10] = {5.0f, 5.0f, (wmr_real)NAN, (wmr_real)INFINITY, 0.25f,
+                                -(wmr_real)INFINITY, 1e13f, 5.0f, -5.0f, -5.0f};
+    for (int k = 0; k < 11; ++k) {
+        in.v_asked[k % 2] = asked[k % 10];
+        in.v_asked[(k + 1) % 2] = 0.125f;
+        if (k == 10) parameters.WRONG;
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+        printf("%.17g %.17g %d\\n", (double)out.v_sent[0], (double)out.v_sent[1],
+               (int)out.filter_flags);
+    }
+    return 0;
+}
+"""
+)
+WRONG = {
+    "clip": ("limits_v_u1[0] = (wmr_real)NAN", "filter_d[1] = 1e3f"),
+    "band of 50 commands": ("filter_delta[0] = 1e3f", "filter_gain[1] = 0.0f"),
+    "clip of slow commands": ("filter_slew[0] = -0.1f", "filter_slew[1] = (wmr_real)NAN"),
+    "band of weak motors": ("filter_force_room[1] = (wmr_real)NAN", "filter_drag[0] = -1.0f"),
+}
+"""Parameters that no filter can keep, for each form of one."""
 CHANGED = (
     MEMORY
     + """    in.v_asked[0] = 5.0;
@@ -103,6 +127,35 @@ def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
         sent, turn, flags = line.split()
         assert (float(sent), float(turn)) == pytest.approx(made.command, rel=1e-14)
         assert int(flags) == sum(bits[flag] for flag in made.flags)
+
+
+@pytest.mark.parametrize("float32", [False, True])
+@pytest.mark.parametrize("name", WRONG)
+def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_path: Path) -> None:
+    """As the graph says: what is no number is asked for as 0, which slew and force bring about."""
+    needs("gcc")
+    settings = load_scenario("paper-simulation", FILTERS[name])
+    for file, text in package_files("filter", settings, float32=float32).items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    (tmp_path / "main.c").write_text(MISUSED, encoding="utf-8")
+    lines = []
+    for wrong in WRONG[name]:
+        command = ["gcc", *WARNINGS, "-O1", "-ffp-contract=off", f"-DWRONG={wrong}"]
+        run([*command, "main.c", "wmr_filter.c", "-lm", "-o", "main"], tmp_path)
+        lines.append(run(["./main"], tmp_path).splitlines())
+
+    assert all(own[-1] == "0 0 32" for own in lines)
+    bits = {name: bit for bit, name in FLAG_NAMES.items()}
+    stepped, refused = command_filter(settings), 0
+    asked = (5.0, 5.0, math.nan, math.inf, 0.25, -math.inf, 1e13, 5.0, -5.0, -5.0)
+    for k, line in enumerate(lines[0][:-1]):
+        made = stepped.step((asked[k], 0.125) if k % 2 == 0 else (0.125, asked[k]))
+        sent, turn, flags = line.split()
+        close = {"rel": 2e-3, "abs": 1e-5} if float32 else {"rel": 1e-12, "abs": 1e-15}
+        assert (float(sent), float(turn)) == pytest.approx(made.command, **close)
+        assert int(flags) == sum(bits[flag] for flag in made.flags)
+        refused += "refused" in made.flags
+    assert refused == 4
 
 
 def test_a_parameter_that_changes_counts_from_the_next_step_on(tmp_path):

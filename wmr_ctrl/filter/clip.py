@@ -39,7 +39,7 @@ from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.filter.step_response import cells_of, swing
 from wmr_ctrl.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import ASKED, Signal
+from wmr_ctrl.signals import ASKED, LARGEST, Signal
 
 LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
 REACH = Signal("filter.slew_reach", "s", "speed beyond a command that changes by 1 a second", 2)
@@ -70,20 +70,29 @@ class Clip:
         self.channels: list[Channel] = channels_of(scenario, self.p, numbers, ca.SX(0))
         self.limits = [largest_command(c.bounds.V, c.bounds) for c in self.channels]
         self.command, self.refused = usable_command(self.asked.sym)
-        self.sound = sound(self.channels)
+        self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
+        self.sound = reduce(ca.logic_and, self._sound_ramp(), sound(self.channels))
         backwards = [-limit for limit in self.limits]
         safe = scaled(self.command, self.channels, backwards, self.limits, scenario.filter.scale)
-        self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
         self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
+
+    def _sound_ramp(self) -> list[ca.SX]:
+        """1 where the slew leads somewhere in a period, each; 0 for what is no number."""
+        if not self.last:
+            return []
+        slew, reach = self.p.take("filter.slew"), self.p.take(REACH.name)
+        T = self.p.take("clock.control")
+        axes = (test for i in AXES for test in (slew[i] > 0, reach[i] >= 0))
+        return [*axes, T > 0, T <= LARGEST]
 
     def _slowly(self, wanted: ca.SX) -> ca.SX:
         """The command (2,) on the way to ``wanted`` that the slew leads to in a period."""
         most = self.p.take("filter.slew") * self.p.take("clock.control")
-        change = wanted - self.last[0].sym
-        shares = admitted(ca.vertsplit(change), ca.vertsplit(-most), ca.vertsplit(most))
+        last = self.last[0].sym
+        shares = ramp_shares(last, wanted, most)
         if self.scenario.filter.scale != "axes":
             shares = [reduce(ca.fmin, shares)] * len(shares)
-        return self.last[0].sym + ca.vertcat(*shares) * change
+        return moved(last, wanted, ca.vertcat(*shares))
 
     @property
     def system(self) -> System:
@@ -96,6 +105,16 @@ class Clip:
             outputs=(Output(SENT, self.sent), Output(FLAGS, flagged)),
             period=self.scenario.clock.control,
         )  # fmt: skip
+
+
+def ramp_shares(last: ca.SX, wanted: ca.SX, most: ca.SX) -> list[ca.SX]:
+    """Share of each axis' way to ``wanted`` that changes of at most ``most`` allow."""
+    return admitted(ca.vertsplit(wanted - last), ca.vertsplit(-most), ca.vertsplit(most))
+
+
+def moved(last: ca.SX, wanted: ca.SX, share: ca.SX) -> ca.SX:
+    """The command that is this share of the way from ``last`` to ``wanted``."""
+    return last + share * (wanted - last)
 
 
 @lru_cache(maxsize=8)

@@ -173,10 +173,11 @@ class CommandFilter:
 
         ``measured``: the odometry's velocities, ``age`` [s] old, if there are any.  ``dt`` [s]:
         time since the last step, by default the clock's period.  A command that is not a number
-        gives (0, 0) and the flag "refused"; further flags are "limited", "unused" (no odometry was
-        used), "bounds-left" (odometry contradicts the stated bounds: one of them is wrong), "late"
-        (the step came outside its jitter) and "unsound" (parameters that no filter can satisfy,
-        such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong lengths.
+        counts as (0, 0), with the flag "refused"; further flags are "limited", "unused" (odometry
+        was not used), "bounds-left" (it contradicts the stated bounds: one of them is wrong),
+        "late" (the step came outside its jitter) and "unsound" (parameters that no filter can
+        satisfy, such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong
+        lengths.
         """
         asked = _pair(command, "command")
         u = list(asked)

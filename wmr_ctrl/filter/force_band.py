@@ -17,6 +17,7 @@ the fastest admitted ramp.
 from __future__ import annotations
 
 from functools import cached_property, lru_cache, reduce
+from itertools import chain
 
 import casadi as ca
 import numpy as np
@@ -114,13 +115,13 @@ def force_forecast(axis: int, size: int) -> tuple[Port, Port, Port]:
 
 
 def inverse_force_slopes(table: ResponseTable) -> tuple[ca.SX, ca.SX]:
-    """1 over high and over -low where they are positive, else 0: there a change takes no force."""
+    """1 over high and over -low where they are positive, else -1: there a change takes no force."""
     least = FLATTEST * table.high[0]
     return _inverse(table.high, least), _inverse(-table.low, least)
 
 
 def _inverse(slope: ca.SX, least: ca.SX) -> ca.SX:
-    return ca.if_else(slope > 0, 1 / ca.fmax(slope, least), 0)
+    return ca.if_else(slope > 0, 1 / ca.fmax(slope, least), -1)
 
 
 def speed_steps(known: Forecast, c: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -163,7 +164,8 @@ def _rooms(known: Forecast, most: ca.SX, held: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def _line(room: ca.SX, inverse: ca.SX) -> ca.SX:
-    return ca.if_else(inverse > 0, room * inverse, LARGEST)
+    """Change that leaves no room, at least LARGEST where it takes none: no choice, a loop in C."""
+    return ca.fmax(room * inverse, -LARGEST * inverse)
 
 
 def _most(lines: ca.SX) -> ca.SX:
@@ -186,6 +188,9 @@ class ForceBand(BandGovernor):
             fading = self.tables[axis].fading
             self.tables.append(ResponseTable(least.sym, most.sym, left.sym, fading, rest=0))
             self.state.append(force_forecast(axis, least.signal.size - 1))
+        f, drag = self.room.sym, self.drag.sym
+        tests = ((f[i] > 0, f[i] <= LARGEST, drag[i] >= 0, drag[i] <= LARGEST) for i in AXES)
+        self.sound = reduce(ca.logic_and, chain.from_iterable(tests), self.sound)
 
     def _slopes(self, axis: int, low: Port, high: Port) -> list[Port]:
         """Those of the speed, then of the force alone and of the force with friction."""

@@ -186,7 +186,7 @@ def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
         v, omega = (second_order(damping, K, d) for d in settings.d)
         return v, omega
     force, moment = settings.push
-    at_rim = over_square((0.0, moment), scenario.robot.l)[1]
+    at_rim = over_square((0.0, moment), scenario.robot.l)[1] if moment else 0.0
     return pi_loop(scenario, 0).peak(force), pi_loop(scenario, 1).peak(at_rim)
 
 
