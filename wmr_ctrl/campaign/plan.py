@@ -193,7 +193,7 @@ class Study:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Faults of the plan that are no errors, one sentence each."""
+        """Remarks on the plan that are not errors, one sentence each."""
         return self.sample.warnings if self.sample else ()
 
     def values(self, cell: int) -> tuple[object, ...]:

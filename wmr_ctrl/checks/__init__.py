@@ -1,8 +1,8 @@
 """Checks before a run: sample time, preconditions, start, network, barrier, bounds.
 
 `warnings_for` answers for one law on one scenario; nothing here simulates more than one control
-period, and nothing is ever refused.  A law is told only of what it has: of Eq. (7), of a theorem,
-of a barrier or of a believed model where its `Traits` state them.
+period, and nothing is ever refused. A law gets only findings about what it has: about Eq. (7), a
+theorem, of a barrier or of a believed model where its `Traits` state them.
 """
 
 from collections.abc import Callable, Iterator
@@ -51,7 +51,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     coarse_step,
     violent_alpha,
 )
-"""In the order in which they are told: what ends a run first comes first."""
+"""In the order in which they are printed: what ends a run first comes first."""
 OF_VELOCITY_BASES = (units, start, preconditions, coarse_step, velocity_base)
 """Those that hold for a base that takes velocities."""
 

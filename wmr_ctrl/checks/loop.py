@@ -158,7 +158,8 @@ class Loop:
         learning: bool = False,
         commands: int | None = None,
     ) -> LinearLaw:
-        """The law near a point with a ``period`` [s], what it is told of its drives in its memory.
+        """The law near a point with a ``period`` [s], with what it gets from its drives in its
+        memory.
 
         Estimates and weights stay as they are, unless the law is ``learning``.  It predicts over
         the ``commands`` that the period leaves under way, or so many.

@@ -115,7 +115,7 @@ class CheckVerdict(StrEnum):
 def verdict(warnings: Sequence[Warning], run: Run | None) -> CheckVerdict:
     """Of what theory says and one run shows; ``objected`` where either finds a fault.
 
-    The grip of tyres, which the plane model does not have, is told and not part of it.
+    The grip of tyres, which the plane model does not have, is reported and not part of it.
     """
     theory = [item for item in warnings if item.equation != GRIP]
     keys = [item.key for item in run.remarks if item.key != OBJECTED] if run else []

@@ -23,7 +23,7 @@ COARSE, UNSTABLE = 1.0, 2.785
 
 
 def units(loop: Loop) -> Iterator[Warning]:
-    """Yield every value that is unusual in its unit, with the unit that may be meant."""
+    """Yield every value that is unusual in its unit, with the unit that was perhaps meant."""
     for key, question in unit_questions(loop.scenario):
         yield Warning(key, question, "units, docs/reference/scenario.md")
 

@@ -42,8 +42,8 @@ class Motion:
 class Point:
     """Operating point: e (3) [m, m, rad], v (2), v_d (2) and its rate (2), memory, force (2).
 
-    The force is the one that the law is told to have been applied and sent; ``theta`` [rad] that of
-    the reference, where something acts by it.
+    The force is the one that the law gets as applied and sent; ``theta`` [rad] that of the
+    reference, where something acts by it.
     """
 
     e: Floats

@@ -37,7 +37,7 @@ MANY = 16.0
 
 @dataclass(frozen=True)
 class DriveTimes:
-    """Until a command takes over [s], what of that the law is told, and the lag that it knows."""
+    """Time until a command takes over [s], and of it what the law knows; the lag that it knows."""
 
     delay: float
     known: float

@@ -7,10 +7,10 @@ from typing import Any, Self
 
 import click
 
-FIRST, INTERVAL = 3.0, 10.0
-"""Seconds until the first line and between two where stderr is no terminal."""
 TICK = 0.25
-"""Seconds between two looks at the clock there."""
+"""Seconds between two looks at the clock where stderr is not a terminal."""
+FIRST = INTERVAL = 3.0 - TICK
+"""Seconds until the first line there, and between two: no command is silent for more than 3 s."""
 
 
 class Progress:
@@ -84,7 +84,7 @@ class Bar:
 
 
 class Lines:
-    """A line after three seconds, then one every ten, also while nothing is heard of the job."""
+    """A line every three seconds, also while nothing is heard of the job."""
 
     def __init__(self) -> None:
         self._next, self._text, self._begin, self._share = time.monotonic() + FIRST, "", 0.0, 0.0

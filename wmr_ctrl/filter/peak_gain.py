@@ -215,7 +215,7 @@ def second_order(damping: float, gain: float, d: float) -> PeakGain:
 
 
 def overshoot(scenario: Scenario) -> tuple[float, float]:
-    """Largest overshoot of a step of v and of omega, as a share of it, for what is told.
+    """Largest overshoot of a step of v and of omega, as a share of it, for the stated numbers.
 
     In doubles, of the corner where N is largest.
     """

@@ -89,7 +89,7 @@ class Counting:
 
 
 AT_ONCE = Counting((), (), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
-"""Exact velocities, and drives that act when they are told."""
+"""Exact velocities, and drives that act at once."""
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,7 @@ from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 
 Progress = Callable[[float], None]
 USUAL_PASSES = 60
-"""Passes through the filter that a log usually takes, for the progress that is told."""
+"""Passes through the filter that a log usually takes, for the progress shown."""
 ROBOT = ("robot.r", "robot.l")
 COUNTED = "encoder.counts"
 

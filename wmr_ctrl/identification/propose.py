@@ -53,7 +53,7 @@ CORNERS = ("m", "I", "Fc", "c")
 """Parameters that are taken at both ends of their intervals; delay and lag at the later."""
 LATE = ("delay", "lag")
 FARTHEST = 3.0
-"""Factor by which a corner is from the estimate at most: what is not told has no ends."""
+"""Largest factor of a corner over the estimate: what is undetermined has no ends."""
 WALKED = ("m", "I", "Fc", "Fv", "c", "Mv", "lag")
 NORMAL = 1.96
 

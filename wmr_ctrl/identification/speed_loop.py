@@ -175,7 +175,7 @@ class LoopFit:
 
     @property
     def vague(self) -> bool:
-        """True where a number of the loop or its limit is hardly told: the loop has too many."""
+        """True where a number of the loop or its limit is hardly determined: there are too many."""
         half = self.half_widths(0.0)
         return any(h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n != "delay")
 

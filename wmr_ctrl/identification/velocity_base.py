@@ -286,7 +286,7 @@ def best_loop(
     """The likeliest loop by the criterion of Schwarz, with a ramp where it earns one.
 
     All are tried on the first part of the log, the best three on all of it; a simpler one stays
-    unless a richer one gains by more than chance and its numbers are told.
+    unless a richer one gains by more than chance and its numbers are determined.
     """
     part, tried = log.until(log.t[0] + SCREEN_SECONDS), []
     wide = max(round(0.1 / log.period), 1)

@@ -48,8 +48,8 @@ class RigidBody:
     the heading, omega [rad/s]; ``path`` [m], the way that both wheels rolled in the mean, and
     ``turned`` [rad], theta as their rolling tells it, whatever the body did; ``wheels``: speed
     (right, left) [rad/s]; ``slip`` (2,): tread over ground [m/s], forward on a wheel that spins;
-    ``tilt`` [rad] between the robot's axis and the ground's normal.
-    Two bodies that are told the same move the same, to the bit, on one machine.
+    ``tilt`` [rad] between the robot's axis and the ground's normal. Two bodies with the same inputs
+    move alike, to the bit, on one machine.
     """
 
     def __init__(self, scenario: Scenario) -> None:

@@ -39,7 +39,7 @@ class Course:
     half_track: float | None = None
 
     def draw(self, axes: Axes) -> list[str]:
-        """Draw it on a map; returns what a reader must be told of the marks."""
+        """Draw it on a map; returns the explanation of its marks."""
         marks = []
         if self.waypoints:
             axes.plot(*np.array(self.waypoints).T, "s", mfc="none", mec=INK, ms=6, mew=0.8,

@@ -38,7 +38,7 @@ POINTS = 1500
 class Drawing:
     """One figure: the name of its files, width and height [inch], and what draws it.
 
-    ``title``: what a reader of the page without pictures is told of a panel.
+    ``title``: the text for readers of the page without pictures.
     """
 
     name: str

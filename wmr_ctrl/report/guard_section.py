@@ -185,7 +185,7 @@ class GuardSection:
     def median_table(self, base: str, figure: str) -> TextTable:
         """Median of a figure, lengths in mm, without | with the guard.
 
-        A figure of the time before the change is told only of cases with that change.
+        A figure of the time before the change is shown only for cases with that change.
         """
         factor = 1e3 if FIGURES[figure].unit == "m" else 1.0
 

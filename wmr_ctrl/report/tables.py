@@ -134,8 +134,8 @@ def scenario_table(
 ) -> TextTable:
     """Median and range of the chief figures of a scenario, a column per law.
 
-    ``changes``: whether the robot's parameters change in it; without, nothing is told of a before
-    and an after.  ``short``: the few figures that tell the laws apart.
+    ``changes``: whether the robot's parameters change in it; if not, nothing is said of a before
+    and an after. ``short``: the few figures that tell the laws apart.
     """
     table, settings = campaign.table, campaign.runs[scenario, campaign.table.laws[0]].settings
     runs = {law: table.case(scenario, law) for law in table.laws}

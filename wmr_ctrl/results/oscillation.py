@@ -1,4 +1,4 @@
-"""Limit cycles of a run, told from the answer to noise.
+"""Limit cycles of a run, distinguished from the response to noise.
 
 A loop that answers noise spreads its torques over many frequencies, and what a reference asks for
 is slow.  A limit cycle, or a loop that is about to have one, puts much of the swing into one line

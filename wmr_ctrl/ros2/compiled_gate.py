@@ -40,7 +40,7 @@ class Gate:
         stop: bool = False,
         reset: bool = False,
     ) -> Gated:
-        """The command (v [m/s], omega [rad/s]) that goes to the base, and what is told of it.
+        """The command (v [m/s], omega [rad/s]) that goes to the base, and its report.
 
         Ages [s] are counted since a message was taken, negative: there is none; ``elapsed`` [s]
         since the last step, 0: the period.  ``stop`` latches zeros until ``reset``.  Flags: those

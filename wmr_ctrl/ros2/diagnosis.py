@@ -25,7 +25,7 @@ WARNINGS = {
 PASSING = {MISSED, BACK, FORTH, FROZEN}
 """Flags of a moment, which diagnostics tell for a second and the log not at each change."""
 TOLD = {ARRIVED}
-"""Flags of no fault that are told."""
+"""Flags that are reported though they are no fault."""
 LEASE = "one that died without a word is listed until its lease ends, some 20 s"
 
 

@@ -108,7 +108,7 @@ class DriveCore:
     # -- what comes in ------------------------------------------------------------------------
 
     def see(self, now: Moment) -> tuple[str, ...]:
-        """Look at the time; what happened to it, to be told."""
+        """Look at the time; what happened to it, for the report."""
         happened = self.clocks.see(now)
         if BACK in happened:
             self.measured.forget()

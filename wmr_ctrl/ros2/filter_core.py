@@ -130,7 +130,7 @@ class FilterCore:
         self._call("start")
 
     def see(self, now: Moment) -> tuple[str, ...]:
-        """Look at the time; what happened to it, to be told."""
+        """Look at the time; what happened to it, for the report."""
         return named_happenings(self._call("see", byref(now.struct)))
 
     def command(

@@ -80,7 +80,7 @@ class SafeNode(LifecycleNode, Generic[C]):
     """A lifecycle node around a core; topics, parameters and promises are in docs/howto/ros2.md."""
 
     topics_in: tuple[str, ...] = ()
-    """Topics whose several senders are told."""
+    """Topics whose senders are reported if there are several."""
 
     def __init__(self, name: str, parameters: Table) -> None:
         """Declare the parameters."""

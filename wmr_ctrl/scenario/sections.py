@@ -1,4 +1,4 @@
-"""Tables of a scenario that are no effect's and no reference's, a Section each."""
+"""Tables of a scenario that belong to no effect and no reference, a Section each."""
 
 import math
 from collections.abc import Mapping

@@ -64,7 +64,7 @@ def monitor(
 ) -> Monitor:
     """Monitor of one run, from its findings by name; the plant's and the control step [s].
 
-    Without a ``period`` nothing is told of the guard's bounds.
+    Without a ``period`` the guard's bounds are left out.
     """
 
     def event(name: str, time: float) -> Event | None:

@@ -78,7 +78,7 @@ def planned_tasks(
 
 
 PREPARING = 0.1
-"""Share of the progress that is told while loops are compiled and filled with numbers."""
+"""Share of the progress shown while loops are compiled and filled with numbers."""
 
 
 def later(progress: Progress | None) -> Progress | None:

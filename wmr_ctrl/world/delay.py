@@ -65,7 +65,7 @@ DELAY = Effect(
 
 
 def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
-    """The delay that is told as whole control periods and the plant steps that are left."""
+    """The stated delay as whole control periods and the remaining plant steps."""
     return in_periods(scenario.section(Delay).delay, scenario)
 
 

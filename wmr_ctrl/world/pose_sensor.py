@@ -1,6 +1,7 @@
 """Pose sensor: a slow and noisy pose, dead-reckoned in between from the measured velocity.
 
-Source: Section VI of the paper has such a sensor; how it is read between two poses is not told.
+Source: Section VI of the paper has such a sensor; it does not say how the pose is used between two
+measurements.
 """
 
 from __future__ import annotations

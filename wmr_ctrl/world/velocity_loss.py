@@ -1,8 +1,8 @@
-"""Velocities that do not come: the last one that did is held, and its age is told.
+"""Lost velocities: the last one that arrived is held, and its age is reported.
 
-Source: radio, buses and wheel slip detectors, which drop odometry.  Each measured velocity is lost
-with an even chance, but never more than ``velocity_losses`` in a row, and the first one comes.
-Whoever asks is told how old the velocity is that is shown; a governor of commands does (`filter`).
+Source: radio, buses and wheel slip detectors, which drop odometry. Each measured velocity is lost
+with an even chance, but never more than ``velocity_losses`` in a row, and the first one comes. The
+age of the velocity that is shown is an output; a governor of commands uses it (`filter`).
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A guard knows one age; a governor is told it at every sample."""
+    """A guard has one age; a governor gets it at every sample."""
     lost = scenario.section(VelocityLoss).velocity_losses > 0
     sentence = "sensor.velocity_losses: a velocity is held for as long as none comes, which varies."
     return Bound(void=sentence if lost else "")
