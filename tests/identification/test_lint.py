@@ -139,6 +139,16 @@ def test_headers_are_checked(tmp_path, header, word):
         identify(path)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("rows", "word"), [("", "no rows"), ("1,2\n", "2 numbers in a row")])
+def test_tables_are_checked_and_nothing_else_is_printed(tmp_path, rows, word):
+    path = tmp_path / "log.csv"
+    path.write_text(f"t [s],v1 [m/s],omega [rad/s]\n{rows}")
+
+    with pytest.raises(LogError, match=word):
+        identify(path)
+
+
 def test_the_command_refuses_in_one_paragraph_and_writes_nothing(tmp_path):
     path, out = tmp_path / "log.csv", tmp_path / "mine.toml"
     path.write_text(

@@ -6,6 +6,7 @@ import csv
 import math
 import os
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -154,17 +155,19 @@ def _table(path: Path) -> tuple[list[str], Floats]:
             header = next(csv.reader([file.readline()]), [])
             rest = file.tell()
         try:
-            with path.open(encoding="utf-8") as file:
+            with path.open(encoding="utf-8") as file, warnings.catch_warnings(action="ignore"):
                 file.seek(rest)
                 table = np.loadtxt(file, delimiter=",", ndmin=2)
         except ValueError:
             table = _with_gaps(path, len(header))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise LogError(f"cannot read {str(path)!r} as CSV ({error}).") from None
-    if table.shape[0] == 0 or table.shape[1] not in (len(header), 2 * len(header)):
+    if table.shape[0] == 0:
+        raise LogError(f"{str(path)!r} has no rows of numbers under its header.")
+    if table.shape[1] not in (len(header), 2 * len(header)):
         raise LogError(
             f"{str(path)!r} has {table.shape[1]} numbers in a row under a header of {len(header)} "
-            "names, or no row at all. The first line names the columns, each with its unit, such "
+            "names. The first line names the columns, each with its unit, such "
             "as tau_right [N.m]."
         )
     return header, table
