@@ -10,13 +10,15 @@ import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 
+from tests.proofs.cases import cases
 from wmr_ctrl.proofs.methods.obligations import obligations
 from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.walk import UndecidedError
 
 IMPATIENCE, PATIENCE = 2, 10
 """Seconds of the processor's time for one obligation and strategy, at first and in the end, so that
@@ -63,13 +65,27 @@ def confirmed_by(
 ) -> tuple[str, ...]:
     """The first solver that finds every goal and every domain unsatisfiable, too; else nothing.
 
-    And the hypotheses satisfiable, at ``point`` if one is given.
+    As a whole or in every case of its choices (`tests.proofs.cases`).  And the hypotheses
+    satisfiable, at ``point`` if one is given.
     """
-    every = list(obligations(statement, point))
+    *wrong, hypotheses = obligations(statement, point)
     for name in programs():
-        if all(answer(name, item.text, patience) == item.wanted for item in every):
+
+        def says(word: str, text: str, name: str = name) -> bool:
+            return answer(name, text, patience) == word
+
+        if says("sat", hypotheses.text) and (
+            all(says("unsat", item.text) for item in wrong) or _all_cases(statement, says)
+        ):
             return (name,)
     return ()
+
+
+def _all_cases(statement: Statement, says: Callable[[str, str], bool]) -> bool:
+    try:
+        return all(says("unsat", text) for text in cases(statement))
+    except UndecidedError:  # more cases than are tried
+        return False
 
 
 def answer(name: str, text: str, patience: int = PATIENCE) -> str:

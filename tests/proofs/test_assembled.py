@@ -10,7 +10,7 @@ import pytest
 
 from wmr_ctrl.control import applied, controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard import guard
+from wmr_ctrl.guard import delay, guard
 from wmr_ctrl.laws import prox
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.system import System
@@ -29,6 +29,7 @@ from wmr_ctrl.world.effect import Bound
 pytest.importorskip("z3")
 
 ENTRIES = {claim.id: claim for claim in all_claims()}
+COUNTED = delay.push
 
 
 def bypassed(asked, *others):
@@ -52,9 +53,29 @@ def reached_about(both, phi, half_track):
     return first + second / half_track <= phi * (1 + 2.0**-44)
 
 
+def forgotten(sent, late, axis, b, tails):
+    """What is under way without the commands that are older than those listed."""
+    return delay.delayed_push(sent, replace(late, tail=None), axis, b, tails)
+
+
+def of_one_command(forces, b, way):
+    """The push of the older of two commands of which either may act."""
+    return COUNTED(forces[:1], b, way)
+
+
+def any_drives(_setup, _parameters):
+    """No condition on delay, lag or jitter."""
+    return []
+
+
 @pytest.mark.parametrize(
     ("key", "module", "name", "stand_in"),
     [
+        ("guard.linear-first-steady", controller, "delayed_push", forgotten),
+        ("controller.rotation-first-jitter", controller, "_built_for", any_drives),
+        ("controller.linear-first-jitter", controller, "guarded", bypassed),
+        ("guard.rotation-first-varying", delay, "push", of_one_command),
+        ("guard.linear-first-varying-steady", guard, "rounding", rounded_down),
         ("guard.linear-first", controller, "guarded", bypassed),
         ("controller.rotation-first", controller, "guarded", bypassed),
         ("controller.linear-first-late", controller, "guarded", unsafe_anchor),

@@ -16,7 +16,7 @@ from tests.proofs import second_solvers
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.proofs import check, command, prove
 from wmr_ctrl.proofs.alterations import function_named
-from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim
+from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim, Mutation
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import Entry, Ledger, differences, exit_code, load, stale
 from wmr_ctrl.proofs.methods.point import judge
@@ -220,6 +220,19 @@ def test_second_solvers_meet_hypotheses_at_the_recorded_point_and_not_at_another
 
     assert said(point) == "sat"
     assert said(dict.fromkeys(point, "-1")) == "unsat"
+
+
+def test_what_no_second_solver_closes_as_a_whole_it_closes_case_by_case() -> None:
+    cases = pytest.importorskip("tests.proofs.cases")
+    _ = second_solvers.programs().get("yices") or pytest.skip("NOT RUN: no yices")
+    claim = next(claim for claim in all_claims() if claim.id == "strict.falls")
+
+    def said(mutation: Mutation) -> set[str]:
+        every = cases.cases(claim.statement(mutation))
+        return {second_solvers.answer("yices", text) for text in every}
+
+    assert said(CLAIMED) == {"unsat"}
+    assert "sat" in said(MUTATED)
 
 
 @SOLVERS

@@ -30,6 +30,7 @@ THEMES = (
     ("guard_lag", "The velocity guard behind a lag that varies"),
     ("guard_limits", "What limits the velocity guard, and its theorems"),
     ("guard_exported", "The guard as it is exported"),
+    ("guard_exported_late", "The guard as it is exported"),
     ("guard_flag", "The guard as it is exported"),
     ("guard_assembled", "The guard's parts in controller and simulator"),
     ("wheel_maps", "Wheels behind the guard"),

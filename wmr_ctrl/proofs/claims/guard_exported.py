@@ -64,9 +64,14 @@ class Assembled:
     guarded: bool = True
 
     @cached_property
+    def setup(self) -> Setup:
+        """The loop that it belongs to."""
+        return setup(self.kind, self.delay, self.guarded)
+
+    @cached_property
     def system(self) -> System:
         """The exported graph."""
-        return self.assemble(setup(self.kind, self.delay, self.guarded))
+        return self.assemble(self.setup)
 
     @cached_property
     def p(self) -> dict[str, ca.SX]:
@@ -136,19 +141,32 @@ class Assembled:
         bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
         flags = [feasible(b) for b in bounds]
         flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
-        if self.delay:
-            flags.append(self.p["actuator.delay"] <= self.delay * self.p["clock.control"])
+        flags += self.slow_drives()
         yield from (at_least(flag, self.told["feasible"]) for flag in flags)
         yield from every(self.torque, torque)
-        for age, now in enumerate((self.torque, *self.sent[:-1])[: self.delay], 1):
+        for age, now in enumerate((self.torque, *self.sent[:-1])[: len(self.sent)], 1):
             yield from every(self.later[f"tau_sent{age}"], now)
-        yield from every(self.later["tau_applied"], (self.torque, *self.sent)[self.delay])
+        yield from self.kept()
         yield from every(self.later["guard_v"], ca.vertcat(*(y for y, _, _ in self.axes)))
+        for axis, known in enumerate(self.least_pushes()):
+            yield equal(self.told["d_least"][axis], known)
+
+    def slow_drives(self) -> list[ca.SX]:
+        """Conditions for the drives to be no slower than is counted on."""
+        if not self.delay:
+            return []
+        return [self.p["actuator.delay"] <= self.delay * self.p["clock.control"]]
+
+    def kept(self) -> Iterator[Relation]:
+        """What is kept beside the commands under way."""
+        yield from every(self.later["tau_applied"], (self.torque, *self.sent)[self.delay])
+
+    def least_pushes(self) -> Iterator[ca.SX]:
+        """The monitor's figure of each axis."""
         acted = wheel_to_force(*self.wheels, self.p["tau_applied"])
         for axis, (y, b, _) in enumerate(self.axes):
             least = least_push(y, self.p["guard_v"][axis], acted[axis], b)
-            known = ca.if_else(self.p["guard_started"] > 0, least, 0)
-            yield equal(self.told["d_least"][axis], known)
+            yield ca.if_else(self.p["guard_started"] > 0, least, 0)
 
     @property
     def signs(self) -> tuple[Relation, ...]:
@@ -199,13 +217,17 @@ def assembled(
 
     The exported guard is composed of the parts that the other entries are about.
     """
-    e = Assembled(assemble, kind, delay)
+    return exported(mutation, Assembled(assemble, kind, delay))
+
+
+def exported(mutation: Mutation, e: Assembled) -> Statement:
+    """It consists of the torques of its map on both axes' clips and safe points."""
     r, half = e.wheels
     force, safe = (
         ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
         for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
     )
-    return e.consists(mutation * force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe)))
+    return e.consists(mutation * force_to_wheel(r, half, MAPS[e.kind](force, e.phi, half, safe)))
 
 
 def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
@@ -314,5 +336,6 @@ def keeps(
         goals += valued([*stays(a, mutation * a["chosen"])], a.symbols, values)
         back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
         parts = {"back": back, "hi": hi, "brakes": b.braking}
+        parts |= {f"sum {name}": total for name, total in sums.items()}
         cuts |= {f"{name} {axis + 1}": part for name, part in parts.items()}
     return Statement(table, tuple(goals), tuple(given), cuts)

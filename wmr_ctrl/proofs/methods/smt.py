@@ -208,8 +208,8 @@ def posed(statement: Statement) -> Problem:
     walk = Walk(statement.graph, terms, lambda _: False)
     values = walk.outputs()
     goals = len(statement.goals)
-    given = [_relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
-    wrong = [z3.Not(_relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
+    given = [relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
+    wrong = [z3.Not(relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
     undefined = list(violations(walk, goals))
     return Problem(terms, given + terms.facts, wrong, undefined)
 
@@ -244,7 +244,8 @@ def _met(
         yield from _points(statement, arithmetic, other)
 
 
-def _relation(kind: str, value: Any) -> Any:
+def relation(kind: str, value: Any) -> Any:
+    """Term of a value compared with 0."""
     return value == 0 if kind == EQUAL else (value > 0 if kind == ABOVE else value >= 0)
 
 
@@ -268,12 +269,13 @@ def _rational(value: Any) -> Fraction:
     return exact
 
 
-_OUTSIDE: dict[str, Callable[..., Any]] = {
+OUTSIDE: dict[str, Callable[..., Any]] = {
     "div": lambda _, below: below == 0,
     "inv": lambda below: below == 0,
     "log": lambda a: a <= 0,
     "sqrt": lambda a: a < 0,
 }
+"""By operation, where its result is not defined."""
 
 
 def violations(walk: Walk, goals: int) -> Iterator[Any]:
@@ -281,8 +283,8 @@ def violations(walk: Walk, goals: int) -> Iterator[Any]:
     guards = _guards(walk, goals)
     for k, guard in guards.items():
         node = walk.graph.nodes[k]
-        if node.op in _OUTSIDE:
-            outside = z3.simplify(_OUTSIDE[node.op](*(walk.values[arg] for arg in node.args)))
+        if node.op in OUTSIDE:
+            outside = z3.simplify(OUTSIDE[node.op](*(walk.values[arg] for arg in node.args)))
             if not z3.is_false(outside):
                 yield z3.And(guard, outside)
 

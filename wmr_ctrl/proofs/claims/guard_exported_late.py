@@ -1,0 +1,258 @@
+"""The guard as it is exported where velocities are late and drives slow: what it counts, and how.
+
+Sums and pushes are written down here of one piece of time after the other, as the entries about
+pieces have them (guard.late.piece, guard.late.tail, guard.varying.*).  How long a piece is, and
+what it weighs, are the scenario's numbers.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import ceil, inf, nextafter
+
+import casadi as ca
+
+from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.guard.bounds import pair_of
+from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, integral, moved, push, waiting
+from wmr_ctrl.guard.guard import MAPS, Bounds
+from wmr_ctrl.guard.lateness import Counting, Piece
+from wmr_ctrl.guard.monitor import LateMotion
+from wmr_ctrl.guard.varying import Passage
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.model.system import System
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.guard import solver
+from wmr_ctrl.proofs.claims.guard_exported import PERIOD, Assembled, exported, setup
+from wmr_ctrl.proofs.statement import Relation, Statement, every, positive
+
+STEADY = {
+    "sensor.velocity_window": PERIOD, "actuator.delay": 0.5 * PERIOD, "actuator.lag": 0.4 * PERIOD,
+}  # fmt: skip
+VARYING = STEADY | {"actuator.lag_spread": 0.25}
+JITTER = {"actuator.jitter": 0.5 * PERIOD}
+claim = Claims(by=solver)
+
+
+@dataclass(frozen=True)
+class LateAssembled(Assembled):
+    """An exported graph whose velocities are means and whose drives are slow."""
+
+    stated: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def setup(self) -> Setup:
+        """The loop that it belongs to."""
+        return setup(self.kind, 0, True, **self.stated)
+
+    @property
+    def counted(self) -> Counting:
+        """Weights of what was sent: both axes' are the same."""
+        first, second = self.setup.guard.lateness(self.setup.scenario.clock)
+        assert first == second
+        return first
+
+    @property
+    def sent(self) -> list[ca.SX]:
+        """Torques that are remembered, the last one first."""
+        kept = [name for name in self.p if name.startswith("tau_sent")]
+        return [self.p[f"tau_sent{age}"] for age in range(1, len(kept) + 1)]
+
+    @property
+    def forces(self) -> list[ca.SX]:
+        """Of the torques that are remembered."""
+        return [wheel_to_force(*self.wheels, tau) for tau in self.sent]
+
+    @cached_property
+    def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
+        """Of each axis the measured velocity, its bounds, and what is under way.
+
+        u1 is v_u1 less (1 + n) 2^-44 of it, n the commands and the periods of the lag.
+        """
+        names = ("M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
+        p, T, late = self.p, self.p["clock.control"], self.counted
+        times = {"delay": late.most, "jitter": late.jitter, "mixed": late.mixed}
+        lasting = {name: T * time for name, time in times.items() if time}
+        kept = (1 + late.commands + ceil(late.lag)) * 2.0**-44
+        sums, found = self._felt if late.varying else self._summed, []
+        for axis, y in enumerate((p["v1"], p["omega"])):
+            numbers = {name: p[f"guard.{name}"][axis] for name in names}
+            u1, alpha = p["limits.v_u1"][axis] * (1 - kept), p["guard.alpha"]
+            b = Bounds(u1=u1, period=T, alpha=alpha, **numbers, **lasting)
+            found.append((y, b, sums(axis, b)))
+        return tuple(found)
+
+    def _summed(self, axis: int, b: Bounds) -> InFlight:
+        late = self.counted
+        mean, rest = (self._pieces(item, axis, b) for item in (late.mean, late.rest))
+        assert late.tail is not None
+        tail, share = self._older(axis, b), late.tail.share
+        ways = zip((mean.ahead, mean.back), (rest.ahead, rest.back), tail, strict=True)
+        ahead, back = ((one + share * old, two + old) for one, two, old in ways)
+        again = None
+        if late.jitter:
+            again = in_flight([(self.forces[0], late.jitter)], axis, b)
+        return InFlight(ahead[0], back[0], InFlight(ahead[1], back[1]), again)
+
+    def _pieces(self, pieces: Sequence[Piece], axis: int, b: Bounds) -> InFlight:
+        forces = self.forces
+        either = [ca.horzcat(*(forces[j - 1] for j in which)) for which, _ in pieces]
+        return in_flight(list(zip(either, (time for _, time in pieces), strict=True)), axis, b)
+
+    def _older(self, axis: int, b: Bounds) -> list[ca.SX]:
+        """What older commands still count for, ahead and back."""
+        late, kept = self.counted, self.p["guard_tail"]
+        assert late.tail is not None
+        steady = late.tail.steady * b.period * ca.fmax(b.net, 0)
+        return [(kept[2 * axis + k] + steady) / b.M_min for k in (0, 1)]
+
+    def _felt(self, axis: int, b: Bounds) -> InFlight:
+        late, T, first = self.counted, b.period, self.forces[0][axis]
+        varying, ways = late.varying, []
+        assert varying is not None
+        for k, way in enumerate((1, -1)):
+            means, rests, z = self._followed(varying.pieces, axis, b, k)
+            left = T * varying.longest * z
+            p, after, again = push([first], b, way), z, ca.SX(0)
+            if late.jitter:
+                again = waiting(z, p, T * late.jitter, T * varying.rises[0]) / b.M_min
+                after = moved(z, p, varying.stays)
+            sums = ((total + left) / b.M_min for total in (means, rests))
+            ways.append((*sums, again, z, after))
+        ahead, back = ways
+        mean, rest, last = (InFlight(ahead[k], back[k]) for k in range(3))
+        now, after_both = ((ahead[k], back[k]) for k in (3, 4))
+        slow = Lagging(now, after_both, T * varying.rises[1], T * varying.rises[2])
+        return replace(mean, since_rest=rest, again=last if late.jitter else None, slow=slow)
+
+    def _followed(
+        self, pieces: Sequence[Passage], axis: int, b: Bounds, k: int, skip: int = 0
+    ) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Z's integrals, as mean and rest, and its end; the first ``skip`` commands are new."""
+        z = self.p["guard_tail"][2 * axis + k] + ca.fmax(b.net, 0)
+        mean = rest = ca.SX(0)
+        for piece in pieces:
+            p = push([self.forces[j - 1 - skip][axis] for j in piece.which], b, 1 - 2 * k)
+            mean += b.period * integral(z, p, piece.mean)
+            rest += b.period * integral(z, p, piece.rest)
+            z = moved(z, p, piece.stays)
+        return mean, rest, z
+
+    def slow_drives(self) -> list[ca.SX]:
+        """Conditions for the drives to be no slower, no sooner and no more varied than counted."""
+        p, T, near = self.p, self.p["clock.control"], 1 + 2.0**-44
+        delay, lag, spread = p["actuator.delay"], p["actuator.lag"], p.get("actuator.lag_spread", 0)
+        (least, most), (fast, slow) = map(pair_of, (self.setup.guard.delay, self.setup.guard.lag))
+        latest = delay + p.get("actuator.jitter", 0)
+        met = [latest <= _periods(most) * T, lag * (1 + spread) <= _periods(slow) * T]
+        if least < most:
+            met.append(delay * near >= _periods(least) * T)
+        if fast < slow:
+            step = p["clock.plant"]
+            growth = ca.exp(step / (lag * (1 - spread))) - 1
+            met.append(step >= _periods(fast) * T * growth)
+        return met
+
+    @property
+    def signs(self) -> tuple[Relation, ...]:
+        """What is divided by is positive."""
+        lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
+        return (*super().signs, *positive(lag, 1 - spread))
+
+    def kept(self) -> Iterator[Relation]:
+        """What is counted for older commands, of the guard and of the monitor."""
+        later = [self._joined(axis, b) for axis, (_, b, _) in enumerate(self.axes)]
+        yield from every(self.later["guard_tail"], ca.vertcat(*later))
+        told = self._kept_as_named(self._motion.following(self._both))
+        yield from every(self.later["guard_monitor_tail"], told)
+
+    def _kept_as_named(self, expr: ca.SX) -> ca.SX:
+        """An expression of the monitor's with the state of the exported graph."""
+        own = self._motion.tails.state[0].sym
+        return ca.substitute(expr, own, self.p["guard_monitor_tail"])
+
+    def _joined(self, axis: int, b: Bounds) -> ca.SX:
+        """What older commands count for a sample later."""
+        late, rest = self.counted, ca.fmax(b.net, 0)
+        if late.varying:
+            ends = [self._followed(late.varying.entering, axis, b, k, 1)[2] for k in (0, 1)]
+            return ca.vertcat(*ends) - rest
+        assert late.tail is not None
+        sure, mixed = late.tail.entering
+        n, rows = late.commands, []
+        for k, way in enumerate((1, -1)):
+            old, newer = self.forces[n - 1][axis], self.forces[n - 2][axis]
+            joins = sure * push([old], b, way) + mixed * push([old, newer], b, way)
+            stays = late.tail.decay * self.p["guard_tail"][2 * axis + k]
+            rows.append(stays + b.period * (joins - (sure + mixed) * rest))
+        return ca.vertcat(*rows)
+
+    @property
+    def _both(self) -> Bounds:
+        first, second = (b for _, b, _ in self.axes)
+        names = ("u1", "M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
+        pairs = {n: ca.vertcat(getattr(first, n), getattr(second, n)) for n in names}
+        return Bounds(period=first.period, alpha=first.alpha, **pairs)
+
+    @cached_property
+    def _motion(self) -> LateMotion:
+        since = self.setup.guard.since_last(self.setup.scenario.clock)
+        new = wheel_to_force(*self.wheels, self.torque)
+        return LateMotion(since, self.forces, new)
+
+    def least_pushes(self) -> Iterator[ca.SX]:
+        """The monitor's figure of each axis, once all that it counts was sent."""
+        motion = self._motion
+        for axis, (y, b, _) in enumerate(self.axes):
+            least = motion.least_push(axis, y, self.p["guard_v"][axis], b)
+            begun = self.p["guard_samples"] >= 2 + ceil(self.counted.most)
+            yield ca.if_else(begun, self._kept_as_named(least), 0)
+
+
+def _periods(time: float) -> float:
+    """Periods of a stated time, no fewer as doubles compute it."""
+    count = time / PERIOD
+    return count if count * PERIOD >= time else nextafter(count, inf)
+
+
+_WAYS_TO_BE_LATE = [
+    {"late": late, "stated": stated, "which": which}
+    for late, stated, which in (
+        ("steady", STEADY, "no jitter, one lag"),
+        ("jitter", STEADY | JITTER, "a jitter of half a period, one lag"),
+        ("varying-steady", VARYING, "no jitter, a lag that varies by a quarter"),
+        ("varying", VARYING | JITTER, "a jitter of half a period, a lag that varies by a quarter"),
+    )
+]
+
+
+@claim(
+    "guard.assembled.{name}.{kind}-{late}",
+    given="any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that "
+    "is asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it",
+    premises="guard.axes wheels.{kind}",
+    over=[
+        {"name": name, "assemble": assemble, "kind": kind, **row}
+        for name, assemble in (("guard", guard), ("controller", asking_controller))
+        for kind in MAPS
+        for row in _WAYS_TO_BE_LATE
+    ],
+)
+def assembled(
+    mutation: Mutation,
+    assemble: Callable[[Setup], System],
+    kind: str,
+    stated: Mapping[str, float],
+) -> Statement:
+    """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
+    axis with its own bounds and what is counted of the commands under way: piece after piece, what
+    either of two commands may do, and what is kept of older ones, which is updated so; feasible = 1
+    only where both axes' flags are, their brakes together are within reach and the drives are no
+    later, slower, sooner or more varied than is counted; each d_least is that of the monitor for
+    late motion; {which}.
+
+    The exported guard is composed of the parts that the entries about late velocities, jitter and
+    lags are about.
+    """
+    return exported(mutation, LateAssembled(assemble, kind, 0, True, stated))
