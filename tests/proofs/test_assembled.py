@@ -29,7 +29,7 @@ from wmr_ctrl.world.effect import Bound
 pytest.importorskip("z3")
 
 ENTRIES = {claim.id: claim for claim in all_claims()}
-COUNTED = delay.push
+COUNTED, CONDITIONS = delay.push, controller._built_for
 
 
 def bypassed(asked, *others):
@@ -53,9 +53,9 @@ def reached_about(both, phi, half_track):
     return first + second / half_track <= phi * (1 + 2.0**-44)
 
 
-def forgotten(sent, late, axis, b, tails):
-    """What is under way without the commands that are older than those listed."""
-    return delay.delayed_push(sent, replace(late, tail=None), axis, b, tails)
+def never_at_rest(*given):
+    """What is under way as the mean alone counts it, not from where friction stopped the robot."""
+    return replace(delay.delayed_push(*given), since_rest=None)
 
 
 def of_one_command(forces, b, way):
@@ -63,15 +63,15 @@ def of_one_command(forces, b, way):
     return COUNTED(forces[:1], b, way)
 
 
-def any_drives(_setup, _parameters):
-    """No condition on delay, lag or jitter."""
-    return []
+def any_drives(*given):
+    """No condition on delay, lag or jitter, whatever parameters there are for one."""
+    return CONDITIONS(*given)[:0]
 
 
 @pytest.mark.parametrize(
     ("key", "module", "name", "stand_in"),
     [
-        ("guard.linear-first-steady", controller, "delayed_push", forgotten),
+        ("guard.linear-first-steady", controller, "delayed_push", never_at_rest),
         ("controller.rotation-first-jitter", controller, "_built_for", any_drives),
         ("controller.linear-first-jitter", controller, "guarded", bypassed),
         ("guard.rotation-first-varying", delay, "push", of_one_command),

@@ -135,5 +135,7 @@ def test_the_page_of_proofs_names_what_rests_on_z3_alone() -> None:
     assert named == {
         entry.id
         for entry in load().entries
-        if entry.verdict in ("PROVED", "LEMMA") and entry.trusted == ("z3",) and not entry.confirmed_by
+        if entry.verdict in ("PROVED", "LEMMA")
+        and entry.trusted == ("z3",)
+        and not entry.confirmed_by
     }
