@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from tests.corridor.adversary import DIRECTIONS, TINY, attack
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.inputs import bounded_inputs
+from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.scenario import load_scenario, override
 
 PERIOD, WINDOW, STRIDE = 0.02, 150, 15
@@ -35,6 +39,25 @@ def worst_pushes(scenario, law, end):
         led = ahead * answers[..., 0] + left * answers[..., 1]
         every = [np.interp(np.arange(end), places, row) for row in led]
         yield np.sign(np.stack(every, axis=1))
+
+
+def test_a_set_that_stands_serves_for_many_samples_and_is_no_smaller(monkeypatch):
+    told = {"clock.control": PERIOD, "clock.duration": 16.0, "changes": HEAVIER}
+    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    along = Along(setup)
+    samples, exact = [], Passing._sample
+    monkeypatch.setattr(
+        Passing, "_sample", lambda item, *given: samples.append(1) or exact(item, *given)
+    )
+    first = Passing(along, bounded_inputs(setup), np.zeros(3)).run()
+    few = len(samples)
+    monkeypatch.setattr(Passing, "_held", lambda item, k: None)
+    second = Passing(along, bounded_inputs(setup), np.zeros(3)).run()
+
+    assert few < 700
+    assert len(first.position) == len(second.position) == len(samples) - few == 800
+    assert (first.position >= second.position - 1e-9).all()
+    assert first.position == pytest.approx(second.position, rel=0.01)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -14,8 +14,10 @@ from math import ceil, cos, pi, sin
 
 import numpy as np
 
+from wmr_ctrl.checks.loop import IntArray
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import NoCorridorError, conditions
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
@@ -27,6 +29,10 @@ CHUNK, KNOT = 1.0, 0.02
 """Seconds: that one bend holds for, and between knots within a sample."""
 LEFT, LONGEST = 5e-3, 1500
 """What is left of a column that counts as old, and the samples after which any does."""
+STEADY = 1e-9
+"""Difference of numbers from sample to sample that counts as none; nothing rests on it."""
+PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
+"""Of a box on which it is looked which term grows."""
 PLACES = 9
 """Samples at which it is looked how fast the loop forgets."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
@@ -56,15 +62,23 @@ class Along:
         ))  # fmt: skip
         self.most = (sizes.middle - sizes.radius)[0] * (1 - 2**-50)
 
-    def time(self, k: int) -> float:
-        """Of a sample [s]."""
-        return k * self.setup.scenario.clock.control
+    def place(self, k: int) -> str:
+        """When a sample is and how the reference moves there, in words."""
+        time, (v, w) = k * self.setup.scenario.clock.control, self.motion.v_d[k]
+        return f"at t = {time:.4g} s, where v_d = {v:.3g} m/s and w_d = {w:.3g} rad/s"
 
     def chunks(self) -> list[tuple[int, int]]:
-        """First and last samples of what is looked at together; the first sample is alone."""
+        """First and last samples of what is looked at together.
+
+        The first sample is alone, and so is one in which the robot changes.
+        """
         n = len(self.motion.v_d)
         size = max(10, round(CHUNK / self.setup.scenario.clock.control))
-        ends = [0, 1, *range(1 + size, n, size), n]
+        bodies = self.motion.robot
+        moved = np.flatnonzero((bodies != bodies[:, :1]).any(axis=(1, 2)))
+        after = np.flatnonzero((bodies[1:, 0] != bodies[:-1, -1]).any(axis=1)) + 1
+        own = [0, 1, *range(1 + size, n, size), n, *moved, *(k + 1 for k in moved), *after]
+        ends = sorted({int(k) for k in own})
         return [(a, b) for a, b in pairwise(ends) if a < b]
 
     @cached_property
@@ -137,6 +151,28 @@ class Along:
         first_range, second_range = both
         return first_range, second_range
 
+    def steady_until(self, k: int) -> tuple[int, int]:
+        """First and last of the samples about ``k`` in which reference and robot are the same."""
+        changing = self._changing
+        before, after = changing[changing <= k], changing[changing > k]
+        ends = before.max(initial=0), after.min(initial=len(self.motion.v_d))
+        return int(ends[0]), int(ends[1])
+
+    @cached_property
+    def _changing(self) -> IntArray:
+        """Samples that differ from the one before."""
+        motion, n = self.motion, len(self.motion.v_d)
+        numbers = np.hstack([motion.v_d, motion.rate, motion.way[1:], motion.robot.reshape(n, -1)])
+        differs = (np.abs(np.diff(numbers, axis=0)) > STEADY).any(axis=1)
+        return np.flatnonzero(differs) + 1
+
+    def held(self, first: int, last: int) -> Stretch:
+        """Matrices that stand for each of some samples."""
+        loop = self.loop
+        law = loop.law_curve.slopes(*(item[None, :] for item in self.law_range(first, last)))
+        step = loop.step_curve.slopes(*(item[None, :] for item in self.step_range(first, last)))
+        return stretch(loop, law, step, self.knots)
+
     def stretch(self, first: int, last: int) -> Stretch:
         """Matrices of some samples, a plant step's slopes for all of a sample's steps."""
         loop = self.loop
@@ -145,25 +181,37 @@ class Along:
         by = hull(self._step_by(first, last), 1), hull(loop.step_numbers[first:last], 1)
         return stretch(loop, law, loop.step_curve.slopes(*by), self.knots)
 
-    def distance(self, k: int, reach: Floats) -> float:
-        """Distance [m] from the place on the path of anything in a sample, by what rows reach."""
+    def distance(self, k: slice, reach: Floats) -> float:
+        """Distance [m] from the place on the path of anything in samples, by what rows reach."""
         directions = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
-        off = np.abs(self.fine[k, :, :2] @ self.rows[directions, :2].T).max(axis=0)
-        ahead = (off + reach[directions]).max() + self.motion.aside[k]
+        off = np.abs(self.fine[k, :, :2] @ self.rows[directions, :2].T).max(axis=(0, 1))
+        ahead = (off + reach[directions]).max() + self.motion.aside[k].max()
         return float(ahead / cos(pi / (2 * DIRECTIONS)) * UP)
 
     def blamed(self, reach: Floats, k: int) -> str:
         """The product of two errors that adds most to what a plant step leaves, in words."""
         curve, nz = self.loop.step_curve, len(self.loop.names)
-        by, numbers = self.step_range(k, k + 1)
-        bends = np.abs(curve.bend(by, numbers))
+        bends = self._bends_near(reach, k)
         row, i, j = curve.bends.T
         inside = (row < nz) & (i < ROBOT) & (j < ROBOT)
         row, i, j, bends = row[inside], i[inside], j[inside], bends[inside]
         worst = (bends * reach[i] * reach[j] / reach[row]).argmax()
         a, b = sorted((i[worst], j[worst]))
         term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
-        return f"{term} may grow as large as what the loop corrects at t = {self.time(k):.4g} s"
+        why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""
+        return f"{term} may grow as large as what the loop corrects{why} {self.place(k)}"
+
+    def _bends_near(self, reach: Floats, k: int) -> Floats:
+        """Of a plant step, on the largest part of the box that has any."""
+        by, numbers = self.step_range(k, k + 1)
+        wide, nz = np.zeros(by.middle.shape), len(self.loop.names)
+        for share in PARTS:
+            wide[:nz] = share * reach[:nz]
+            try:
+                return self.loop.step_curve.bend(MidRadius(by.middle, wide), numbers)
+            except OpenBoxError:
+                continue
+        return np.ones(len(self.loop.step_curve.bends))
 
 
 def _forgets(here: Stretch) -> int:

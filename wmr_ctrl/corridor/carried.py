@@ -53,6 +53,11 @@ class CarriedColumns:
         self.weights = np.ones((self.boxes.end, 2), dtype=np.float32)
         self.weights[self.known.end :, 0] = 0
 
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """All of them."""
+        return self.known, self.added, self.boxes, self.misled
+
     def carry(self, A: Floats) -> None:
         """Multiply all."""
         np.matmul(A, self.values, out=self._next)
@@ -73,6 +78,26 @@ class CarriedColumns:
         rest = box.copy()
         rest[self.lasting] = 0.0
         return rest
+
+    def stand(self, A: Floats, newest: dict[str, Floats], shares: dict[str, Floats]) -> Floats:
+        """Put in place of all columns what they were, had every sample been alike.
+
+        ``newest``: columns of the kinds, A each sample's matrix.  ``shares`` (count, each): by
+        which share of such a one the present columns began, by age; 1 where there are none.
+        Returns the sizes (n) of what the present columns are besides such shares of the new ones.
+        """
+        off = np.zeros(len(A))
+        for name, column in newest.items():
+            kind = getattr(self, name)
+            share = shares.get(name, np.ones((kind.count, kind.each)))
+            for age in range(kind.count):
+                begin = kind.first + (kind.slot - 1 - age) % kind.count * kind.each
+                place = slice(begin, begin + kind.each)
+                own = self.values[:, place]
+                off += np.abs(own - share[age] * column).sum(axis=1)
+                off += 4 * SINGLE**2 * np.abs(own).sum(axis=1)
+                self.values[:, place], column = column, A @ column
+        return off * UP
 
     def sums(self, rows: Floats, state: Floats) -> tuple[Floats, Floats]:
         """Sizes of rows (r, n) of the sum of all: of what disturbs alone, and of all.

@@ -18,12 +18,16 @@ from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import Enclosure
 from wmr_ctrl.corridor.loop import Asked, SampledLoop
-from wmr_ctrl.corridor.midradius import MidRadius, MidRadiusGraph
+from wmr_ctrl.corridor.midradius import OUTWARD, MidRadius, MidRadiusGraph
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
 UNSURE, LAW_UNSURE = 1e-12, 1e-9
 """What numbers of reference and plant step, and the law's, are off at most as doubles give them."""
+
+
+STEEP, PARTS = 1.5, 8
+"""Growth of a force's remainder from half a box to all of it that cuts a box up, and its parts."""
 
 
 @dataclass(frozen=True)
@@ -97,8 +101,11 @@ def _robots(scenario: Scenario, n: int, steps: int) -> Floats:
 class MovingCurve:
     """A graph of variables and of numbers that the motion changes: values, slopes, bends."""
 
-    def __init__(self, name: str, by: ca.SX, numbers: ca.SX, output: ca.SX) -> None:
-        """Differentiate."""
+    def __init__(
+        self, name: str, by: ca.SX, numbers: ca.SX, output: ca.SX, steep: tuple[slice, float]
+    ) -> None:
+        """Differentiate; ``steep``: the outputs in which friction counts, and what is little."""
+        self.steep, self.little = steep
         self.name, self.shape = name, (output.numel(), by.numel())
         slope = ca.jacobian(output, by)
         self.function = ca.Function("curve", [by, numbers], [ca.densify(output)])
@@ -127,6 +134,27 @@ class MovingCurve:
         given = [[arb(*both) for both in zip(*parts, strict=True)] for parts in pairs]
         return np.array([0.5 * float(x.abs_upper()) * (1 + 2**-50) for x in self._bend(*given)])
 
+    def bend_within(self, by: MidRadius, wide: Floats, numbers: MidRadius) -> Floats:
+        """What serves as ``bend`` for deviations up to ``wide`` from anywhere in ``by``.
+
+        A remainder is the integral of 1 - s times the second derivatives at s times the deviation:
+        with m equal parts of s, those on k/m of the box weigh ((m + 1 - k)^2 - (m - k)^2) / m^2.
+        """
+
+        def on(share: float) -> Floats:
+            return self.bend(MidRadius(by.middle, (by.radius + share * wide) * OUTWARD), numbers)
+
+        products = np.outer(wide, wide)
+        parts = [on(0.5), on(1.0)]
+        half, whole = (self.remainders(item, products) for item in parts)
+        if (whole > STEEP * half + self.little)[self.steep].any():
+            middle, last = parts
+            parts = [on(k / PARTS) for k in range(1, PARTS)]
+            parts[PARTS // 2 - 1 : PARTS // 2], parts[PARTS - 1 :] = [middle], [last]
+        m = len(parts)
+        weights = [((m - k) ** 2 - (m - k - 1) ** 2) / m**2 * (1 + 1e-14) for k in range(m)]
+        return np.asarray(np.tensordot(weights, parts, 1) * (1 + 1e-14))
+
     def remainders(self, bend: Floats, products: Floats) -> Floats:
         """What the linear part leaves of each output, for products (n, n) of deviations."""
         row, i, j = self.bends.T
@@ -146,11 +174,13 @@ class MovingLoop(SampledLoop):
         loop, world = self._prepare(setup, asked)
         way, mu = ca.SX.sym("way", 2), ca.SX.sym("mu")
         by, after = self._step_graph(world, way, {"robot.mu": mu})
-        self.step_curve = MovingCurve("the robot", by, ca.vertcat(way, mu), after)
+        self.step_curve = MovingCurve(
+            "the robot", by, ca.vertcat(way, mu), after, (slice(3, 4), 1e-7)
+        )
         v_d, rate, came = (ca.SX.sym(name, 2) for name in ("v_d", "rate", "came"))
         by, output, sizes = self._law_graph(loop, v_d, rate, came)
         numbers = ca.vertcat(v_d, rate, came)
-        self.law_curve = MovingCurve("the law", by, numbers, output)
+        self.law_curve = MovingCurve("the law", by, numbers, output, (slice(1), 0.01))
         self.sizes = MidRadiusGraph("the limits", [by, numbers], ca.densify(sizes))
         rest = [item.value for item in world.fast[5:]]
         begun = np.array(loop.core.x0)[: self.memory - self.filter]

@@ -7,6 +7,7 @@ guessed and then has to hold what comes of it (ledger: corridor.passage).
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,8 @@ from wmr_ctrl.corridor.stretch import Stretch
 
 FAR, NEAR, TRIES = 30.0, 1e-3, 40
 """Growth over the linear loop, and more [m, rad], with which a sample counts as lost; tries."""
+HELD, LITTLE_MORE = 1.01, 1e-9
+"""What samples of a set that stands may add, as a share of what the latest did, and more."""
 GUESSED, GROWN = 1.01, 1.03
 """Of Z: its first guess, and its growth from try to try."""
 ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
@@ -49,12 +52,21 @@ class RunBounds:
 
 @dataclass
 class Instant:
-    """A sample: its number in the run and in its chunk, whose matrices and end are given."""
+    """A sample: its number in the run and in its chunk, whose matrices and end are given.
+
+    ``held``: it stands for all samples until that end.
+    """
 
     k: int
     at: int
     end: int
     here: Stretch
+    held: bool = False
+
+    @property
+    def part(self) -> slice:
+        """The samples that it stands for."""
+        return slice(self.k, self.end if self.held else self.k + 1)
 
 
 class Passing:
@@ -75,6 +87,8 @@ class Passing:
             self._begin_estimate()
         self.rows = np.hstack([along.rows, np.zeros((len(along.rows), n - self.nz))])
         self.commands: list[Floats] = []
+        self.newest = np.zeros(0)
+        self.history = deque[Floats](maxlen=along.memory)
         self.law_bend: tuple[Floats, Floats] | None = None
         self.step_bend: tuple[Floats, Floats] | None = None
 
@@ -90,9 +104,17 @@ class Passing:
 
     def run(self) -> RunBounds:
         """Over all samples; NoCorridorError at the first at which a condition is broken."""
-        result = []
+        result = list[tuple[float, ...]]()
         reach = np.zeros(len(self.rows)), np.abs(self.rows) @ self.pending
         for first, last in self.along.chunks():
+            if first < len(result):
+                first = len(result)
+            elif held := self._held(first):
+                reach, items = held
+                result += items
+                first = len(result)
+            if first >= last:
+                continue
             here = self.along.stretch(first, last)
             self.law_bend = self.step_bend = None
             for k in range(first, last):
@@ -101,6 +123,69 @@ class Passing:
         values = np.array(result)
         position, linear, heading, share, worst = values.T
         return RunBounds(position, linear, heading, share, worst.astype(int))
+
+    def _held(self, k: int) -> tuple[tuple[Floats, Floats], list[tuple[float, ...]]] | None:
+        """All samples from ``k`` on in which nothing changes, by one set that none of them leaves.
+
+        None where there are few, or where no such set is shown (ledger: corridor.passage).
+        """
+        carried, memory = self.carried, self.along.memory
+        begin, end = self.along.steady_until(k)
+        if k - begin <= 2 * memory or end - k <= memory:
+            return None
+        before = carried.values.copy(), self.pending, list(self.history)
+        slots = [kind.slot for kind in carried.kinds]
+        most = np.max(self.history, axis=0) * HELD + LITTLE_MORE
+        now = Instant(k, 0, end, self.along.held(k, end), held=True)
+        force, box = np.split(most, [COMMAND])
+        new = self._columns(now, force)
+        new["boxes"] = np.zeros((len(self.pending), len(box)))
+        new["boxes"][carried.lasting, range(len(box))] = box
+        shares = np.array(self.history)[::-1] / most
+        off = carried.stand(
+            now.here.A.middle[0], new,
+            {"added": shares[:, :COMMAND], "boxes": shares[:, COMMAND:]},
+        )  # fmt: skip
+        rest = off.copy()
+        rest[carried.lasting] = 0
+        pending = self.pending = self.pending * HELD + rest + UNSURE
+        self.pending[carried.lasting] = 0
+        standing, self.law_bend, self.step_bend = carried.values.copy(), None, None
+        reach = self._reach()
+        try:
+            within = bool((self.history[-1][COMMAND:] + off[carried.lasting] <= box).all())
+            if within:
+                _, item = self._sample(now, reach)
+                within = bool((self.newest <= most).all() and (self.pending <= pending).all())
+        except NoCorridorError:
+            within = False
+        for kind, slot in zip(carried.kinds, slots, strict=True):
+            kind.slot = slot
+        if not within:
+            carried.values, self.pending = before[:2]
+            self.history = deque(before[2], maxlen=memory)
+            return None
+        carried.values, self.pending = standing, pending
+        self.history = deque([most] * memory, maxlen=memory)
+        return reach, [item] * (end - k)
+
+    def _reach(self) -> tuple[Floats, Floats]:
+        sizes = np.abs(self.carried.values).sum(axis=1) * UP
+        linear, every = self.carried.sums(self.rows, sizes)
+        return linear, (every + np.abs(self.rows) @ self.pending) * UP
+
+    def _columns(self, now: Instant, force: Floats) -> dict[str, Floats]:
+        """What a sample's inputs and its law's remainder of the ``force`` (2) make of the state."""
+        by_law, push, seen = (
+            getattr(now.here, name).middle[now.at] for name in ("law", "push", "seen")
+        )
+        known, inputs = [push * self.inputs.push], self.inputs
+        if inputs.velocity.any():
+            known.append(by_law @ seen[:, 3:] * inputs.velocity)
+        columns = {"known": np.hstack(known), "added": by_law[:, :COMMAND] * force}
+        if inputs.pose:
+            columns["misled"] = by_law @ seen[:, :2] * inputs.pose
+        return columns
 
     def _sample(
         self, now: Instant, reach: tuple[Floats, Floats]
@@ -130,9 +215,13 @@ class Passing:
             guess = np.maximum(guess, most * GROWN)
         else:
             raise NoCorridorError(along.blamed(guess, now.k))
-        self.pending = self.carried.boxed(self.pending + own)
-        reached = along.distance(now.k, most), along.distance(now.k, np.maximum(reach[0], linear))
-        heading = float(most[2] + np.abs(along.fine[now.k, :, 2]).max())
+        box = self.pending + own
+        self.newest = np.concatenate([added[:COMMAND], box[along.lasting]])
+        self.history.append(self.newest)
+        self.pending = self.carried.boxed(box)
+        ahead = np.maximum(reach[0], linear)
+        reached = along.distance(now.part, most), along.distance(now.part, ahead)
+        heading = float(most[2] + np.abs(along.fine[now.part, :, 2]).max())
         after = old + np.abs(self.rows) @ own
         return (linear, after * UP), (*reached, heading, share, float(worst))
 
@@ -156,14 +245,10 @@ class Passing:
         A, by_law, push, seen = (
             getattr(here, name).middle[at] for name in ("A", "law", "push", "seen")
         )
-        known = [push * inputs.push]
-        if inputs.velocity.any():
-            known.append(by_law @ seen[:, 3:] * inputs.velocity)
         carried.carry(A)
-        gone = carried.replace(carried.known, np.hstack(known))
-        gone += carried.replace(carried.added, by_law[:, :COMMAND] * added[:COMMAND])
-        if inputs.pose:
-            gone += carried.replace(carried.misled, by_law @ seen[:, :2] * inputs.pose)
+        gone = np.zeros(len(A))
+        for name, column in self._columns(now, added[:COMMAND]).items():
+            gone += carried.replace(getattr(carried, name), column)
         self.pending = np.abs(A) @ self.pending * UP
         gone += carried.replace(carried.boxes, 0.0)
         box = gone + (here.A.radius[at] + DOT * np.abs(A)) @ state
@@ -171,10 +256,10 @@ class Passing:
         box += (here.law.radius[at] + DOT * np.abs(by_law)) @ (added + direct)
         box += here.law.most[at] @ (here.seen.radius[at] + DOT * np.abs(seen)) @ self.error
         box += (here.push.radius[at] + DOT * np.abs(push)) @ inputs.push
-        box[:2] += self.along.motion.gap[now.k]
+        box[:2] += self.along.motion.gap[now.part].max()
         if self.loop.filter:
             place = len(A) - self.loop.acting - self.loop.filter
-            box[place : place + 2] += self.along.motion.reckoned[now.k]
+            box[place : place + 2] += self.along.motion.reckoned[now.part].max()
         return np.asarray(box * UP)
 
     def _within(self, now: Instant, state: Floats, commands: Floats) -> tuple[Floats, Floats]:
@@ -198,14 +283,14 @@ class Passing:
     def _conditions(self, law: Floats, now: Instant) -> tuple[float, int]:
         """Share of the condition that is used most, and its number."""
         along, count = self.along, self.loop.count
-        level = np.abs(along.outs[now.k, -count:]) + LAW_UNSURE + law[-count:]
+        level = np.abs(along.outs[now.part, -count:]).max(axis=0) + LAW_UNSURE + law[-count:]
         shares = np.full(count, np.inf)
         np.divide(level, along.most, out=shares, where=along.most > 0)
         worst = int(shares.argmax())
         if shares[worst] * UP > 1:
             raise NoCorridorError(
                 f"{self.loop.conditions[worst].name} may reach {level[worst]:.3g} of "
-                f"{along.most[worst]:.3g} at t = {along.time(now.k):.4g} s"
+                f"{along.most[worst]:.3g} {along.place(now.k)}"
             )
         return float(shares[worst] * UP), worst
 
@@ -226,7 +311,8 @@ class Passing:
         own, acting = np.split(state[queue:], [loop.memory])
         sizes = np.concatenate([state[:ROBOT] + self.error, own, state[self.nz : queue], acting])
         if self.law_bend is None or (sizes > self.law_bend[0]).any():
-            self.law_bend = self._bend(loop.law_curve, self.along.law_range(now.k, now.end), sizes)
+            ranges = self.along.law_range(now.k, now.end)
+            self.law_bend = self._bend(loop.law_curve, ranges, sizes, now.k)
         products = np.outer(sizes, sizes)
         products[:ROBOT, :ROBOT] = self._products(reach, self.error)
         return loop.law_curve.remainders(self.law_bend[1], products) * UP + LAW_UNSURE
@@ -236,19 +322,20 @@ class Passing:
         curve, acts = self.loop.step_curve, np.max(self.commands, axis=0)
         sizes = np.concatenate([guess[: self.nz], acts, self.inputs.push, self.inputs.body])
         if self.step_bend is None or (sizes > self.step_bend[0]).any():
-            self.step_bend = self._bend(curve, self.along.step_range(now.k, now.end), sizes)
+            self.step_bend = self._bend(curve, self.along.step_range(now.k, now.end), sizes, now.k)
         products = np.outer(sizes, sizes)
         products[:ROBOT, :ROBOT] = self._products(guess, np.zeros(ROBOT))
         return curve.remainders(self.step_bend[1], products) * UP
 
     def _bend(
-        self, curve: MovingCurve, ranges: tuple[MidRadius, MidRadius], sizes: Floats
+        self, curve: MovingCurve, ranges: tuple[MidRadius, MidRadius], sizes: Floats, k: int
     ) -> tuple[Floats, Floats]:
         """A box with room about sizes of deviations, and the bends on it."""
         little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
         room = FIRST_ROOM if little else ROOM
         grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges
         try:
-            return grown, curve.bend(MidRadius(by.middle, (by.radius + grown) * UP), numbers)
+            return grown, curve.bend_within(by, grown, numbers)
         except OpenBoxError as error:
-            raise NoCorridorError(f"the box that it needs grows without end ({error})") from error
+            text = self.along.blamed(sizes, k)
+            raise NoCorridorError(text) from error
