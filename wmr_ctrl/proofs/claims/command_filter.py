@@ -325,5 +325,6 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     within = at_least(step.limit, sent), at_least(share, -least), at_least(-most, share)
     given = (*step.given(mutation, sent), *within)
     end = v + share * (step.free["mean"] - v)
-    cuts = step.cuts | {"sent command": step.graph.sent[axis]}
+    names = {axis: "sent command", 1 - axis: "other command"}
+    cuts = step.cuts | {name: step.graph.sent[i] for i, name in names.items()}
     return Statement(step.symbols, (at_least(step.graph.following[side][axis], end),), given, cuts)

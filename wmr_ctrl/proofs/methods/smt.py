@@ -5,7 +5,7 @@ not 0, a logarithm a positive argument, a root one that is not negative, whereve
 them; the untaken side of a choice asks for nothing.
 """
 
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -118,6 +118,11 @@ class TermArithmetic(Arithmetic):
         self.facts.append(found > 0)
         return found
 
+    def _expm1(self, a: Any) -> Any:
+        found = self._atom("expm1", a)
+        self.facts.extend([found > -1, (a > 0) == (found > 0), (a < 0) == (found < 0)])
+        return found
+
     def _atom(self, function: str, a: Any) -> Any:
         term = z3.simplify(a)
         return self.atoms.setdefault(
@@ -138,16 +143,17 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "fabs": lambda a: z3.If(a >= 0, a, -a),
     "fmin": lambda a, b: z3.If(a <= b, a, b),
     "fmax": lambda a, b: z3.If(a >= b, a, b),
-    "constpow": lambda a, b: _power(a, b),
+    **dict.fromkeys(("constpow", "pow"), lambda a, b: _power(a, b)),
 }
 
 
 def _power(a: Any, b: Any) -> Any:
     """A whole power as a product: SMT-LIB has no other."""
-    times = b.numerator_as_long() if b.denominator_as_long() == 1 else -1
-    if times < 1:
+    whole = z3.is_rational_value(b) and b.denominator_as_long() == 1
+    times = b.numerator_as_long() if whole else -1
+    if times < 0:
         raise UndecidedError(f"no term for the power {b} is known")
-    return reduce(mul, [a] * times)
+    return reduce(mul, [a] * times) if times else 1 + 0 * a
 
 
 def decide(statement: Statement, method: Z3) -> Finding:
@@ -202,15 +208,18 @@ class Problem:
     undefined: list[Any]
 
 
-def posed(statement: Statement) -> Problem:
-    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable."""
+def posed(statement: Statement, but: Container[int] = ()) -> Problem:
+    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable.
+
+    ``but``: nodes that may be undefined.
+    """
     terms = TermArithmetic()
     walk = Walk(statement.graph, terms, lambda _: False)
     values = walk.outputs()
     goals = len(statement.goals)
     given = [relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
     wrong = [z3.Not(relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
-    undefined = list(violations(walk, goals))
+    undefined = list(violations(walk, goals, but))
     return Problem(terms, given + terms.facts, wrong, undefined)
 
 
@@ -278,12 +287,12 @@ OUTSIDE: dict[str, Callable[..., Any]] = {
 """By operation, where its result is not defined."""
 
 
-def violations(walk: Walk, goals: int) -> Iterator[Any]:
+def violations(walk: Walk, goals: int, but: Container[int] = ()) -> Iterator[Any]:
     """Terms, each true where one operation behind the first ``goals`` outputs is undefined."""
     guards = _guards(walk, goals)
     for k, guard in guards.items():
         node = walk.graph.nodes[k]
-        if node.op in OUTSIDE:
+        if node.op in OUTSIDE and k not in but:
             outside = z3.simplify(OUTSIDE[node.op](*(walk.values[arg] for arg in node.args)))
             if not z3.is_false(outside):
                 yield z3.And(guard, outside)

@@ -1,0 +1,149 @@
+"""Operations that CasADi cancels are defined wherever the hypotheses of an entry hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import casadi as ca
+import pytest
+
+from tests.proofs.cancelled import positive_sums, uncancelled, undefined
+from wmr_ctrl.proofs.case import POSITIVE, Case
+from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
+from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.ledger import LEMMA, PROVED, load
+from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+pytest.importorskip("z3")
+
+TEXT = "in another text of the same divisor, which eq09 and forms.q show to be positive"
+BEHIND = "T/tau, which the entry reads through exponentials that are any numbers in (0, 1)"
+NOT_SHOWN = {
+    **dict.fromkeys(("eq30.law", "eq30.law-angular"), TEXT),
+    **{f"filter.carried-{axis}-{way}": BEHIND
+       for axis in ("linear", "angular") for way in ("forwards", "backwards")},
+}  # fmt: skip
+"""Entries of which this is not shown, and where."""
+BACKED = {entry.id for entry in load().entries if entry.verdict in (PROVED, LEMMA)}
+PROVED_CLAIMS = [claim for claim in all_claims() if claim.statement and claim.id in BACKED]
+BOX = Ball(box={"x": (Fraction(-1), Fraction(1)), "y": (Fraction(1), Fraction(2))})
+SHIFTED = Ball(box={"x": (Fraction(2), Fraction(3)), "y": (Fraction(0), Fraction(1))})
+ALL, BEYOND = Case("all"), Case("x > y > 0", {"a": POSITIVE, "b": POSITIVE},
+                                lambda n: {"x": n["a"] + n["b"], "y": n["b"]})  # fmt: skip
+
+
+def claim_of(statement, method: Method):
+    """The claim of this statement."""
+    claims = Claims(by=method)
+    claims("own.cancelled", wording="what is cancelled is defined")(statement)
+    return claims.listed[0]
+
+
+def ones(x: ca.SX, y: ca.SX) -> ca.SX:
+    """1 wherever x is not 0; CasADi makes it 1 everywhere."""
+    return x * (1 / x) + 0 * y
+
+
+def differences(x: ca.SX, y: ca.SX) -> ca.SX:
+    return (x - y) / (x - y)
+
+
+def roots(x: ca.SX, y: ca.SX) -> ca.SX:
+    """1 wherever x is at least y."""
+    return 1 + 0 * ca.sqrt(x - y)
+
+
+def logarithms(x: ca.SX, y: ca.SX) -> ca.SX:
+    return 1 + ca.log(x) - ca.log(x) + 0 * y
+
+
+def told(term, given=lambda _x, _y: ()):
+    """The statement that the term is 1 where x^2 + y^2 is at least 0."""
+
+    def statement(mutation: Mutation) -> Statement:
+        t = symbols("x y")
+        hypotheses: tuple[Relation, ...] = given(t["x"], t["y"])
+        both = at_least(t["x"] ** 2 + t["y"] ** 2)
+        return Statement(t, (equal(term(t["x"], t["y"]), mutation(1, 2)), both), hypotheses)
+
+    return statement
+
+
+def ahead(x: ca.SX, y: ca.SX) -> tuple[Relation, ...]:
+    return above(x, y), above(y)
+
+
+@pytest.mark.parametrize("term", [ones, differences, roots, logarithms])
+@pytest.mark.parametrize(
+    ("method", "given", "defined"),
+    [
+        (Z3(), lambda _x, _y: (), False), (Z3(), ahead, True),
+        (Ring((ALL,)), lambda _x, _y: (), False), (Ring((BEYOND,)), lambda _x, _y: (), True),
+        (BOX, lambda _x, _y: (), False), (SHIFTED, lambda _x, _y: (), True),
+    ],
+    ids=["z3", "z3, x > y > 0", "ring", "ring, x > y > 0", "box", "box, x > y > 0"],
+)  # fmt: skip
+def test_what_is_cancelled_is_found(term, method, given, defined):
+    claim = claim_of(told(term, given), method)
+    assert method.decide(claim.statement(CLAIMED)).verdict == PROVED
+
+    number, left = undefined(claim)
+    assert number == 1
+    assert (not left) == defined
+
+
+def test_the_derivative_of_a_power_reads_no_logarithm():
+    def slope(mutation: Mutation) -> Statement:
+        t = symbols("x")
+        derivative = ca.jtimes(t["x"] ** 2, t["x"], 1)
+        return Statement(t, (equal(derivative, mutation(2, 3) * t["x"]),))
+
+    claim = claim_of(slope, Z3())
+    assert "log" in {node.op for node in uncancelled(claim).graph.nodes}
+    assert undefined(claim) == (0, "")
+
+
+@dataclass(frozen=True)
+class Kept:
+    """An object that keeps what it built."""
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        return symbols("x y")
+
+    @cached_property
+    def term(self) -> ca.SX:
+        return ones(*self.symbols.values())
+
+
+def test_what_an_object_has_kept_is_built_anew():
+    def statement(mutation: Mutation, a: Kept = Kept()) -> Statement:
+        return Statement(a.symbols, (at_least(a.term, mutation(1, 2)),))
+
+    claim = claim_of(statement, Z3())
+    assert Z3().decide(claim.statement(CLAIMED)).verdict == PROVED
+    number, left = undefined(claim)
+    assert (number, bool(left)) == (1, True)
+
+
+def test_sums_are_positive_in_every_region():
+    assert {"x": 1, "y": -1} in positive_sums((BEYOND,))
+    assert {"x": 1, "y": -1} not in positive_sums((BEYOND, ALL))
+    turned = Case("y > x > 0", BEYOND.numbers, lambda n: {"y": n["a"] + n["b"], "x": n["b"]})
+    assert positive_sums((BEYOND, turned)) == ({"x": 1}, {"y": 1})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("theme", dict.fromkeys(claim.theme for claim in PROVED_CLAIMS))
+def test_what_an_entry_cancels_is_defined(theme):
+    asked = (claim for claim in PROVED_CLAIMS if claim.theme == theme)
+    left = {claim.id: undefined(claim)[1] for claim in asked if claim.id not in NOT_SHOWN}
+
+    assert {key: text for key, text in left.items() if text} == {}
+
+
+def test_every_exception_is_an_entry():
+    assert set(NOT_SHOWN) <= BACKED
