@@ -47,7 +47,7 @@ def test_what_the_linear_part_leaves_stays_below_its_bound(loop, name):
 
 
 def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
-    gains = loop_gains(loop, np.zeros(3), np.zeros(len(loop.names)))
+    gains = loop_gains(loop, np.zeros((len(loop.at), 1)), np.zeros(len(loop.names)))
 
     assert gains.damping < 1e-3
     assert max(part.constant.max() for part in (gains.fast, gains.state, gains.law)) < 1e-15
@@ -61,7 +61,7 @@ def test_what_never_changes_brings_the_loop_as_far_as_is_said_and_no_further(loo
     """Of what each plant step adds: summed step by step, in doubles."""
     added, size = np.zeros(len(loop.names)), len(loop.names)
     added[place] = 1e-3
-    gains = loop_gains(loop, np.zeros(3), added)
+    gains = loop_gains(loop, np.zeros((len(loop.at), 1)), added)
     sample = SampleMatrices(loop)
     A, step = (np.array(item, dtype=float) for item in (sample.A, sample.step))
     within = [np.array(item[:, : sample.n], dtype=float) for item in sample.fast]

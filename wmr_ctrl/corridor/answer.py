@@ -27,6 +27,7 @@ class Corridor:
     ``refused`` says why there is none; ``closes``: share of push and errors with which there is.
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
+    ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
     ``late``: drives have delay or lag, and have to give friction's torque at the start already.
     ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
     ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
@@ -50,6 +51,7 @@ class Corridor:
     masses: tuple[tuple[float, float], ...] | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_late: float | None = None
+    settling: float = 0.0
     late: bool = False
     run: float | None = None
     whole: Corridor | None = None
@@ -83,7 +85,7 @@ class Corridor:
         return (
             f"corridor: within {length(self.position)} and {self.heading:.2g} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
-            f"{self._mass}{lasts}; no limit and no guard acts there (most used: "
+            f"{self._mass}{lasts}; {self._free} (most used: "
             f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
         )
 
@@ -97,6 +99,12 @@ class Corridor:
             f"{self.run:g} s, where no limit and no guard acts either (most used: {self.binding}, "
             f"{100 * (self.share or 0.0):.0f} %)"
         )
+
+    @property
+    def _free(self) -> str:
+        if not self.settling:
+            return "no limit and no guard acts there"
+        return f"limits and guard may act for {self.settling:g} s, none acts from then on"
 
     @property
     def _from(self) -> str:
@@ -131,6 +139,7 @@ class Corridor:
         return {
             "position": self.position, "heading": self.heading,
             "start": list(self.start), "position_late": self.position_late,
+            "settling": self.settling,
             "binding": self.binding, "share": self.share, "linear": self.linear,
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
             "mass": self.mass, "masses": self.masses, "until": self.until, "clearance": clearance,

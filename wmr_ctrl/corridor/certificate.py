@@ -12,6 +12,7 @@ taken of X and then of itself, bounds what is left of x in the long run.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
 from math import cos, pi
@@ -68,7 +69,8 @@ class Peaks:
 class Tube:
     """A closed box: ``position`` [m], ``heading`` [rad], and the condition that is used most.
 
-    ``position_late`` [m]: what the position comes down to in the long run.
+    ``position_late`` [m]: what the position comes down to in the long run.  ``settling`` [s]: the
+    time before which limits may act, 0: none does.
     """
 
     peaks: Peaks
@@ -77,6 +79,7 @@ class Tube:
     heading: float
     binding: str
     share: float
+    settling: float = 0.0
 
 
 class Certifier:
@@ -92,7 +95,8 @@ class Certifier:
             [float((a - x).mid()) for a, x in zip(moved, loop.step.at, strict=False)]
         )
         try:
-            self.gains = loop_gains(loop, np.array(setup.scenario.corridor.start), self.added)
+            start = np.diag((*setup.scenario.corridor.start, *[0.0] * (len(loop.at) - 3)))
+            self.gains = loop_gains(loop, start, self.added)
         except SlowLoopError as error:
             raise NoCorridorError(f"the loop is unstable, or takes too long: {error}") from error
         self.level = np.array([upper(item) for item in shown[-loop.count :]])
@@ -110,6 +114,12 @@ class Certifier:
         self.by_body = np.array([[upper(x) for x in row[-COMMAND:]] for row in loop.step.slopes()])
         self.step_rest[:2] += reference_gap(v_d, setup.scenario.clock.plant)
         self.begun, self.old = self._reckoning_gap(), self._old_velocity()
+
+    def started(self, start: Floats) -> Certifier:
+        """The same from a start off by shares of some columns (n, columns)."""
+        other = copy(self)
+        other.gains = loop_gains(self.loop, start, self.added)
+        return other
 
     def _reckoning_gap(self) -> float:
         """Distance [m] by which dead reckoning over a sample misses the reference."""

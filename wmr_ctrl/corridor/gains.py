@@ -45,7 +45,7 @@ class Gains:
     ``by``: columns push (2), errors of the law's outputs, a disc of (e1, e2) as measured, nothing,
     errors of e3, v1 and omega as measured.
     ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
-    after a start whose e is off by up to what was asked for, and nothing else is; ``misled``: after
+    after a start that is off by shares of the columns that were asked for; ``misled``: after
     one whose estimated position is off by 1 m in any direction, alone; ``before`` (2 columns):
     after one at which an observer remembers a velocity that is off by 1, alone.  ``first``: the
     same within one sample, by the state at its begin and then as ``by`` and ``steps``.  ``left``:
@@ -82,7 +82,7 @@ class LoopGains:
 
 
 def loop_gains(loop: SampledLoop, start: Floats, added: Floats) -> LoopGains:
-    """All gains of a loop, from a start off by |e| <= ``start`` (3).
+    """All gains of a loop, from a start off by shares of the columns ``start`` (n, columns).
 
     ``added``: what every plant step adds to the fast state, always the same.
     SlowLoopError where it is unstable or too slow to be enclosed.
@@ -189,13 +189,12 @@ class _Sums:
         that ``rows`` picks from; None: nothing.
         """
         size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
-        seen = np.abs(rows.picked @ rows.state @ self.course)
+        ways = rows.picked @ rows.state @ self.course
+        seen = np.abs(ways)
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
         reach = size @ self.scale
         tail = np.outer(reach, self.norms.sum(axis=0)) * self.damping / (1 - self.damping)
-        e = slice(len(self.start))
-        rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
-        start = ((seen[..., e] @ self.start).max(axis=0) + rest @ self.start) * UP
+        start = self._started(ways[..., :n], slack, reach)
         misled, before = self._misled(seen, slack, reach), self._before(seen, slack, reach)
         direct = np.hstack([rows.push, rows.law, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
@@ -213,6 +212,16 @@ class _Sums:
         constant = self._constant(rows, size, reach, added)
         by = (every[:, n:] + direct) * UP
         return Gains(by, steps, start, misled, before, first, left, constant)
+
+    def _started(self, ways: Floats, slack: Floats, reach: Floats) -> Floats:
+        """Largest values after a start at any sum of shares of the columns ``start``."""
+        size = np.abs(self.start).sum(axis=1)
+        rest = (
+            slack[:, : self.n] + np.outer(reach, self.norms[:, : self.n].max(axis=0)) * self.damping
+        )
+        off = (np.abs(ways) @ size).max(axis=0) * ROUNDING
+        most = np.abs(ways @ self.start).sum(axis=2).max(axis=0)
+        return np.asarray((most + off + rest @ size) * UP)
 
     def _constant(
         self, rows: OutputRows, size: Floats, reach: Floats, added: Floats | None

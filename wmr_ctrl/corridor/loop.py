@@ -66,6 +66,7 @@ class Curve:
     def __init__(self, name: str, by: ca.SX, output: ca.SX, at: Floats) -> None:
         """Differentiate ``output`` by ``by`` near ``at``."""
         self.at, self.size = at, output.numel()
+        self.by, self.output = by, output
         slope = ca.jacobian(output, by)
         self._value = Enclosure(name, [by], ca.densify(output))
         self._slope = Enclosure(f"the slope of {name}", [by], slope)

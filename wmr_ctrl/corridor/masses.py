@@ -15,6 +15,7 @@ from wmr_ctrl.corridor.answer import Corridor
 from wmr_ctrl.corridor.certificate import Certifier, Tube
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.loop import BODY
+from wmr_ctrl.corridor.transient import transient
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.scenario import override
 
@@ -60,6 +61,7 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         heading=max(tube.heading for tube in tubes),
         binding=worst.binding,
         share=worst.share,
+        settling=worst.settling,
         masses=mass_ranges(setup) if len(cells) > 1 else None,
     )
 
@@ -90,10 +92,27 @@ def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
 
 def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube:
     try:
-        return certifier.tube(inputs)
+        try:
+            return certifier.tube(inputs)
+        except NoCorridorError:
+            if not any(certifier.loop.setup.scenario.corridor.start) or inputs.body.any():
+                raise
+            return _brought_in(certifier, inputs)
     except NoCorridorError as error:
         closes = _closing(certifier, inputs) if closing else None
         raise NoCorridorError(str(error), closes) from error
+
+
+def _brought_in(certifier: Certifier, inputs: Inputs) -> Tube:
+    """The tube after a transient in which limits may act, with what the transient adds to it."""
+    certifier.started(np.zeros((len(certifier.loop.at), 1))).tube(inputs)
+    before, tube = transient(certifier, inputs)
+    return replace(
+        tube,
+        position=max(tube.position, before.position),
+        heading=max(tube.heading, before.heading),
+        settling=before.time,
+    )
 
 
 def _closing(certifier: Certifier, inputs: Inputs) -> float | None:

@@ -1,0 +1,116 @@
+"""Starts from which limits act: enclosures of the loop against the tests' own loop."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.corridor.adversary import Attacked, worst_pushes
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.corridor.limited import LimitedLoop, _secant_of
+from wmr_ctrl.scenario import load_scenario, override
+
+
+def driven(scenario, start, push):
+    """Errors e at all plant steps (N, 3), and torques, of a run that begins off by ``start``."""
+    loop = Attacked(scenario, "prox", push)
+    target = loop.reference(0.0)
+    c, s = np.cos(target.theta - start[2]), np.sin(target.theta - start[2])
+    # ahead is (-s, c), aside (-c, -s)
+    x = target.x + (c * start[1] + s * start[0])
+    y = target.y + (s * start[1] - c * start[0])
+    loop.state = (x, y, target.theta - start[2], target.v1, target.v2)
+    loop.run(None)
+    columns = loop.log.columns()
+    torque = max(np.abs(columns[name]).max() for name in ("tau_right", "tau_left"))
+    return np.array(loop.errors), torque
+
+
+@pytest.fixture(scope="module")
+def limited():
+    return LimitedLoop(Certifier(settle(load_scenario("safe-simulation"), "prox")))
+
+
+@pytest.mark.parametrize(
+    "middle", [(0.045, 0.045, 0.13), (-0.045, 0.03, -0.13), (-0.02, 0.0, 0.0), (0.01, -0.01, 0.05)]
+)
+def test_cells_hold_all_runs_of_the_oracle_while_limits_act(limited, middle):
+    scenario, samples = load_scenario("safe-simulation"), 10
+    width, rng = np.array([0.002, 0.002, 0.01]), np.random.default_rng(3)
+    inputs, steps = limited.certifier.inputs, scenario.clock.substeps
+    cells, boxes, far = limited.start(np.array([middle]), width[None]), [], 0.0
+    for _ in range(samples):
+        cells, way, _ = limited.after(cells, inputs)
+        boxes.append((cells.c[0, :3], cells.radius[0, :3]))
+        far = max(far, way[0])
+
+    reached = []
+    for _ in range(12):
+        start = np.array(middle) + width * rng.choice([-1.0, 1.0], size=3)
+        push = 3.0 * rng.choice([-1.0, 1.0], size=(1 if rng.random() < 0.5 else samples, 2))
+        e, torque = driven(scenario, start, np.broadcast_to(push, (samples, 2)))
+        reached.append(torque)
+        for (center, radius), now in zip(boxes, e[steps - 1 :: steps], strict=True):
+            assert (np.abs(now - center) <= radius).all()
+        assert np.hypot(e[:, 0], e[:, 1]).max() <= far
+
+    if abs(middle[0]) > 0.03:
+        assert max(reached) == pytest.approx(20.0)  # the wheels' limit did act
+
+
+def test_a_start_from_which_limits_act_comes_into_its_corridor():
+    start = (0.008, 0.008, 0.03)
+    scenario = override(load_scenario("safe-simulation"), {"corridor.start": start})
+    alone = find_corridor(load_scenario("safe-simulation"), "prox")
+    tube, samples = find_corridor(scenario, "prox"), 250
+    assert tube.settling > 0
+    assert "limits and guard may act for" in tube.sentence
+    assert tube.position_late == pytest.approx(alone.position, rel=1e-4)
+
+    for push, signs in zip(worst_pushes(scenario, "prox", samples, 3.0), range(8), strict=True):
+        corner = np.array(start) * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
+        e, _ = driven(scenario, corner, push)
+        assert np.hypot(e[:, 0], e[:, 1]).max() <= tube.position
+        assert np.abs(e[:, 2]).max() <= tube.heading
+
+
+def test_a_start_that_is_too_far_off_is_refused_with_its_place(monkeypatch):
+    monkeypatch.setattr("wmr_ctrl.corridor.transient.CELLS", 20)
+    monkeypatch.setattr("wmr_ctrl.corridor.transient.MOST", 60)
+    scenario = override(load_scenario("safe-simulation"), {"corridor.start": (0.01, 0.01, 0.5)})
+    words = find_corridor(scenario, "prox").refused
+
+    assert "limits may act, and from a start off by about (" in words
+    assert "it is not known to come back" in words
+
+
+@pytest.mark.parametrize(
+    ("law", "changes", "words"),
+    [
+        ("mb", {}, "covered for prox"),
+        ("prox", {"sensor.pose_noise": 1e-5}, "errors of measurements"),
+        ("prox", {"gains.prox.transport": "level"}, "covered for prox"),
+    ],
+)
+def test_what_a_transient_does_not_cover_is_refused_by_name(law, changes, words):
+    far = {"corridor.start": (0.02, 0.02, 0.1), **changes}
+    tube = find_corridor(override(load_scenario("safe-simulation"), far), law)
+
+    assert words in tube.refused
+
+
+def test_the_proximal_map_lies_between_the_lines_that_enclose_it(limited):
+    rng = np.random.default_rng(5)
+    for graph in limited.maps:
+        low = rng.uniform(-3.0, 2.0, 200)
+        high = low + rng.uniform(0.0, 1.0, 200)
+        slope, least, most = _secant_of(graph, low, high)
+        for share in np.linspace(0.0, 1.0, 101):
+            y = low + share * (high - low)
+            x = _secant_of(graph, y, y)
+            value = x[0] * y + x[1]
+            assert (value - slope * y <= most).all()
+            assert (value - slope * y >= least - 1e-11).all()
+        assert ((slope >= 0) & (slope <= 1)).all()
