@@ -41,7 +41,7 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
             certifier = Certifier(cell)
             inputs = replace(certifier.inputs, body=widths)
             if tubes and float(max(inputs.push)) != known.push:
-                raise NoCorridorError("an effect's bound changes with the mass: take cells = 0")
+                raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
             first, second = map(float, inputs.velocity)
             known = replace(
                 known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)

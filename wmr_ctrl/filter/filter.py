@@ -88,7 +88,7 @@ def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
             raise ScenarioError(
                 f"filter.slew[{i + 1}] = {slew[i]:g} brings no gain: from {worth:.3g} on, slow "
                 "commands may be no larger than any others. State a smaller value, leave out "
-                'filter.slew, or take filter.kind = "band".'
+                'filter.slew, or use filter.kind = "band".'
             )
 
 

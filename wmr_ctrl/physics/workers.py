@@ -106,7 +106,8 @@ class Worker:
         except (EOFError, OSError):
             raise WmrError(
                 "a process that worked on the rigid body ended before its result. Was it killed, "
-                "or the memory full? Take fewer jobs, or jobs=1, which needs no process for a run."
+                "or was the memory full? Use fewer jobs, or jobs=1, which needs no process for a "
+                "run."
             ) from None
         if error is not None:
             raise error

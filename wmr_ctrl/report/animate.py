@@ -99,7 +99,7 @@ def check_film(path: str | os.PathLike[str], plant: str) -> None:
     target_of(path, FILMS, "a film is .mp4 or .gif", write=False)
     if plant != "mujoco":
         raise ArgumentError(
-            "a film shows the rigid body, and the run is of the plane model. Take the plant mujoco "
+            "a film shows the rigid body, but the run used the plane model. Use the plant mujoco "
             "(--plant mujoco), or draw the run (--animate)."
         )
     _film_target(path, FILMS, "a film is .mp4 or .gif")

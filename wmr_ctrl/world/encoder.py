@@ -96,8 +96,8 @@ def reader(scenario: Scenario) -> System:
     """
     if scenario.section(Encoder).method == TIME:
         raise ArgumentError(
-            "encoder.method = time needs the times at which counts came, and a controller is "
-            "given counts at its samples. Take encoder.method = difference."
+            "encoder.method = time needs the times at which counts came, but a controller gets "
+            "counts only at its samples. Use encoder.method = difference."
         )
     p, counts, started = Parameters(scenario), port(COUNTS), port(STARTED)
     seen = history(COUNTS, counts.sym, started.sym == 0, periods_in_window(scenario))

@@ -96,8 +96,8 @@ def check_parts(setup: Setup, plant: Part) -> None:
     if lost:
         raise ArgumentError(
             f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
-            "which include it (and thrust and moment, where it acts on the body), or take it out "
-            f"of the scenario: {', '.join(lost)}."
+            "which include it (and thrust and moment, where it acts on the body), or remove it "
+            f"from the scenario: {', '.join(lost)}."
         )
 
 

@@ -254,7 +254,7 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
     if missing:
         raise ArgumentError(
             f"the scenario changes {', '.join(missing)}, and the map's [plant.parameters] has no "
-            f'name for it. Add "{missing[0]}" = "their name", or take a scenario without changes.'
+            f'name for it. Add "{missing[0]}" = "their name", or use a scenario without changes.'
         )
 
     def change(what: Change) -> None:
