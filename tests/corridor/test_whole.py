@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
@@ -24,6 +26,7 @@ CASES = {
 """Changes, the time to which pushes lead furthest [s], and how tight the corridor is at least."""
 
 
+@lru_cache(maxsize=4)
 def worst_pushes(scenario, law, end):
     """For each of DIRECTIONS: signs (samples, 2) of pushes that lead furthest that way at last."""
     blank = np.zeros((end, 2))
@@ -35,10 +38,12 @@ def worst_pushes(scenario, law, end):
             push = blank.copy()
             push[place, wheel] = TINY
             answers[wheel, k] = attack(scenario, law, push, changing=True).e[-1] - rest
+    every = []
     for ahead, left in DIRECTIONS:
         led = ahead * answers[..., 0] + left * answers[..., 1]
-        every = [np.interp(np.arange(end), places, row) for row in led]
-        yield np.sign(np.stack(every, axis=1))
+        courses = [np.interp(np.arange(end), places, row) for row in led]
+        every.append(np.sign(np.stack(courses, axis=1)))
+    return every
 
 
 def test_a_set_that_stands_serves_for_many_samples_and_is_no_smaller(monkeypatch):
@@ -78,3 +83,31 @@ def test_no_adversary_leaves_it_and_some_come_near(case):
     assert tube.position / loose <= farthest.position
     assert np.abs(farthest.e[:, 2]).max() <= tube.heading
     assert not farthest.clipped
+
+
+def test_a_push_beyond_its_bound_by_a_fifth_leaves_it_on_a_figure_of_eight():
+    changes, until, _ = CASES["a figure of eight, where it is slowest"]
+    told = {"clock.control": PERIOD, "clock.duration": 12.0, **changes}
+    scenario = override(load_scenario("safe-simulation"), told)
+    size = 1.2 * scenario.disturbance.std * scenario.disturbance.truncate
+    signs = worst_pushes(scenario, "prox", round(until / PERIOD))
+    reached = (attack(scenario, "prox", size * push).position for push in signs)
+
+    assert max(reached) > find_corridor(scenario, "prox", whole=True).position
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"reference.kind": "stop-and-go"}, "since friction turns near standstill, at t = 0 s"),
+        ({"actuator.tau_max": 12.0, "changes": HEAVIER}, "wheel may reach"),
+    ],
+)
+def test_what_stops_it_is_named_with_its_time(changes, words):
+    told = {"clock.control": PERIOD, "clock.duration": 6.0, "guard.enabled": False, **changes}
+    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
+    tube = tube.whole or tube
+
+    assert tube.position is None
+    assert words in tube.refused
+    assert "where v_d = " in tube.refused
