@@ -131,6 +131,7 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
     assert (pieces.max(axis=(0, 1)) <= known.high + 1e-9).all()
     assert (pieces.min(axis=(0, 1)) >= known.low - 1e-9).all()
     assert (known.high - pieces.max(axis=(0, 1))).max() < 0.05
+    assert known.high.max() <= 5  # `filter.rounding.band`
     fine = np.arange(2 * len(t)) * t[1]
     behind = np.array([step(lti(*m), T=fine)[1] for m in members])[:, len(t) - 1 :]
     later = fine[len(t) - 1 :] - t[-1]

@@ -243,6 +243,8 @@ def test_the_worst_slow_commands_of_all_stay_inside(a, least):
     c = sent_at_last(scenario(slew=(a, a), push=(0.0, 0.0)))
     worst = fastest_slow_command(pi_base(65, 135, 330, 0), c, a, 0.05)
     assert least < worst <= 1.0
+    for M, kp, ki in ((68.25, 135, 330), (65, 128.25, 330), (65, 135, 346.5)):  # 5 % wrong alone
+        assert worst < fastest_slow_command(pi_base(M, kp, ki, 0), c, a, 0.05) < 1.0
     assert c > sent_at_last(scenario(push=(0.0, 0.0)))  # and it leaves more than without
 
 
@@ -257,6 +259,8 @@ def test_slow_commands_that_are_wrong_break_the_limit():
 
     assert fastest(1.0, 0.02) <= 1.0 < fastest(1.05, 0.02)
     assert fastest(1.0, 100.0) > 1.3
+    for own in ((3.8, 0.4), (4.0, 0.38)):  # a frequency or a damping 5 % wrong alone
+        assert fastest_slow_command(second_order_base(*own, 1.0), c, 0.02, 0.5) < 1.0
 
 
 def test_commands_change_no_faster_than_stated_and_both_axes_together():

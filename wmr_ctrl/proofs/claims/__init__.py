@@ -44,6 +44,7 @@ THEMES = (
     ("filter_band", "The command filter of bases that take velocities"),
     ("filter_force", "The command filter of bases that take velocities"),
     ("filter_rounding", "The command filter of bases that take velocities"),
+    ("filter_band_rounding", "The command filter of bases that take velocities"),
     ("world", "Encoders and wheels"),
     ("drive_bounds", "Motors and late drives"),
     ("command_bounds", "Commands on their way to a base"),
