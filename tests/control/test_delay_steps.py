@@ -1,11 +1,12 @@
-"""A delay is so many whole plant steps, whatever the division's rounding says."""
+"""Numbers of the clock: whole plant steps of a delay, and limits with room for rounding."""
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.control.loop import LoopGraphs
+from wmr_ctrl.control.loop import CLOCK, LoopGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import load_scenario
 
@@ -23,3 +24,14 @@ def test_no_delay_loses_a_step(plant: float) -> None:
         for delay in (n * plant, n / round(1 / plant)):
             numbers[place] = delay
             assert float(graphs.delay_steps(numbers)) == n
+
+
+def test_what_rounding_adds_to_a_limit_is_no_violation() -> None:
+    """Some roundings of the limit are allowed, and no more than a part in a million million."""
+    graphs = LoopGraphs(settle(load_scenario("paper-simulation"), "mb"))
+    numbers = [value for item in graphs.parameters.ports for value in item.value]
+    counted = ca.Function("clock", [graphs.p], [graphs.clock])(numbers)
+
+    for axis, name in enumerate(("v_u1_linear", "v_u1_angular")):
+        share = float(counted[CLOCK.index(name)]) / graphs.setup.scenario.limits.v_u1[axis]
+        assert 1 + 4 * 2.0**-52 < share <= 1 + 1.01e-12
