@@ -129,7 +129,7 @@ def test_what_was_taken_is_said() -> None:
     said = provenance(Ledger((entry, given)), anew=False)
     assert said.startswith("1 checked now")
     assert "1 given" in said
-    assert "1 entries' alterations and 1 answers of second solvers" in said
+    assert "the alterations of 1 and the second solvers' answers for 1 of them" in said
     assert "From the record: nothing." in provenance(Ledger((entry, given)), anew=True)
 
 

@@ -91,13 +91,13 @@ def provenance(ledger: Ledger, anew: bool) -> str:
     altered = sum(1 for entry in checked if entry.alterations)
     confirmed = sum(1 for entry in checked if entry.confirmed_by)
     taken = (
-        f"{altered} entries' alterations and {confirmed} answers of second solvers, where claim, "
-        "method and versions are the same"
+        f"the alterations of {altered} and the second solvers' answers for {confirmed} of them, "
+        "where claim, method and versions are the same"
     )
     return (
         f"{len(checked)} checked now, their functions searched anew; {given} given (by hand, "
         f"definitions, open). From the record: {'nothing' if anew else taken}. Claims are about "
-        "real numbers, but for entries whose id or method speaks of rounding."
+        "real numbers, except where an entry's id or method speaks of rounding."
     )
 
 
