@@ -19,7 +19,9 @@ from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equa
 
 pytest.importorskip("z3")
 
-TEXT = "in another text of the same divisor, which eq09 and forms.q show to be positive"
+TEXT = (
+    "a divisor that, by its values at random points, the compiled graph reads, too: RING shows it"
+)
 BEHIND = "T/tau, which the entry reads through exponentials that are any numbers in (0, 1)"
 NOT_SHOWN = {
     **dict.fromkeys(("eq30.law", "eq30.law-angular"), TEXT),
