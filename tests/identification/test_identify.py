@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -140,6 +140,18 @@ def identify_text(text):
         with open(path, "w") as file:
             file.write(text)
         return identify(path, overrides=KNOWN)
+
+
+@pytest.mark.slow
+def test_the_guard_has_room_for_the_delay_and_lag_that_creeping_tyres_hide():
+    columns = simulate(replace(TRUTH, creep=1500.0), 1, 40.0, seed=0, step=2e-3)
+
+    found = identify(log_of(columns, 0), overrides=KNOWN)
+
+    for name, (least, most) in (("delay", found.bounds.delay), ("lag", found.bounds.lag)):
+        assert found.parameters[name].high < getattr(TRUTH, name), f"{name} is not hidden here"
+        assert least <= getattr(TRUTH, name) <= most, name
+    assert found.scenario.guard.enabled, found.remarks
 
 
 @pytest.mark.slow

@@ -39,9 +39,9 @@ APART = 1.5
 """Sums of half-widths by which two parts of a log are apart where something changed."""
 WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
 """Factors on the range of masses that are tried where a motion is not explained."""
-CREEP = 0.01
-"""By how much the tread's creep may hide a command's delay [s]: m/(2 C), for 30 kg on tyres of
-1500 N s/m.  No log of wheels alone tells it, so it is added."""
+CREEP, CREEP_LAG = 0.01, 0.005
+"""By how much creeping tread may hide delay and lag [s], which no log of wheels tells: m/(2 C)
+for 30 kg on tyres of 1500 N s/m, and by how much fits of such logs miss the lag on average."""
 SIGMAS = 3.0
 NEWTON = 1.0
 WILKS_BLOCKS = 59
@@ -89,7 +89,7 @@ def guard_bounds(
         (float(dbar[0]), float(dbar[1])),
         (float(nbar[0]), float(nbar[1])),
         late,
-        (max(intervals["lag"][1], 0.0), intervals["lag"][2]),
+        (max(intervals["lag"][1], 0.0), intervals["lag"][2] + CREEP_LAG),
         (float(q[0]), float(q[1])),
         tolerance_sentence(white, colour),
         wide,
