@@ -13,6 +13,7 @@ from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.inputs import bounded_inputs
 from wmr_ctrl.corridor.passage import Passing
+from wmr_ctrl.corridor.whole import certified_run
 from wmr_ctrl.scenario import load_scenario, override
 
 PERIOD, WINDOW, STRIDE = 0.02, 150, 15
@@ -111,3 +112,22 @@ def test_what_stops_it_is_named_with_its_time(changes, words):
     assert tube.position is None
     assert words in tube.refused
     assert "where v_d = " in tube.refused
+
+
+def test_masses_in_cells_and_changes_are_refused_together():
+    told = {"corridor.cells": 2, "changes": HEAVIER}
+    refused = certified_run(
+        settle(override(load_scenario("safe-simulation"), told), "prox")
+    ).refused
+
+    assert refused == "masses in cells (corridor.cells) and changes are not covered"
+
+
+def test_what_stays_free_counts_on_the_corridor_that_there_is():
+    """The whole run has none from a start off the path; until the change there is one."""
+    told = {"reference.keep_out": [[0.0, 2.0, 1.0]], "body.radius": 0.3, "changes": HEAVIER,
+            "corridor.start": [0.003, 0.003, 0.02]}  # fmt: skip
+    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
+
+    assert tube.whole.position is None
+    assert tube.clearance.free == pytest.approx(1.0 - 0.3 - tube.position, abs=1e-3)

@@ -77,5 +77,7 @@ def _of(setup: Setup, whole: bool) -> Corridor:
         tube = certified(setup) if steady or not whole else certified_run(setup)
         if whole and steady and tube.position is not None and tube.until is not None:
             tube = replace(tube, whole=certified_run(setup))
-    position = tube.position if tube.whole is None else tube.whole.position
+    position = tube.position
+    if tube.whole is not None and tube.whole.position is not None:
+        position = tube.whole.position
     return replace(tube, clearance=find_clearance(setup.scenario, position))

@@ -29,6 +29,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
     scenario, cells = setup.scenario, mass_cells(setup)
     known = Corridor(setup.name, run=scenario.clock.duration, mass=scenario.robot.m)
     result: list[tuple[Along, RunBounds]] = []
+    here = ""
     try:
         check_covered(setup)
         if reference(scenario).x.numel():
@@ -36,6 +37,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         if len(cells) > 1 and scenario.changes:
             raise NoCorridorError("masses in cells (corridor.cells) and changes are not covered")
         for cell, widths in cells:
+            here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
             inputs = replace(bounded_inputs(cell), body=widths)
             first, second = map(float, inputs.velocity)
             known = replace(
@@ -43,7 +45,6 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
             )
             result.append(_passed(cell, inputs, closing))
     except NoCorridorError as error:
-        here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
         return replace(known, refused=f"{here}{error}", closes=error.closes)
     along, passage = max(result, key=lambda item: float(item[1].share.max()))
     worst = int(passage.share.argmax())
