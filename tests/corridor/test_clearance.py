@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import load_run, simulate
-from wmr_ctrl.corridor.clearance import find_clearance
+from wmr_ctrl.corridor.clearance import find_clearance, length, rounded
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results.obstacles import distance, nearest
 from wmr_ctrl.scenario import load_scenario, loads_scenario, override
@@ -99,3 +99,11 @@ def test_what_is_no_obstacle_is_refused(shapes, words):
 def test_obstacles_without_a_body_are_refused():
     with pytest.raises(ScenarioError, match=r"body\.radius is not stated"):
         override(load_scenario("safe-simulation"), {"reference.keep_out": [CIRCLE]})
+
+
+def test_lengths_are_never_said_to_be_less_than_they_are_nor_what_is_free_more():
+    assert (length(0.0072532), length(0.0072532, up=False)) == ("7.26 mm", "7.25 mm")
+    assert (length(0.1392), length(0.1392, up=False)) == ("0.14 m", "0.139 m")
+    assert length(0.1 + 0.2) == length(0.1 + 0.2, up=False) == "0.3 m"  # a double's own rounding
+    assert (rounded(-0.0123, 2), rounded(-0.0123, 2, up=False)) == ("-0.012", "-0.013")
+    assert (rounded(0.0, 2), rounded(float("inf"), 2)) == ("0", "inf")

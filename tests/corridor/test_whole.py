@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.corridor.adversary import DIRECTIONS, TINY, attack
+from tests.world.toys import GUST
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.along import Along
@@ -15,6 +16,7 @@ from wmr_ctrl.corridor.inputs import bounded_inputs
 from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.corridor.whole import certified_run
 from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.registry import EFFECTS
 
 PERIOD, WINDOW, STRIDE = 0.02, 150, 15
 EIGHT = {"reference.kind": "lemniscate", "changes": [], "disturbance.std": 0.5}
@@ -131,3 +133,36 @@ def test_what_stays_free_counts_on_the_corridor_that_there_is():
 
     assert tube.whole.position is None
     assert tube.clearance.free == pytest.approx(1.0 - 0.3 - tube.position, abs=1e-3)
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_law_that_predicts_is_refused_by_a_sentence(whole):
+    """Its graph has an operation without an enclosure."""
+    told = {"guard.enabled": False, "actuator.delay": 0.02, "gains.prox.delay": 0.02}
+    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=whole)
+
+    assert "is not covered" in tube.refused
+
+
+def test_the_first_estimate_of_a_pose_is_off_by_what_the_heading_makes_of_a_period():
+    """Of poses that are corrected in part, turned back by a heading that is off, too."""
+    told = {"sensor.correction": 0.4, "clock.control": 0.1, "reference.rate": 0.6,
+            "reference.radius": 0.4, "clock.duration": 2.0, "changes": []}  # fmt: skip
+    along = Along(setup := settle(override(load_scenario("safe-simulation"), told), "prox"))
+    passing = Passing(along, bounded_inputs(setup), np.zeros(3))
+    place = len(passing.pending) - along.loop.acting - along.loop.filter
+    *off, turned = passing.pending[place : place + 3]
+
+    way = 0.24 * 0.1
+    assert (np.array(off) >= way * turned).all()
+    assert passing.pending[0] == 0.0
+
+
+@pytest.mark.parametrize("kind", ["circle", "lemniscate"])
+def test_what_pushes_at_each_plant_step_by_chance_is_refused_by_name(monkeypatch, kind):
+    """The plant step's graph is read with random numbers 0."""
+    monkeypatch.setitem(EFFECTS.__dict__, "plugins", (GUST,))
+    told = {"toy_gust.torque": 1.0, "guard.enabled": False, "reference.kind": kind}
+    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
+
+    assert tube.refused == "the loop with the effect toy gust ([toy_gust]) is not covered"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 
-from wmr_ctrl.corridor.clearance import Clearance, length
+from wmr_ctrl.corridor.clearance import Clearance, length, rounded
 
 
 @dataclass(frozen=True)
@@ -79,11 +79,12 @@ class Corridor:
         if self.position is None:
             closes = "" if self.closes is None else f"; it closes {self._while(self.closes)}"
             return f"no corridor: {self.refused}{closes}"
-        loaded = ", with the torque that friction takes in its drives" if self.late else ""
+        load = "the torque that friction takes" if self.run is None else "no torque"
+        loaded = f", with {load} in its drives" if self.late else ""
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
         lasts += "" if self.run is None else f", in a run of {self.run:g} s"
         return (
-            f"corridor: within {length(self.position)} and {self.heading:.2g} rad of its place "
+            f"corridor: within {length(self.position)} and {self._turned} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
             f"{self._mass}{lasts}; {self._free} (most used: "
             f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
@@ -95,10 +96,19 @@ class Corridor:
         if self.position is None:
             return f"; over the whole run {self._promise}"
         return (
-            f"; within {length(self.position)} and {self.heading:.2g} rad over the whole run of "
-            f"{self.run:g} s, where no limit and no guard acts either (most used: {self.binding}, "
-            f"{100 * (self.share or 0.0):.0f} %)"
+            f"; {self._idle}within {length(self.position)} and {self._turned} rad over the whole "
+            f"run of {self.run:g} s, where no limit and no guard acts either (most used: "
+            f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
         )
+
+    @property
+    def _turned(self) -> str:
+        return rounded(self.heading or 0.0, 2)
+
+    @property
+    def _idle(self) -> str:
+        """How a whole run begins, where drives are late."""
+        return "from drives without torque, " if self.late else ""
 
     @property
     def _free(self) -> str:
@@ -109,7 +119,8 @@ class Corridor:
     @property
     def _from(self) -> str:
         ahead, aside, turn = self.start
-        moved = f"{length(ahead)} ahead, {length(aside)} aside and {turn:g} rad"
+        far = f"{length(ahead, up=False)} ahead, {length(aside, up=False)} aside"
+        moved = f"{far} and {turn:g} rad"
         late, begun = length(self.position_late or 0.0), length(self.position or 0.0)
         when = "in the long run" if self.run is None else "in its second half"
         counted = any(self.start) or (late != begun and self.run is None)
@@ -175,9 +186,9 @@ class CorridorLeft:
 
 def bounds(push: float, pose: float, velocity: tuple[float, float]) -> str:
     """Sizes of what disturbs, as a clause: torque [N m], position [m], velocities."""
-    parts = [f"each wheel is pushed by at most {push:.3g} N m"] * (push > 0)
+    parts = [f"each wheel is pushed by at most {rounded(push, 3, up=False)} N m"] * (push > 0)
     if pose > 0:
-        parts.append(f"positions are measured to within {length(pose)}")
+        parts.append(f"positions are measured to within {length(pose, up=False)}")
     if any(velocity):
         parts.append(f"velocities to within {velocity[0]:.3g} m/s and {velocity[1]:.3g} rad/s")
     return ", ".join(parts) if parts else "nothing disturbs"

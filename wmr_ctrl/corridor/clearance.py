@@ -6,7 +6,9 @@ admits, and half of that is taken off, so that no obstacle is missed in between.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 import numpy as np
 
@@ -40,8 +42,8 @@ class Clearance:
         if self.path < 0:
             return f"clearance: none, the path leads through {place}"
         near = (
-            f"clearance: the path comes within {length(self.path)} of {place}, the body takes "
-            f"{length(self.radius)} of it"
+            f"clearance: the path comes within {length(self.path)} of {place}, the body "
+            f"takes {length(self.radius)} of it"
         )
         if self.path < self.radius:
             return f"{near}, more than there is: a robot that never left its path would touch it"
@@ -49,7 +51,8 @@ class Clearance:
             return f"{near}; without a corridor nothing is promised of the rest"
         if self.free < 0:
             return f"{near}, the corridor all of the rest: pushes may bring the body there"
-        return f"{near}; as long as the corridor holds, at least {length(self.free)} stay free"
+        free = length(self.free, up=False)
+        return f"{near}; as long as the corridor holds, at least {free} stay free"
 
 
 def find_clearance(scenario: Scenario, corridor: float | None) -> Clearance | None:
@@ -70,6 +73,15 @@ def find_clearance(scenario: Scenario, corridor: float | None) -> Clearance | No
     return Clearance(path, place + 1, float(times[k]), radius, free)
 
 
-def length(value: float) -> str:
-    """A length with its unit, in mm where it is short."""
-    return f"{1e3 * value:.3g} mm" if value < 0.1 else f"{value:.3g} m"
+def length(value: float, up: bool = True) -> str:
+    """A length with its unit, in mm where it is short; never below its value, or never above."""
+    return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"
+
+
+def rounded(value: float, digits: int, up: bool = True) -> str:
+    """A number in significant digits, upwards or downwards unless it is one of them to 1e-12."""
+    if not (math.isfinite(value) and value):
+        return f"{value:g}"
+    exact = Decimal(value * (1 - 1e-12 if up == (value > 0) else 1 + 1e-12))
+    mode = ROUND_CEILING if up else ROUND_FLOOR
+    return f"{float(Context(digits, mode).plus(exact)):.{digits}g}"

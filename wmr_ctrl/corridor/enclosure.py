@@ -55,6 +55,8 @@ class Enclosure:
             return given[1] if self._decided(op, given[0] != 0, given[0] == 0) else given[2]
         if op in _CONDITIONS:
             return arb(int(self._decided(op, *_CONDITIONS[op](*given))))
+        if op not in _OPERATIONS:
+            raise OpenBoxError(f"{self.name}: operation {op} of CasADi is not covered")
         return _OPERATIONS[op](*given)
 
     def _decided(self, op: int, yes: bool, no: bool) -> bool:

@@ -19,6 +19,8 @@ from wmr_ctrl.corridor.loop import AXES, Condition
 from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import PLANT_STATE
 from wmr_ctrl.world.delay import DELAY
 from wmr_ctrl.world.effect import Effect, EffectRole, Rate
 from wmr_ctrl.world.lag import LAG, Lag
@@ -69,7 +71,9 @@ def bounded_inputs(setup: Setup) -> Inputs:
     for effect in acting:
         if effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.SAMPLE:
             push = push + _push(effect, setup)
-        elif effect not in (VELOCITY_NOISE, POSE_SENSOR, DELAY, LAG) and not _in_the_step(effect):
+        elif effect not in (VELOCITY_NOISE, POSE_SENSOR, DELAY, LAG) and not _in_the_step(
+            effect, scenario
+        ):
             raise NoCorridorError(f"the loop with the effect {effect.title} is not covered")
     if scenario.section(Lag).lag_spread > 0:
         raise NoCorridorError("actuator.lag_spread > 0: a lag that varies is not covered")
@@ -95,9 +99,16 @@ def check_covered(setup: Setup) -> None:
         raise NoCorridorError(f"only {able} have one, away from their limits")
 
 
-def _in_the_step(effect: Effect) -> bool:
-    """True for what is part of a plant step's graph: a disturbance at its rate."""
-    return effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.STEP
+def _in_the_step(effect: Effect, scenario: Scenario) -> bool:
+    """True for what is part of a plant step's graph: a force by heading and velocity alone.
+
+    That graph is read at one place and time, with random numbers 0.
+    """
+    if effect.role is not EffectRole.DISTURBANCE or effect.rate is not Rate.STEP:
+        return False
+    system = effect.system(scenario)
+    read = {item.signal for item in system.inputs}
+    return not (system.draws or system.state) and read <= set(PLANT_STATE[2:])
 
 
 def _push(effect: Effect, setup: Setup) -> Floats:

@@ -13,6 +13,7 @@ from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor
 from wmr_ctrl.corridor.certificate import Certifier, Tube
+from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.loop import BODY
 from wmr_ctrl.corridor.transient import transient
@@ -38,7 +39,7 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
     tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
     try:
         for cell, widths in cells:
-            certifier = Certifier(cell)
+            certifier = _certifier(cell)
             inputs = replace(certifier.inputs, body=widths)
             if tubes and float(max(inputs.push)) != known.push:
                 raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
@@ -69,6 +70,13 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
 def mass_ranges(setup: Setup) -> tuple[tuple[float, float], ...]:
     """Intervals of mass and inertia that the guard counts on [kg, kg m2]."""
     return tuple(mass_range(setup.guard, i) for i in (0, 1))
+
+
+def _certifier(setup: Setup) -> Certifier:
+    try:
+        return Certifier(setup)
+    except OpenBoxError as error:
+        raise NoCorridorError(f"the undisturbed loop cannot be enclosed ({error})") from error
 
 
 def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:

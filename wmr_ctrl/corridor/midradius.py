@@ -138,6 +138,8 @@ class MidRadiusGraph:
                               for key in ("middle", "radius")))  # fmt: skip
             if op in _CONDITIONS:
                 return MidRadius(self._decided(*_CONDITIONS[op](*given)).astype(float))
+            if op not in _OPERATIONS:
+                raise OpenBoxError(f"operation {op} of CasADi is not covered")
             return _OPERATIONS[op](*given)
         except OpenBoxError as error:
             raise OpenBoxError(f"{self.name}: {error}") from error

@@ -15,6 +15,7 @@ import numpy as np
 from flint import arb
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
+from wmr_ctrl.codegen.build import first_step_at
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import Enclosure
 from wmr_ctrl.corridor.loop import Asked, SampledLoop
@@ -47,6 +48,7 @@ class RunMotion:
     gap: Floats
     reckoned: Floats
     aside: Floats
+    turned: Floats
     robot: Floats
 
 
@@ -54,16 +56,20 @@ def motion_of(scenario: Scenario) -> RunMotion:
     """The scenario's whole run."""
     clock, steps = scenario.clock, scenario.clock.substeps
     n, h = clock.samples, clock.plant
-    rows = sample(scenario, np.arange(n * steps + 1, dtype=float) * h)
+    times = np.arange(n * steps + 1, dtype=float) * h
+    times[::steps] = np.arange(n + 1, dtype=float) * clock.control
+    rows = sample(scenario, times)
     at, every = rows[::steps], rows
     turn = np.diff(at[:, 2]) / clock.control
     length = _chord(at[:-1, :3], at[1:, :3], turn, clock.control)
     way = np.stack([length, turn], axis=1)
     apart = _apart(at[:-1, :3], every, way, steps, h)
     reckoned = _apart(at[:-1, :3], at, way, 1, clock.control)[:, 0]
+    straight = at[:-1, 2:3] + turn[:, None] * (np.arange(1, steps + 1) * h)
+    turned = np.abs(every[1:, 2].reshape(n, steps) - straight).max(axis=1) + UNSURE
     way = np.vstack([way[:1], way])
     return RunMotion(at[:-1, 3:5], at[:-1, 5:7], way, apart[:, -1], reckoned, apart.max(axis=1),
-                  _robots(scenario, n, steps))  # fmt: skip
+                     turned, _robots(scenario, n, steps))  # fmt: skip
 
 
 def _chord(start: Floats, end: Floats, turn: Floats, period: float) -> Floats:
@@ -91,10 +97,10 @@ def _robots(scenario: Scenario, n: int, steps: int) -> Floats:
     robot = scenario.robot
     rows = np.tile([robot.m, robot.I, robot.mu], (n * steps, 1))
     for change in scenario.changes:
-        since = np.ceil(change.t / scenario.clock.plant - 1e-9)
+        since = first_step_at(change.t, scenario.clock.plant)
         for place, name in enumerate(("m", "I", "mu")):
             if name in change.values():
-                rows[int(since) :, place] = change.values()[name]
+                rows[since:, place] = change.values()[name]
     return rows.reshape(n, steps, 3)
 
 

@@ -98,9 +98,10 @@ class Passing:
         first = COMMAND + loop.memory - loop.filter
         place = len(self.pending) - loop.acting - loop.filter
         share = self.along.setup.scenario.sensor.correction
-        begun = np.abs(self.along.outs[0, first : first + 3])
-        self.pending[place : place + 3] = begun / (1 - share)
-        self.pending[place : place + 2] += self.inputs.pose
+        begun = np.abs(self.along.outs[0, first : first + 3]) / (1 - share) + self.pending[:3]
+        way = abs(self.along.motion.v_d[0, 0]) * self.along.setup.scenario.clock.control
+        off = np.hypot(*begun[:2]) + way * begun[2] + self.inputs.pose
+        self.pending[place : place + 3] = np.array([off, off, begun[2]]) * UP + UNSURE
 
     def run(self) -> RunBounds:
         """Over all samples; NoCorridorError at the first at which a condition is broken."""
@@ -133,7 +134,7 @@ class Passing:
         begin, end = self.along.steady_until(k)
         if k - begin <= 2 * memory or end - k <= memory:
             return None
-        before = carried.values.copy(), self.pending, list(self.history)
+        before = carried.values.copy(), self.pending, list(self.history), self.commands
         slots = [kind.slot for kind in carried.kinds]
         most = np.max(self.history, axis=0) * HELD + LITTLE_MORE
         now = Instant(k, 0, end, self.along.held(k, end), held=True)
@@ -163,7 +164,7 @@ class Passing:
             kind.slot = slot
         if not within:
             carried.values, self.pending = before[:2]
-            self.history = deque(before[2], maxlen=memory)
+            self.history, self.commands = deque(before[2], maxlen=memory), before[3]
             return None
         carried.values, self.pending = standing, pending
         self.history = deque([most] * memory, maxlen=memory)
@@ -222,6 +223,7 @@ class Passing:
         ahead = np.maximum(reach[0], linear)
         reached = along.distance(now.part, most), along.distance(now.part, ahead)
         heading = float(most[2] + np.abs(along.fine[now.part, :, 2]).max())
+        heading = (heading + float(along.motion.turned[now.part].max())) * UP
         after = old + np.abs(self.rows) @ own
         return (linear, after * UP), (*reached, heading, share, float(worst))
 

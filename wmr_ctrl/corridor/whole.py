@@ -27,7 +27,12 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
     ``closing``: where there is none, search for the share of inputs with which there is one.
     """
     scenario, cells = setup.scenario, mass_cells(setup)
-    known = Corridor(setup.name, run=scenario.clock.duration, mass=scenario.robot.m)
+    known = Corridor(
+        setup.name,
+        run=scenario.clock.duration,
+        mass=scenario.robot.m,
+        late=not scenario.actuator.ideal,
+    )
     result: list[tuple[Along, RunBounds]] = []
     here = ""
     try:
@@ -39,6 +44,8 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         for cell, widths in cells:
             here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
             inputs = replace(bounded_inputs(cell), body=widths)
+            if result and float(max(inputs.push)) != known.push:
+                raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
             first, second = map(float, inputs.velocity)
             known = replace(
                 known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)
@@ -73,10 +80,17 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
     except OpenBoxError as error:
         raise NoCorridorError(f"the undisturbed loop cannot be followed ({error})") from error
     try:
-        return along, Passing(along, inputs, start).run()
+        return along, _followed(along, inputs, start)
     except NoCorridorError as error:
         closes = _closing(along, inputs, start) if closing else None
         raise NoCorridorError(str(error), closes) from error
+
+
+def _followed(along: Along, inputs: Inputs, start: Floats) -> RunBounds:
+    try:
+        return Passing(along, inputs, start).run()
+    except OpenBoxError as error:
+        raise NoCorridorError(f"the undisturbed loop cannot be followed ({error})") from error
 
 
 def _closing(along: Along, inputs: Inputs, start: Floats) -> float | None:
@@ -84,7 +98,7 @@ def _closing(along: Along, inputs: Inputs, start: Floats) -> float | None:
     share = 0.5
     while share >= LEAST and inputs.any:
         try:
-            Passing(along, inputs.scaled(share), start).run()
+            _followed(along, inputs.scaled(share), start)
         except NoCorridorError:
             share /= 2
         else:
