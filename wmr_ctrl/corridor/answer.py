@@ -95,8 +95,9 @@ class Corridor:
         """Of the whole run behind what holds for a part of it."""
         if self.position is None:
             return f"; over the whole run {self._promise}"
+        idle = "from drives without torque, " if self.late else ""
         return (
-            f"; {self._idle}within {length(self.position)} and {self._turned} rad over the whole "
+            f"; {idle}within {length(self.position)} and {self._turned} rad over the whole "
             f"run of {self.run:g} s, where no limit and no guard acts either (most used: "
             f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
         )
@@ -104,11 +105,6 @@ class Corridor:
     @property
     def _turned(self) -> str:
         return rounded(self.heading or 0.0, 2)
-
-    @property
-    def _idle(self) -> str:
-        """How a whole run begins, where drives are late."""
-        return "from drives without torque, " if self.late else ""
 
     @property
     def _free(self) -> str:

@@ -5,6 +5,8 @@ Where there is none: the share of pushes and errors with which there is one.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -39,14 +41,10 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
     tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
     try:
         for cell, widths in cells:
-            certifier = _certifier(cell)
+            with refused_open("the undisturbed loop cannot be enclosed"):
+                certifier = Certifier(cell)
             inputs = replace(certifier.inputs, body=widths)
-            if tubes and float(max(inputs.push)) != known.push:
-                raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
-            first, second = map(float, inputs.velocity)
-            known = replace(
-                known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)
-            )
+            known = with_inputs(known, inputs, first=not tubes)
             linear = max(linear, certifier.linear_position)
             known = replace(known, linear=linear)
             tubes.append(_certified_tube(certifier, inputs, closing))
@@ -72,11 +70,22 @@ def mass_ranges(setup: Setup) -> tuple[tuple[float, float], ...]:
     return tuple(mass_range(setup.guard, i) for i in (0, 1))
 
 
-def _certifier(setup: Setup) -> Certifier:
+@contextmanager
+def refused_open(text: str) -> Iterator[None]:
+    """NoCorridorError with a text where an enclosure stays open."""
     try:
-        return Certifier(setup)
+        yield
     except OpenBoxError as error:
-        raise NoCorridorError(f"the undisturbed loop cannot be enclosed ({error})") from error
+        raise NoCorridorError(f"{text} ({error})") from error
+
+
+def with_inputs(known: Corridor, inputs: Inputs, *, first: bool) -> Corridor:
+    """With the sizes of a cell's inputs; NoCorridorError where its push is not the first cell's."""
+    push = float(max(inputs.push))
+    if not first and push != known.push:
+        raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
+    v, w = map(float, inputs.velocity)
+    return replace(known, push=push, pose=inputs.pose, velocity=(v, w))
 
 
 def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:

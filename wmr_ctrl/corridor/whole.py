@@ -11,12 +11,12 @@ from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.answer import Corridor
-from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, bounded_inputs, check_covered
-from wmr_ctrl.corridor.masses import mass_cells, mass_ranges
+from wmr_ctrl.corridor.masses import mass_cells, mass_ranges, refused_open, with_inputs
 from wmr_ctrl.corridor.passage import Passing, RunBounds
 from wmr_ctrl.world.references.kind import reference
 
+OPEN = "the undisturbed loop cannot be followed"
 LEAST = 2.0**-8
 """Least share of pushes and errors that is tried where all of them have no corridor."""
 
@@ -44,12 +44,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         for cell, widths in cells:
             here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
             inputs = replace(bounded_inputs(cell), body=widths)
-            if result and float(max(inputs.push)) != known.push:
-                raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
-            first, second = map(float, inputs.velocity)
-            known = replace(
-                known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)
-            )
+            known = with_inputs(known, inputs, first=not result)
             result.append(_passed(cell, inputs, closing))
     except NoCorridorError as error:
         return replace(known, refused=f"{here}{error}", closes=error.closes)
@@ -75,10 +70,8 @@ def _most(courses: Iterable[Floats]) -> float:
 
 def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBounds]:
     start = np.array(setup.scenario.corridor.start)
-    try:
+    with refused_open(OPEN):
         along = Along(setup)
-    except OpenBoxError as error:
-        raise NoCorridorError(f"the undisturbed loop cannot be followed ({error})") from error
     try:
         return along, _followed(along, inputs, start)
     except NoCorridorError as error:
@@ -87,10 +80,8 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
 
 
 def _followed(along: Along, inputs: Inputs, start: Floats) -> RunBounds:
-    try:
+    with refused_open(OPEN):
         return Passing(along, inputs, start).run()
-    except OpenBoxError as error:
-        raise NoCorridorError(f"the undisturbed loop cannot be followed ({error})") from error
 
 
 def _closing(along: Along, inputs: Inputs, start: Floats) -> float | None:
