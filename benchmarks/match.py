@@ -179,7 +179,7 @@ def table(case: Case, results: Sequence[Result]) -> str:
     """A Markdown table of one case; the best of a column is bold, whoever it is."""
     late = f"a delay of {1e3 * case.delay:g} ms" if case.delay else "no delay"
     lines = [
-        f"## {1e3 * case.period:g} ms, {late}", "",
+        f"### {1e3 * case.period:g} ms, {late}", "",
         "| contender | worst \\|v\\| beyond its limit | usable speed [m/s] | position RMS [mm] "
         "| torque change [N m] | a step here [us] |",
         "|---|---|---|---|---|---|",
