@@ -17,7 +17,6 @@ from tests.architecture.tree import (
 SHORT = 30
 """Lines of code below which a file with a single user should live with that user."""
 KEPT_SHORT = {
-    "wmr_ctrl.outputs": "outputs for other tools, by the names that users type",
     "wmr_ctrl.world.command_dead_band": "an effect has a file",
     "wmr_ctrl.world.command_quantum": "an effect has a file",
     "wmr_ctrl.world.wheel_speed_limit": "an effect has a file",

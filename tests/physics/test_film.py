@@ -64,10 +64,29 @@ def test_the_film_shows_the_robot_and_its_figures(tmp_path):
     run.film(tmp_path / "run.gif")
     with Image.open(tmp_path / "run.gif") as film:
         assert film.n_frames == run.rows
-        assert film.size[0] == WIDTH
+        assert film.size == (WIDTH, HEIGHT + 60)
     if shutil.which("ffmpeg"):
         run.film(tmp_path / "run.mp4")
         assert (tmp_path / "run.mp4").stat().st_size > 1000
+
+
+@pytest.mark.slow
+def test_the_film_shows_the_certified_corridor(tmp_path):
+    if not has_painter():
+        pytest.skip("no OpenGL here")
+    near = {"clock.duration": 0.2, "initial.pose": [0.0, 0.0, -1.57], "changes": []}
+    run = simulate("safe-simulation", "prox", plant="mujoco", overrides=near)
+    loop = runnable_plantless(load_scenario("safe-simulation", near), "prox")
+    moments = moments_of(loop, run, 2)
+    bare, wide = (
+        list(pictures(replace(moments, tube=width, certified=len(moments.rows))))[-1].astype(int)
+        for width in (0.0, 0.5)
+    )
+    reddened = (wide[..., 0] - wide[..., 2]) - (bare[..., 0] - bare[..., 2])
+    assert (reddened > 20).sum() > 100
+    run.film(tmp_path / "run.gif")
+    with Image.open(tmp_path / "run.gif") as film:
+        assert film.size == (WIDTH, HEIGHT + 60 + 24), "a line on the corridor"
 
 
 def test_what_cannot_be_filmed_is_said(tmp_path, monkeypatch):

@@ -11,11 +11,14 @@ import pytest
 from PIL import Image
 
 from tests.results.conftest import build
+from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.report import animate
 from wmr_ctrl.report.animate import animate_runs
-from wmr_ctrl.report.scene import BODY, outline, scene_of
+from wmr_ctrl.report.scene import BODY, outline, scene_of, with_tubes
 from wmr_ctrl.results import Monitor
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.scenario.toml_write import to_toml
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
 
@@ -155,3 +158,37 @@ def test_places_that_cannot_be_written_are_refused(run, tmp_path, name):
     with pytest.raises(ResultFileError):
         animate_runs([run], tmp_path / name)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("off", [0.004, 0.01])
+def test_a_certified_corridor_is_a_band_and_a_gauge(tmp_path, off):
+    scenario = load_scenario("safe-simulation", {"changes": [{"t": 0.5, "m": 60.0}]})
+    away = np.zeros(100)
+    away[30:] = off
+    run = build(
+        labels={"law": "prox", "guard": True}, duration=1.0, y=away, x_d=np.linspace(0, 1, 100),
+        x=np.linspace(0, 1, 100), y_d=0.0, provenance={"scenario_toml": to_toml(scenario)},
+    )  # fmt: skip
+    scene = with_tubes(scene_of([run], 100), [run])
+    most = find_corridor(scenario, "prox").position
+    (shown,) = scene.off_path.T
+
+    assert scene.gauges[2].shares[:, 0] == pytest.approx(shown, nan_ok=True)
+    assert shown[:30] == pytest.approx(0.0)
+    assert shown[30:50] == pytest.approx(off / most)
+    assert np.isnan(shown[50:]).all()  # the robot has changed
+    animate_runs([run], tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    data = json.loads(re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail)
+    assert data["certified"] == [50]
+    assert data["used"][40] == [pytest.approx(off / most, abs=1e-4)]
+    assert data["used"][60] == [None]
+    assert "certified corridor" in page
+    assert "until 0.5 s" in page
+
+
+def test_a_run_without_a_corridor_has_two_gauges(run):
+    scene = with_tubes(scene_of([run], 100), [run])
+
+    assert not scene.tubes
+    assert len(scene.gauges) == 2

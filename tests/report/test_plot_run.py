@@ -15,7 +15,8 @@ from wmr_ctrl.report.course import course_of
 from wmr_ctrl.report.drawing import FAR
 from wmr_ctrl.report.plot_run import plot_run
 from wmr_ctrl.report.plot_runs import plot_runs
-from wmr_ctrl.report.scene import frames, scene_of
+from wmr_ctrl.report.scene import scene_of
+from wmr_ctrl.report.stage import frames
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.scenario import load_scenario, override, to_toml
 

@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -31,6 +32,7 @@ _AT_A_TIME = 16
 _DISTANCE, _AZIMUTH, _ELEVATION = 2.6, 60.0, -22.0
 """The camera's distance from the robot [m], its direction and its height [degrees]."""
 _TRAIL, _GOAL = (0.10, 0.35, 0.75, 1.0), (0.85, 0.33, 0.10, 0.8)
+_BAND = (0.85, 0.33, 0.10, 0.35)
 _DOTS = 400
 _EMPTY = f"""<mujoco><worldbody><geom name="{CHASSIS}" size="1"/></worldbody></mujoco>"""
 
@@ -41,7 +43,7 @@ class Moments:
 
     ``model``: the robot as MJCF; ``rows`` (n,) of the log; ``positions`` (n, 9): MuJoCo's, the
     body's and the wheels'; ``target`` (n, 2): the desired position [m]; ``slip_max`` [m/s]: from
-    where on a tread slides.
+    where on a tread slides; ``tube`` [m]: corridor about the path, of its first ``certified`` rows.
     """
 
     model: str
@@ -49,6 +51,8 @@ class Moments:
     positions: NDArray[np.float64]
     target: NDArray[np.float64]
     slip_max: float
+    tube: float = 0.0
+    certified: int = 0
 
 
 def moments_of(loop: RunnableLoop, run: Run, most: int) -> Moments:
@@ -84,7 +88,10 @@ def pictures(moments: Moments) -> Iterator[Picture]:
         for first in range(0, len(moments.rows), _AT_A_TIME):
             seen = slice(first, first + _AT_A_TIME)
             ways = (moments.positions[:, :2], moments.target)
-            yield from worker.ask(paint, (moments.model, moments.positions[seen], *ways, first))
+            tube = moments.tube, moments.certified
+            yield from worker.ask(
+                paint, (moments.model, moments.positions[seen], *ways, first, tube)
+            )
     finally:
         worker.end()
 
@@ -115,11 +122,17 @@ def _painter() -> Worker:
 
 
 def paint(
-    model: str, positions: Floats, driven: Floats, target: Floats, first: int
+    model: str,
+    positions: Floats,
+    driven: Floats,
+    target: Floats,
+    first: int,
+    tube: tuple[float, int] = (0.0, 0),
 ) -> list[Picture]:
     """Pictures of some moments, numbered from ``first``; what the process that paints does."""
     stage, numbered = _scenery(model), enumerate(positions, first + 1)
-    return [stage.picture(position, driven[:k], target[:k]) for k, position in numbered]
+    stage.lay(target[: tube[1]], tube[0])
+    return [stage.picture(position, driven[:k], target[k - 1]) for k, position in numbered]
 
 
 @lru_cache(maxsize=1)
@@ -139,23 +152,44 @@ class _Scenery:
         self._camera = engine.MjvCamera()
         self._camera.distance, self._camera.azimuth = _DISTANCE, _AZIMUTH
         self._camera.elevation = _ELEVATION
+        self._slabs: list[tuple[Floats, Floats, Floats]] = []
+
+    def lay(self, path: Floats, width: float) -> None:
+        """A band within ``width`` [m] of a path (n, 2) on the ground, from now on."""
+        self._slabs = []
+        for one, other in pairwise(path):
+            ahead = other - one
+            long = float(np.hypot(*ahead))
+            if width and long:
+                a, b = ahead / long
+                turned = np.array([a, -b, 0.0, b, a, 0.0, 0.0, 0.0, 1.0])
+                size = np.array([long / 2, width, 0.001])
+                self._slabs.append((size, np.array([*(one + other) / 2, 0.001]), turned))
 
     def picture(self, position: Floats, driven: Floats, target: Floats) -> Picture:
-        """The robot where it lies, its way, and the desired position."""
+        """The robot where it lies, its way, the desired position, and the band."""
         self._data.qpos[:] = position
         self._engine.mj_forward(self._model, self._data)
         self._camera.lookat[:] = (*driven[-1], 0.1)
         self._renderer.update_scene(self._data, self._camera)
         for point in driven[:: -(-len(driven) // _DOTS)]:
             self._dot(point, 0.012, _TRAIL)
-        self._dot(target[-1], 0.05, _GOAL)
+        self._dot(target, 0.05, _GOAL)
+        for slab in self._slabs:
+            self._add(self._engine.mjtGeom.mjGEOM_BOX, *slab, _BAND)
         painted: Picture = self._renderer.render()
         return painted
 
     def _dot(self, point: NDArray[np.float64], size: float, colour: Sequence[float]) -> None:
         """A ball on the ground."""
-        scene, kind = self._renderer.scene, self._engine.mjtGeom.mjGEOM_SPHERE
-        shape = np.full(3, size), np.array([*point, size]), np.eye(3).flatten()
-        tint = np.array(colour, dtype=np.float32)
-        self._engine.mjv_initGeom(scene.geoms[scene.ngeom], kind, *shape, tint)
+        place, level = np.array([*point, size]), np.eye(3).flatten()
+        ball = self._engine.mjtGeom.mjGEOM_SPHERE
+        self._add(ball, np.full(3, size), place, level, colour)
+
+    def _add(
+        self, shape: int, size: Floats, place: Floats, turned: Floats, colour: Sequence[float]
+    ) -> None:
+        """A shape in the scene."""
+        scene, tint = self._renderer.scene, np.array(colour, dtype=np.float32)
+        self._engine.mjv_initGeom(scene.geoms[scene.ngeom], shape, size, place, turned, tint)
         scene.ngeom += 1

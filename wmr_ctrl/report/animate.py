@@ -17,21 +17,13 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from wmr_ctrl.campaign import PhaseProgress, Silent
+from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
 from wmr_ctrl.report import style
 from wmr_ctrl.report.drawing import target_of
-from wmr_ctrl.report.scene import (
-    BODY,
-    FRAME,
-    TRACK,
-    WHEEL,
-    Picture,
-    Scene,
-    frames,
-    scene_of,
-    scene_of_drives,
-)
+from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tubes
+from wmr_ctrl.report.stage import FRAME, Picture, frames
 from wmr_ctrl.results import Run, atomic_path
 from wmr_ctrl.results.drive import RecordedDrive
 
@@ -58,7 +50,7 @@ def animate_runs(
     without any sample or for runs that one picture cannot show (`scene_of`).
     """
     target = _film_target(path, SUFFIXES, "a run is animated as .gif, .mp4, .html")
-    scene = scene_of(runs, _FRAMES[target.suffix.lower()])
+    scene = with_tubes(scene_of(runs, _FRAMES[target.suffix.lower()]), runs)
     _animate(scene, [run.explanation for run in runs], target, progress)
 
 
@@ -114,7 +106,7 @@ def write_moments(
     shown.start(len(moments.rows), "Painting the film")
     try:
         with atomic_path(target) as scratch:
-            size = WIDTH, HEIGHT + _STRIP
+            size = WIDTH, _height(moments)
             _write_frames(_captioned(run, moments), size, scratch, target.suffix.lower(), shown)
     finally:
         shown.done()
@@ -143,11 +135,16 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
             title=scene.title,
             said=list(zip([one.label for one in scene.actors], said, strict=True)),
             aimed=scene.target is not None,
+            tubes=scene.tube_sentence,
             data=_json(scene),
             schemes=(colours, dark),
         )
     )
     path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _share(value: float) -> float | None:
+    return None if math.isnan(value) else round(value, 4)
 
 
 def _json(scene: Scene) -> str:
@@ -161,6 +158,10 @@ def _json(scene: Scene) -> str:
         "view": [round(edge, 4) for edge in scene.view],
         "scales": [float(f"{scale:.4g}") for scale in scene.scales],
         "limited": scene.limited,
+        "tubes": [one.tube for one in scene.actors],
+        "certified": [int((scene.t < one.certified).sum()) for one in scene.actors],
+        "off": scene.tube_words.split("\n"),
+        "used": [[_share(value) for value in row] for row in scene.off_path.tolist()],
         "body": [scene.size * part for part in BODY],
         "wheel": [scene.size * part for part in WHEEL],
         "track": scene.size * TRACK,
@@ -249,8 +250,8 @@ def _feed(shown: Iterable[Picture], pipe: IO[bytes], progress: PhaseProgress) ->
 
 # -- the rigid body's figures below its picture -------------------------------------------------
 
-_STRIP = 60
-"""Height of the strip below the picture [pixels]."""
+_STRIP, _LINE = 60, 24
+"""Height of the strip below the picture, and of one line more [pixels]."""
 _LEFT = (10, 135, 290, 500)
 """Left edges of figures [pixels]."""
 
@@ -260,14 +261,29 @@ def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
     font = ImageFont.load_default(15)
     title = f"{style.driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}, on tyres"
     for row, picture in zip(moments.rows.tolist(), pictures(moments), strict=True):
-        whole = Image.new("RGB", (WIDTH, HEIGHT + _STRIP), "white")
+        whole = Image.new("RGB", (WIDTH, _height(moments)), "white")
         whole.paste(Image.fromarray(picture))
         draw = ImageDraw.Draw(whole)
         draw.text((10, HEIGHT + 8), title, style.INK, font)
         draw.text((WIDTH - 100, HEIGHT + 8), f"t = {run.time[row]:.2f} s", style.INK, font)
         for left, (text, bad) in zip(_LEFT, _texts(run, row, moments.slip_max), strict=True):
             draw.text((left, HEIGHT + 32), text, style.LIMIT if bad else style.INK, font)
+        if moments.tube:
+            line = _off_path(run, row, moments)
+            draw.text((10, HEIGHT + 32 + _LINE), line, style.INK, font)
         yield np.asarray(whole)
+
+
+def _height(moments: Moments) -> int:
+    return HEIGHT + _STRIP + _LINE * bool(moments.tube)
+
+
+def _off_path(run: Run, row: int, moments: Moments) -> str:
+    """How far off its place on the path, beside the corridor, which knows no tyres."""
+    off = math.hypot(run["x"][row] - run["x_d"][row], run["y"][row] - run["y_d"][row])
+    ends = moments.certified < len(moments.rows) and row >= moments.rows[moments.certified]
+    most = "" if ends else f"; band: certified {length(moments.tube)}, without slip"
+    return f"{length(off)} off its place on the path{most}"
 
 
 def _texts(run: Run, row: int, slip_max: float) -> tuple[tuple[str, bool], ...]:

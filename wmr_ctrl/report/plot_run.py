@@ -11,9 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FuncFormatter
 
-from wmr_ctrl.corridor import Corridor, find_corridor
+from wmr_ctrl.corridor import Corridor
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report import drawing
 from wmr_ctrl.report.course import course_of, scenario_behind, switch_time
 from wmr_ctrl.report.style import (
@@ -29,8 +28,8 @@ from wmr_ctrl.report.style import (
     shown,
     verbatim,
 )
+from wmr_ctrl.report.tube import FAINT, band, tube_of
 from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
-from wmr_ctrl.scenario import override
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
@@ -80,7 +79,7 @@ def _draw(figure: Figure, run: Run) -> None:
     note += ", a rigid body on tyres" if run.monitor.rigid else ""
     switch = switch_time(run)
     note += "" if switch is None else f"; the robot changes at {switch:g} s (vertical line)"
-    tube = _tube(run)
+    tube = tube_of(run)
     note += "" if tube is None else "; errors, dotted: certified from a start on the path"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
     rest = (_SIZE[1] - _HEAD) / 4.4
@@ -108,24 +107,12 @@ def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     drawing.finish_path(axes, ["dots: reference", *course_of(run).draw(axes)])
 
 
-def _tube(run: Run) -> Corridor | None:
-    """The certified corridor of the run's scenario and law, where there is one."""
-    scenario = scenario_behind(run)
-    if scenario is None or run.monitor.rigid or run.law not in LAWS:
-        return None
-    guarded = override(scenario, {"guard.enabled": run.guard})
-    tube = find_corridor(guarded, run.law)
-    return tube if tube.position is not None else None
-
-
 def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
     """Band about the desired path, as wide as the corridor, until the robot changes."""
     rows = slice(0, None if tube.until is None else run.settings.index(tube.until))
     path = np.array(drawing.thin_path(run["x_d"][rows], run["y_d"][rows], 400))
-    ahead = np.gradient(path, axis=1)
-    side = (tube.position or 0.0) * np.array((-ahead[1], ahead[0])) / np.hypot(*ahead)
-    edges = np.hstack([path + side, (path - side)[:, ::-1]])
-    axes.fill(*edges, color=look(run.law).colour, alpha=0.25, lw=0, zorder=1.4)
+    edges = band(path, tube.position or 0.0)
+    axes.fill(*edges, color=look(run.law).colour, alpha=FAINT, lw=0, zorder=1.4)
 
 
 def _facts(part: SubFigure, run: Run) -> None:

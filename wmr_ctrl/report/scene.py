@@ -1,33 +1,18 @@
-"""Scene of an animation: poses at the times of the frames, and a painter of frames."""
+"""Scene of an animation: poses at the times of the frames, and what gauges show then."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import TypeAlias
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
+from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.report.course import Course, course_of
-from wmr_ctrl.report.drawing import line_handle
-from wmr_ctrl.report.style import (
-    DASHES,
-    DOTTED,
-    INK,
-    LIMIT,
-    MUTED,
-    Dash,
-    colours_of,
-    driver,
-    house_style,
-    verbatim,
-)
+from wmr_ctrl.report.style import colours_of, driver
+from wmr_ctrl.report.tube import tube_of
 from wmr_ctrl.results import FloatArray, Run
 from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
 
@@ -42,11 +27,6 @@ TRACK = 0.25
 _POSE, _TARGET, _V = ("x", "y", "theta"), ("x_d", "y_d", "theta_d"), ("v1", "omega")
 _SAME = 1e-6
 """References this near [m, rad] are one: runs of other periods sample them at other times."""
-_DPI = 100
-_SIZE = (5.6, 6.2)
-"""Width and height [inch]; both an even number of pixels, as films want them."""
-Picture: TypeAlias = NDArray[np.uint8]
-"""Rows, columns, colours."""
 
 
 @dataclass(frozen=True)
@@ -54,12 +34,28 @@ class Actor:
     """A robot of an animation: its name, colour, and poses and velocities at the frames.
 
     ``pose`` (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames, 2): v1 [m/s], omega [rad/s].
+    ``tube`` [m]: its certified corridor until ``certified`` [s], 0 without one.
     """
 
     label: str
     colour: str
     pose: FloatArray
     velocity: FloatArray
+    tube: float = 0.0
+    certified: float = math.inf
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """A scale below the map: its words, and what each robot shows of it, (frames, robots).
+
+    1 is the ``edges``' value, nan nothing; ``limited``: what is beyond an edge is red.
+    """
+
+    words: str
+    shares: FloatArray
+    edges: tuple[float, ...]
+    limited: bool
 
 
 @dataclass(frozen=True)
@@ -85,6 +81,53 @@ class Scene:
     def size(self) -> float:
         """Size of the robots relative to BODY, WHEEL and TRACK."""
         return (self.course.half_track or TRACK) / TRACK
+
+    @property
+    def gauges(self) -> list[Gauge]:
+        """Velocities, and the way off the place on the path where a corridor is certified."""
+        word = "limit" if self.limited else "largest"
+        gauges = []
+        for axis, (symbol, unit) in enumerate((("v₁", "m/s"), ("ω", "rad/s"))):
+            scale = self.scales[axis]
+            shares = np.column_stack([one.velocity[:, axis] for one in self.actors]) / scale
+            gauges.append(
+                Gauge(f"{symbol}, {word}\n±{scale:.4g} {unit}", shares, (-1, 1), self.limited)
+            )
+        if self.tubes:
+            gauges.append(Gauge(self.tube_words, self.off_path, (1,), False))
+        return gauges
+
+    @property
+    def tubes(self) -> bool:
+        """True where a robot has a certified corridor."""
+        return any(one.tube for one in self.actors)
+
+    @property
+    def off_path(self) -> FloatArray:
+        """Distance of each robot from its place on the path over its corridor, nan without."""
+        return np.column_stack([self._off(one) for one in self.actors])
+
+    @property
+    def tube_words(self) -> str:
+        """What the gauge of the certified corridors shows."""
+        widths = {length(one.tube) for one in self.actors if one.tube}
+        most = f"certified {widths.pop()}" if len(widths) == 1 else "over what is certified"
+        return f"off its place,\n{most}"
+
+    @property
+    def tube_sentence(self) -> str:
+        """What the bands about the path are, "" without any."""
+        ends = sorted({one.certified for one in self.actors if one.tube})
+        until = f", until {ends[0]:g} s" if ends and math.isfinite(ends[0]) else ""
+        widths = ", ".join(f"{length(one.tube)} ({one.label})" for one in self.actors if one.tube)
+        band = f"Shaded about the path: the certified corridor from a start on it{until}, {widths}."
+        return band if self.tubes else ""
+
+    def _off(self, one: Actor) -> FloatArray:
+        if self.target is None or not one.tube:
+            return np.full(len(self.t), math.nan)
+        away = np.hypot(*(one.pose - self.target)[:, :2].T) / one.tube
+        return np.where(self.t < one.certified, away, math.nan)
 
 
 def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Scene:
@@ -118,6 +161,18 @@ def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Sc
     view = _view([target, *(one.pose for one in actors)], course)
     limits = longest.settings.v_u1
     return Scene(title, tuple(actors), t, target, limits, view, course=course)
+
+
+def with_tubes(scene: Scene, runs: Sequence[Run]) -> Scene:
+    """The scene of runs with the certified corridor of each that has one."""
+    actors = []
+    for one, run in zip(scene.actors, runs, strict=True):
+        tube = tube_of(run)
+        if tube is not None and tube.position is not None:
+            until = math.inf if tube.until is None else tube.until
+            one = replace(one, tube=tube.position, certified=until)
+        actors.append(one)
+    return replace(scene, actors=tuple(actors))
 
 
 def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
@@ -188,131 +243,3 @@ def outline(pose: FloatArray, length: float, width: float, aside: float = 0.0) -
     centre = pose[:2] + aside * right
     signs = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
     return np.asarray(centre + signs[:, :1] * length * ahead + signs[:, 1:] * width * right)
-
-
-FRAME = (round(_SIZE[0] * _DPI), round(_SIZE[1] * _DPI))
-"""The same in pixels."""
-
-
-def frames(scene: Scene) -> Iterator[Picture]:
-    """One picture per frame, shape (620, 560, 3)."""
-    with house_style():
-        stage = _Stage(scene)
-        for index in range(len(scene.t)):
-            yield stage.picture(index)
-
-
-class _Stage:
-    """Axes whose background is drawn once; per frame only the moving artists are drawn."""
-
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-        self._figure = Figure(figsize=_SIZE, dpi=_DPI)
-        self._canvas = FigureCanvasAgg(self._figure)
-        top = 0.935 if len(scene.actors) > 1 else 0.955
-        plane = self._figure.add_axes((0.1, 0.215, 0.87, top - 0.215))
-        self._set_up_plane(plane)
-        self._bars = [self._bars_of(axis) for axis in (0, 1)]
-        self._ghost = Polygon(_SQUARE, fill=False, ec=MUTED, ls="--", lw=1.0, animated=True)
-        plane.add_patch(self._ghost)
-        self._robots = [
-            _Robot(plane, actor, DASHES[place % len(DASHES)], scene.size)
-            for place, actor in enumerate(scene.actors)
-        ]
-        self._clock = self._figure.text(0.97, 0.992, "", ha="right", va="top", size=10,
-                                        animated=True)  # fmt: skip
-        parts = [artist for robot in self._robots for artist in robot.artists]
-        ghost = [] if scene.target is None else [self._ghost]
-        self._moving = [*ghost, *parts, self._clock, *self._bars[0], *self._bars[1]]
-        self._canvas.draw()
-        self._background = self._canvas.copy_from_bbox(self._figure.bbox)
-
-    def picture(self, index: int) -> Picture:
-        """The frame of a row of the scene."""
-        self._place(index)
-        self._canvas.restore_region(self._background)
-        for artist in self._moving:
-            artist.draw(self._canvas.get_renderer())
-        return np.array(self._canvas.buffer_rgba())[:, :, :3]
-
-    def _set_up_plane(self, axes: Axes) -> None:
-        scene, left, right, low, high = self._scene, *self._scene.view
-        axes.set(xlim=(left, right), ylim=(low, high), xlabel="x [m]", ylabel="y [m]")
-        axes.set_aspect("equal", adjustable="box")
-        if scene.target is not None:
-            axes.plot(*scene.target[:, :2].T, color=MUTED, ls=DOTTED, lw=1.2)
-        scene.course.draw(axes)
-        self._figure.text(0.1, 0.992, verbatim(scene.title), va="top", size=8.5, weight="bold")
-        if len(scene.actors) > 1:
-            handles = [
-                line_handle(one.label, one.colour, dash=DASHES[place % len(DASHES)])
-                for place, one in enumerate(scene.actors)
-            ]
-            axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncols=7,
-                        handlelength=2.6 if len(handles) < 5 else 1.5)  # fmt: skip
-
-    def _bars_of(self, axis: int) -> list[Rectangle]:
-        """A bar a robot, from zero to its velocity in units of the scale, which is marked."""
-        axes = self._figure.add_axes((0.2, 0.085 - 0.055 * axis, 0.77, 0.035))
-        axes.set(xlim=(-1.5, 1.5), ylim=(0, 1), yticks=(), xticks=())
-        axes.grid(visible=False)
-        axes.spines[:].set_visible(False)
-        axes.axvspan(-1, 1, color="#eef1f4", lw=0)
-        axes.axvline(0, color=MUTED, lw=0.6)
-        limited, unit = self._scene.limited, ("m/s", "rad/s")[axis]
-        for edge in (-1, 1):
-            axes.axvline(edge, color=LIMIT if limited else MUTED, lw=1.4)
-        word = "limit" if limited else "largest"
-        text = f"{('v₁', 'ω')[axis]}, {word}\n±{self._scene.scales[axis]:.4g} {unit}"
-        axes.set_ylabel(text, rotation=0, ha="right", va="center", size=7, labelpad=6)
-        actors = self._scene.actors
-        high = 0.7 / len(actors)
-        bars = [
-            Rectangle((0, 0.85 - high * (place + 1)), 0, high, color=one.colour, animated=True)
-            for place, one in enumerate(actors)
-        ]
-        for bar in bars:
-            axes.add_patch(bar)
-        return bars
-
-    def _place(self, index: int) -> None:
-        scene = self._scene
-        if scene.target is not None:
-            self._ghost.set_xy(outline(scene.target[index], *(scene.size * np.array(BODY))))
-        self._clock.set_text(f"t = {scene.t[index]:.1f} s")
-        for place, (robot, actor) in enumerate(zip(self._robots, scene.actors, strict=True)):
-            robot.place(index)
-            for axis in (0, 1):
-                share = float(actor.velocity[index, axis] / scene.scales[axis])
-                bar = self._bars[axis][place]
-                bar.set_width(float(np.clip(share, -1.5, 1.5)))
-                bar.set_color(LIMIT if scene.limited and abs(share) > 1 else actor.colour)
-
-
-class _Robot:
-    """Trail, body, wheels and nose of a robot."""
-
-    def __init__(self, axes: Axes, actor: Actor, dash: Dash, size: float) -> None:
-        self._pose, self._size = actor.pose, size
-        self._trail = axes.plot([], [], color=actor.colour, ls=dash, lw=1.3, animated=True)[0]
-        self._body = Polygon(_SQUARE, fc=actor.colour, ec=INK, alpha=0.35, lw=1.0, animated=True)
-        self._wheels = [Polygon(_SQUARE, fc=INK, lw=0, animated=True) for _ in "rl"]
-        self._nose = axes.plot([], [], color=INK, lw=2.0, solid_capstyle="round", animated=True)[0]
-        for patch in (self._body, *self._wheels):
-            axes.add_patch(patch)
-        self.artists: list[Artist] = [self._trail, self._body, *self._wheels, self._nose]
-
-    def place(self, index: int) -> None:
-        """Move to the pose of a frame."""
-        pose, size = self._pose[index], self._size
-        self._trail.set_data(self._pose[: index + 1, 0], self._pose[: index + 1, 1])
-        self._body.set_xy(outline(pose, size * BODY[0], size * BODY[1]))
-        for wheel, side in zip(self._wheels, (1, -1), strict=True):
-            wheel.set_xy(outline(pose, size * WHEEL[0], size * WHEEL[1], side * size * TRACK))
-        ahead = -np.sin(pose[2]), np.cos(pose[2])
-        nose = pose[:2] + np.outer((0.0, size * BODY[0] / 2), ahead)
-        self._nose.set_data(nose[:, 0], nose[:, 1])
-
-
-_SQUARE = np.zeros((4, 2))
-"""Corners that a patch has before it is placed."""

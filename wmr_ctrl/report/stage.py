@@ -1,0 +1,158 @@
+"""Painter of an animation's frames: the map with the robots, and gauges below it."""
+
+from collections.abc import Iterator
+from typing import TypeAlias
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+from numpy.typing import NDArray
+
+from wmr_ctrl.report.drawing import line_handle
+from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Actor, Scene, outline
+from wmr_ctrl.report.style import DASHES, DOTTED, INK, LIMIT, MUTED, Dash, house_style, verbatim
+from wmr_ctrl.report.tube import FAINT, band
+
+_DPI = 100
+_SIZE = (5.6, 6.2)
+"""Width and height [inch]; both an even number of pixels, as films want them."""
+_STEP, _BEYOND = 0.055, 1.5
+"""Height of a gauge [of the picture], and how far it goes beyond its edges."""
+Picture: TypeAlias = NDArray[np.uint8]
+"""Rows, columns, colours."""
+FRAME = (round(_SIZE[0] * _DPI), round(_SIZE[1] * _DPI))
+"""The same in pixels."""
+
+
+def frames(scene: Scene) -> Iterator[Picture]:
+    """One picture per frame, shape (620, 560, 3)."""
+    with house_style():
+        stage = _Stage(scene)
+        for index in range(len(scene.t)):
+            yield stage.picture(index)
+
+
+class _Stage:
+    """Axes whose background is drawn once; per frame only the moving artists are drawn."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._figure = Figure(figsize=_SIZE, dpi=_DPI)
+        self._canvas = FigureCanvasAgg(self._figure)
+        top = 0.935 if len(scene.actors) > 1 else 0.955
+        self._gauges = scene.gauges
+        low = 0.105 + _STEP * len(self._gauges)
+        plane = self._figure.add_axes((0.1, low, 0.87, top - low))
+        self._set_up_plane(plane)
+        self._bars = [self._bars_of(place) for place in range(len(self._gauges))]
+        self._ghost = Polygon(_SQUARE, fill=False, ec=MUTED, ls="--", lw=1.0, animated=True)
+        plane.add_patch(self._ghost)
+        self._robots = [
+            _Robot(plane, actor, DASHES[place % len(DASHES)], scene.size)
+            for place, actor in enumerate(scene.actors)
+        ]
+        self._clock = self._figure.text(0.97, 0.992, "", ha="right", va="top", size=10,
+                                        animated=True)  # fmt: skip
+        parts = [artist for robot in self._robots for artist in robot.artists]
+        ghost = [] if scene.target is None else [self._ghost]
+        bars = [bar for each in self._bars for bar in each]
+        self._moving = [*ghost, *parts, self._clock, *bars]
+        self._canvas.draw()
+        self._background = self._canvas.copy_from_bbox(self._figure.bbox)
+
+    def picture(self, index: int) -> Picture:
+        """The frame of a row of the scene."""
+        self._place(index)
+        self._canvas.restore_region(self._background)
+        for artist in self._moving:
+            artist.draw(self._canvas.get_renderer())
+        return np.array(self._canvas.buffer_rgba())[:, :, :3]
+
+    def _set_up_plane(self, axes: Axes) -> None:
+        scene, left, right, low, high = self._scene, *self._scene.view
+        axes.set(xlim=(left, right), ylim=(low, high), xlabel="x [m]", ylabel="y [m]")
+        axes.set_aspect("equal", adjustable="box")
+        if scene.target is not None:
+            for one in scene.actors:
+                path = scene.target[scene.t < one.certified, :2].T
+                if one.tube and path.shape[1] > 1:
+                    edges = band(path, one.tube)
+                    axes.fill(*edges, color=one.colour, alpha=FAINT, lw=0, zorder=1.4)
+            axes.plot(*scene.target[:, :2].T, color=MUTED, ls=DOTTED, lw=1.2)
+        scene.course.draw(axes)
+        self._figure.text(0.1, 0.992, verbatim(scene.title), va="top", size=8.5, weight="bold")
+        if len(scene.actors) > 1:
+            handles = [
+                line_handle(one.label, one.colour, dash=DASHES[place % len(DASHES)])
+                for place, one in enumerate(scene.actors)
+            ]
+            axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncols=7,
+                        handlelength=2.6 if len(handles) < 5 else 1.5)  # fmt: skip
+
+    def _bars_of(self, place: int) -> list[Rectangle]:
+        """A bar a robot, from zero to what a gauge shows, whose edges are marked."""
+        gauge = self._gauges[place]
+        low = 0.03 + _STEP * (len(self._gauges) - 1 - place)
+        axes = self._figure.add_axes((0.2, low, 0.77, 0.035))
+        least = min(0.0, *gauge.edges)
+        axes.set(xlim=(_BEYOND * least, _BEYOND), ylim=(0, 1), yticks=(), xticks=())
+        axes.grid(visible=False)
+        axes.spines[:].set_visible(False)
+        axes.axvspan(least, 1, color="#eef1f4", lw=0)
+        axes.axvline(0, color=MUTED, lw=0.6)
+        for edge in gauge.edges:
+            axes.axvline(edge, color=LIMIT if gauge.limited else MUTED, lw=1.4)
+        axes.set_ylabel(gauge.words, rotation=0, ha="right", va="center", size=7, labelpad=6)
+        actors = self._scene.actors
+        high = 0.7 / len(actors)
+        bars = [
+            Rectangle((0, 0.85 - high * (place + 1)), 0, high, color=one.colour, animated=True)
+            for place, one in enumerate(actors)
+        ]
+        for bar in bars:
+            axes.add_patch(bar)
+        return bars
+
+    def _place(self, index: int) -> None:
+        scene = self._scene
+        if scene.target is not None:
+            self._ghost.set_xy(outline(scene.target[index], *(scene.size * np.array(BODY))))
+        self._clock.set_text(f"t = {scene.t[index]:.1f} s")
+        for robot in self._robots:
+            robot.place(index)
+        for gauge, bars in zip(self._gauges, self._bars, strict=True):
+            for bar, share, one in zip(bars, gauge.shares[index], scene.actors, strict=True):
+                bar.set_width(float(np.clip(np.nan_to_num(share), -_BEYOND, _BEYOND)))
+                bar.set_color(LIMIT if gauge.limited and abs(share) > 1 else one.colour)
+
+
+class _Robot:
+    """Trail, body, wheels and nose of a robot."""
+
+    def __init__(self, axes: Axes, actor: Actor, dash: Dash, size: float) -> None:
+        self._pose, self._size = actor.pose, size
+        self._trail = axes.plot([], [], color=actor.colour, ls=dash, lw=1.3, animated=True)[0]
+        self._body = Polygon(_SQUARE, fc=actor.colour, ec=INK, alpha=0.35, lw=1.0, animated=True)
+        self._wheels = [Polygon(_SQUARE, fc=INK, lw=0, animated=True) for _ in "rl"]
+        self._nose = axes.plot([], [], color=INK, lw=2.0, solid_capstyle="round", animated=True)[0]
+        for patch in (self._body, *self._wheels):
+            axes.add_patch(patch)
+        self.artists: list[Artist] = [self._trail, self._body, *self._wheels, self._nose]
+
+    def place(self, index: int) -> None:
+        """Move to the pose of a frame."""
+        pose, size = self._pose[index], self._size
+        self._trail.set_data(self._pose[: index + 1, 0], self._pose[: index + 1, 1])
+        self._body.set_xy(outline(pose, size * BODY[0], size * BODY[1]))
+        for wheel, side in zip(self._wheels, (1, -1), strict=True):
+            wheel.set_xy(outline(pose, size * WHEEL[0], size * WHEEL[1], side * size * TRACK))
+        ahead = -np.sin(pose[2]), np.cos(pose[2])
+        nose = pose[:2] + np.outer((0.0, size * BODY[0] / 2), ahead)
+        self._nose.set_data(nose[:, 0], nose[:, 1])
+
+
+_SQUARE = np.zeros((4, 2))
+"""Corners that a patch has before it is placed."""

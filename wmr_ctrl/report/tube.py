@@ -1,0 +1,41 @@
+"""Tube of a run: the certified corridor of its scenario and law, as a band about the path."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmr_ctrl.corridor import Corridor, find_corridor
+from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.report.course import scenario_behind
+from wmr_ctrl.results import FloatArray, Run
+from wmr_ctrl.scenario import override
+
+FAINT = 0.25
+"""Opacity of a band."""
+
+
+def tube_of(run: Run) -> Corridor | None:
+    """The certified corridor of the run's scenario and law, where there is one.
+
+    None on the rigid body too: the certificate is about the plane model.
+    """
+    if run.monitor.rigid:
+        return None
+    return corridor_behind(run)
+
+
+def corridor_behind(run: Run) -> Corridor | None:
+    """The same, whichever plant the run had."""
+    scenario = scenario_behind(run)
+    if scenario is None or run.law not in LAWS:
+        return None
+    guarded = override(scenario, {"guard.enabled": run.guard})
+    tube = find_corridor(guarded, run.law)
+    return tube if tube.position is not None else None
+
+
+def band(path: FloatArray, width: float) -> FloatArray:
+    """Corners (2, 2n) of the band within ``width`` [m] of a path (2, n)."""
+    ahead = np.gradient(path, axis=1)
+    side = width * np.array((-ahead[1], ahead[0])) / np.hypot(*ahead)
+    return np.hstack([path + side, (path - side)[:, ::-1]])
