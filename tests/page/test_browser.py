@@ -102,6 +102,28 @@ def test_every_stand_of_every_scene_drives_on(shown: Browser) -> None:
     assert drove > 50
 
 
+def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown: Browser) -> None:
+    tubes = "wmr.page.fleet.scene.tubes"
+    kept = shown.value(f"JSON.stringify({tubes})")
+    shown.value(f"{tubes} = {{mb: {{most: 10, shown: '10 m', until: 5}}}}")
+    text = "(wmr.page.board(), wmr.page.draw(), document.getElementById('certified'))"
+    drawn = f"{text}.hidden ? '' : document.getElementById('certified').textContent"
+
+    assert shown.value(drawn) == ""  # not a sample yet
+    for what in (
+        "wmr.page.push()", "wmr.page.nudge('ArrowUp')", "wmr.page.fleet.set({'robot.m': 51})",
+        "wmr.page.stand({guard: true}), wmr.page.stand({guard: false})",
+        "wmr.page.fleet.advance(5, 1e9)",
+    ):  # fmt: skip
+        shown.value(
+            "wmr.page.fleet.replace({}), wmr.page.restart(), wmr.page.fleet.advance(1, 1e9)"
+        )
+        assert "MB within 10 m" in shown.value(drawn)
+        shown.value(f"{what}, 1")
+        assert shown.value(drawn) == "", what
+    shown.value(f"{tubes} = {kept}")
+
+
 def test_a_link_holds_the_settings(opened: tuple[Browser, str]) -> None:
     one, url = opened
     link = "scene=slow&laws=mb.prox&guard=1&period=0.05&seed=3&speed=2&set=robot.m:70"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 import wmr_ctrl
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.page.content import content_of
 from wmr_ctrl.page.scenes import PageScene, story
 from wmr_ctrl.results import Run
@@ -60,6 +62,20 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
     assert prox.summary()["tracked"]
     assert max(prox.summary()["guard_share"]) == pytest.approx(1 / 200)
     assert max(nn.summary()["guard_share"]) > 0.5
+
+
+def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wmr_ctrl.page.scenes.PERIODS", ())
+    monkeypatch.setattr("wmr_ctrl.page.scenes.LATE", ())
+    scenario = load_scenario("safe-simulation")
+    scene = PageScene("near", "Near", "", scenario, ("prox",))
+
+    tubes = content_of([scene], ("prox", "pid"), 0, lambda share: None).data["scenes"][0]["tubes"]
+
+    tube = find_corridor(scenario, "prox")
+    assert tubes == {
+        "prox": {"most": tube.position, "shown": length(tube.position or 0.0), "until": 40.0}
+    }
 
 
 def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

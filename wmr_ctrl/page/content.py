@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from importlib.util import find_spec
 from typing import Any
 
 from wmr_ctrl import __version__
@@ -10,6 +11,7 @@ from wmr_ctrl.codegen.build import numbers_of, phases_of
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.ranges import fields_of
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
 from wmr_ctrl.page.members import PageMember, members_of
@@ -113,9 +115,23 @@ def _scene(scene: PageScene, variants: list[SettledVariant], loops: PageLoops) -
         "duration": scenario.clock.duration,
         "start": [*scenario.initial.pose, *scenario.initial.velocity],
         "base": {law: _spelled(row) for law, row in base.items()},
+        "tubes": {law: tube for law, setup in setups.items() if (tube := _tube(setup))},
         "stands": [_variant(item, base, loops) for item in variants],
         "controls": [_control(item) for item in controls_of(scenario, ports, values)],
     }
+
+
+def _tube(setup: Setup) -> Plain | None:
+    """Certified distance from the path [m], and until when [s]; None where there is none."""
+    if find_spec("flint") is None:
+        return None
+    from wmr_ctrl.corridor.masses import certified
+
+    tube = certified(setup, closing=False)
+    if tube.position is None:
+        return None
+    until = math.inf if tube.until is None else tube.until
+    return {"most": tube.position, "shown": length(tube.position), "until": _number(until)}
 
 
 def _admitted(scenario: Scenario, parameters: Iterable[Signal]) -> Plain:

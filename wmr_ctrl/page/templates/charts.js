@@ -95,11 +95,11 @@ class Chart extends Sheet {
   shade(look, frame, Y, marks, bottom, top) {
     const { pen } = this, width = frame.right - frame.left;
     pen.fillStyle = look.beyond;
-    pen.strokeStyle = look.limit;
     pen.lineWidth = 1.2;
-    for (const { value, beyond, dotted } of marks) {
+    for (const { value, beyond, dotted, law } of marks) {
       if (value <= bottom || value >= top) continue;
       const edge = Y(value);
+      pen.strokeStyle = law ? look.laws[law].colour : look.limit;
       if (beyond > 0) pen.fillRect(frame.left, frame.top, width, Math.max(edge - frame.top, 0));
       if (beyond < 0) pen.fillRect(frame.left, edge, width, Math.max(frame.low - edge, 0));
       pen.setLineDash(dotted ? [1.5, 3] : []);
@@ -180,7 +180,7 @@ class Chart extends Sheet {
       }
     }
     const bound = (value) => Math.min(niceAbove(Math.min(value, most)), most);
-    const top = Math.max(bound(high), what.least ?? 0);
+    const top = Math.max(bound(high), marks.some((item) => item.law) ? 0 : what.least ?? 0);
     return [what.floor !== undefined ? Math.max(-bound(-low), what.floor) : -bound(-low), what.ceiling ?? top];
   }
 }

@@ -55,6 +55,8 @@ class Member {
     this.history = new History();
     this.carried = { violations: 0, samples: 0, clipped: [0, 0], most: [0, 0], least: [0, 0], first: null, feasible: 1 };
     this.jumped = 0;
+    this.nearest = Infinity;
+    this.touched = false;
     return this;
   }
 
@@ -84,6 +86,7 @@ class Member {
     this.watch(robot);
     const torque = Math.max(Math.abs(robot.column("tau_right")), Math.abs(robot.column("tau_left")));
     const off = Math.hypot(robot.column("x") - robot.column("x_d"), robot.column("y") - robot.column("y_d"));
+    this.nearest = Math.min(this.nearest, off);
     this.history.add([
       robot.column("t"), robot.column("x"), robot.column("y"), robot.column("theta"), robot.column("v1"),
       robot.column("omega"), torque, robot.column("V1"), robot.column("margin"), off,
@@ -116,6 +119,7 @@ class Member {
   get ended() { return !this.robot.running; }
 
   place(values) {
+    this.touched = true;
     for (const [name, value] of Object.entries(values)) this.robot.put(name, value);
     this.jumped = 1;
   }
@@ -135,11 +139,19 @@ class Fleet {
     this.seed = engine.told.seed;
     this.sampled = 0;
     this.pushed = null;
+    this.touched = false;
   }
 
   get period() { return this.stand.period; }
   get time() { return this.sampled * this.period; }
   get laws() { return [...this.members.keys()]; }
+
+  // The certified corridor of a robot that is in it, as long as it has met nothing but the scene.
+  tube(member) {
+    const tube = this.scene.tubes[member.law];
+    const own = !this.touched && this.stand === this.scene.stands[0] && !Object.keys(this.overrides).length;
+    return tube && own && !member.touched && this.time < Number(tube.until) && member.nearest <= tube.most ? tube : null;
+  }
 
   plan(law) { return planOf(this.told, this.scene, this.stand, law, this.overrides); }
 
@@ -155,6 +167,7 @@ class Fleet {
     this.sampled = 0;
     this.behind = 0;
     this.pushed = null;
+    this.touched = Object.keys(this.overrides).length > 0;
     for (const [law, member] of this.members) member.begin(this.plan(law), this.seed);
     this.path = this.desiredPath();
   }
@@ -178,6 +191,7 @@ class Fleet {
   take(stand) {
     const time = this.time;
     this.stand = stand;
+    this.touched = true;
     this.sampled = Math.round(time / stand.period);
     for (const [law, member] of this.members) member.handOver(this.plan(law), this.seed, time);
   }
@@ -188,6 +202,7 @@ class Fleet {
   replace(overrides) {
     const before = this.overrides;
     this.overrides = overrides;
+    this.touched = true;
     for (const [law, member] of this.members) member.robot.load(this.plan(law).rows);
     if ([before, overrides].some((set) => Object.keys(set).some((name) => name.startsWith("ref_")))) this.path = this.desiredPath();
   }
@@ -205,6 +220,7 @@ class Fleet {
 
   push(force) {
     this.pushed = { until: this.time + PUSH_SECONDS, force };
+    this.touched = true;
     for (const member of this.members.values()) member.robot.set({ "disturbance.push[1]": force });
   }
 

@@ -13,13 +13,19 @@ const CHARTS = [
   { id: "turning", column: "turning", most: 2.5, marks: (fleet) => limitsOf(fleet, 2) },
   { id: "V1", column: "V1", floor: 0, least: 0.01, share: 0.99, marks: () => [] },
   { id: "margin", column: "margin", floor: -0.5, ceiling: 1, marks: () => [{ value: 0, beyond: -1 }] },
-  { id: "distance", column: "distance", floor: 0, least: 0.05, times: 1000, marks: () => [] },
+  { id: "distance", column: "distance", floor: 0, least: 0.05, times: 1000, marks: tubesOf },
 ];
 
 function limitsOf(fleet, axis) {
   const limit = fleet.value(`limits.v_u1[${axis}]`), threshold = fleet.value(`limits.v_u2[${axis}]`);
   const edges = [{ value: limit, beyond: 1 }, { value: -limit, beyond: -1 }];
   return fleet.told.filtered ? edges : [...edges, { value: threshold, dotted: true }, { value: -threshold, dotted: true }];
+}
+
+// Certified distances; beside them the chart may show less than without.
+function tubesOf(fleet) {
+  const known = [...fleet.members.values()].map((member) => ({ member, tube: fleet.tube(member) })).filter(({ tube }) => tube);
+  return known.map(({ member, tube }) => ({ value: tube.most, dotted: true, law: member.law }));
 }
 
 class Page {
@@ -330,6 +336,9 @@ class Page {
         cell(length(member.history.last("distance"))),
         cell(fleet.stand.guard || (this.told.filtered && share) ? `${shownNumber(share, 2)} %` : "–"));
     }));
+    const tubes = tubesOf(fleet).map(({ law }) => `${this.look.laws[law].label} within ${fleet.scene.tubes[law].shown}`);
+    byId("certified").hidden = !tubes.length;
+    byId("certified").textContent = `Certified from a start on the path: ${tubes.join(", ")} of the desired position. Band about the path, dotted in the chart of the distance; both go when anything acts beside the scene’s own numbers, such as a push.`;
     const notices = this.notices();
     if (String(notices) !== this.noticed) {
       this.noticed = String(notices);

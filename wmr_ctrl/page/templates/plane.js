@@ -48,6 +48,7 @@ class Plane extends Sheet {
     const { pen } = this;
     pen.clearRect(0, 0, this.width, this.height);
     this.grid(look);
+    for (const member of fleet.members.values()) this.tube(fleet, member, look);
     this.desired(fleet, look);
     for (const member of fleet.members.values()) this.trail(member, look);
     const order = [...fleet.members.values()].reverse();
@@ -81,12 +82,30 @@ class Plane extends Sheet {
     pen.stroke();
   }
 
+  // The certified corridor about the desired path, to scale.
+  tube(fleet, member, look) {
+    const { pen } = this, tube = fleet.tube(member);
+    if (!tube) return;
+    pen.strokeStyle = look.laws[member.law].colour;
+    pen.globalAlpha = 0.25;
+    pen.lineWidth = (2 * tube.most) / this.view.scale;
+    pen.lineJoin = "round";
+    this.along(fleet);
+    pen.globalAlpha = 1;
+  }
+
+  // The desired path, in as many points as are seen.
+  along(fleet) {
+    const stride = Math.max(1, Math.floor(fleet.path.length / 600));
+    this.stroke(fleet.path.filter((_, i) => i % stride === 0).map(([x, y]) => [this.X(x), this.Y(y)]));
+  }
+
   desired(fleet, look) {
-    const { pen } = this, stride = Math.max(1, Math.floor(fleet.path.length / 600));
+    const { pen } = this;
     pen.strokeStyle = look.muted;
     pen.lineWidth = 1.6;
     pen.setLineDash([2, 4]);
-    this.stroke(fleet.path.filter((_, i) => i % stride === 0).map(([x, y]) => [this.X(x), this.Y(y)]));
+    this.along(fleet);
     const one = fleet.members.values().next().value;
     if (one && one.robot.sampled) {
       pen.setLineDash([5, 4]);
