@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -16,6 +19,9 @@ from tests.corridor.adversary import (
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.corridor.masses import certified
+from wmr_ctrl.corridor.whole import certified_run
+from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.scenario import load_scenario, override
 
 EXACT_POSE = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
@@ -61,6 +67,28 @@ def test_another_mass_than_the_law_believes_in_is_one_force_with_a_sign(robot):
 
     assert tube.position / 1.3 <= reached.position <= tube.position
     assert np.abs(reached.e[:, 2]).max() <= tube.heading
+
+
+@pytest.mark.parametrize("whole", [False, True])
+@pytest.mark.parametrize("bent", ["not", "a kink", "a jump"])
+def test_a_law_that_has_a_kink_where_the_robot_may_be_is_refused(bent, whole):
+    """Neither has a second derivative."""
+    shapes = {"not": lambda w: 0 * w, "a kink": lambda w: ca.fmax(w, 0.11),
+              "a jump": lambda w: ca.if_else(w > 0.11, 1.0, 0.0)}  # fmt: skip
+
+    def inside(context):
+        law = LAWS["prox"].inside(context)
+        (force,) = law.system.outputs
+        more = ca.vertcat(0, 1e-6 * shapes[bent](context.v[1]))
+        system = replace(law.system, outputs=(replace(force, expr=force.expr + more),))
+        return replace(law, system=system)
+
+    told = {"clock.duration": 2.0, "changes": []}
+    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    setup = replace(setup, law=replace(setup.control_law, inside=inside))
+    tube = certified_run(setup, closing=False) if whole else certified(setup, closing=False)
+
+    assert (tube.position is None) == (bent != "not")
 
 
 FILTERED = {"guard.enabled": False, "disturbance.std": 0.06, "sensor.pose_noise": 0.0}

@@ -14,6 +14,8 @@ from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
 from wmr_ctrl.corridor.gains import loop_gains
 from wmr_ctrl.corridor.inputs import conditions
 from wmr_ctrl.corridor.loop import Curve, SampledLoop
+from wmr_ctrl.corridor.midradius import MidRadius
+from wmr_ctrl.corridor.motion import MovingCurve
 from wmr_ctrl.corridor.sample import SampleMatrices
 from wmr_ctrl.scenario import load_scenario
 
@@ -90,6 +92,33 @@ def test_a_condition_that_goes_both_ways_is_not_guessed():
     assert graph([arb(-3)])[0] == 6
     with pytest.raises(OpenBoxError, match="a corner"):
         graph([arb(0, 1)])
+
+
+KINKS = {
+    "a kink": lambda x: ca.if_else(x > 1.0, 3 * x, x + 2),
+    "a jump": lambda x: ca.if_else(x > 1.0, x + 0.5, x),
+    "a size": lambda x: ca.fabs(x - 1.0),
+    "the lesser": lambda x: ca.fmin(x, 1.0),
+}
+
+
+@pytest.mark.parametrize("case", KINKS)
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_kink_of_what_has_no_second_derivative_is_not_overlooked(case, moving):
+    x = ca.SX.sym("x", 2)
+    output, products = KINKS[case](x[0]) + x[1] ** 2, np.array([[0.04, 0.04], [0.04, 0.04]])
+
+    def remainder(at):
+        if not moving:
+            return Curve("f", x, output, np.array([at, 0.0])).remainders(products).sum()
+        curve = MovingCurve("f", x, ca.SX(0, 1), output, (slice(1), 1.0))
+        wide, point = np.sqrt(np.diag(products)), MidRadius(np.array([at, 0.0]), np.zeros(2))
+        bend = curve.bend_within(point, wide, MidRadius(np.zeros(0), np.zeros(0)))
+        return curve.remainders(bend, products).sum()
+
+    assert remainder(0.7) == remainder(1.3) == pytest.approx(0.04)
+    with pytest.raises(OpenBoxError, match="f"):
+        remainder(1.1)
 
 
 def test_a_graph_in_balls_holds_its_values():

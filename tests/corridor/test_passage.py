@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import casadi as ca
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, ctx
 
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import elementary, find_corridor
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.carried import CarriedColumns
 from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
-from wmr_ctrl.corridor.midradius import MidRadius, MidRadiusGraph
-from wmr_ctrl.corridor.motion import LAW_UNSURE, UNSURE
+from wmr_ctrl.corridor.midradius import MidRadius
+from wmr_ctrl.corridor.spans import MidRadiusGraph
 from wmr_ctrl.scenario import load_scenario, override
 
 x = ca.SX.sym("x", 3)
@@ -63,18 +66,90 @@ def eight():
     return Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
 
 
-def test_the_undisturbed_run_is_what_the_graphs_say(eight):
-    by = eight._step_by(0, 100)
-    step = eight.loop.step_curve.value(MidRadius(by), MidRadius(eight.loop.step_numbers))
-    law = eight.loop.law_curve.value(
-        MidRadius(eight._law_by(0, 100)), MidRadius(eight.loop.law_numbers)
-    )
-
-    for value, told, most in ((step, eight.fine[:, 1:], UNSURE), (law, eight.outs, LAW_UNSURE)):
-        size = np.abs(value.middle - told) + value.radius
-        assert (size <= most).all()
-        assert value.radius.max() > 0
+def test_the_undisturbed_run_is_off_the_graphs_by_no_more_than_is_counted(eight):
+    """In balls, one place after the other."""
+    curve, k = eight.loop.step_curve, 37
+    graph = Enclosure("a step", [curve.by, curve.numbers], ca.densify(curve.output))
+    for s in range(10):
+        given = eight._step_by(k, k + 1)[0, s], eight.loop.step_numbers[k, s]
+        with ctx.workprec(200):
+            exact = graph(*([arb(x) for x in part.tolist()] for part in given))
+            off = [float((x - told).abs_upper()) for x, told in
+                   zip(exact, eight.fine[k, s + 1].tolist(), strict=True)]  # fmt: skip
+        assert (np.array(off) <= eight.step_off).all()
+    assert 0 < eight.step_off.max() < 1e-14
+    assert 0 < eight.law_off.max() < 1e-10
     assert np.abs(eight.states[1:, :5] - eight.fine[:, -1, :5]).max() == 0
+
+
+def test_what_a_run_is_off_the_graphs_is_found_wherever_it_is(eight):
+    other = copy(eight)
+    other.fine, other.outs = eight.fine.copy(), eight.outs.copy()
+    other.fine[63, 4, 3] += 1e-7
+    other.outs[12, 1] -= 1e-3
+    law, step = other._residuals()
+
+    assert step[3] == pytest.approx(1e-7, rel=0.1)
+    assert law[1] == pytest.approx(1e-3, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "most"), [("sine", 0.5), ("cosine", 0.5), ("exponential", 300.0),
+                       ("hyperbolic_tangent", 60.0)]
+)  # fmt: skip
+@pytest.mark.parametrize("wide", [0.0, 1e-6, 0.02])
+def test_series_hold_what_balls_say_and_are_not_much_wider(name, most, wide):
+    ball = {"sine": arb.sin, "cosine": arb.cos, "exponential": arb.exp,
+            "hyperbolic_tangent": arb.tanh}[name]  # fmt: skip
+    rng = np.random.default_rng(9)
+    places = np.concatenate([rng.uniform(-most, most, 300), [0.0], 10.0 ** rng.uniform(-12, -1, 99)])
+    places *= 1 - 2 * wide
+    result = getattr(elementary, name)(MidRadius(places, wide * np.abs(places)))
+
+    for share in (-0.9999, 0.2, 0.9999):
+        points = (places * (1 + share * wide)).tolist()
+        with ctx.workprec(600):
+            off = [float((ball(arb(x)) - m).abs_upper())
+                   for x, m in zip(points, result.middle.tolist(), strict=True)]  # fmt: skip
+        assert (np.array(off) <= result.radius).all()
+    if not wide:
+        assert (result.radius <= 2e-13 * np.abs(result.middle) + 1e-15).all()
+
+
+@pytest.mark.parametrize(
+    "expr",
+    [ca.if_else(x[0], 1.0, 2.0), ca.if_else(ca.logic_and(x[0], x[1] > 0), 1.0, 2.0),
+     ca.if_else(ca.logic_or(x[0], x[1] < 0), 1.0, 2.0), ca.if_else(ca.logic_not(x[0]), 1.0, 2.0),
+     ca.sign(x[0])],
+)  # fmt: skip
+def test_a_number_that_may_be_0_is_no_condition(expr):
+    graph, one = MidRadiusGraph("choice", [x], expr), MidRadius(np.ones(1))
+    given = [MidRadius(np.array([0.5]), np.array([0.6])), one, one]
+
+    assert np.abs(graph([one, one, one]).middle) in (1.0, 2.0)
+    with pytest.raises(OpenBoxError, match="choice"):
+        graph(given)
+
+
+def test_products_of_long_rows_count_the_rounding_of_all_their_terms():
+    rng = np.random.default_rng(6)
+    a, b = (rng.normal(size=(1, n, m)) for n, m in ((3, 4000), (4000, 3)))
+    product = MidRadius(a, np.zeros_like(a)) @ MidRadius(b, np.zeros_like(b))
+
+    for i, k in np.ndindex(3, 3):
+        exact = sum((arb(p) * arb(q) for p, q in zip(a[0, i].tolist(), b[0, :, k].tolist(),
+                                                     strict=True)), arb(0))  # fmt: skip
+        assert abs(float(exact.mid()) - product.middle[0, i, k]) <= product.radius[0, i, k]
+    assert product.radius.min() > 4000 * 2.0**-53 * 1000
+
+
+def test_a_loop_with_more_numbers_than_rounding_is_counted_for_is_refused():
+    told = {"actuator.delay": 0.5, "guard.enabled": False}
+    for kind in ("circle", "lemniscate"):
+        scenario = override(load_scenario("safe-simulation"), {**told, "reference.kind": kind})
+        assert "rounding is counted for 100 at most" in find_corridor(
+            scenario, "prox", whole=True
+        ).refused
 
 
 def test_matrices_of_samples_are_the_slopes_of_the_loop_as_it_is_run(eight):

@@ -18,7 +18,7 @@ from wmr_ctrl.checks.loop import IntArray
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import OpenBoxError
-from wmr_ctrl.corridor.inputs import NoCorridorError, conditions
+from wmr_ctrl.corridor.inputs import NoCorridorError, check_size, conditions
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
 from wmr_ctrl.corridor.motion import MovingLoop, motion_of
@@ -33,6 +33,8 @@ STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
 PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 """Of a box on which it is looked which term grows."""
+TOGETHER = 500
+"""Samples whose undisturbed run is compared with the graphs at once."""
 PLACES = 9
 """Samples at which it is looked how fast the loop forgets."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
@@ -45,9 +47,11 @@ class Along:
         """Compose the graphs and run the loop undisturbed; NoCorridorError if that fails."""
         self.setup, self.motion = setup, motion_of(setup.scenario)
         self.loop = loop = MovingLoop(setup, self.motion, partial(conditions, setup))
+        check_size(loop)
         self.states, self.fine, self.outs = loop.undisturbed()
         if not (np.isfinite(self.states).all() and np.isfinite(self.outs).all()):
             raise NoCorridorError("the loop is unstable where nothing disturbs it")
+        self.law_off, self.step_off = self._residuals()
         period, steps, nz = setup.scenario.clock.control, loop.steps, len(loop.names)
         count = max(1, min(steps, ceil(period / KNOT - 1e-9)))
         self.knots = [round(k * steps / count) for k in range(count)]
@@ -139,6 +143,24 @@ class Along:
         acts = u[np.arange(first, last)[:, None] + behind + 1 - age[None, :]]
         push = np.zeros((*acts.shape[:2], COMMAND))
         return np.concatenate([self.fine[first:last, :-1], acts, push, body], axis=2)
+
+    def _residuals(self) -> tuple[Floats, Floats]:
+        """What the undisturbed run's numbers are off the graphs' values at most, in any sample.
+
+        Of the law's outputs, and of the fast state at the end of each plant step.
+        """
+        loop, n = self.loop, len(self.motion.v_d)
+        law, step = np.zeros(self.outs.shape[1]), np.zeros(len(loop.names))
+        for first in range(0, n, TOGETHER):
+            part = slice(first, min(first + TOGETHER, n))
+            given = MidRadius(self._law_by(part.start, part.stop))
+            value = loop.law_curve.value(given, MidRadius(loop.law_numbers[part]))
+            law = np.maximum(law, (value - MidRadius(self.outs[part])).most.max(axis=0))
+            given = MidRadius(self._step_by(part.start, part.stop))
+            value = loop.step_curve.value(given, MidRadius(loop.step_numbers[part]))
+            off = (value - MidRadius(self.fine[part, 1:])).most
+            step = np.maximum(step, off.max(axis=(0, 1)))
+        return law, step
 
     def law_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Of the law's variables and numbers over some samples."""

@@ -28,6 +28,7 @@ from wmr_ctrl.corridor.inputs import (
     NoCorridorError,
     bounded_inputs,
     check_covered,
+    check_size,
     conditions,
     steady_motion,
 )
@@ -90,6 +91,7 @@ class Certifier:
         check_covered(setup)
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
         self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup))
+        check_size(loop)
         shown, moved = loop.law.value(), loop.step.value()
         self.added = np.array(
             [float((a - x).mid()) for a, x in zip(moved, loop.step.at, strict=False)]

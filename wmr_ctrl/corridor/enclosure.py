@@ -55,6 +55,8 @@ class Enclosure:
             return given[1] if self._decided(op, given[0] != 0, given[0] == 0) else given[2]
         if op in _CONDITIONS:
             return arb(int(self._decided(op, *_CONDITIONS[op](*given))))
+        if op == ca.OP_SIGN:
+            return arb(1 if self._decided(op, given[0] > 0, given[0] < 0) else -1)
         if op not in _OPERATIONS:
             raise OpenBoxError(f"{self.name}: operation {op} of CasADi is not covered")
         return _OPERATIONS[op](*given)
@@ -83,7 +85,7 @@ _OPERATIONS: dict[int, Callable[..., arb]] = {
     ca.OP_DIV: lambda a, b: a / b,
     ca.OP_INV: lambda a: 1 / a,
     ca.OP_NEG: lambda a: -a,
-    ca.OP_SQ: lambda a: a**2,
+    ca.OP_SQ: lambda a: a * a,
     ca.OP_TWICE: lambda a: 2 * a,
     ca.OP_SQRT: arb.sqrt,
     ca.OP_EXP: arb.exp,
@@ -95,6 +97,27 @@ _OPERATIONS: dict[int, Callable[..., arb]] = {
     ca.OP_FMIN: arb.min,
     ca.OP_FMAX: arb.max,
 }
+
+
+class BentEnclosure(Enclosure):
+    """Second derivatives of a graph where it has one formula: value and slopes are looked at, too.
+
+    A box on which any of the three leaves a condition open, or has a kink, is refused.
+    """
+
+    def __init__(self, name: str, inputs: Sequence[ca.SX], output: ca.SX, by: ca.SX) -> None:
+        """Differentiate ``output`` twice by ``by``; ``bends`` (output, variable, variable)."""
+        slope = ca.jacobian(output, by)
+        bent = ca.jacobian(ca.vec(slope.nz[:]), by)
+        first = list(zip(*slope.sparsity().get_triplet(), strict=True))
+        pairs = zip(*bent.sparsity().get_triplet(), strict=True)
+        self.bends = [(*first[k], j) for k, j in pairs]
+        every = (ca.vec(part.nz[:]) for part in (bent, slope, output))
+        super().__init__(name, inputs, ca.vertcat(*every))
+
+    def __call__(self, *values: Balls) -> Balls:
+        """The second derivatives in the order of ``bends``."""
+        return super().__call__(*values)[: len(self.bends)]
 
 
 def upper(value: arb) -> float:

@@ -13,9 +13,9 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.surroundings import surroundings
-from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.corridor.loop import AXES, Condition
+from wmr_ctrl.corridor.loop import AXES, MOST_NUMBERS, Condition, SampledLoop
 from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -97,6 +97,18 @@ def check_covered(setup: Setup) -> None:
     if setup.control_law.inside is None:
         able = ", ".join(name for name, law in LAWS.items() if law.inside is not None)
         raise NoCorridorError(f"only {able} have one, away from their limits")
+    if setup.predicted:
+        raise NoCorridorError("a law that predicts (its gain delay) is not covered")
+
+
+def check_size(loop: SampledLoop) -> None:
+    """NoCorridorError for a loop with more numbers than the sums' rounding is counted for."""
+    count = len(loop.names) + COMMAND * loop.queue + loop.memory + loop.acting
+    if count > MOST_NUMBERS:
+        raise NoCorridorError(
+            f"the loop's state has {count} numbers, as a long delay makes it, and rounding is "
+            f"counted for {MOST_NUMBERS} at most"
+        )
 
 
 def _in_the_step(effect: Effect, scenario: Scenario) -> bool:

@@ -23,7 +23,7 @@ from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, World, carried
 from wmr_ctrl.control.applied import followed, remembered
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.corridor.enclosure import Balls, Enclosure, upper
+from wmr_ctrl.corridor.enclosure import Balls, BentEnclosure, Enclosure, upper
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -56,8 +56,9 @@ Asked = Callable[[ca.SX, ca.SX], list[Condition]]
 """Conditions on the force that the law asks for (2) and the velocity that is measured (2)."""
 
 
-UP = 1.0 + 1e-11
-"""Sums of up to 2e4 doubles that are not negative, in whatever order, err by less."""
+UP, MOST_NUMBERS, MOST_COLUMNS = 1.0 + 1e-11, 100, 40_000
+"""Sums of up to 4e4 doubles that are not negative, in whatever order, err by less than UP.  Most
+numbers that a loop's state may have, and columns that are summed up."""
 
 
 class Curve:
@@ -70,10 +71,7 @@ class Curve:
         slope = ca.jacobian(output, by)
         self._value = Enclosure(name, [by], ca.densify(output))
         self._slope = Enclosure(f"the slope of {name}", [by], slope)
-        bent = ca.jacobian(slope.nz[:], by)
-        self._bend = Enclosure(f"the bend of {name}", [by], bent)
-        first = self._slope.pattern
-        self.bends = [(first[k][0], first[k][1], j) for k, j in self._bend.pattern]
+        self._bend = BentEnclosure(f"the bend of {name}", [by], output, by)
 
     def value(self) -> Balls:
         """Values at the point."""
@@ -96,7 +94,7 @@ class Curve:
         peaks = np.sqrt(np.diag(products)) * UP
         box = [arb(x, r) for x, r in zip(self.at.tolist(), peaks.tolist(), strict=True)]
         sizes = np.zeros((self.size, *products.shape))
-        for place, bend in zip(self.bends, self._bend(box), strict=True):
+        for place, bend in zip(self._bend.bends, self._bend(box), strict=True):
             sizes[place] = 0.5 * upper(bend) * products[place[1:]] * UP
         return sizes
 

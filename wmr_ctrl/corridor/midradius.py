@@ -1,8 +1,4 @@
-"""Spans: many intervals at once, each a midpoint and a radius in doubles, rounded outwards.
-
-A graph that is evaluated at thousands of places of a path takes an operation of arrays for each
-node.  What is not a sum, product or quotient is taken in balls, element by element.
-"""
+"""Spans: many intervals at once, each a midpoint and a radius in doubles, rounded outwards."""
 
 from __future__ import annotations
 
@@ -10,17 +6,19 @@ from collections.abc import Callable
 from types import EllipsisType
 from typing import TypeAlias
 
-import casadi as ca
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.enclosure import OpenBoxError
-from wmr_ctrl.model.graph import SELECT, read
 
 ROUNDED, OUTWARD, SMALLEST = 2.0**-52, 1 + 2.0**-48, 1e-300
 """Twice what a result is off by, what widens a radius for its own rounding, and what is added."""
+
+
+def rounding(count: int) -> float:
+    """Share of its size by which a sum of so many products can err, in whatever order."""
+    return (count + 2) * ROUNDED
 
 
 Places: TypeAlias = "tuple[slice | int | EllipsisType | None, ...]"
@@ -33,6 +31,12 @@ class MidRadius:
 
     def __init__(self, middle: Floats | float, radius: Floats | float = 0.0) -> None:
         self.middle, self.radius = np.asarray(middle), np.asarray(radius)
+
+    @property
+    def ends(self) -> tuple[Floats, Floats]:
+        """Doubles below and above all numbers within."""
+        wide = self.radius * OUTWARD + ROUNDED * np.abs(self.middle) + SMALLEST
+        return self.middle - wide, self.middle + wide
 
     @property
     def most(self) -> Floats:
@@ -62,11 +66,11 @@ class MidRadius:
         return _rounded(middle, (self.radius + np.abs(middle) * other.radius) / least)
 
     def __matmul__(self, other: MidRadius) -> MidRadius:
-        """Products of stacked matrices, of fewer than 100 columns."""
-        sizes = np.abs(self.middle)
-        wide = sizes @ (other.radius + 100 * ROUNDED * np.abs(other.middle))
+        """Products of stacked matrices."""
+        sizes, share = np.abs(self.middle), rounding(self.middle.shape[-1])
+        wide = sizes @ (other.radius + share * np.abs(other.middle))
         wide = wide + self.radius @ other.most
-        return MidRadius(self.middle @ other.middle, wide * OUTWARD + SMALLEST)
+        return MidRadius(self.middle @ other.middle, wide * (1 + share) * OUTWARD + SMALLEST)
 
     def __getitem__(self, places: Places) -> MidRadius:
         radius = np.broadcast_to(self.radius, self.middle.shape)
@@ -91,123 +95,6 @@ def _rounded(middle: Floats, radius: Floats) -> MidRadius:
     return MidRadius(middle, (radius + ROUNDED * np.abs(middle)) * OUTWARD + SMALLEST)
 
 
-class MidRadiusGraph:
-    """A CasADi expression of columns, at many places at once."""
-
-    def __init__(self, name: str, inputs: list[ca.SX], output: ca.SX) -> None:
-        """Read the graph; ``pattern`` (row, column) are its entries that can differ from 0."""
-        self.name, self.pattern = name, np.array(output.sparsity().get_triplet()).reshape(2, -1)
-        places = [f"i{k}" for k in range(len(inputs))]
-        self._place = {place: k for k, place in enumerate(places)}
-        graph = read(ca.Function("spans", inputs, [output.nz[:]]), places, ("y",))
-        self._nodes = graph.nodes
-        stores = {store.index: store.node for store in graph.stores}
-        self._stores = [stores[k] for k in range(self.pattern.shape[1])]
-        last = {k: n for n, node in enumerate(self._nodes) for k in node.operands}
-        stay = set(self._stores)
-        self._gone: list[list[int]] = [[] for _ in self._nodes]
-        for k, n in last.items():
-            if k not in stay:
-                self._gone[n].append(k)
-
-    def __call__(self, *values: list[MidRadius]) -> MidRadius:
-        """Entries in the order of ``pattern``, the last axis; OpenBoxError where undecided."""
-        done: dict[int, MidRadius] = {}
-        for n, node in enumerate(self._nodes):
-            if node.place is not None:
-                done[n] = values[self._place[node.place[0]]][node.place[1]]
-            elif node.op == ca.OP_CONST:
-                done[n] = MidRadius(node.number)
-            else:
-                done[n] = self._value(node.op, [done[k] for k in node.operands])
-            for k in self._gone[n]:
-                del done[k]
-        result = [done[k] for k in self._stores]
-        shape = np.broadcast_shapes(*(np.shape(x.middle) for part in values for x in part))
-        middle, radius = (
-            np.stack([np.broadcast_to(getattr(x, key), shape) for x in result], axis=-1)
-            for key in ("middle", "radius")
-        )
-        return MidRadius(middle, radius)
-
-    def _value(self, op: int, given: list[MidRadius]) -> MidRadius:
-        try:
-            if op == SELECT:
-                yes = self._decided(given[0].middle != 0, given[0].middle == 0)
-                return MidRadius(*(np.where(yes, getattr(given[1], key), getattr(given[2], key))
-                              for key in ("middle", "radius")))  # fmt: skip
-            if op in _CONDITIONS:
-                return MidRadius(self._decided(*_CONDITIONS[op](*given)).astype(float))
-            if op not in _OPERATIONS:
-                raise OpenBoxError(f"operation {op} of CasADi is not covered")
-            return _OPERATIONS[op](*given)
-        except OpenBoxError as error:
-            raise OpenBoxError(f"{self.name}: {error}") from error
-
-    def _decided(self, yes: NDArray[np.bool_], no: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        if (yes == no).any():
-            raise OpenBoxError("a condition cannot be decided")
-        return yes
-
-
-_Both = tuple[NDArray[np.bool_], NDArray[np.bool_]]
-
-
-def _apart(a: MidRadius, b: MidRadius) -> tuple[Floats, Floats]:
-    """Midpoints' difference b - a, and the size at which it decides."""
-    gap = b.middle - a.middle
-    return gap, (a.radius + b.radius) * OUTWARD + ROUNDED * np.abs(gap) * (a.radius + b.radius > 0)
-
-
-def _below(a: MidRadius, b: MidRadius) -> _Both:
-    gap, wide = _apart(a, b)
-    return gap > wide, gap <= -wide
-
-
-def _below_or_equal(a: MidRadius, b: MidRadius) -> _Both:
-    gap, wide = _apart(a, b)
-    return gap >= wide, gap < -wide
-
-
-def _equal(a: MidRadius, b: MidRadius) -> _Both:
-    exact = (a.radius == 0) & (b.radius == 0)
-    differs = np.abs(a.middle - b.middle) > (a.radius + b.radius) * OUTWARD
-    return exact & (a.middle == b.middle), differs
-
-
-_CONDITIONS: dict[int, Callable[..., _Both]] = {
-    ca.OP_LT: _below,
-    ca.OP_LE: _below_or_equal,
-    ca.OP_EQ: _equal,
-    ca.OP_NE: lambda a, b: _equal(a, b)[::-1],
-    ca.OP_NOT: lambda a: (a.middle == 0, a.middle != 0),
-    ca.OP_AND: lambda a, b: (
-        (a.middle != 0) & (b.middle != 0), (a.middle == 0) | (b.middle == 0)
-    ),
-    ca.OP_OR: lambda a, b: ((a.middle != 0) | (b.middle != 0), (a.middle == 0) & (b.middle == 0)),
-}  # fmt: skip
-"""Where a condition certainly holds, and where it certainly does not."""
-_OPERATIONS: dict[int, Callable[..., MidRadius]] = {
-    ca.OP_ADD: lambda a, b: a + b,
-    ca.OP_SUB: lambda a, b: a - b,
-    ca.OP_MUL: lambda a, b: a * b,
-    ca.OP_DIV: lambda a, b: a / b,
-    ca.OP_INV: lambda a: MidRadius(1.0) / a,
-    ca.OP_NEG: lambda a: -a,
-    ca.OP_SQ: lambda a: a * a,
-    ca.OP_TWICE: lambda a: MidRadius(2 * a.middle, 2 * a.radius),
-    ca.OP_FABS: abs,
-    ca.OP_SQRT: lambda a: a.by_balls(arb.sqrt),
-    ca.OP_EXP: lambda a: a.by_balls(arb.exp),
-    ca.OP_EXPM1: lambda a: a.by_balls(arb.expm1),
-    ca.OP_SIN: lambda a: a.by_balls(arb.sin),
-    ca.OP_COS: lambda a: a.by_balls(arb.cos),
-    ca.OP_TANH: lambda a: a.by_balls(arb.tanh),
-    ca.OP_FMIN: lambda a, b: _lesser(a, b),
-    ca.OP_FMAX: lambda a, b: -_lesser(-a, -b),
-}
-
-
-def _lesser(a: MidRadius, b: MidRadius) -> MidRadius:
-    """The minimum: within the larger of both radii of the lesser midpoint."""
-    return MidRadius(np.minimum(a.middle, b.middle), np.maximum(a.radius, b.radius))
+def widened(a: MidRadius, more: Floats | float) -> MidRadius:
+    """With so much added to its radius."""
+    return MidRadius(a.middle, (a.radius + more) * OUTWARD)

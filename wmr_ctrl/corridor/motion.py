@@ -17,15 +17,15 @@ from flint import arb
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
 from wmr_ctrl.codegen.build import first_step_at
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.corridor.enclosure import Enclosure
+from wmr_ctrl.corridor.enclosure import BentEnclosure
 from wmr_ctrl.corridor.loop import Asked, SampledLoop
-from wmr_ctrl.corridor.midradius import OUTWARD, MidRadius, MidRadiusGraph
+from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, MidRadius
+from wmr_ctrl.corridor.spans import MidRadiusGraph
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
-UNSURE, LAW_UNSURE = 1e-12, 1e-9
-"""What numbers of reference and plant step, and the law's, are off at most as doubles give them."""
-
+UNSURE, OPERATIONS = 1e-12, 16.0
+"""A size far below all that matters, and roundings of a coordinate in a step of `carried`."""
 
 STEEP, PARTS = 1.5, 8
 """Growth of a force's remainder from half a box to all of it that cuts a box up, and its parts."""
@@ -66,7 +66,8 @@ def motion_of(scenario: Scenario) -> RunMotion:
     apart = _apart(at[:-1, :3], every, way, steps, h)
     reckoned = _apart(at[:-1, :3], at, way, 1, clock.control)[:, 0]
     straight = at[:-1, 2:3] + turn[:, None] * (np.arange(1, steps + 1) * h)
-    turned = np.abs(every[1:, 2].reshape(n, steps) - straight).max(axis=1) + UNSURE
+    turned = np.abs(every[1:, 2].reshape(n, steps) - straight).max(axis=1)
+    turned += _rounding(every, 1)
     way = np.vstack([way[:1], way])
     return RunMotion(at[:-1, 3:5], at[:-1, 5:7], way, apart[:, -1], reckoned, apart.max(axis=1),
                      turned, _robots(scenario, n, steps))  # fmt: skip
@@ -89,8 +90,13 @@ def _apart(start: Floats, every: Floats, way: Floats, steps: int, h: float) -> F
     for s in range(steps):
         now = np.asarray(step(now, way.T))
         there = every[s + 1 :: steps][: len(start)]
-        result.append(np.hypot(now[0] - there[:, 0], now[1] - there[:, 1]) + UNSURE)
-    return np.stack(result, axis=1)
+        result.append(np.hypot(now[0] - there[:, 0], now[1] - there[:, 1]))
+    return np.stack(result, axis=1) + _rounding(every, steps)
+
+
+def _rounding(poses: Floats, steps: int) -> float:
+    """What poses that are carried over so many steps in doubles are off at most."""
+    return float(OPERATIONS * (steps + 1) * ROUNDED * (1 + np.abs(poses[:, :3]).max()))
 
 
 def _robots(scenario: Scenario, n: int, steps: int) -> Floats:
@@ -112,15 +118,14 @@ class MovingCurve:
     ) -> None:
         """Differentiate; ``steep``: the outputs in which friction counts, and what is little."""
         self.steep, self.little = steep
+        self.by, self.numbers, self.output = by, numbers, output
         self.name, self.shape = name, (output.numel(), by.numel())
         slope = ca.jacobian(output, by)
         self.function = ca.Function("curve", [by, numbers], [ca.densify(output)])
         self._value = MidRadiusGraph(name, [by, numbers], ca.densify(output))
         self._slope = MidRadiusGraph(f"the slope of {name}", [by, numbers], slope)
-        bent = ca.jacobian(slope.nz[:], by)
-        self._bend = Enclosure(f"the bend of {name}", [by, numbers], bent)
-        first = self._slope.pattern.T
-        self.bends = np.array([(*first[k], j) for k, j in self._bend.pattern]).reshape(-1, 3)
+        self._bend = BentEnclosure(f"the bend of {name}", [by, numbers], output, by)
+        self.bends = np.array(self._bend.bends).reshape(-1, 3)
 
     def value(self, by: MidRadius, numbers: MidRadius) -> MidRadius:
         """Values at points (..., n) under numbers (..., n)."""
@@ -197,13 +202,13 @@ class MovingLoop(SampledLoop):
             fast, np.zeros(COMMAND * self.queue), begun, np.zeros(self.acting),
         ))  # fmt: skip
 
-    @property
+    @cached_property
     def law_numbers(self) -> Floats:
         """Numbers of the law's graph at each sample (n, 6)."""
         motion = self.motion
         return np.hstack([motion.v_d, motion.rate, motion.way[:-1]])
 
-    @property
+    @cached_property
     def step_numbers(self) -> Floats:
         """Numbers of the step's graph at each plant step (n, steps, 3)."""
         motion, steps = self.motion, self.steps

@@ -17,9 +17,9 @@ from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.carried import CarriedColumns
 from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.loop import UP
-from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
-from wmr_ctrl.corridor.motion import LAW_UNSURE, UNSURE, MovingCurve
+from wmr_ctrl.corridor.loop import MOST_COLUMNS, MOST_NUMBERS, UP
+from wmr_ctrl.corridor.midradius import MidRadius, rounding
+from wmr_ctrl.corridor.motion import UNSURE, MovingCurve
 from wmr_ctrl.corridor.stretch import Stretch
 
 FAR, NEAR, TRIES = 30.0, 1e-3, 40
@@ -30,8 +30,8 @@ GUESSED, GROWN = 1.01, 1.03
 """Of Z: its first guess, and its growth from try to try."""
 ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
 """Growth of the box that a bend holds on; below that share of the typical sizes another."""
-DOT = 100 * ROUNDED
-"""Share by which a sum of up to 100 products can err."""
+DOT = rounding(MOST_NUMBERS)
+"""Share by which a sum of products over a state can err."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,8 @@ class Passing:
         self.carried = CarriedColumns(
             along.lasting, n, along.memory, (width, COMMAND if inputs.pose else 0)
         )
+        if (columns := self.carried.values.shape[1]) > MOST_COLUMNS:
+            raise NoCorridorError(f"the loop forgets too slowly: it takes {columns} columns")
         self.pending = np.zeros(n)
         self.pending[:3] = start
         if self.loop.filter:
@@ -203,7 +205,7 @@ class Passing:
         guess = np.maximum(reach[1], old) * GUESSED + UNSURE
         far = FAR * np.maximum(reach[0], linear)[:ROBOT] + NEAR
         for _ in range(TRIES):
-            step = self._step(guess, law, now) + now.here.body[now.at] @ self.inputs.body + UNSURE
+            step = self._step(guess, law, now) + now.here.body[now.at] @ self.inputs.body
             left = now.here.steps[now.at] @ step * UP
             own = box.copy()
             own[:nz] += left
@@ -285,7 +287,7 @@ class Passing:
     def _conditions(self, law: Floats, now: Instant) -> tuple[float, int]:
         """Share of the condition that is used most, and its number."""
         along, count = self.along, self.loop.count
-        level = np.abs(along.outs[now.part, -count:]).max(axis=0) + LAW_UNSURE + law[-count:]
+        level = np.abs(along.outs[now.part, -count:]).max(axis=0) + law[-count:]
         shares = np.full(count, np.inf)
         np.divide(level, along.most, out=shares, where=along.most > 0)
         worst = int(shares.argmax())
@@ -317,7 +319,7 @@ class Passing:
             self.law_bend = self._bend(loop.law_curve, ranges, sizes, now.k)
         products = np.outer(sizes, sizes)
         products[:ROBOT, :ROBOT] = self._products(reach, self.error)
-        return loop.law_curve.remainders(self.law_bend[1], products) * UP + LAW_UNSURE
+        return (loop.law_curve.remainders(self.law_bend[1], products) + self.along.law_off) * UP
 
     def _step(self, guess: Floats, law: Floats, now: Instant) -> Floats:
         """What a plant step is off its linear part at most while Z is not left."""
@@ -327,7 +329,7 @@ class Passing:
             self.step_bend = self._bend(curve, self.along.step_range(now.k, now.end), sizes, now.k)
         products = np.outer(sizes, sizes)
         products[:ROBOT, :ROBOT] = self._products(guess, np.zeros(ROBOT))
-        return curve.remainders(self.step_bend[1], products) * UP
+        return (curve.remainders(self.step_bend[1], products) + self.along.step_off) * UP
 
     def _bend(
         self, curve: MovingCurve, ranges: tuple[MidRadius, MidRadius], sizes: Floats, k: int

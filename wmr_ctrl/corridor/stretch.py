@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
-from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
+from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius, rounding
 from wmr_ctrl.corridor.motion import MovingLoop
 
 
@@ -62,7 +62,7 @@ def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int])
             part, new = slice(at, at + COMMAND), inputs[:, :, k * COMMAND : (k + 1) * COMMAND]
             whole = now[:, :, part] + new
             now.middle[:, :, part], now.radius[:, :, part] = whole.middle, whole.radius
-        sums = (size @ sums) * (1 + 100 * ROUNDED) + np.eye(nz)
+        sums = (size @ sums) * (1 + rounding(nz)) + np.eye(nz)
         course.append(now)
     each = [_closed(item, outputs, n) for item in course]
     rows = MidRadius(*(np.zeros((count, n, n)) for _ in range(2)))

@@ -1,0 +1,81 @@
+"""Sines, exponentials and tanh of many numbers at once, each within a radius that is counted.
+
+By their series, of which sums, products and quotients alone are taken, rounded outwards.
+"""
+
+from __future__ import annotations
+
+from math import factorial, log
+
+import numpy as np
+
+from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.corridor.midradius import MidRadius, widened
+
+ANGLE, EXPONENT, SATURATED = 0.5, 300.0, 20.0
+"""Largest arguments of sine and of exp, and that from which on tanh is within ONE_OFF of 1."""
+LN_2, ONE_OFF, REST = MidRadius(log(2.0), 1e-16), 1e-17, 3e-17
+"""What the series leave is below REST: x^15/15!, x^16/16! at ANGLE, 1.5 x^14/14! at ln 2 / 2."""
+
+
+def _series(x: MidRadius, orders: range) -> MidRadius:
+    """Sum of x^k times the reciprocal of the k-th of the orders' factorials, with signs."""
+    sign = -1.0 if orders.step == 2 else 1.0
+    result = MidRadius(np.zeros_like(x.middle))
+    for k, order in reversed(list(enumerate(orders))):
+        term = MidRadius(sign**k) / MidRadius(float(factorial(order)))
+        result = result * x + term
+    return widened(result, REST)
+
+
+def sine(a: MidRadius) -> MidRadius:
+    """Sines of arguments within ANGLE."""
+    x = MidRadius(a.middle)
+    return widened(x * _series(x * x, range(1, 14, 2)), a.radius)
+
+
+def cosine(a: MidRadius) -> MidRadius:
+    """Cosines of arguments within ANGLE."""
+    x = MidRadius(a.middle)
+    return widened(_series(x * x, range(0, 15, 2)), a.radius * (np.abs(a.middle) + a.radius))
+
+
+def _exp_of(x: Floats) -> MidRadius:
+    times = np.rint(x / log(2.0))
+    series = _series(MidRadius(x) - MidRadius(times) * LN_2, range(14))
+    power = np.ldexp(1.0, times.astype(int))
+    return MidRadius(series.middle * power, series.radius * power)
+
+
+def _tanh_of(x: Floats) -> MidRadius:
+    size = np.abs(x)
+    part = MidRadius(2.0) / (_exp_of(2 * np.minimum(size, SATURATED)) + MidRadius(1.0))
+    result = MidRadius(1.0) - part
+    far = size > SATURATED
+    middle = np.where(far, 1.0, result.middle)
+    return MidRadius(np.copysign(middle, x), np.where(far, ONE_OFF, result.radius))
+
+
+def exponential(a: MidRadius) -> MidRadius:
+    """Of arguments within EXPONENT."""
+    return _between(*(_exp_of(end) for end in _ends(a)))
+
+
+def hyperbolic_tangent(a: MidRadius) -> MidRadius:
+    """Of any arguments."""
+    return _between(*(_tanh_of(end) for end in _ends(a)))
+
+
+def _ends(a: MidRadius) -> list[Floats]:
+    if not a.radius.any():
+        return [np.asarray(a.middle, dtype=float)]
+    return list(a.ends)
+
+
+def _between(low: MidRadius, high: MidRadius | None = None) -> MidRadius:
+    """What a rising function of these values at its ends lies in."""
+    if high is None:
+        return low
+    apart = high - low
+    middle = low.middle + apart.middle / 2
+    return widened(MidRadius(middle), apart.most / 2 + low.radius + high.radius)
