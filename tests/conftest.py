@@ -46,8 +46,11 @@ def pytest_configure(config: pytest.Config) -> None:
     """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched.
 
     Garbage is looked for seldom: what tests and graphs are made of is many objects, and stays.
+    Bytecode is kept: processes by the hundred import the same modules.
     """
     gc.set_threshold(50_000, 20, 50)
+    sys.dont_write_bytecode = False
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     if config.getoption("every_case"):
         settings.load_profile("every example")
     os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
@@ -113,7 +116,7 @@ def pytest_collection(session: pytest.Session) -> None:
     its own and finds those of the others. One that cannot be imported fails where it is collected.
     """
     count, name = (os.environ.get(f"PYTEST_XDIST_{key}", "") for key in ("WORKER_COUNT", "WORKER"))
-    if not count or sys.dont_write_bytecode or session.config.args != ["tests"]:
+    if not count or session.config.args != ["tests"]:
         return
     for module in sorted(TESTS.rglob("test_*.py"))[int(name.removeprefix("gw")) :: int(count)]:
         with suppress(Exception, pytest.skip.Exception):
