@@ -127,8 +127,10 @@ def slew_reach(scenario: Scenario) -> tuple[float, float]:
     first, last = settings.delay
     H = (1 + settings.losses) * (T + settings.jitter) + last - first
     K, quicker, peaks = settings.gain[1], T / (T - settings.jitter), peak_gains(scenario)
-    swings = [swing(cells_of(scenario, axis)) for axis in AXES]
+    families = AXES if settings.loop == "pi" else AXES[:1]  # else one for both axes
+    swings = [swing(cells_of(scenario, axis)) for axis in families]
     linear, angular = (
-        quicker * (K * swings[i] + peaks[i].gain * H / 2) * (1 + 2.0**-49) for i in AXES
+        quicker * (K * swings[min(i, len(swings) - 1)] + peaks[i].gain * H / 2) * (1 + 2.0**-49)
+        for i in AXES
     )
     return linear, angular

@@ -150,7 +150,7 @@ def band(cells: Cells, T: float, pieces: int, most: int) -> Band:
     low, high = np.full(len(times) - 1, np.inf), np.full(len(times) - 1, -np.inf)
     left = 0.0
     for part, e, speed in _responses(cells, times):
-        lower, upper = _between(part, e, speed, T / pieces)
+        lower, upper = _between(e, _bent(part, e, speed, T / pieces).hi)
         low = np.minimum(low, _down(1 - np.max(upper, axis=0)))
         high = np.maximum(high, _up(1 - np.min(lower, axis=0)))
         left = max(left, float(_left(part, e, speed, rate).max()))
@@ -194,9 +194,8 @@ def _responses(cells: Cells, times: Floats) -> Iterator[tuple[Cells, Span, Span]
         yield part, e, speed
 
 
-def _between(cells: Cells, x: Span, slope: Span, length: float) -> tuple[Floats, Floats]:
-    """Bounds of a response x on each piece, from what it and its slope are at the ends."""
-    bent = _bent(cells, x, slope, length).hi
+def _between(x: Span, bent: Floats) -> tuple[Floats, Floats]:
+    """Bounds of a response x on each piece, from what it is at the ends and `_bent` between."""
     upper = _up(np.maximum(x.hi[:, :-1], x.hi[:, 1:]) + bent)
     lower = _down(np.minimum(x.lo[:, :-1], x.lo[:, 1:]) - bent)
     return lower, upper
@@ -223,9 +222,9 @@ def swing(cells: Cells) -> float:
     longest = float(_up(np.diff(times).max()))
     most = 0.0
     for part, e, speed in _responses(cells, times):
-        mean = 0.5 * (e.magnitude[..., :-1] + e.magnitude[..., 1:])
-        mean = mean + _bent(part, e, speed, longest)
-        rises = np.logical_and.accumulate(_between(part, e, speed, longest)[0] > 0, axis=1)
+        size, bent = e.magnitude, _bent(part, e, speed, longest)
+        mean = 0.5 * (size[..., :-1] + size[..., 1:]) + bent
+        rises = np.logical_and.accumulate(_between(e, bent.hi)[0] > 0, axis=1)
         behind = Span.of(_left(part, e, speed, rate)) / rate
         total = np.sum(np.where(rises, 0.0, mean.hi), axis=1, keepdims=True)
         total = total * (1 + SWING_PIECES * 2.0**-52)
