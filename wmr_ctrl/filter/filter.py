@@ -19,7 +19,7 @@ from wmr_ctrl.filter.band import BandGovernor
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
 from wmr_ctrl.filter.force_band import ForceBand
-from wmr_ctrl.filter.governor_step import Governor
+from wmr_ctrl.filter.governor_step import Governor, check_jitter
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario
@@ -77,12 +77,7 @@ def check_filter(scenario: Scenario) -> None:
 
 def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
     """Raise ScenarioError where commands that change slowly are allowed no more than others."""
-    settings, T = scenario.filter, scenario.clock.control
-    if settings.jitter >= T:
-        raise ScenarioError(
-            f"filter.jitter = {settings.jitter:g} s must be less than the period between samples, "
-            f"clock.control = {T:g} s."
-        )
+    check_jitter(scenario)
     for i, worth in enumerate(worthwhile_slew(scenario)):
         if slew[i] >= worth:
             raise ScenarioError(

@@ -44,17 +44,23 @@ ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's
 SIDES = (("v_above", "bound of the velocity"), ("v_below", "bound of the velocity's negative"))
 
 
+def check_jitter(scenario: Scenario) -> None:
+    """Raise ScenarioError where samples may come as early as those before."""
+    jitter, T = scenario.filter.jitter, scenario.clock.control
+    if jitter >= T:
+        raise ScenarioError(
+            f"filter.jitter = {jitter:g} s must be less than the period between samples, "
+            f"clock.control = {T:g} s."
+        )
+
+
 def schedule(scenario: Scenario) -> Schedule:
     """The filter's times in control periods.
 
     Raises ScenarioError where they span more samples than the filter counts through.
     """
     settings, T = scenario.filter, scenario.clock.control
-    if settings.jitter >= T:
-        raise ScenarioError(
-            f"filter.jitter = {settings.jitter:g} s must be less than the period between samples, "
-            f"clock.control = {T:g} s."
-        )
+    check_jitter(scenario)
     first, last = settings.delay
     times = first, last, settings.jitter, settings.age, settings.hold
     in_periods = (float(item) for item in map(Times(T, scenario.clock.plant).in_periods, times))

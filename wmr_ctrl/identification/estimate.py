@@ -29,7 +29,7 @@ from wmr_ctrl.identification.fit import (
 from wmr_ctrl.identification.kalman import LOGARITHMIC
 from wmr_ctrl.identification.speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
 from wmr_ctrl.logs.log import Floats
-from wmr_ctrl.logs.samples import AxisLog, Samples, speeds, wheels
+from wmr_ctrl.logs.samples import AxisLog, Samples, differenced, speeds, wheels
 from wmr_ctrl.scenario import Scenario
 
 START_SECONDS = 30.0
@@ -54,27 +54,20 @@ PHYSICAL = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag")
 def first_guess(log: Samples) -> tuple[dict[str, float], float]:
     """m, I, friction of motion and time from command to force [s], by regression.
 
-    Second differences of way and turn over 0.1 s weigh the force by a triangle; of the shifts of
-    the command the one that explains most is taken.
+    Of the shifts of the command the one that explains most is taken.
     """
     T = log.period
-    t = np.arange(log.t[0], log.t[-1], T)
-    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
-    if log.of_speed:
-        way = np.cumsum(way, axis=0) * T
-    w = max(round(0.1 / T), 3)
-    rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
-    speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
-    kernel = np.convolve(np.ones(w), np.ones(w)) / w**2
+    t, rate, speed, kernel = differenced(log, 3)
+    inside = slice(w := (len(kernel) + 1) // 2, -w)
     gap = np.searchsorted(log.t, t)
     near = np.abs(log.t[np.minimum(gap, len(log.t) - 1)] - t) < 5 * T
     best: tuple[float, float, Floats] | None = None
     for shift in np.arange(0.0, 0.5, max(T, 0.01)):
         index = np.maximum(np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1, 0)
         force = np.column_stack(
-            [np.convolve(log.command[index, k], kernel, "same")[w:-w] for k in (0, 1)]
+            [np.convolve(log.command[index, k], kernel, "same")[inside] for k in (0, 1)]
         )
-        ok = near[w:-w]
+        ok = near[inside]
         solved, rest = [], 0.0
         for axis in (0, 1):
             x = np.column_stack((force[:, axis], np.tanh(speed[:, axis] / 0.02), speed[:, axis]))

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from wmr_ctrl.logs.log import POSES, TORQUES, Floats, Log, LogError, unit_of
-from wmr_ctrl.logs.samples import LONGEST_SHIFT, Samples, speeds, wheels
+from wmr_ctrl.logs.samples import LONGEST_SHIFT, Samples, differenced, speeds, wheels
 from wmr_ctrl.world.encoder import COUNTS
 
 FEWEST_ROWS, SHORTEST_LOG, LEAST_MOVING = 50, 10.0, 0.2
@@ -184,23 +184,16 @@ def _differenced(
     """Accelerations of the wheels, less what their speed explains, and the torques that go with
     them for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid (this is a check).
     """
-    T = log.period
-    t = np.arange(log.t[0], log.t[-1], T)
-    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
-    if log.of_speed:
-        way = np.cumsum(way, axis=0) * T
-    way = wheels(way, half_track)
-    w = max(round(0.1 / T), 2)
-    rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
-    speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
+    t, rate, speed, kernel = differenced(log, 2)
+    rate, speed = wheels(rate, half_track), wheels(speed, half_track)
+    inside = slice(w := (len(kernel) + 1) // 2, -w)
     drag = np.column_stack((np.tanh(speed / 0.02), speed))
     rate = rate - drag @ np.linalg.lstsq(drag, rate, rcond=None)[0]
-    kernel = np.convolve(np.ones(w), np.ones(w)) / w**2
 
     def torque(shift: float) -> Floats:
         index = np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1
         held = log.command[np.clip(index, 0, len(log.command) - 1)]
-        smooth = np.column_stack([np.convolve(held[:, k], kernel, "same")[w:-w] for k in (0, 1)])
+        smooth = np.column_stack([np.convolve(held[:, k], kernel, "same")[inside] for k in (0, 1)])
         return np.asarray(smooth - drag @ np.linalg.lstsq(drag, smooth, rcond=None)[0])
 
     return rate, torque

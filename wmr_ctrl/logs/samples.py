@@ -170,6 +170,23 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
     )
 
 
+def differenced(log: Samples, fewest: int) -> tuple[Floats, Floats, Floats, Floats]:
+    """Times of an even grid, accelerations and speeds inside of it, and a triangle of weights.
+
+    Second differences of way and turn over 0.1 s, of at least ``fewest`` steps, weigh what was
+    accelerated by that triangle.
+    """
+    T = log.period
+    t = np.arange(log.t[0], log.t[-1], T)
+    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
+    if log.of_speed:
+        way = np.cumsum(way, axis=0) * T
+    w = max(round(0.1 / T), fewest)
+    rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
+    speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
+    return t, rate, speed, np.convolve(np.ones(w), np.ones(w)) / w**2
+
+
 def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
     """Gain, the shift [s] at which the command explains most of the speed, and that share."""
     shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
