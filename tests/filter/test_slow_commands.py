@@ -1,0 +1,95 @@
+"""The clip of slow commands of linear loops, against the worst of all that change so slowly."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.signal import lti, step
+from scipy.sparse import diags, vstack
+
+from tests.filter.linear_base import LinearBase, held, pi_base, second_order_base
+from tests.filter.test_peak_gain import LOOP, WIDE, scenario
+from wmr_ctrl import command_filter
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.step_response import pi_cells, swing
+from wmr_ctrl.scenario import Scenario, override
+
+
+def fastest_slow_command(base: LinearBase, c: float, a: float, T: float) -> float:
+    """Largest v after commands |u| <= c changing by at most a T: a linear programme's."""
+    step, gain = held(base.A, base.b[:, None], T)
+    x, reached = gain.ravel(), []
+    for _ in range(400):
+        reached.append(x[0])
+        x = step @ x
+    ahead, n = np.array(reached)[::-1], len(reached)
+    change = diags([np.ones(n), -np.ones(n - 1)], [0, -1])
+    rows, most = vstack([change, -change]).tocsr(), np.full(2 * n, a * T)
+    return float(-linprog(-ahead, A_ub=rows, b_ub=most, bounds=(-c, c)).fun)
+
+
+def sent_at_last(stated: Scenario) -> float:
+    limit = command_filter(stated)
+    return [limit.step((9.0, 0.0)).command[0] for _ in range(300)][-1]
+
+
+@pytest.mark.parametrize(("a", "least"), [(0.1, 0.99), (0.25, 0.98), (0.5, 0.96)])
+def test_the_worst_slow_commands_of_all_stay_inside(a, least):
+    c = sent_at_last(scenario(slew=(a, a), push=(0.0, 0.0)))
+    worst = fastest_slow_command(pi_base(65, 135, 330, 0), c, a, 0.05)
+    assert least < worst <= 1.0
+    for M, kp, ki in ((68.25, 135, 330), (65, 128.25, 330), (65, 135, 346.5)):  # 5 % wrong alone
+        assert worst < fastest_slow_command(pi_base(M, kp, ki, 0), c, a, 0.05) < 1.0
+    assert c > sent_at_last(scenario(push=(0.0, 0.0)))  # and it leaves more than without
+
+
+def test_slow_commands_that_are_wrong_break_the_limit():
+    """A loop 5 % too strong, and commands that change at once."""
+    stated = scenario(slew=(0.02, 0.02), loop="second-order", damping=(0.4, 2.0),
+                      frequency=(4.0, 5.0), push=(0.0, 0.0))  # fmt: skip
+    c = sent_at_last(override(stated, {"clock.control": 0.5}))
+
+    def fastest(gain: float, a: float) -> float:
+        return fastest_slow_command(second_order_base(4.0, 0.4, gain), c, a, 0.5)
+
+    assert fastest(1.0, 0.02) <= 1.0 < fastest(1.05, 0.02)
+    assert fastest(1.0, 100.0) > 1.3
+    for own in ((3.8, 0.4), (4.0, 0.38)):  # a frequency or a damping 5 % wrong alone
+        assert fastest_slow_command(second_order_base(*own, 1.0), c, 0.02, 0.5) < 1.0
+
+
+def test_commands_change_no_faster_than_stated_and_both_axes_together():
+    step = command_filter(scenario(slew=(0.1, 0.25), push=(0.0, 0.0))).step
+    sent = np.array([(0.0, 0.0)] + [step(asked).command for asked in
+                    [(0.5, 0.2)] * 40 + [(-0.5, 0.1)] * 40 + [(np.nan, 0.0)] * 90])  # fmt: skip
+    assert (np.abs(np.diff(sent, axis=0)) <= np.array([0.1, 0.25]) * 0.05 * (1 + 1e-12)).all()
+    assert sent[40] == pytest.approx(0.4 * np.array([0.5, 0.2]))  # on the way, curvature kept
+    assert sent[-1] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_no_member_swings_longer_than_its_family_and_the_slowest_nearly_as_long():
+    swings = []
+    for numbers in product(*WIDE.values()):
+        M, kp, ki, c = numbers
+        times = np.linspace(0, 40, 20001)
+        _, S = step(lti([kp, ki], [M, kp + c, ki]), T=times)
+        reached = int(np.argmax(S >= 1))
+        swings.append(float(np.trapezoid(np.abs(1 - S)[reached:], times[reached:])))
+    assert 0.95 * swing(pi_cells(LOOP)) < max(swings) < swing(pi_cells(LOOP))
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"slew": (1.2, 0.1)}, "brings no gain: from 0.9"),
+        ({"slew": (0.1, 0.1), "hold": 0.5}, "stops on its own"),
+        ({"slew": (0.1, 0.1), "kind": "band"}, "filter.slew is for"),
+        ({"slew": (0.1, 0.1), "jitter": 0.05}, "less than the period"),
+    ],
+)
+def test_a_slew_that_cannot_be_counted_on_is_refused(stated, words):
+    with pytest.raises(ScenarioError, match=words):
+        command_filter(scenario(**stated))
