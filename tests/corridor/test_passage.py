@@ -102,7 +102,8 @@ def test_series_hold_what_balls_say_and_are_not_much_wider(name, most, wide):
     ball = {"sine": arb.sin, "cosine": arb.cos, "exponential": arb.exp,
             "hyperbolic_tangent": arb.tanh}[name]  # fmt: skip
     rng = np.random.default_rng(9)
-    places = np.concatenate([rng.uniform(-most, most, 300), [0.0], 10.0 ** rng.uniform(-12, -1, 99)])
+    near = 10.0 ** rng.uniform(-12, -1, 99)
+    places = np.concatenate([rng.uniform(-most, most, 300), [0.0], near])
     places *= 1 - 2 * wide
     result = getattr(elementary, name)(MidRadius(places, wide * np.abs(places)))
 
