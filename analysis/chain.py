@@ -69,7 +69,7 @@ CHAINS: dict[str, tuple[Link, ...]] = {
             ("guard.anchor", "wheels.reach", "wheels.linear-first", "wheels.rotation-first"),
         ),
         Link(
-            "The controller that is exported consists of these very formulas.",
+            "The exported controller consists of exactly these formulas.",
             ("guard.assembled.*", "-guard.assembled.keeps.*"),
         ),
         Link(
@@ -96,17 +96,16 @@ CHAINS: dict[str, tuple[Link, ...]] = {
         Link("Stopping is always allowed.", ("filter.contains-clip",)),
         Link("The bound on the speed holds for the next sample, too.", ("filter.estimate",)),
         Link(
-            "The filter that is exported does all this, without delay and losses.",
+            "The exported filter does all this; shown without delay and losses.",
             ("filter.sent-linear-*", "filter.sent-angular-*", "filter.assembled-*",
              "filter.carried-*"),
         ),
         Link(
-            "In the ROS 2 node: whatever leaves it is within the clip.",
+            "The ROS 2 node sends only commands within the clip.",
             ("gate.*",),
         ),
         Link(
-            "Rounding stays below the 2^-26 of the limit that are kept back, without delay, losses "
-            "and jitter.",
+            "Rounding stays below the 2^-26 of the limit that is reserved for it.",
             ("filter.rounding.*",),
         ),
         Link("Compiler, C library and processor do what they should."),

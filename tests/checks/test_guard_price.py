@@ -16,7 +16,7 @@ def test_a_window_that_no_theorem_knows_voids_the_guarantee(told):
     timed = {"encoder.counts": 4096.0, "encoder.method": "time"}
     (void,) = told("prox", {**ON, **timed}, key="encoder.method")
 
-    assert "the guard knows one fixed window" in void.sentence
+    assert "the guard relies on one fixed window" in void.sentence
     assert told("prox", timed, key="encoder.method") == []
 
 

@@ -102,4 +102,4 @@ def test_what_voids_the_guard_is_told_by_its_key() -> None:
     said = warned("plain", **{"guard.enabled": True, **TIMED})
 
     assert "encoder.method = time" in said
-    assert "the guard knows one fixed window" in said
+    assert "the guard relies on one fixed window" in said

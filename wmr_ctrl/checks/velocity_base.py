@@ -19,14 +19,14 @@ from wmr_ctrl.scenario import Scenario, override
 STATEMENTS = {
     "clip": "memoryless clip, for every base that never overshoots",
     "governor": "governor, for a first-order base with nothing hidden",
-    "band": "band, for linear loops whose numbers stay as they are",
+    "band": "band, for linear loops whose numbers do not change",
 }
 OF_LINEAR_LOOPS = "memoryless clip, for linear loops with peak gains up to {0:.4g}, {1:.4g}"
 BEHIND_SLEW = (
     "clip of commands that change by at most {0:.4g} m/s2, {1:.4g} rad/s2, for linear loops"
 )
 WITHIN_FORCE = (
-    "band, for linear loops whose numbers stay as they are, within {0:.4g} N, {1:.4g} N.m"
+    "band, for linear loops whose numbers do not change, within {0:.4g} N, {1:.4g} N.m"
 )
 MILLISECOND = 1e-3
 PER_CENT = 1e-2
@@ -200,7 +200,7 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
     if scenario.filter.kind == "none":
         yield Warning(
             "filter.kind",
-            'filter.kind = "none": nothing surely keeps the base within limits.v_u1. Choose '
+            'filter.kind = "none": nothing guarantees that the base keeps limits.v_u1. Choose '
             '"clip" or "governor".',
             "docs/filter.md",
             objects=False,

@@ -5,8 +5,11 @@ from typing import Any
 
 from wmr_ctrl.cli.console import table, wrapped
 from wmr_ctrl.results import OBJECTED, RigidMonitor, Run, driving, percent, speeds, summary
+from wmr_ctrl.scenario import loads_scenario
 
 MISSING = "- (not reached)"
+TINY = 1e-6
+"""Errors [m, rad] of which no digit is worth printing."""
 FMUS = ("reference", "controller", "guard", "plant")
 """Parts of a run that coupled FMUs."""
 Row = tuple[str, str, str]
@@ -54,8 +57,8 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
-    yield "wheel torque, change", _number(figures["torque_change_rms"], "N m"), "RMS a sample"
-    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), "RMS, the motion's"
+    yield "wheel torque, change", _number(figures["torque_change_rms"], "N m"), "RMS per sample"
+    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), "RMS, by the motion"
     if figures["saturated_share"] is not None:
         yield "wheel torque at its limit", percent(figures["saturated_share"]), "of the samples"
     if run.monitor.rigid is not None:
@@ -118,13 +121,24 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     ise, split = figures["ise"], run.settings.split
     yield "ISE", _number(ise["total"]), "m2 s + rad2 s"
-    yield f"ISE before {split:g} s", _number(ise["before"]), ""
-    yield f"ISE from {split:g} s on", _number(ise["after"]), ""
+    windows = [(window, values) for window, values in figures["e_rms"].items() if values]
+    if _changes_there(run):
+        yield f"ISE before {split:g} s", _number(ise["before"]), ""
+        yield f"ISE from {split:g} s on", _number(ise["after"]), ""
+    else:
+        windows = windows[-1:]
     yield "ISE of the position", _number(ise["position"], "m2 s"), ""
-    for window, values in figures["e_rms"].items():
-        if values:
-            errors = map(_small, values, ("m", "m", "rad"))
-            yield f"RMS of e, {window} s", ", ".join(errors), "Eq. (8)"
+    for window, values in windows:
+        errors = map(_small, values, ("m", "m", "rad"))
+        yield f"RMS of e, {window} s", ", ".join(errors), "Eq. (8)"
+
+
+def _changes_there(run: Run) -> bool:
+    """True if the robot changes at the time that splits the run, as far as is known."""
+    text = run.provenance.get("scenario_toml")
+    if not text:
+        return True
+    return any(change.t == run.settings.split for change in loads_scenario(text).changes)
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -155,6 +169,8 @@ def _small(value: float | None, unit: str) -> str:
     """An error [m, rad] in thousandths where it is below one."""
     if value is None or value >= 1:
         return _number(value, unit)
+    if 0 < value < TINY:
+        return f"below {1e3 * TINY:g} m{unit}"
     return f"{1e3 * value:.3g} m{unit}"
 
 

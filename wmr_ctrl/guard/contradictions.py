@@ -112,7 +112,7 @@ def beyond_belief(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> Iter
     believed, there = _believed_friction(scenario), _sure_friction(scenario, *phases(scenario))
     for i in AXES:
         if there[i] * (1 + ROUNDING) < scenario.guard.f_min[i] <= believed[i] * (1 + ROUNDING):
-            yield _too_much_friction(scenario, i, there, "the robot is sure to have")
+            yield _too_much_friction(scenario, i, there, "the robot certainly has")
 
 
 def _mass(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> Iterator[Contradiction]:

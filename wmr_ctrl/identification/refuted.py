@@ -106,7 +106,7 @@ def tolerance_sentence(white: Fit, colour: float | None) -> str:
     if count < WILKS_BLOCKS:
         return (
             f"largest seen in {count} blocks of {length:.2g} s, {visited}; {WILKS_BLOCKS} blocks "
-            "would say more"
+            "would also bound a share of later ones"
         )
     share = 0.05 ** (1 / count)
     return (

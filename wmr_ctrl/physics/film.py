@@ -34,6 +34,8 @@ _DISTANCE, _AZIMUTH, _ELEVATION = 2.6, 60.0, -22.0
 _TRAIL, _GOAL = (0.10, 0.35, 0.75, 1.0), (0.85, 0.33, 0.10, 0.8)
 _BAND = (0.85, 0.33, 0.10, 0.35)
 _DOTS = 400
+_POST = 0.45
+"""Height [m] of the ball over the desired position, above the robot that hides the ground."""
 _EMPTY = f"""<mujoco><worldbody><geom name="{CHASSIS}" size="1"/></worldbody></mujoco>"""
 
 
@@ -132,7 +134,7 @@ def paint(
     """Pictures of some moments, numbered from ``first``; what the process that paints does."""
     stage, numbered = _scenery(model), enumerate(positions, first + 1)
     stage.lay(target[: tube[1]], tube[0])
-    return [stage.picture(position, driven[:k], target[k - 1]) for k, position in numbered]
+    return [stage.picture(position, driven[:k], target[:k]) for k, position in numbered]
 
 
 @lru_cache(maxsize=1)
@@ -167,22 +169,32 @@ class _Scenery:
                 self._slabs.append((size, np.array([*(one + other) / 2, 0.001]), turned))
 
     def picture(self, position: Floats, driven: Floats, target: Floats) -> Picture:
-        """The robot where it lies, its way, the desired position, and the band."""
+        """The robot where it lies, its way and the desired one, a post where it should be, the band."""
         self._data.qpos[:] = position
         self._engine.mj_forward(self._model, self._data)
         self._camera.lookat[:] = (*driven[-1], 0.1)
         self._renderer.update_scene(self._data, self._camera)
-        for point in driven[:: -(-len(driven) // _DOTS)]:
-            self._dot(point, 0.012, _TRAIL)
-        self._dot(target, 0.05, _GOAL)
+        for way, colour in ((target, _GOAL), (driven, _TRAIL)):
+            for point in way[:: -(-len(way) // _DOTS)]:
+                self._dot(point, 0.012, colour)
+        self._post(target[-1])
         for slab in self._slabs:
             self._add(self._engine.mjtGeom.mjGEOM_BOX, *slab, _BAND)
         painted: Picture = self._renderer.render()
         return painted
 
-    def _dot(self, point: NDArray[np.float64], size: float, colour: Sequence[float]) -> None:
-        """A ball on the ground."""
-        place, level = np.array([*point, size]), np.eye(3).flatten()
+    def _post(self, point: NDArray[np.float64]) -> None:
+        """A post with a ball on top, on a place of the ground."""
+        size, level = np.array([0.01, _POST / 2, 0.0]), np.eye(3).flatten()
+        kind = self._engine.mjtGeom.mjGEOM_CYLINDER
+        self._add(kind, size, np.array([*point, _POST / 2]), level, _GOAL)
+        self._dot(point, 0.04, _GOAL, _POST)
+
+    def _dot(
+        self, point: NDArray[np.float64], size: float, colour: Sequence[float], up: float = 0.0
+    ) -> None:
+        """A ball on the ground, or above it [m]."""
+        place, level = np.array([*point, size + up]), np.eye(3).flatten()
         ball = self._engine.mjtGeom.mjGEOM_SPHERE
         self._add(ball, np.full(3, size), place, level, colour)
 

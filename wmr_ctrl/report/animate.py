@@ -259,7 +259,8 @@ _LEFT = (10, 135, 290, 500)
 def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
     """Pictures with the figures of their rows; red beyond a limit."""
     font = ImageFont.load_default(15)
-    title = f"{style.driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}, on tyres"
+    name = style.driver(run.law, run.guard)
+    title = f"{name}, {run.scenario}, seed {run.seed}, on tyres; orange: desired"
     for row, picture in zip(moments.rows.tolist(), pictures(moments), strict=True):
         whole = Image.new("RGB", (WIDTH, _height(moments)), "white")
         whole.paste(Image.fromarray(picture))
@@ -293,6 +294,6 @@ def _texts(run: Run, row: int, slip_max: float) -> tuple[tuple[str, bool], ...]:
     return (
         (f"v1 {v1:+.2f} m/s", abs(v1) > limit_v),
         (f"omega {omega:+.2f} rad/s", abs(omega) > limit_w),
-        (f"tread slides {slip:.2f} m/s", slip > slip_max),
-        (f"leans {math.degrees(run['tilt'][row]):.0f} degrees", False),
+        (f"slip {slip:.2f} m/s", slip > slip_max),
+        (f"tilt {math.degrees(run['tilt'][row]):.0f}°", False),
     )

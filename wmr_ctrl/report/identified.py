@@ -184,7 +184,7 @@ def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: i
         line_handle("as measured", INK, 0.9),
         line_handle(FORETOLD[result.bounds.section], BLUE),
     ]
-    heading(part, f"{name} [{unit}]; shaded: not used by the fit that predicts", handles)
+    heading(part, f"{name} [{unit}]; shaded: held out from this fit", handles)
     axes = one_axes(part, _MARGINS)
     axes.plot(*thin(traces.t, traces.measured[:, axis]), color=INK, lw=0.9)
     axes.plot(*thin(traces.t, traces.foretold[:, axis]), color=BLUE, lw=1.1, alpha=0.85)

@@ -157,8 +157,8 @@ def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:
         text = "sampled: unstable"
     else:
         gain = "any" if item.gain is None else f"{item.gain:.3g}"
-        phase = "any" if item.phase is None else f"{item.phase:.3g} deg"
-        text = f"sampled: gain up to {gain}, phase {phase}"
+        phase = "any" if item.phase is None else f"{item.phase:.3g}°"
+        text = f"sampled: gain margin {gain}, phase margin {phase}"
     axes.set_title(text, size=7.5, weight="normal", color=MUTED)
 
 

@@ -40,6 +40,8 @@ SMALL = 0.1
 NARROW = 0.01
 LARGE = 10.0
 """Errors that come farther [m, rad] are in m and rad, others in mm and mrad."""
+LEAST = 1e-12
+"""Values of V1 below it are drawn there."""
 TINY = 1e-6
 """Errors [m, rad] of which no digit is worth printing."""
 START = 2.0
@@ -104,7 +106,7 @@ def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     drawing.plot_reference(axes, *drawing.thin_path(run["x_d"], run["y_d"], 64))
     axes.plot(*drawing.thin_path(run["x"], run["y"], 3000), color=look(run.law).colour, lw=1.2)
     axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
-    drawing.finish_path(axes, ["dots: reference", *course_of(run).draw(axes)])
+    drawing.finish_path(axes, ["dots: reference, ring: start", *course_of(run).draw(axes)])
 
 
 def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
@@ -132,8 +134,9 @@ def _figures(run: Run) -> list[str]:
     e1, e2, e3 = map(_error, errors, ("m", "m", "rad"))
     before, after = shown(square["before"]), shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
+    split = switch_time(run) == run.settings.split
     return [
-        f"ISE {shown(square['total'])} m² s + rad² s{'' if switch_time(run) is None else parts}",
+        f"ISE {shown(square['total'])} m² s + rad² s{parts if split else ''}",
         f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",
         f"RMS errors of the last 10 s{of}:",
         f"    e₁ {e1}, e₂ {e2}, e₃ {e3}",
@@ -235,7 +238,9 @@ def _focus(axes: Axes, run: Run, columns: list[FloatArray], unit: str) -> None:
 
 def _barrier(part: SubFigure, run: Run) -> None:
     axes = _time_axes(part, run, "Barrier function V₁ [1]")
-    values, colour = np.maximum(run["V1"], 1e-12), look(run.law).colour
+    values, colour = np.maximum(run["V1"], LEAST), look(run.law).colour
+    if values.min() <= LEAST:
+        drawing.say_below(axes, f"less is drawn at {LEAST:g}")
     axes.plot(*drawing.thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
     width = max(1, round(MEAN_TIME / run.settings.control))
     axes.plot(*drawing.thin(run.time, drawing.running_mean(values, width)), color=colour, lw=1.0)

@@ -79,8 +79,9 @@ def _path(part: SubFigure, lines: Lines) -> None:
     for run, colour, dash in lines.values():
         x, y = thin_path(run["x"], run["y"], 3000)
         axes.plot(x, y, color=colour, ls=dash, lw=1.2, alpha=0.85)
+        axes.plot(x[0], y[0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
     plot_reference(axes, *thin_path(longest["x_d"], longest["y_d"], 64))
-    finish_path(axes, ["dots: reference", *course_of(longest).draw(axes)])
+    finish_path(axes, ["dots: reference, ring: start", *course_of(longest).draw(axes)])
 
 
 def _over_time(part: SubFigure, lines: Lines, title: str) -> Axes:

@@ -154,7 +154,8 @@ def _by_factor(table: StudyTable) -> Figure:
         for k, group in enumerate(table.groups):
             of_group, colour = table.group == group, _colour(group)
             # Lines in the law's colour: a box may be thinner than its outline.
-            line = {"color": colour, "linestyle": style.DOTTED if "guarded" in group else "-"}
+            dash = style.DOTTED if "guarded" in group else "-"
+            line = {"color": colour, "linestyle": dash}
             face = to_rgba(colour, 0.15 if "guarded" in group else 0.45)
             axes.boxplot(
                 [_values(table, of_group & (bins.places == b)) for b in range(bins.count)],
@@ -163,12 +164,13 @@ def _by_factor(table: StudyTable) -> Figure:
                 showfliers=False,
                 manage_ticks=False,
                 patch_artist=True,
-                medianprops=line | {"linewidth": 2.0, "linestyle": "-"},
-                boxprops={"facecolor": face, "edgecolor": colour},
+                medianprops=line | {"linewidth": 2.0},
+                boxprops={"facecolor": face, "edgecolor": colour, "linestyle": dash},
                 whiskerprops=line,
                 capprops=line | {"linestyle": "-"},
             )
-            axes.add_patch(Rectangle((0, 0), 0, 0, fc=face, ec=colour, label=_label_of(group)))
+            label = _label_of(group)
+            axes.add_patch(Rectangle((0, 0), 0, 0, fc=face, ec=colour, ls=dash, label=label))
         axes.set_xticks(bins.ticks, bins.labels)
         axes.set_xlim(-0.6, bins.count - 0.4)
         axes.set(xlabel=_label(table, key), ylabel=_label(table, table.figure))
@@ -278,6 +280,10 @@ def _indices(table: StudyTable, rows: range) -> Figure:
             axes.set_title(_label_of(group) + where)
             axes.set_xticks(np.arange(len(ranges)), list(ranges), rotation=20, ha="right")
             _bars(table, axes, (table.group == group) & (table.point // _points(table) == row))
+    drawn = [axes for axes in figure.axes if axes.get_legend_handles_labels()[0]]
+    if drawn:
+        handles, labels = drawn[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper left", ncols=2)
     return figure
 
 
@@ -309,4 +315,3 @@ def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
         axes.bar(np.arange(len(ranges)) + shift, indices[key], 0.34, label=label, color=colour,
                  yerr=indices[f"{key}_conf"], capsize=2, error_kw={"lw": 0.8})  # fmt: skip
     axes.set_ylabel(f"Sobol index of {table.figure} [1]")
-    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2)

@@ -249,7 +249,7 @@ def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
         f"recorded {1e3 * np.median(late):.3g} ms after its stamps, {1e3 * late.max():.3g} ms at "
         "most; times are the stamps"
         if stamped
-        else "times are those of the recorder: what a message took to it is missing from a delay"
+        else "times are those of the recorder, so an identified delay lacks a message's way to it"
     )
     step = np.diff(np.sort(clock)) / SECOND
     remarks.append(

@@ -138,7 +138,7 @@ def _compare_drives(drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: f
         )
     notes.append(
         "Times count from the first message of each. At those of the first, the second's commands "
-        "and torques hold, and what was measured is taken between its messages."
+        "and torques are held, and its measured values are interpolated."
     )
     verdict = _verdict(columns, tolerance, outcomes_differ=False)
     return Comparison(columns, compared, (), tuple(notes), tolerance, verdict)

@@ -177,7 +177,7 @@ _SENTENCES = {
     ),
     Outcome.SLIPPED: (
         "The run completed within its velocity limits ({extremes}), but the wheels slipped: from t "
-        "= {slipped} s on, at most by {most} m/s. The assumptions of laws and guard did not hold "
+        "= {slipped} s on, by at most {most} m/s. The assumptions of laws and guard did not hold "
         "there. Limit the wheel torques (actuator.tau_max or actuator.traction; `wmr-ctrl check` "
         "names the largest torque without spin)."
     ),
@@ -213,7 +213,7 @@ def _rigid(seen: RigidMonitor | None) -> dict[str, str]:
         return {}
     slip = "Its wheels did not slip."
     if seen.slipped is not None:
-        most = f"at most by {seen.max_slip:.3g} m/s"
+        most = f"by at most {seen.max_slip:.3g} m/s"
         slip = f"Its wheels slipped from t = {seen.slipped:.6g} s on, {most}."
     return {
         "tipped": f"{seen.tipped or 0.0:.6g}",

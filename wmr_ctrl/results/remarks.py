@@ -91,7 +91,7 @@ def _outcome(run: Run) -> Iterator[Remark]:
     if seen and seen.slipped is not None:
         yield Remark(
             Outcome.SLIPPED.value,
-            f"From t = {seen.slipped:.6g} s on the wheels slipped over the ground, at most by "
+            f"From t = {seen.slipped:.6g} s on the wheels slipped over the ground, by at most "
             f"{seen.max_slip:.3g} m/s; laws and guard assume that they grip. Limit the wheel "
             "torques: `wmr-ctrl check` names the largest one without spin.",
         )
@@ -104,7 +104,7 @@ def _not_tracked(run: Run) -> Iterator[Remark]:
     if measures.tracked(run) is not False:
         return
     parts = [
-        f"in the {place} {part['position_rms']:.3g} m RMS and at most {part['position_max']:.3g} m"
+        f"{part['position_rms']:.3g} m RMS (at most {part['position_max']:.3g} m) in the {place}"
         for place, part in zip((driving(run), "end"), measures.tracking(run).values(), strict=True)
         if part is not None and part["position_rms"] is not None
     ]
@@ -113,9 +113,9 @@ def _not_tracked(run: Run) -> Iterator[Remark]:
         return
     yield Remark(
         "not-tracked",
-        f"The robot was {' and '.join(parts)} from its desired position; metrics.tolerance is "
+        f"The robot was off its desired position by {' and '.join(parts)}; metrics.tolerance is "
         f"{run.settings.tolerance:g} m. See the other remarks and `wmr-ctrl check` for the cause, "
-        "choose another law or gains, ask for a slower reference, or raise the tolerance if that "
+        "choose another law or gains, ask for a slower reference, or raise the tolerance if this "
         "is good enough.",
     )
 
@@ -185,8 +185,8 @@ def _oscillates(run: Run) -> Iterator[Remark]:
         if share > SWAY:
             yield Remark(
                 "oscillates",
-                f"{name} swings about the desired one by {percent(share)} of its limit RMS, more "
-                f"than {percent(SWAY)}: the robot does not drive steadily. {CALMER}",
+                f"{name} swings about its desired value by {percent(share)} of its limit (RMS), "
+                f"more than {percent(SWAY)}: the robot does not drive steadily. {CALMER}",
             )
             return
 

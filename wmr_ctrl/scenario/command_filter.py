@@ -92,7 +92,7 @@ class Filter(Section, key="filter"):
         (0.0, 0.0), "N, N.m", "largest push on a base with PI loops", minimum=0
     )
     force: tuple[float, float] | None = quantity(
-        None, "N, N.m", "largest force and moment that motors behind PI loops surely give", size=2,
+        None, "N, N.m", "force and moment that motors behind PI loops can certainly give", size=2,
         above=0,
     )  # fmt: skip
     slew: tuple[float, float] | None = quantity(

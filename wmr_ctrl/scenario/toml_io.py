@@ -67,8 +67,8 @@ def load_scenario(
     raw = _resolved(source, Path(), ())
     if "scenario" in raw:
         raise ScenarioError(
-            f"{source} is a plan of a study, no scenario: it names one. Run it by `wmr-ctrl study "
-            f"{source} --out FOLDER`, or give the scenario that it names."
+            f"{source} is a study plan, not a scenario. Run it with `wmr-ctrl study {source} --out "
+            "FOLDER`, or give the scenario that it names."
         )
     name = Path(source).stem if is_path(source) else source
     with naming_file(source, overrides or {}):

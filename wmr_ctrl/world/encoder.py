@@ -201,8 +201,8 @@ def bound(scenario: Scenario) -> Bound:
     encoder, robot = scenario.section(Encoder), scenario.robot
     if encoder.method == TIME:
         return Bound(
-            void="encoder.method = time: each wheel's speed is a mean over a time of its own that "
-            "depends on it, and the guard knows one fixed window."
+            void="encoder.method = time: each wheel's speed is a mean over its own time, which "
+            "depends on that speed, while the guard relies on one fixed window."
         )
     window = periods_in_window(scenario) * scenario.clock.control
     counts = float(encoder.counts or math.inf)
