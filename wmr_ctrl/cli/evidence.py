@@ -184,9 +184,10 @@ def bench(file: str | None) -> None:
     Ratios are comparable between machines, times are not; FILE has both.
     """
     opt.check_output(file, (".json",), "--json")
-    from wmr_ctrl import api
-
+    click.echo("compiling and measuring: about a minute on an idle machine", err=True)
     with Progress("benchmarks") as progress:
+        from wmr_ctrl import api
+
         measured = api.bench(progress=progress)
     if file:
         from wmr_ctrl.results import atomic_text
