@@ -8,8 +8,10 @@ import math
 import numpy as np
 import pytest
 
+from tests.campaign.synthetic import made_up
 from tests.results.conftest import build
-from wmr_ctrl.campaign.paper import reported
+from wmr_ctrl.campaign.engine import run_campaign
+from wmr_ctrl.campaign.paper import REPORTED, paper_plan
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.figures import FIGURES, Figure, FigureRegistry, values_of
@@ -18,7 +20,7 @@ STOPPED = Monitor((1000.0, 2.0), 5, (0.2, 1), (0.5, 1), "diverged")
 
 
 def figures_of(run):
-    return values_of(run, reported())
+    return values_of(run, FIGURES.with_others(REPORTED))
 
 
 def value(name, run):
@@ -90,6 +92,9 @@ def test_a_figure_of_another_package_stands_in_the_report_s_tables(monkeypatch):
 
     assert value("twice", build()) == 2.0
     assert build().summary()["figures"]["twice"] == 2.0
+    with made_up():
+        table = run_campaign(paper_plan(seeds=1)[:1], 1, figures=("ise_total",), whole=False).table
+    assert table["twice"].tolist() == [2.0]
 
 
 def test_a_figure_of_another_package_that_fails_is_named(monkeypatch):

@@ -148,9 +148,10 @@ def test_a_loop_with_more_numbers_than_rounding_is_counted_for_is_refused():
     told = {"actuator.delay": 0.5, "guard.enabled": False}
     for kind in ("circle", "lemniscate"):
         scenario = override(load_scenario("safe-simulation"), {**told, "reference.kind": kind})
-        assert "rounding is counted for 100 at most" in find_corridor(
-            scenario, "prox", whole=True
-        ).refused
+        assert (
+            "rounding is counted for 100 at most"
+            in find_corridor(scenario, "prox", whole=True).refused
+        )
 
 
 def test_matrices_of_samples_are_the_slopes_of_the_loop_as_it_is_run(eight):

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.campaign import PAPER_LAWS
-from wmr_ctrl.campaign.paper import AS_STATED, STUDIES, reported
+from wmr_ctrl.campaign.paper import AS_STATED, REPORTED, STUDIES
 from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.report.claims import (
@@ -39,7 +39,7 @@ def row(law, seed, **values):
 
 def evidence(*rows):
     """Rows with every figure None but those that are given."""
-    empty = dict.fromkeys((figure.name for figure in reported()), None)
+    empty = dict.fromkeys(REPORTED, None)
     return Evidence(table_of_rows([{**empty, **row} for row in rows]))
 
 
@@ -60,7 +60,7 @@ def test_ids_are_unique_and_every_claim_is_told_in_full():
 
 @pytest.mark.parametrize(("claim", "spec"), SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
 def test_tests_name_what_a_campaign_has(claim, spec):
-    figures = {figure.name for figure in reported()} | TIMES
+    figures = {*REPORTED} | TIMES
     other = spec.over or Divisor()
 
     assert spec.figure in figures

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Protocol, TypeVar, runtime_checkable
 
-from wmr_ctrl.campaign.paper import reported
+from wmr_ctrl.campaign.paper import REPORTED
 from wmr_ctrl.campaign.plan import PlannedCase, PlannedRun
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.results import Run
@@ -170,13 +170,13 @@ def run_campaign(
     plan: Sequence[PlannedRun],
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
-    figures: Sequence[str] = (),
+    figures: Sequence[str] = REPORTED,
     whole: bool = True,
     texts: tuple[str, str] = ("Compiling the laws", "Running the simulations"),
 ) -> Campaign:
     """Compile, then run all of ``plan`` on ``jobs`` threads (default: one per core).
 
-    Rows have ``figures`` (without: those of the report); ``whole``: keep whole first runs.  A
+    Rows have ``figures`` and those of other packages; ``whole``: keep whole first runs.  A
     guard's refusal becomes a row; that of an unguarded case is raised.  The result is the same for
     any ``jobs``.  An exception in a run, or an interrupt, ends the campaign at once: what has not
     begun is dropped.  Raises ArgumentError for jobs < 1 or an empty plan.
@@ -184,7 +184,7 @@ def run_campaign(
     check_jobs(jobs)
     if not plan:
         raise ArgumentError("the plan is empty: name at least one law and one seed.")
-    taken = [FIGURES[name] for name in figures] or reported()
+    taken = FIGURES.with_others(figures)
     first: dict[tuple[str, str], int] = {}
     for case, seed in plan if whole else ():
         key = case.name, case.law

@@ -6,7 +6,6 @@ from types import MappingProxyType
 from wmr_ctrl.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.results.figures import FIGURES, Figure
 from wmr_ctrl.results.windows import WINDOWS, named
 
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
@@ -96,7 +95,7 @@ def paper_plan(
 
 
 _WINDOWS = tuple(map(named, WINDOWS))
-_REPORTED = (
+REPORTED = (
     "position_rms", "position_rms_last_quarter", "position_max", "d_start",
     *(f"d_rms_{span}" for span in _WINDOWS), "halving_time", "settling_time",
     "ise_total", "ise_before", "ise_after", "ise_position", "ise_orientation",
@@ -105,8 +104,4 @@ _REPORTED = (
     "tau_peak", "tau_peak_late", "tau_rms", "V1_start", "V1_late", "V1_rises", "V1_rise_share",
     "W1_end", "W1_largest", "W2_end", "W2_largest",
 )  # fmt: skip
-
-
-def reported() -> tuple[Figure, ...]:
-    """Figures of the report's tables, in their order; those of other packages at the end."""
-    return (*map(FIGURES.__getitem__, _REPORTED), *FIGURES.plugins)
+"""Figures of the report's tables, in their order."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, Silent
 from wmr_ctrl.campaign.comparison import COMPARED
-from wmr_ctrl.campaign.paper import reported
+from wmr_ctrl.campaign.paper import REPORTED
 from wmr_ctrl.campaign.rigid import COMPARED as RIGID_COMPARED
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.paper import CITATION
@@ -104,14 +104,14 @@ def write_reproduction(
     )
     pictures = _draw(drawings, figures, progress or Silent())
     write_table(home / "table.csv", table)
-    write_runs(home / "runs.csv", table, (), reported())
+    write_runs(home / "runs.csv", table, (), FIGURES.with_others(REPORTED))
     write_claims(home / "claims.json", reproduction.judged, table)
     write_page(home / "report.html", reproduction, drawings, figures)
     if compared:
-        taken = map(FIGURES.__getitem__, COMPARED)
+        taken = FIGURES.with_others(COMPARED)
         write_runs(home / COMPARISON_FILE, compared, ("base", "guard"), taken)
     if rigid.table:
-        taken = map(FIGURES.__getitem__, RIGID_COMPARED)
+        taken = FIGURES.with_others(RIGID_COMPARED)
         write_runs(home / RIGID_FILE, rigid.table, ("plant",), taken)
     names = file_names(bool(compared), bool(rigid.table))
     files = (*(home / name for name in names), *pictures)
@@ -178,7 +178,7 @@ def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]
 
 def write_table(path: Path, table: RunTable) -> None:
     """One row per scenario, law and statistic over the seeds; a column per figure."""
-    rows, figures = [], reported()
+    rows, figures = [], FIGURES.with_others(REPORTED)
     for case in table.cases:
         runs = table.case(*case)
         spreads = [runs.spread(figure.name).statistics for figure in figures]

@@ -321,6 +321,10 @@ class FigureRegistry:
                 return figure
         raise UnknownNameError("figure", name, (figure.name for figure in self))
 
+    def with_others(self, names: Iterable[str]) -> tuple[Figure, ...]:
+        """The figures of those names in their order, then those of other packages."""
+        return (*map(self.__getitem__, names), *self.plugins)
+
 
 FIGURES = FigureRegistry()
 

@@ -1,1 +1,1 @@
-"""Simulation: the compiled loop behind ctypes, and the NumPy oracle.  No CasADi here."""
+"""Simulation: the compiled loop behind ctypes, and the same graphs without a compiler."""
