@@ -27,7 +27,7 @@ from wmr_ctrl.filter.gate import Gated
 from wmr_ctrl.ros2 import diagnosis, graph
 from wmr_ctrl.ros2.clocks import Clocks, Moment
 from wmr_ctrl.ros2.graph import KEPT
-from wmr_ctrl.ros2.parameters import Stated, Table
+from wmr_ctrl.ros2.parameters import Declared, Table
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
@@ -93,7 +93,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         self._grave: tuple[str, ...] = ()
         self._passing: set[str] = set()
 
-    def declare(self, key: str, stated: Stated, *, read_only: bool = True) -> None:
+    def declare(self, key: str, stated: Declared, *, read_only: bool = True) -> None:
         """Declare a parameter.  Raises WmrError where what is given for it cannot be."""
         shown = ParameterDescriptor(
             description=stated.text, additional_constraints=stated.constraints, read_only=read_only

@@ -11,8 +11,8 @@ Default: TypeAlias = str | float | bool | list[float] | list[str]
 
 
 @dataclass(frozen=True)
-class Stated:
-    """Default, description, constraints in words, and the range of a number."""
+class Declared:
+    """A parameter: default, description, constraints in words, range of a number."""
 
     default: Default
     text: str
@@ -20,7 +20,7 @@ class Stated:
     range: tuple[float, float] | None = None
 
 
-Table: TypeAlias = dict[str, Stated]
+Table: TypeAlias = dict[str, Declared]
 POSITIVE = "two numbers above 0"
 SECONDS = (0.001, 60.0)
 """Range of a time-out [s]."""
@@ -28,31 +28,31 @@ TRIGGERS = ("timer", "command")
 REFERENCES = ("scenario", "path")
 
 _SHARED: Table = {
-    "odometry_timeout": Stated(0.1, "s; older odometry is none", range=SECONDS),
-    "rise": Stated([1.0, 2.0], "m/s2, rad/s2; largest change away from zero", POSITIVE),
-    "fall": Stated([2.0, 4.0], "m/s2, rad/s2; largest change towards zero", POSITIVE),
-    "excess": Stated(
+    "odometry_timeout": Declared(0.1, "s; older odometry is none", range=SECONDS),
+    "rise": Declared([1.0, 2.0], "m/s2, rad/s2; largest change away from zero", POSITIVE),
+    "fall": Declared([2.0, 4.0], "m/s2, rad/s2; largest change towards zero", POSITIVE),
+    "excess": Declared(
         [0.05, 0.1], "m/s, rad/s beyond the limits at which odometry stops the base", POSITIVE
     ),
-    "discovery_time": Stated(
+    "discovery_time": Declared(
         3.0,
         "s; how long others who void the promise are looked for at configure",
         range=(0.0, 60.0),
     ),
-    "base_frame": Stated("base_link", "child frame of odometry, frame of commands"),
-    "stamped": Stated(True, "TwistStamped commands; false: Twist"),
-    "autostart": Stated(True, "configure and activate at once; false: by a lifecycle manager"),
+    "base_frame": Declared("base_link", "child frame of odometry, frame of commands"),
+    "stamped": Declared(True, "TwistStamped commands; false: Twist"),
+    "autostart": Declared(True, "configure and activate at once; false: by a lifecycle manager"),
 }
 FILTER: Table = {
-    "scenario": Stated(
+    "scenario": Declared(
         "", "TOML file with [limits] and [filter]: what the promise rests on", "required"
     ),
-    "command_timeout": Stated(0.25, "s; an older command is none", range=SECONDS),
-    "odometry": Stated(
+    "command_timeout": Declared(0.25, "s; an older command is none", range=SECONDS),
+    "odometry": Declared(
         "watched", "what is done without it: brought to rest, reported, nothing",
         f"one of {', '.join(ODOMETRY_USES)}",
     ),
-    "trigger": Stated(
+    "trigger": Declared(
         "timer", "when a command is answered: by the timer, or at once where one is due",
         f"one of {', '.join(TRIGGERS)}",
     ),
@@ -61,22 +61,22 @@ FILTER: Table = {
 """Those of ``wmr_filter``."""
 SPEED_SCALE = "speed_scale"
 """Share of each command that ``wmr_filter`` passes on; may change while it drives."""
-SCALE = Stated(1.0, "share of each command that is passed on", range=(0.0, 1.0))
+SCALE = Declared(1.0, "share of each command that is passed on", range=(0.0, 1.0))
 DRIVE: Table = {
-    "scenario": Stated(
+    "scenario": Declared(
         "", "TOML file with base, limits, guard or filter, and reference", "required"
     ),
-    "law": Stated("", "law that drives the base", "required"),
-    "reference": Stated(
+    "law": Declared("", "law that drives the base", "required"),
+    "reference": Declared(
         "scenario", "whose motion is followed", f"one of {', '.join(REFERENCES)}"
     ),
-    "odometry_frame": Stated(
+    "odometry_frame": Declared(
         "odom", "frame_id of odometry and of the path; never map, which jumps"
     ),
-    "jump": Stated(
+    "jump": Declared(
         [0.1, 0.2], "m, rad; a pose that leaps farther beyond its motion stops the base", POSITIVE
     ),
-    "wheels": Stated(
+    "wheels": Declared(
         ["left", "right"], "order of the wheels in the efforts of a base that takes them",
         "left and right, each once",
     ),
