@@ -13,6 +13,18 @@ FIRST = INTERVAL = 3.0 - TICK
 """Seconds until the first line there, and between two: no command is silent for more than 3 s."""
 
 
+class Silence:
+    """Since when the command line has said nothing."""
+
+    since = time.monotonic()
+
+    @classmethod
+    def broken(cls) -> None:
+        """Now: a command begins, or a line was written."""
+        cls.since = time.monotonic()
+
+
+
 class Progress:
     """Context in which a job tells of its progress, in either of two ways.
 
@@ -87,7 +99,7 @@ class Lines:
     """A line every three seconds, also while nothing is heard of the job."""
 
     def __init__(self) -> None:
-        self._next, self._text, self._begin, self._share = time.monotonic() + FIRST, "", 0.0, 0.0
+        self._next, self._text, self._begin, self._share = Silence.since + FIRST, "", 0.0, 0.0
         self._turn, self._ended = threading.Lock(), threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
 
@@ -117,10 +129,13 @@ class Lines:
         now = time.monotonic()
         if now < self._next or not self._text:  # before the first phase there is nothing to name
             return
+        Silence.broken()
         self._next = now + INTERVAL
         if 0 < self._share < 1:
             left = (now - self._begin) * (1 - self._share) / self._share
             said = f"{100 * self._share:.0f} %, about {left:.0f} s left"
+        elif now - self._begin < 1:
+            said = "begun"
         else:
             said = f"at work for {now - self._begin:.0f} s"
         click.echo(f"{self._text}: {said}", err=True)

@@ -19,6 +19,7 @@ from wmr_ctrl.cli.exports import codegen, export, page
 from wmr_ctrl.cli.identify import identify
 from wmr_ctrl.cli.lists import laws, scenarios
 from wmr_ctrl.cli.options import debug_option
+from wmr_ctrl.cli.progress import Silence
 from wmr_ctrl.cli.runs import run, show_saved
 from wmr_ctrl.cli.studies import study, tune
 from wmr_ctrl.errors import UnknownNameError
@@ -78,6 +79,7 @@ class Root(click.Group):
     ) -> NoReturn:
         """Parse, run and exit; every exception becomes a message and an exit code."""
         self.debug = False
+        Silence.broken()
         extra["standalone_mode"] = False
         try:
             code = super().main(args, prog_name or PROGRAM, **extra)

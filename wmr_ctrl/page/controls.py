@@ -44,7 +44,7 @@ GROUPS = (
     Group("believed", "What the laws believe", "The guard does not use it.", ("model.",)),
     Group("gains", "Gains", "Of the laws that are shown.", ("gains.",)),
     Group(
-        "guard", "What the guard counts on",
+        "guard", "What the guard relies on",
         "Its promise holds for masses, disturbances and errors within these bounds.", ("guard.",),
     ),
     Group("reference", "Reference", "", ("ref_",)),
