@@ -31,7 +31,7 @@ def units(loop: Loop) -> Iterator[Warning]:
 def start(loop: Loop) -> Iterator[Warning]:
     """Yield where the run starts outside or at the limit, and a law that does not look at it."""
     limits = loop.scenario.limits
-    back = "only the guard brings it back" if loop.guarded else "nothing is certain to bring it back"
+    back = "only the guard brings it back" if loop.guarded else "nothing certainly brings it back"
     for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
         named = f"initial.velocity[{axis + 1}] = {v:.9g} {UNITS[axis]}"
         place = f"limits.v_u1[{axis + 1}]"

@@ -169,7 +169,7 @@ class _Scenery:
                 self._slabs.append((size, np.array([*(one + other) / 2, 0.001]), turned))
 
     def picture(self, position: Floats, driven: Floats, target: Floats) -> Picture:
-        """The robot where it lies, its way and the desired one, a post where it should be, the band."""
+        """The robot, its way, the desired way, a post where the robot should be, the band."""
         self._data.qpos[:] = position
         self._engine.mj_forward(self._model, self._data)
         self._camera.lookat[:] = (*driven[-1], 0.1)
