@@ -25,9 +25,7 @@ OF_LINEAR_LOOPS = "memoryless clip, for linear loops with peak gains up to {0:.4
 BEHIND_SLEW = (
     "clip of commands that change by at most {0:.4g} m/s2, {1:.4g} rad/s2, for linear loops"
 )
-WITHIN_FORCE = (
-    "band, for linear loops whose numbers do not change, within {0:.4g} N, {1:.4g} N.m"
-)
+WITHIN_FORCE = "band, for linear loops whose numbers do not change, within {0:.4g} N, {1:.4g} N.m"
 MILLISECOND = 1e-3
 PER_CENT = 1e-2
 NEARLY = 0.9

@@ -115,7 +115,8 @@ def violent_alpha(loop: Loop) -> Iterator[Warning]:
                 f"guard.alpha = {alpha:g} 1/s{origin} turns the error of {speed}, "
                 f"{nbar[axis]:.3g} {unit} either way, into torques that swing by about {swing:.3g} "
                 f"N m per wheel while the guard acts, more than {bound:.3g} N m. Choose "
-                f"guard.alpha = {calm:.2g} 1/s or less, which costs usable speed, or measure better.",
+                f"guard.alpha = {calm:.2g} 1/s or less, which costs usable speed, or measure "
+                "better.",
                 PLACE,
                 objects=False,
             )

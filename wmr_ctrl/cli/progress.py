@@ -24,7 +24,6 @@ class Silence:
         cls.since = time.monotonic()
 
 
-
 class Progress:
     """Context in which a job tells of its progress, in either of two ways.
 

@@ -223,7 +223,7 @@ class Run:
         if self.remarks:
             return f" But {in_short(self.remarks)}."
         if self.outlook is None:
-            return " Its log shows no fault; its law or scenario is unknown here and was not checked."
+            return " Its log shows no fault; its law or scenario, unknown here, was not checked."
         return " Nothing needs to be done."
 
     def _lost_reference(self) -> float | None:
