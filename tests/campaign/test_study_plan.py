@@ -56,6 +56,7 @@ def test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata():
         ({"sample": {"robot.mu": [0.1, 0.1]}}, ArgumentError, "range"),
         ({"sample": {"seed": -1, "robot.mu": [0, 1]}}, ScenarioError, "sample.seed = -1"),
         ({"sample": {"method": "sobl", "robot.mu": [0, 1]}}, ScenarioError, "near: sobol"),
+        ({"sample": {"sed": 1, "robot.mu": [0, 1]}}, ScenarioError, "near: seed"),
         ({"stop": {"figure": "violated"}}, ScenarioError, "half_width is missing"),
         ({"stop": {"figur": "violated"}}, UnknownNameError, "near: figure"),
         ({"stop": 3}, ScenarioError, r"written as \[stop\]"),

@@ -76,7 +76,6 @@ class SampleTable(Section, key="sample"):
 
 
 KEYS = ("scenario", *(name for name, _ in quantities(PlanTable)))
-_SAMPLED = tuple(name for name, _ in quantities(SampleTable))
 
 
 def load_plan(path: str | Path) -> Study:
@@ -200,8 +199,8 @@ def _values(key: str, values: object) -> tuple[object, ...]:
 
 
 def _sample(table: Raw) -> SamplePlan:
-    how = build(SampleTable, {key: table[key] for key in _SAMPLED if key in table})
-    rest = {key: value for key, value in table.items() if key not in _SAMPLED}
+    rest = {key: value for key, value in table.items() if "." in key or isinstance(value, Mapping)}
+    how = build(SampleTable, {key: value for key, value in table.items() if key not in rest})
     inner = rest.pop("ranges", {})
     ranges = {}
     for key, pair in flat({**rest, **(inner if isinstance(inner, Mapping) else {})}).items():
