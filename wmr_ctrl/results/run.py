@@ -171,7 +171,7 @@ class Run:
     def explanation(self) -> str:
         """The outcome as a sentence: what, when, which axis, and the remedy.
 
-        Nothing needs to be done only where there are no `remarks`.
+        It says that nothing needs to be done only if there are no `remarks`.
         """
         lost = self._lost_reference() if self.outcome is Outcome.NON_FINITE else None
         if lost is None:
