@@ -60,13 +60,22 @@ CHAINS: dict[str, tuple[Link, ...]] = {
         Link("If mass, push, measurement error and lateness stay within the bounds you state."),
         Link(
             "From sample to sample, and at every instant between two samples.",
-            ("guard.lemma",),
+            ("guard.lemma", "guard.*.lemma", "guard.late.mean", "guard.late.lag",
+             "guard.varying.lag", "-guard.delay.rounding.*"),
         ),
-        Link("One sample: from within the limit to within it.", ("guard.upper", "guard.lower")),
-        Link("There is always a force that does so.", ("guard.feasible", "guard.axes")),
+        Link(
+            "One sample: from within the limit to within it, however late velocities and drives "
+            "are.",
+            ("guard.upper", "guard.*.upper", "guard.lower", "guard.*.lower"),
+        ),
+        Link(
+            "There is always a force that does so.",
+            ("guard.feasible", "guard.*.feasible", "guard.axes"),
+        ),
         Link(
             "The wheels can deliver it within their torque limit.",
-            ("guard.anchor", "wheels.reach", "wheels.linear-first", "wheels.rotation-first"),
+            ("guard.anchor", "guard.delay.anchor", "guard.late.anchor", "wheels.reach",
+             "wheels.linear-first", "wheels.rotation-first"),
         ),
         Link(
             "The exported controller consists of exactly these formulas.",
@@ -74,11 +83,13 @@ CHAINS: dict[str, tuple[Link, ...]] = {
         ),
         Link(
             "Its output feasible = 1 means that every condition is met.",
-            ("guard.kept", "guard.assembled.keeps.*"),
+            ("guard.promise*", "guard.late.promise", "guard.kept", "guard.delay.kept",
+             "guard.assembled.keeps.*"),
         ),
         Link(
-            "In double precision and without delay, to the last bit.",
-            ("guard.rounding", "guard.rounding.*", "-guard.rounding.single*"),
+            "In double precision, to the last bit: without delay and behind a constant one alone.",
+            ("guard.rounding", "guard.rounding.*", "-guard.rounding.single*",
+             "guard.delay.rounding", "guard.delay.rounding.*"),
         ),
         Link("Compiler, C library and processor do what they should."),
     ),

@@ -102,7 +102,8 @@ UNTRIED = dict.fromkeys(KNOWN, "")
 @pytest.fixture(scope="module")
 def known() -> Entry:
     """An entry of today with words that a record would hold."""
-    return replace(check(CLAIMED["prediction.order"]), altered=KNOWN, confirmed_by=("cvc5",))
+    found = check(CLAIMED["prediction.order"])
+    return replace(found, altered=KNOWN, confirmed_by=("cvc5",), cancelled=7)
 
 
 @pytest.mark.parametrize(
@@ -118,19 +119,23 @@ def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, alt
     found = check(CLAIMED["prediction.order"], replace(known, **change))
 
     assert (found.confirmed_by, found.altered) == (confirmed, altered)
+    assert found.cancelled == (7 if confirmed else 0)
     assert found.functions == (tuple(KNOWN) if altered == KNOWN else ())
     assert found.verdict == PROVED
 
 
 def test_what_was_taken_is_said() -> None:
     entry = replace(check(claim_of(written)), altered=KNOWN, confirmed_by=("cvc5",))
-    given = load().by_id()["lemma.integration"]
+    given, none = load().by_id()["lemma.integration"], Ledger(())
+    now = Ledger((entry, given))
 
-    said = provenance(Ledger((entry, given)), anew=False)
+    said = provenance(now, now, anew=False)
     assert said.startswith("1 checked now")
     assert "1 given" in said
-    assert "the alterations of 1 and the second solvers' answers for 1 of them" in said
-    assert "From the record: nothing." in provenance(Ledger((entry, given)), anew=True)
+    assert "the alterations of 1 of them, the second solvers' answers for 1 and" in said
+    assert "what CasADi cancels is defined for 1, where" in said
+    assert "what CasADi cancels is defined for 0, where" in provenance(now, none, anew=False)
+    assert "From the record: nothing." in provenance(now, now, anew=True)
 
 
 def test_entries_of_another_claim_are_not_kept() -> None:

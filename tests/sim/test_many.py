@@ -55,6 +55,27 @@ def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPat
     assert summary(run)["tau_peak"] is None
 
 
+def spin(sample: LawContext) -> System:
+    """No thrust, and a moment that turns half a kg m2 faster than doubles can say."""
+    return sample.system("spinning law", ca.vertcat(0, 2e307))
+
+
+SPINNING = Law("spinning", BlindGains, spin, Traits(), "Toy law.")
+
+
+@pytest.mark.slow
+def test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    entry = EntryPoint("spinning", f"{__name__}:SPINNING", "wmr_ctrl.laws")
+    monkeypatch.setitem(LAWS.plugins, "spinning", entry)
+    scenario = scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0, "robot.I": 0.5})
+    monitor = simulate(scenario, "spinning").monitor
+
+    assert (monitor.stop_reason, monitor.stopped) == ("non-finite", (0.001, 2))
+    assert np.isfinite(monitor.max_abs_v).all()
+
+
 def test_one_scenario_serves_all_seeds() -> None:
     table = many([{}], [4, 4, 7])
 

@@ -16,10 +16,9 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.model.system import Port
+from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import forget
-from wmr_ctrl.proofs.graph import ProvedGraph
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.traced import Traced
 
@@ -111,51 +110,81 @@ def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
 
     Of those that are called, a function is held if its results, multiplied by a number, make
     another graph.  Many are tried at a time, by numbers of their own: where the graph stays, it
-    holds none of them.  What cannot be built with its results altered is not held.  Those named in
-    ``first`` are tried one at a time: where they are what it held before, that saves time alone.
+    holds none of them.  What cannot be built with its results altered is not held.  Of those in
+    ``first``, which it held before, it is looked up whether the graph still reads their results.
     """
-    before: list[ProvedGraph | None] = []
+    before: list[Statement | None] = []
     forget()
-    calls = functions_called(lambda: before.append(_graph(claim, {})))
-    factors = {name: 1.125 + k / 64 for k, name in enumerate(calls)}
-    groups = [[name] for name in calls if name in first]
-    groups += [[name for name in calls if name not in first]]
-    held = set[str]()
-    if before[0] is not None:
-        for group in groups:
-            held |= _held(claim, {name: factors[name] for name in group}, before[0].digest)
-    forget()
+    calls = functions_called(lambda: before.append(built(claim)))
+    if before[0] is None:
+        return ()
+    held = _read(claim, [name for name in calls if name in first])
+    factors = {name: 1.125 + k / 64 for k, name in enumerate(calls) if name not in held}
+    held |= _held(claim, factors, before[0].graph.digest)
     return tuple(name for name in calls if name in held)
 
 
+def _read(claim: Claim, names: Sequence[str]) -> set[str]:
+    """Those of the functions whose results the graph reads: each has a symbol as its factor."""
+    marks = {name: ca.SX.sym(f"result {k}") for k, name in enumerate(names)}
+    changes = {name: partial(_marked, mark) for name, mark in marks.items()}
+    statement = built(claim, changes, marks) if marks else None
+    return set(marks) & set(statement.graph.input_names) if statement else set()
+
+
 def _held(claim: Claim, factors: Mapping[str, float], digest: str) -> set[str]:
-    graph = _graph(claim, factors) if factors else None
-    if graph is not None and graph.digest == digest:
+    changes = {name: partial(mul, factor) for name, factor in factors.items()}
+    statement = built(claim, changes) if factors else None
+    if statement is not None and statement.graph.digest == digest:
         return set()
     if len(factors) < 2:
-        return set(factors) if graph is not None else set()
+        return set(factors) if statement is not None else set()
     rows = list(factors.items())
     halves = rows[: len(rows) // 2], rows[len(rows) // 2 :]
     return set().union(*(_held(claim, dict(half), digest) for half in halves))
 
 
-def _graph(claim: Claim, factors: Mapping[str, float]) -> ProvedGraph | None:
-    """The claim's graph with functions' results multiplied by numbers; None if not to be built."""
-    statement = built(claim, {name: partial(mul, factor) for name, factor in factors.items()})
-    return statement.graph if statement else None
+def _marked(mark: ca.SX, value: Any) -> Any:
+    if isinstance(value, Traced):
+        return Traced(float(value), mark * value.expr, value.trace)
+    return mark * value
 
 
-def built(claim: Claim, changes: Mapping[str, Change]) -> Statement | None:
-    """The claim's statement with functions altered; None where it cannot be built like this."""
+def built(
+    claim: Claim, changes: Mapping[str, Change] = {}, marks: Mapping[str, ca.SX] = {}
+) -> Statement | None:
+    """The claim's statement with functions altered; None where it cannot be built like this.
+
+    ``marks``: symbols that the alterations bring in, by the names that its graph has for them.
+    """
     forget()
     try:
         with ExitStack() as stack:
             for name, change in changes.items():
                 stack.enter_context(altered(name, change))
+            if marks:
+                stack.enter_context(_open_systems())
             statement = claim.statement(CLAIMED) if claim.statement else None
+            if statement and marks:
+                statement = replace(statement, symbols={**statement.symbols, **marks})
             _ = statement.graph if statement else None
     except (ValueError, RuntimeError, TypeError, NotImplementedError):
         return None
     finally:
         forget()
     return statement
+
+
+@contextmanager
+def _open_systems() -> Iterator[None]:
+    """Context in which a System may read symbols of no port."""
+    check = System.__post_init__
+
+    def unchecked(self: System) -> None:
+        pass
+
+    System.__post_init__ = unchecked  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        System.__post_init__ = check  # type: ignore[method-assign]

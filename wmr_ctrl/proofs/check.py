@@ -24,6 +24,10 @@ from wmr_ctrl.proofs.methods.spec import (
     trusted,
     versions,
 )
+from wmr_ctrl.proofs.statement import Statement
+
+ENGINES, ENGINES_ALTERED = "engines", "engines of the altered claim"
+"""What an entry's evidence says of which engines of z3 closed the questions of its statements."""
 
 
 def missing(method: Method | None) -> tuple[str, ...]:
@@ -35,29 +39,33 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     """The claim's entry; NOT_CHECKED where a package is missing.
 
     The verdict is found and the product's functions are searched anew in any case; an earlier
-    entry, ``known``, says what to try first.  Two things are taken from it: other solvers' word,
-    where graphs, method and versions are the same; what altering functions did, where the
-    functions are, too.
+    entry, ``known``, says what to try first.  Three things are taken from it where graphs, method
+    and versions are the same: other solvers' word; that what CasADi cancels is defined; what
+    altering functions did, where the functions are the same, too.
     """
     if claim.statement is None or claim.method is None:
         return _entry(claim, claim.verdict)
     absent = missing(claim.method)
     if absent:
         return _entry(claim, NOT_CHECKED, method=f"needs {', '.join(absent)}")
-    started, method = process_time(), claim.method
-    if known is not None and isinstance(method, Z3):  # what closed it before first: saves time
-        method = replace(method, first=tuple(known.evidence.get("engines", ())))
-    finding, mutated = method.decide(claim.statement(CLAIMED)), None
+    started, before = process_time(), known.evidence if known else {}
+    claimed, altered = (claim.statement(way) for way in (CLAIMED, MUTATED))
+    finding = _quickest(claim.method, before, ENGINES).decide(claimed)
+    told, mutated = dict(finding.evidence), None
     if finding.verdict == PROVED:
-        mutated = _quick(method).decide(claim.statement(MUTATED)).verdict == REFUTED
+        other = _quick(_quickest(claim.method, before, ENGINES_ALTERED)).decide(altered)
+        mutated = other.verdict == REFUTED
+        if ENGINES in other.evidence:
+            told[ENGINES_ALTERED] = other.evidence[ENGINES]
     seconds = round(process_time() - started, 2)
-    entered, now = graph_hash(claim), versions(claim.method)
-    decided = {name: known.versions.get(name) for name in now} if known else {}
-    same = known if known and (known.graph_hash, decided) == (entered, now) else None
+    entered, now = _hash(claimed, altered, claim.method), versions(claim.method)
+    same = known if known and known.is_about(entered, now) else None
     functions = functions_of(claim, tuple(known.altered) if known else ())
     then = same.altered if same and set(same.altered) == set(functions) else {}
     verdict, reason = _guarded(finding, mutated, functions)
-    told = finding.evidence
+    cancelled = same.cancelled if same else None
+    if cancelled is None and verdict in (PROVED, LEMMA):
+        verdict, reason, cancelled = _defined(claim, verdict)
     counts = [
         f"{told[many]} {one if told[many] == 1 else many}"
         for one, many in (("case", "cases"), ("box", "boxes"))
@@ -76,6 +84,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         versions=now,
         altered={name: then.get(name, "") for name in functions},
         confirmed_by=same.confirmed_by if same else (),
+        cancelled=cancelled,
         evidence={**told, **reason},
     )
 
@@ -84,8 +93,19 @@ def graph_hash(claim: Claim) -> str:
     """Hash of what is claimed and altered on which graph now, and by which method; see `Entry`."""
     if claim.statement is None:
         return ""
-    both = [claim.statement(way).digest for way in (CLAIMED, MUTATED)]
-    return sha256(json.dumps([*both, described(claim.method)]).encode()).hexdigest()
+    assert claim.method is not None
+    return _hash(claim.statement(CLAIMED), claim.statement(MUTATED), claim.method)
+
+
+def _hash(claimed: Statement, altered: Statement, method: Method) -> str:
+    text = json.dumps([claimed.digest, altered.digest, described(method)])
+    return sha256(text.encode()).hexdigest()
+
+
+def _quickest(method: Method, evidence: Mapping[str, Any], key: str) -> Method:
+    """The method, with what closed each question before asked first: that saves time alone."""
+    first = tuple(evidence.get(key, ()))
+    return replace(method, first=first) if isinstance(method, Z3) else method
 
 
 def _quick(method: Method) -> Method:
@@ -108,6 +128,18 @@ def _guarded(
     if finding.point is None:
         return OPEN, {"held back": "no point was found that satisfies the hypotheses"}
     return (PROVED if functions else LEMMA), {}
+
+
+def _defined(claim: Claim, verdict: str) -> tuple[str, dict[str, str], int | None]:
+    """The verdict, unless CasADi has cancelled what may be undefined; how much it has cancelled."""
+    if find_spec("z3") is None:
+        return NOT_CHECKED, {"held back": "what CasADi cancels is asked of z3"}, None
+    from wmr_ctrl.proofs.cancelled import undefined
+
+    number, left = undefined(claim)
+    if left:
+        return OPEN, {"held back": f"what CasADi cancels may be undefined: {left}"}, None
+    return verdict, {}, number
 
 
 def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:

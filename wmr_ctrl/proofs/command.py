@@ -78,21 +78,27 @@ def described(entry: Entry) -> str:
         "not tried": ", ".join(name for name, said in entry.altered.items() if not said),
         "altered": ", ".join(f"{n} {ALTERED[key]}" for key, n in (entry.alterations or {}).items()),
         "confirmed by": ", ".join(entry.confirmed_by),
+        "cancelled by CasADi": f"{entry.cancelled} operations, all defined" * bool(entry.cancelled),
         "versions": ", ".join(f"{name} {number}" for name, number in entry.versions.items()),
     }
     lines = [f"{entry.id}: {entry.verdict}"]
     return "\n".join([*lines, *(f"  {name}: {text}" for name, text in rows.items() if text), ""])
 
 
-def provenance(ledger: Ledger, anew: bool) -> str:
+def provenance(ledger: Ledger, committed: Ledger, anew: bool) -> str:
     """Summary of entries checked now, given, and taken from the committed ledger."""
+    known = {entry.id: entry for entry in committed.entries if entry.cancelled is not None}
     checked = [entry for entry in ledger.entries if entry.graph_hash]
     given = sum(1 for e in ledger.entries if not e.graph_hash and e.verdict != "NOT_CHECKED")
     altered = sum(1 for entry in checked if entry.alterations)
     confirmed = sum(1 for entry in checked if entry.confirmed_by)
+    defined = sum(
+        1 for e in checked if e.id in known and known[e.id].is_about(e.graph_hash, e.versions)
+    )
     taken = (
-        f"the alterations of {altered} and the second solvers' answers for {confirmed} of them, "
-        "where claim, method and versions are the same"
+        f"the alterations of {altered} of them, the second solvers' answers for {confirmed} and "
+        f"that what CasADi cancels is defined for {defined}, where claim, method and versions are "
+        "the same"
     )
     return (
         f"{len(checked)} checked now, their functions searched anew; {given} given (by hand, "
@@ -105,7 +111,7 @@ def summary(ledger: Ledger, committed: Ledger, complete: bool, anew: bool) -> li
     """Counts, where they come from, differences from the committed ledger, what is missing."""
     lines = [
         ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items()),
-        provenance(ledger, anew),
+        provenance(ledger, committed, anew),
     ]
     lines += [
         f"{d.id}: {d.now}, committed {d.committed}"

@@ -16,8 +16,8 @@ HAND, OPEN, NOT_CHECKED = "HAND", "OPEN", "NOT_CHECKED"
 VERDICTS = (PROVED, REFUTED, LEMMA, DEFINITION, HAND, OPEN, NOT_CHECKED)
 PUBLIC_KEYS = (
     "id", "equations", "claim", "form", "verdict", "method", "trusted", "mutation_refuted",
-    "functions", "premises", "altered", "alterations", "confirmed_by", "counterexample", "seconds",
-    "graph_hash", "versions",
+    "functions", "premises", "altered", "alterations", "confirmed_by", "cancelled",
+    "counterexample", "seconds", "graph_hash", "versions",
 )  # fmt: skip
 NOTICED = (REFUTED, OPEN)
 """Verdicts of an altered claim by which an entry notices the alteration."""
@@ -37,6 +37,8 @@ class Entry:
     that the graph holds, as ``module:function``, each with the entry's verdict where the function
     is altered: REFUTED, OPEN, PROVED if it makes no difference, empty if not tried yet.
     ``premises`` are entries that the claim rests on, ``confirmed_by`` further solvers that agree.
+    ``cancelled`` counts the operations that CasADi cancelled, each of which was shown to be
+    defined; None where that was not shown.
     ``seconds`` is processor time.
     """
 
@@ -58,6 +60,7 @@ class Entry:
     premises: tuple[str, ...] = ()
     altered: Mapping[str, str] = field(default_factory=dict)
     confirmed_by: tuple[str, ...] = ()
+    cancelled: int | None = None
     theme: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
 
@@ -72,6 +75,11 @@ class Entry:
         verdicts = [verdict for verdict in self.altered.values() if verdict]
         counts = {"caught": verdicts.count(REFUTED), "open": verdicts.count(OPEN)}
         return {"tried": len(verdicts), **counts} if verdicts else None
+
+    def is_about(self, graph_hash: str, versions: Mapping[str, str]) -> bool:
+        """True if it is about these graphs, by the same method and versions."""
+        known = {name: self.versions.get(name) for name in versions}
+        return (self.graph_hash, known) == (graph_hash, versions)
 
     def public(self) -> dict[str, Any]:
         """The entry as `wmr-ctrl prove --json` writes it."""

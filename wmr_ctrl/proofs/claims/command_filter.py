@@ -247,6 +247,12 @@ class AssembledStep:
         }
 
     @property
+    def slow(self) -> tuple[Relation, ...]:
+        """0 < tau_min <= tau_max."""
+        least, most = self.graph.motions[self.axis].tau
+        return above(least), at_least(most, least)
+
+    @property
     def limit(self) -> ca.SX:
         """Largest command that the step admits in this direction."""
         return self.graph.limits[self.side][self.axis]
@@ -309,7 +315,7 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
 
 @claim(
     "filter.carried-{id}",
-    given=f"{ASSEMBLED}; sent at most the step's limit (filter.sent)",
+    given=f"{ASSEMBLED}; 0 < tau_min; sent at most the step's limit (filter.sent)",
     premises="filter.sent-{id}",
     over=SIDES,
 )
@@ -323,7 +329,7 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     v, share, (_, most, least) = step.way * step.free["v"], step.free["share"], step.cuts.values()
     sent = step.way * step.graph.sent[axis]
     within = at_least(step.limit, sent), at_least(share, -least), at_least(-most, share)
-    given = (*step.given(mutation, sent), *within)
+    given = (*step.given(mutation, sent), *within, *step.slow)
     end = v + share * (step.free["mean"] - v)
     names = {axis: "sent command", 1 - axis: "other command"}
     cuts = step.cuts | {name: step.graph.sent[i] for i, name in names.items()}

@@ -1,6 +1,6 @@
 """z3's engines for the reals as a portfolio: each asked by name, the patient attempts last."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from time import monotonic
@@ -31,7 +31,6 @@ on without an end, and some of its steps count little in z3's own units.  An att
 way each time and on every machine, so that a slow one needs a longer attempt, not another verdict;
 what closes now closes in seconds."""
 
-
 @dataclass(frozen=True)
 class Answer:
     """sat, unsat or unknown; a model where there is one; the engine, unless the first at once."""
@@ -41,10 +40,10 @@ class Answer:
     engine: str = ""
 
 
-def ask(terms: list[Any], method: Z3) -> Answer:
-    """Answer of one of z3's engines within the method's effort."""
+def ask(terms: list[Any], method: Z3, place: int = 0) -> Answer:
+    """Answer of one of z3's engines within the method's effort; ``place`` of the question."""
     tried = dict.fromkeys(ENGINES, 0.0)
-    for engine, patience in _attempts(method):
+    for engine, patience in _attempts(method, method.first[place : place + 1]):
         if patience <= tried[engine]:
             continue
         tried[engine], started = patience, monotonic()
@@ -57,14 +56,11 @@ def ask(terms: list[Any], method: Z3) -> Answer:
     return Answer("unknown")
 
 
-def _attempts(method: Z3) -> Iterator[tuple[str, float]]:
-    """Engines and seconds: all, ever longer; those that closed it before are a step ahead."""
+def _attempts(method: Z3, known: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Engines and seconds: what closed it before, to the end, then all, ever longer."""
     longest = [patience for patience in PATIENCE if patience <= method.seconds]
-    known = [engine for engine in method.first if engine in ENGINES]
-    for k, patience in enumerate(longest):
-        if k == 0 or k + 1 < len(longest):
-            yield from ((engine, longest[min(k + 1, len(longest) - 1)]) for engine in known)
-        yield from ((engine, patience) for engine in ENGINES)
+    yield from ((engine, longest[-1]) for engine in known if engine in ENGINES)
+    yield from ((engine, patience) for patience in longest for engine in ENGINES)
 
 
 def other_models(terms: list[Any], method: Z3) -> Iterator[Any]:

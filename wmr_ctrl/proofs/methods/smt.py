@@ -170,15 +170,15 @@ def decide(statement: Statement, method: Z3) -> Finding:
     except UndecidedError as error:
         return Finding(OPEN, {"not posed": str(error)})
     answers: list[Answer] = []
-    for wrong in problem.wrong:
+    for place, wrong in enumerate(problem.wrong):
         terms = [*problem.base, wrong]
-        answers.append(ask(terms, method))
+        answers.append(ask(terms, method, place))
         met = _met(statement, problem.terms, terms, answers[-1].model, method)
         found = first_violation(statement, met)
         if found is not None:
             return Finding(REFUTED, _evidence(answers), found)
     if {answer.word for answer in answers} <= {"unsat"}:
-        return _unless_undefined_or_vacuous(statement, problem, method, _evidence(answers))
+        return _unless_undefined_or_vacuous(statement, problem, method, answers)
     return Finding(OPEN, _evidence(answers))
 
 
@@ -192,10 +192,12 @@ def _evidence(answers: Sequence[Answer]) -> dict[str, Any]:
     return {"queries": len(answers), "z3": " ".join(words), **_engines(answers)}
 
 
-def _engines(answers: Sequence[Answer], before: Sequence[str] = ()) -> dict[str, list[str]]:
-    """Engines that closed what the first did not at once, if there are any."""
-    names = {*before, *(answer.engine for answer in answers if answer.engine)}
-    return {"engines": sorted(names)} if names else {}
+def _engines(answers: Sequence[Answer]) -> dict[str, list[str]]:
+    """Engine of each question that the first did not close at once, if there are any."""
+    names = [answer.engine for answer in answers]
+    while names and not names[-1]:
+        names.pop()
+    return {"engines": names} if names else {}
 
 
 @dataclass(frozen=True)
@@ -224,21 +226,22 @@ def posed(statement: Statement, but: Container[int] = ()) -> Problem:
 
 
 def _unless_undefined_or_vacuous(
-    statement: Statement, problem: Problem, method: Z3, evidence: Mapping[str, Any]
+    statement: Statement, problem: Problem, method: Z3, answers: list[Answer]
 ) -> Finding:
-    base, outside = problem.base, problem.undefined
-    words = {ask([*base, out], method).word for out in outside}
-    known = {**evidence, "domains": len(outside)}
+    base, goals, domains = problem.base, len(answers), len(problem.undefined)
+    known = {**_evidence(answers), "domains": domains}
+    for place, out in enumerate(problem.undefined, goals):
+        answers.append(ask([*base, out], method, place))
+    words = {answer.word for answer in answers[goals:]}
     if not words <= {"unsat"}:
         return Finding(OPEN, {**known, "undefined": " ".join(sorted(words))})
-    answer = ask(base, method)
-    if answer.word != "sat":
-        return Finding(OPEN, {**known, "hypotheses": answer.word})
-    met = _met(statement, problem.terms, base, answer.model, method)
+    answers.append(ask(base, method, goals + domains))
+    if answers[-1].word != "sat":
+        return Finding(OPEN, {**known, "hypotheses": answers[-1].word})
+    met = _met(statement, problem.terms, base, answers[-1].model, method)
     points = chain(_fitting(statement, method.points), met)
     exact = (point for point in points if judge(statement, point)[0])
-    engines = _engines([answer], evidence.get("engines", ()))
-    known |= {"hypotheses": "satisfiable", **engines}
+    known |= {"hypotheses": "satisfiable", **_engines(answers)}
     return Finding(PROVED, known, next(exact, None))
 
 

@@ -70,8 +70,8 @@ class Z3(Method):
 
     ``effort`` bounds each of them, in millions of z3's own units of work: what is found does not
     depend on how busy a machine is.  A million takes half a second or less, as a rule; ``seconds``
-    bounds by the clock what counts little.  The engines named in ``first`` are asked before the
-    others: what closed it before.
+    bounds by the clock what counts little.  ``first`` names, for one question of the statement
+    after the other, the engine that closed it before, or none: it is asked before the others.
     """
 
     ENGINE: ClassVar[str] = "smt.decide"

@@ -17,6 +17,7 @@ from typing import Any
 
 import casadi as ca
 import z3
+from z3 import z3util
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
@@ -32,7 +33,9 @@ SOON = Z3(effort=20, seconds=30)
 AT_ONCE = Z3(effort=2, seconds=4)
 Signs = Mapping[str, int]
 """A sum of inputs, each with the sign 1 or -1."""
+DECLARED = " as declared"
 _KNOWN: dict[str, tuple[Signs, ...]] = {}
+_SIGNS: dict[str, bool] = {}
 
 
 def undefined(claim: Claim) -> tuple[int, str]:
@@ -180,17 +183,20 @@ def _positive(signs: Signs, cases: Sequence[Case]) -> bool:
 def _positive_in(signs: Signs, case: Case) -> bool:
     context = z3.Context()
     free = {name: z3.Real(name, context) for name in case.numbers}
-    own = {name: z3.Real(f"{name} as declared", context) for name in case.declared}
+    own = {name: z3.Real(name + DECLARED, context) for name in case.declared}
     values = {**own, **case.values(free)}
     if not set(signs) <= set(values):
         return False
     total = sum(sign * values[name] for name, sign in signs.items())
     if not z3.is_expr(total):
         return bool(total > 0)
-    domains = [*((free[n], d) for n, d in case.numbers.items()),
-               *((own[n], d) for n, d in case.declared.items())]  # fmt: skip
-    known = [_DOMAINS[domain](symbol) for symbol, domain in domains]
-    return ask([*known, z3.Not(total > 0)], AT_ONCE).word == "unsat"
+    total, domains = z3.simplify(total), {**case.declared, **case.numbers}
+    read = [(symbol, str(symbol).removesuffix(DECLARED)) for symbol in z3util.get_vars(total)]
+    key = f"{total.sexpr()} {[(name, domains[name]) for _, name in read]}"
+    if key not in _SIGNS:  # many regions have the same chart of these inputs
+        known = [_DOMAINS[domains[name]](symbol) for symbol, name in read]
+        _SIGNS[key] = ask([*known, z3.Not(total > 0)], AT_ONCE).word == "unsat"
+    return _SIGNS[key]
 
 
 _DOMAINS = {
