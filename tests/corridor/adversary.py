@@ -18,6 +18,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.references import sample
 
 TINY = 1e-4
+WINDOW, STRIDE = 150, 15
+"""Samples before the last that count on the way, and how far apart a single push is tried."""
 DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
 
 
@@ -91,6 +93,36 @@ def worst_pushes(scenario, law, samples, size):
     ways = [[np.sign(ahead * e[::-1, 0] + left * e[::-1, 1]) for e in answers]
             for ahead, left in DIRECTIONS]  # fmt: skip
     return [size * np.stack(signs, axis=1) for signs in ways]
+
+
+@lru_cache(maxsize=4)
+def worst_on_the_way(scenario, law, end):
+    """For each of DIRECTIONS: signs (end, 2) of pushes that lead furthest that way at last.
+
+    Along any path, with the robot's changes.
+    """
+    blank = np.zeros((end, 2))
+    rest = attack(scenario, law, blank, changing=True).e[-1]
+    places = np.arange(end - 1, max(end - WINDOW, 0), -STRIDE)[::-1]
+    answers = np.zeros((2, len(places), 3))
+    for wheel in (0, 1):
+        for k, place in enumerate(places):
+            push = blank.copy()
+            push[place, wheel] = TINY
+            answers[wheel, k] = attack(scenario, law, push, changing=True).e[-1] - rest
+    every = []
+    for ahead, left in DIRECTIONS:
+        led = ahead * answers[..., 0] + left * answers[..., 1]
+        courses = [np.interp(np.arange(end), places, row) for row in led]
+        every.append(np.sign(np.stack(courses, axis=1)))
+    return every
+
+
+def farthest_on_the_way(scenario, law, end, size):
+    """The largest excursion under these pushes of ``size``."""
+    pushes = (size * signs for signs in worst_on_the_way(scenario, law, end))
+    each = (attack(scenario, law, push, changing=True) for push in pushes)
+    return max(each, key=lambda x: x.position)
 
 
 @lru_cache(maxsize=16)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 import pytest
 
-from tests.corridor.adversary import DIRECTIONS, TINY, attack
+from tests.corridor.adversary import attack, worst_on_the_way
 from tests.world.toys import GUST
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
@@ -18,7 +16,7 @@ from wmr_ctrl.corridor.whole import certified_run
 from wmr_ctrl.scenario import load_scenario, override
 from wmr_ctrl.world.registry import EFFECTS
 
-PERIOD, WINDOW, STRIDE = 0.02, 150, 15
+PERIOD = 0.02
 EIGHT = {"reference.kind": "lemniscate", "changes": [], "disturbance.std": 0.5}
 HEAVIER = [{"t": 4.0, "m": 65.0, "I": 7.0, "mu": 0.15}]
 CASES = {
@@ -27,26 +25,6 @@ CASES = {
     "a circle, just after the robot became heavier": ({"changes": HEAVIER}, 4.18, 1.25),
 }
 """Changes, the time to which pushes lead furthest [s], and how tight the corridor is at least."""
-
-
-@lru_cache(maxsize=4)
-def worst_pushes(scenario, law, end):
-    """For each of DIRECTIONS: signs (samples, 2) of pushes that lead furthest that way at last."""
-    blank = np.zeros((end, 2))
-    rest = attack(scenario, law, blank, changing=True).e[-1]
-    places = np.arange(end - 1, max(end - WINDOW, 0), -STRIDE)[::-1]
-    answers = np.zeros((2, len(places), 3))
-    for wheel in (0, 1):
-        for k, place in enumerate(places):
-            push = blank.copy()
-            push[place, wheel] = TINY
-            answers[wheel, k] = attack(scenario, law, push, changing=True).e[-1] - rest
-    every = []
-    for ahead, left in DIRECTIONS:
-        led = ahead * answers[..., 0] + left * answers[..., 1]
-        courses = [np.interp(np.arange(end), places, row) for row in led]
-        every.append(np.sign(np.stack(courses, axis=1)))
-    return every
 
 
 def test_a_set_that_stands_serves_for_many_samples_and_is_no_smaller(monkeypatch):
@@ -77,7 +55,7 @@ def test_no_adversary_leaves_it_and_some_come_near(case):
 
     tube = find_corridor(scenario, "prox", whole=True)
     tube = tube.whole or tube
-    signs = worst_pushes(scenario, "prox", round(until / PERIOD))
+    signs = worst_on_the_way(scenario, "prox", round(until / PERIOD))
     reached = [attack(scenario, "prox", size * push, changing=True) for push in signs]
     farthest = max(reached, key=lambda item: item.position)
 
@@ -93,7 +71,7 @@ def test_a_push_beyond_its_bound_by_a_fifth_leaves_it_on_a_figure_of_eight():
     told = {"clock.control": PERIOD, "clock.duration": 12.0, **changes}
     scenario = override(load_scenario("safe-simulation"), told)
     size = 1.2 * scenario.disturbance.std * scenario.disturbance.truncate
-    signs = worst_pushes(scenario, "prox", round(until / PERIOD))
+    signs = worst_on_the_way(scenario, "prox", round(until / PERIOD))
     reached = (attack(scenario, "prox", size * push).position for push in signs)
 
     assert max(reached) > find_corridor(scenario, "prox", whole=True).position

@@ -135,13 +135,14 @@ def test_noise_and_moving_references_are_no_oscillation(law: str, reference: str
 
 @pytest.mark.parametrize("law", ["prox", "kanayama"])
 def test_nor_is_the_answer_to_noise_at_100_ms(law: str) -> None:
-    """With gains for 100 ms, those of safe-experiment; with those for 10 ms prox does cycle."""
+    """With gains for 100 ms; with those for 10 ms and a slow observer prox does cycle."""
     own = {"gains.kinematics.k": [5.0, 81.0, 3.6], "gains.prox.rho": [13.9, 8.93],
            "gains.prox.wo": 4.5}  # fmt: skip
 
     assert oscillation(simulate("safe-simulation", law, overrides=AT_100_MS | own)) is None
     if law == "prox":
-        assert oscillation(simulate("safe-simulation", law, overrides=AT_100_MS)) is not None
+        slow = AT_100_MS | {"gains.prox.wo": 2.301}
+        assert oscillation(simulate("safe-simulation", law, overrides=slow)) is not None
 
 
 def test_a_cycle_has_its_frequency_and_swing(make_run: MakeRun) -> None:

@@ -90,6 +90,7 @@ def test_the_corridor_can_be_what_is_made_small(tmp_path):
     assert before <= found.objective[0].metres < 1.1 * before
     assert after <= found.objective[1].metres < found.objective[0].metres
     assert found.to_json()["no_corridor"] == {"before": False, "after": False}
+    assert found.to_json()["corridor"] == {"before": before, "after": after}
     assert found.to_json()["merit"] == "corridor"
     assert "root of the mean of corridor^2" in found.out.read_text()
 

@@ -212,6 +212,17 @@ def tune(
         click.echo(_text(better))
 
 
+def _corridors(better: Tuning) -> list[str]:
+    """The certified corridors, where they were made small."""
+    from wmr_ctrl.corridor.clearance import length
+    from wmr_ctrl.tuning.plan import CORRIDOR
+
+    if better.plan.merit != CORRIDOR:
+        return []
+    first, last = ("none" if most is None else length(most) for most in better.corridor)
+    return [f"certified corridor: {first} before, {last} after"]
+
+
 def _text(better: Tuning) -> str:
     """Gains, the objective, and figures of the test seeds before and after."""
     import numpy as np
@@ -220,6 +231,7 @@ def _text(better: Tuning) -> str:
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
     lines += [
         f"objective on the training seeds: {first.sentence} before, {last.sentence} after",
+        *_corridors(better),
         "",
         f"{'test seeds':<20}{'position RMS [mm]':>23}{'torque change [N m]':>25}"
         f"{'worst |v|/limit':>20}",

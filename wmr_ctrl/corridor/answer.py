@@ -141,7 +141,7 @@ class Corridor:
         if self.position is None:
             return {
                 "refused": self.refused, "closes": self.closes, "clearance": clearance,
-                "run": self.run,
+                "run": self.run, "linear": self.linear,
             }  # fmt: skip
         return {
             "position": self.position, "heading": self.heading,

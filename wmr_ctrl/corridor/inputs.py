@@ -129,7 +129,9 @@ def _push(effect: Effect, setup: Setup) -> Floats:
     if effect is TORQUE_NOISE_EFFECT:
         noise = scenario.section(TorqueNoise)
         if math.isinf(noise.truncate):
-            raise NoCorridorError("disturbance.truncate = inf: the push has no bound")
+            raise NoCorridorError(
+                "disturbance.truncate = inf: the push has no bound; cut it at 3, say"
+            )
         return np.full(2, noise.std * noise.truncate)
     bound = effect.bounded(scenario)
     if bound is None or bound.void:

@@ -68,7 +68,10 @@ class WorseFigure:
 
 @dataclass(frozen=True)
 class Tuning:
-    """The scenario with the gains that were found, and both sides of the comparison."""
+    """The scenario with the gains that were found, and both sides of the comparison.
+
+    ``corridor``: certified before and after [m], None where there is none or it was not asked for.
+    """
 
     plan: TuningPlan
     scenario: Scenario
@@ -77,6 +80,7 @@ class Tuning:
     before: RunTable
     after: RunTable
     out: Path
+    corridor: tuple[float | None, float | None] = (None, None)
 
     @property
     def worse(self) -> tuple[WorseFigure, ...]:
@@ -109,6 +113,7 @@ class Tuning:
             "objective": {"before": first.metres, "after": last.metres},
             "ended_early": {"before": first.lost, "after": last.lost},
             "no_corridor": {"before": first.refused, "after": last.refused},
+            "corridor": dict(zip(("before", "after"), self.corridor, strict=True)),
             "gains": {key: list(value) for key, value in self.gains.items()},
             "before": self.before.records(),
             "after": self.after.records(),
@@ -174,7 +179,10 @@ def tune(
         best, last = start, first
     better = with_gains(chosen, best)
     before, after = (judged(item, law, plan.test_seeds, jobs) for item in (chosen, better))
-    tuning = Tuning(plan, better, best, (first, last), before, after, target)
+    tubes: tuple[float | None, float | None] = (None, None)
+    if merit == CORRIDOR:
+        tubes = _corridor(chosen, law).position, _corridor(better, law).position
+    tuning = Tuning(plan, better, best, (first, last), before, after, target, tubes)
     with atomic_text(target) as file:
         file.write(_document(tuning))
     tries.forget()

@@ -1,0 +1,152 @@
+"""Which gains: the certified corridor beside torque change, untold delay and noise.
+
+``python -m benchmarks.gains [--quick] [--out docs/corridor.md] [--work build/gains]``.  Gains of
+``safe-simulation``: those that ship, other bandwidths of the observer, and what `wmr_ctrl.tune`
+finds for prox and for kanayama with merit = "corridor", with the same trials and with all errors at
+once: prox from what the same search finds for the RMS, kanayama from its defaults.  Then prox on
+``safe-experiment``: poles of `guide`, slower and faster.  What a search found stays in ``--work``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.parts import page_parser, renew
+from wmr_ctrl.api import scenario_of, simulate_many
+from wmr_ctrl.corridor import Corridor, find_corridor
+from wmr_ctrl.laws.prox import Guide, guide
+from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.tuning import tune
+
+NAME = "gains"
+"""Of the part of the page that this writes."""
+Fields = Mapping[str, object]
+POSES: Fields = {"sensor.pose_noise": 5e-4}
+VELOCITIES: Fields = {"sensor.velocity_noise": [2e-3, 5e-3]}
+LATE: Fields = {"actuator.unmodelled_delay": 5e-3, "guard.enabled": False}
+ALL: Fields = {**POSES, **VELOCITIES, **LATE}
+ERRORS: Sequence[Fields] = ({}, POSES, VELOCITIES, LATE, ALL)
+BRIEF: Fields = {"clock.duration": 20.0, "metrics.split": 10.0, "metrics.rms_from": 0.0}
+"""Runs of a search: after 5 s the start is over."""
+OBSERVERS = (2.301, 5.0, 10.0, 20.0)
+SEEDS, TRAIN, TEST = range(8), range(1, 3), range(7101, 7103)
+TRIALS, WEIGHT, SPEED = 180, 5e-3, 0.2
+"""Sets of gains of a search, the price of torque change in it [m/(N m)]; v1_d [m/s]."""
+EXACT: Fields = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
+PACES = (1.5, 0.7)
+"""Periods for which `guide` places poles, over the preset's."""
+
+
+def millimetres(tube: Corridor) -> str:
+    """A corridor's width, or that there is none."""
+    return "none" if tube.position is None else f"{1e3 * tube.position:.2f}"
+
+
+def runs_of(scenario: Scenario, law: str, seeds: Sequence[int], more: Fields) -> RunTable:
+    """The judged columns of all seeds."""
+    return simulate_many(override(scenario, more), law, seeds)
+
+
+def row(words: str, scenario: Scenario, law: str, seeds: Sequence[int]) -> str:
+    """A set of gains on the robot that does not change: corridors [mm], runs."""
+    steady = override(scenario, {"changes": []})
+    widths = [millimetres(find_corridor(override(steady, more), law)) for more in ERRORS]
+    exact, noisy = (
+        runs_of(scenario, law, seeds, more)
+        for more in ({"guard.enabled": True}, {**POSES, **VELOCITIES, "guard.enabled": True})
+    )
+    changes = [f"{table['torque_change_rms'].mean():.3f}" for table in (exact, noisy)]
+    far = f"{1e3 * exact['position_max'].mean():.2f}"
+    return f"| {words} | {' | '.join([*widths, *changes, far])} |"
+
+
+def searched(law: str, work: Path, trials: int) -> Scenario:
+    """The gains that a search finds, all errors at once."""
+    path = work / f"{law}-{trials}.toml"
+    if not path.exists():
+        ships = scenario_of("safe-simulation", {"gains.prox.wo": OBSERVERS[0]})
+        start = override(ships, {"changes": [], **ALL, **BRIEF})
+        tune(start, law, path, seeds=TRAIN, test_seeds=TEST, trials=trials, weight=WEIGHT,
+             merit="corridor")  # fmt: skip
+    found = scenario_of(path).gains
+    return scenario_of("safe-simulation", {"gains": found})
+
+
+def told(scenario: Scenario, law: str) -> str:
+    """The gains of a law in words."""
+    own = {**scenario.gains.get("kinematics", {}), **scenario.gains.get(law, {})}
+    names = {"prox": ("k", "rho", "wo"), "kanayama": ("k", "rate", "wo", "a_max")}[law]
+    listed = [(name, np.atleast_1d(own[name])) for name in names if name in own]
+    return "; ".join(f"{name} {', '.join(f'{x:.4g}' for x in values)}" for name, values in listed)
+
+
+def first(work: Path, quick: bool) -> str:
+    """The table of safe-simulation."""
+    seeds, trials = (SEEDS[:2], 8) if quick else (SEEDS, TRIALS)
+    ships = scenario_of("safe-simulation")
+    own = ships.gains["prox"]["wo"]
+    rows = []
+    for wo in OBSERVERS[-1:] if quick else OBSERVERS:
+        words = f"prox, wo = {wo:g}{', as it ships' if wo == own else ''}"
+        rows.append(row(words, override(ships, {"gains.prox.wo": wo}), "prox", seeds))
+        print(rows[-1], flush=True)
+    rows.append(row("kanayama, as it ships", ships, "kanayama", seeds))
+    for law in ("prox",) if quick else ("prox", "kanayama"):
+        found = searched(law, work, trials)
+        rows.append(row(f"{law}, searched: {told(found, law)}", found, law, seeds))
+        print(rows[-1], flush=True)
+    head = ("gains", "corridor [mm]", "poses", "velocities", "delay", "all of them",
+            "torque change [N m]", "with noise", "farthest in runs [mm]")  # fmt: skip
+    return "\n".join([f"| {' | '.join(head)} |", "|---" * len(head) + "|", *rows])
+
+
+def poles(gains: Guide) -> Fields:
+    """Fields of a guide's gains."""
+    own = {"gains.prox.rho": list(gains.rho), "gains.prox.wo": gains.wo}
+    return {"gains.kinematics.k": list(gains.k), **own}
+
+
+def second(quick: bool) -> str:
+    """The table of safe-experiment: with how much of its noise there is a corridor; runs."""
+    ships = scenario_of("safe-experiment")
+    period = ships.clock.control
+    sets: dict[str, Fields] = {f"as it ships, poles for {1e3 * period:g} ms": {}}
+    for pace in PACES[:1] if quick else PACES:
+        sets[f"poles for {1e3 * pace * period:g} ms"] = poles(guide(pace * period, 0.0, SPEED))
+    rows = []
+    for words, own in sets.items():
+        scenario = override(ships, own)
+        shares = [_share(find_corridor(override(scenario, more), "prox")) for more in ({}, EXACT)]
+        table = simulate_many(scenario, "prox", SEEDS[:2] if quick else SEEDS)
+        change, most = table["torque_change_rms"].mean(), 1e3 * table["position_max"].mean()
+        rms = 1e3 * np.median(table["tracking_drive_rms"])
+        rows.append(f"| {words} | {' | '.join(shares)} | {change:.2f} | {rms:.1f} | {most:.1f} |")
+        print(rows[-1], flush=True)
+    head = ("gains", "closes with", "closes with exact poses", "torque change [N m]",
+            "RMS in runs [mm]", "farthest [mm]")  # fmt: skip
+    return "\n".join([f"| {' | '.join(head)} |", "|---" * len(head) + "|", *rows])
+
+
+def _share(tube: Corridor) -> str:
+    """Share of pushes and errors with which there is a corridor."""
+    share = 1.0 if tube.position is not None else tube.closes
+    return "nothing" if share is None else f"{100 * share:.2g} %"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Search what is not found yet, print both tables, and with ``--out`` renew them."""
+    parser = page_parser(__doc__, "few gains, few trials")
+    parser.add_argument("--work", type=Path, default=Path("build/gains"), help="what is kept")
+    given = parser.parse_args(arguments)
+    given.work.mkdir(parents=True, exist_ok=True)
+    made = f"{first(given.work, given.quick)}\n\n{second(given.quick)}"
+    if given.out:
+        renew(given.out, NAME, made)
+
+
+if __name__ == "__main__":
+    main()
