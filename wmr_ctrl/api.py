@@ -312,7 +312,7 @@ def bench(progress: types.Progress | None = None) -> types.BenchReport:
 def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> CompiledLaw:
     """The law's compiled controller, to be called sample by sample.
 
-    Write ``u`` (in the order of ``inputs``), call ``step()``, read the torques.  Raises
+    Write ``u`` (order: ``inputs``), call ``step()``, read the torques (or v, omega).  Raises
     UnknownNameError, ScenarioError or CompilerError; ``step()`` raises ArgumentError for bad input.
 
     >>> law = compile_law("mb")

@@ -11,6 +11,7 @@ from scipy.signal import lti, step
 
 from tests.filter.linear_base import LinearBase, held, pi_base, second_order_base
 from tests.filter.test_peak_gain import LOOP, WIDE, scenario
+from tests.filter.worst_band import Worst, tables_of
 from wmr_ctrl import command_filter
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.band import MOST_COMMANDS, PIECES
@@ -84,6 +85,62 @@ def test_nor_second_order_loops_of_any_gain(corner):
 def test_bases_beyond_the_family_pass_the_limit(beyond):
     limit = banded("second-order" if beyond.A[0, 0] == 0 else "pi")
     assert max(abs(speeds(beyond, limit, r, 0.0)).max() for r in demands(beyond, 3)) > 1.0
+
+
+SAMPLES = 100
+
+
+@cache
+def worst_of(loop: str, push: float) -> Worst:
+    return Worst(tables_of(banded(loop, push).system, 1.0, SAMPLES), SAMPLES)
+
+
+def pushed_on(base: LinearBase) -> float:
+    """Largest speed that a push of at most 1 leads to, by its integral of the impulse response."""
+    h = 0.001
+    return np.abs(base.impulse(base.e, (np.arange(20_000) + 0.5) * h)).sum() * h
+
+
+def test_a_push_that_is_stronger_breaks_the_limit():
+    """The worst commands of all that the band admits, which it sends as they are asked for."""
+    base, limit = second_order_base(5.0, 0.4, 1.1), banded("second-order", 0.05)
+    asked, reached = worst_of("second-order", 0.05).commands(base, T)
+    limit.start()
+    sent = np.array([limit.step((r, 0.0)).command[0] for r in asked])
+    assert sent == pytest.approx(asked, abs=1e-7)
+
+    A, B = held(base.A, np.c_[base.b, base.e], T / PARTS)
+    ahead = np.sign(base.impulse(base.e, (np.arange(SAMPLES * PARTS) + 0.5) * T / PARTS))[::-1]
+    for stronger, broken in ((1.0, False), (1.05, True)):
+        x = np.zeros(2)
+        for k, sign in enumerate(ahead):
+            x = A @ x + B @ np.array([sent[k // PARTS], 0.05 * stronger * sign])
+        assert bool(x[0] > 1) is broken
+        assert x[0] == pytest.approx(reached + 0.05 * stronger * pushed_on(base), abs=1e-3)
+
+
+FREQUENCIES = (2.85, 3.0, 4.0, 5.0, 5.25)
+
+
+@pytest.mark.slow
+def test_a_frequency_that_is_five_per_cent_wrong_breaks_nothing():
+    """Its tables cover more than the family: no commands at all lead beyond the limit."""
+    members = itertools.product(FREQUENCIES, (0.4, 0.6, 1.0), (0.5, 1.0))
+    worst = worst_of("second-order", 0.0)
+    reached = [worst.commands(second_order_base(w, z, 1.1), T, s)[1] for w, z, s in members]
+    assert 0.99 < max(reached) < 0.999
+
+
+@pytest.mark.slow
+def test_nor_does_a_push_on_a_pi_loop_that_is_five_per_cent_stronger():
+    members, worst = (
+        itertools.product((50, 65), (135, 165), (270, 330), (0, 20)),
+        worst_of("pi", 10),
+    )
+    bases = [pi_base(*numbers) for numbers in members]
+    free = np.array([max(worst.commands(base, T, s)[1] for s in (0.5, 1.0)) for base in bases])
+    pushed = np.array([10.0 * pushed_on(base) for base in bases])
+    assert 0.999 < (free + 1.05 * pushed).max() < 1.0 < (free + 1.06 * pushed).max()
 
 
 def test_it_leaves_nearly_the_whole_limit_at_rest():

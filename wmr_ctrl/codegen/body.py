@@ -26,6 +26,8 @@ from wmr_ctrl.model.graph import SELECT, Graph
 _STEP = "    "
 FEWEST = 4
 """Exponentials that are worth an array."""
+AMPLE = 1024
+"""Numbers of local arrays up to which each has room of its own."""
 
 
 def body(graph: Graph, dialect: Dialect) -> list[str]:
@@ -97,6 +99,40 @@ def pack_stores(items: Sequence[Item], places: Mapping[int, tuple[str, int]]) ->
     return replaced(items, packs) if packs else list(items)
 
 
+def shared_rooms(
+    items: Sequence[Item], places: Mapping[int, Place], folded: Iterable[ArrayLoop]
+) -> tuple[dict[str, str], dict[str, int]]:
+    """Name in C of every local array, and sizes by name: what is read no more makes room."""
+    sizes, ends, inner = dict[str, int](), dict[str, int](), set(folded)
+    reads = {number: item.reads for item in inner for number in item.defines}
+    begins = dict[str, int]()
+    for at, item in enumerate(items):
+        if item in inner:
+            continue
+        wanted, seen = [*item.reads, *item.defines], set[int]()
+        while wanted:
+            number = wanted.pop()
+            if number in seen:
+                continue
+            seen.add(number)
+            if number in reads:
+                wanted.extend(reads[number])
+            elif number in places:
+                array, index = places[number]
+                sizes[array] = max(sizes.get(array, 0), index + 1)
+                begins.setdefault(array, at)
+                ends[array] = at
+    if sum(sizes.values()) <= AMPLE:
+        return {}, sizes
+    rooms, taken = dict[str, str](), dict[str, tuple[int, int]]()
+    for array in sorted(sizes, key=lambda name: (begins[name], -sizes[name])):
+        free = [name for name, (_, end) in taken.items() if end < begins[array]]
+        room = min(free, key=lambda name: abs(taken[name][0] - sizes[array]), default=array)
+        size = max(sizes[array], taken.get(room, (0, 0))[0])
+        rooms[array], taken[room] = room, (size, ends[array])
+    return rooms, {name: size for name, (size, _) in taken.items()}
+
+
 class _Writer:
     """Writes the items of one function."""
 
@@ -112,18 +148,15 @@ class _Writer:
         }
         self.fused = fused(graph, items)
         self.loops = [item for item in items if isinstance(item, ArrayLoop) and item.defines]
+        self.rooms, self.sizes = shared_rooms(items, places, self.fused)
 
     def text(self) -> list[str]:
         """All lines, with the local arrays first."""
         return [*self._arrays(), *self._lines(self.items, _STEP)]
 
     def _arrays(self) -> list[str]:
-        gone = {number for loop in self.fused for number in loop.defines}
-        sizes: dict[str, int] = {}
-        for number, (array, index) in self.places.items():
-            if number not in gone:
-                sizes[array] = max(sizes.get(array, 0), index + 1)
-        return [f"{_STEP}{self.dialect.real} {name}[{size}];" for name, size in sizes.items()]
+        real = self.dialect.real
+        return [f"{_STEP}{real} {name}[{size}];" for name, size in self.sizes.items()]
 
     def _lines(self, items: Iterable[Item], indent: str) -> list[str]:
         found: list[str] = []
@@ -166,7 +199,8 @@ class _Writer:
         return [f"{indent}{name}[{size}];", *fours, called]
 
     def _four(self, target: Slice, given: Iterable[str]) -> str:
-        at = f"{target.array} + {target.start}" if target.start else target.array
+        array = self._room(target.array)
+        at = f"{array} + {target.start}" if target.start else array
         return f"wmr_four({at}, {', '.join(given)});"
 
     def _expression(self, number: int) -> str:
@@ -186,8 +220,12 @@ class _Writer:
         node = self.graph.nodes[number]
         place = node.place or self.places.get(number) or self.grouped.get(number)
         if place is not None:
-            return f"{place[0]}[{place[1]}]"
+            return f"{self._room(place[0])}[{place[1]}]"
         return self.dialect.number(node.number) if node.leaf else f"t{number}"
+
+    def _room(self, array: str) -> str:
+        """Name in C of an array: several that are not needed at once share one."""
+        return self.rooms.get(array, array)
 
     def _real(self, number: int) -> str:
         name = self._name(number)
@@ -198,7 +236,7 @@ class _Writer:
         return name if self.graph.is_logical(number) else self.dialect.as_truth(name)
 
     def _loop(self, loop: ArrayLoop, indent: str) -> list[str]:
-        target = f"{loop.target.array}[{_shifted(loop.target.start)}]"
+        target = f"{self._room(loop.target.array)}[{_shifted(loop.target.start)}]"
         head = f"{indent}for (int j = 0; j < {loop.length}; ++j) {{"
         return [head, f"{indent}{_STEP}{target} = {self._looped(loop, 0)};", f"{indent}}}"]
 
@@ -218,7 +256,7 @@ class _Writer:
         inner = self._folded_at(operand.array, operand.start + shift)
         if inner is not None:
             return f"({self._looped(inner, operand.start + shift - inner.target.start)})"
-        return f"{operand.array}[{_shifted(operand.start + shift)}]"
+        return f"{self._room(operand.array)}[{_shifted(operand.start + shift)}]"
 
     def _folded_at(self, array: str, index: int) -> ArrayLoop | None:
         for loop in self.loops:

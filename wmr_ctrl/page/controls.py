@@ -54,6 +54,8 @@ HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay"
           "robot.v_s", "base.delay", "base.timeout", "base.tau_believed",
           "filter.delta", "filter.drag", "filter.slew_reach")  # fmt: skip
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
+OF_FIRST_ORDER = ("filter.gain", "filter.d")
+"""What filters of other loops do not count on, or only in what is worked out beforehand."""
 SPANS: Mapping[str, Span] = {
     "robot.m": (10.0, 150.0),
     "robot.mu": (0.0, 0.4),
@@ -111,7 +113,8 @@ def controls_of(
     scenario: Scenario, parameters: Iterable[Signal], values: Mapping[str, float]
 ) -> list[Control]:
     """Sliders for the elements of parameters that some group names, in the groups' order."""
-    signals = {item.name: item for item in parameters}
+    unused = () if scenario.filter.loop == "first-order" else OF_FIRST_ORDER
+    signals = {item.name: item for item in parameters if item.name not in unused}
     bounds = ranges_of(scenario, signals)
     moved = {name for names in ALONG.values() for name in names}
     controls = [
