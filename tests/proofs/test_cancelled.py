@@ -9,7 +9,7 @@ from functools import cached_property
 import casadi as ca
 import pytest
 
-from wmr_ctrl.proofs.cancelled import positive_sums, uncancelled, undefined
+from wmr_ctrl.proofs.cancelled import cancelled_operations, positive_sums, uncancelled, undefined
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.check import check
 from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
@@ -127,6 +127,15 @@ def test_sums_are_positive_in_every_region():
     assert {"x": 1, "y": -1} not in positive_sums((BEYOND, ALL))
     turned = Case("y > x > 0", BEYOND.numbers, lambda n: {"y": n["a"] + n["b"], "x": n["b"]})
     assert positive_sums((BEYOND, turned)) == ({"x": 1}, {"y": 1})
+
+
+@pytest.mark.slow
+def test_as_much_is_cancelled_as_was_shown_to_be_defined():
+    """Whether it is defined is asked anew where a graph is another one, and by `--every-case`."""
+    known = load().by_id()
+    counts = {claim.id: len(cancelled_operations(claim)[1]) for claim in PROVED_CLAIMS}
+
+    assert counts == {key: known[key].cancelled for key in counts}
 
 
 @pytest.mark.slow

@@ -193,5 +193,7 @@ def test_a_plan_of_a_study_is_told_to_be_one(tmp_path):
     plan = tmp_path / "plan.toml"
     plan.write_text('scenario = "far-start"\nlaws = ["mb"]\nseeds = 4\n', encoding="utf-8")
 
-    with pytest.raises(ScenarioError, match=r"plan\.toml is a study plan, not a scenario.*wmr-ctrl study"):
+    with pytest.raises(
+        ScenarioError, match=r"plan\.toml is a study plan, not a scenario.*wmr-ctrl study"
+    ):
         load_scenario(plan)

@@ -24,7 +24,7 @@ from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import forget
 from wmr_ctrl.proofs.graph import ProvedGraph
 from wmr_ctrl.proofs.methods.portfolio import ask
-from wmr_ctrl.proofs.methods.smt import posed
+from wmr_ctrl.proofs.methods.smt import Problem, posed
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring, described
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.walk import UndecidedError
@@ -43,16 +43,11 @@ def undefined(claim: Claim) -> tuple[int, str]:
 
     Of a claim that has been proved.
     """
-    assert claim.statement is not None
     assert claim.method is not None
-    plain = uncancelled(claim)
     try:
-        kept, raw = posed(claim.statement(CLAIMED)), posed(plain, derived_powers(plain.graph))
+        raw, gone = cancelled_operations(claim)
     except UndecidedError as error:
         return 0, str(error)
-    before = {z3.simplify(term).sexpr() for term in kept.undefined}
-    terms = {(found := z3.simplify(term)).sexpr(): found for term in raw.undefined}
-    gone = [term for text, term in terms.items() if text not in before]
     if not gone:
         return 0, ""
     inputs, context = raw.terms.inputs, raw.terms.context
@@ -62,6 +57,19 @@ def undefined(claim: Claim) -> tuple[int, str]:
         cases = claim.method.cases
         left = [term for term in left if not _never(term, raw.base, inputs, context, cases)]
     return len(gone), "; ".join(term.sexpr()[:200] for term in left)
+
+
+def cancelled_operations(claim: Claim) -> tuple[Problem, list[Any]]:
+    """The claim posed with nothing simplified; when each operation is undefined that is cancelled.
+
+    Raises UndecidedError where it cannot be posed.
+    """
+    assert claim.statement is not None
+    plain = uncancelled(claim)
+    kept, raw = posed(claim.statement(CLAIMED)), posed(plain, derived_powers(plain.graph))
+    before = {z3.simplify(term).sexpr() for term in kept.undefined}
+    terms = {(found := z3.simplify(term)).sexpr(): found for term in raw.undefined}
+    return raw, [term for text, term in terms.items() if text not in before]
 
 
 def uncancelled(claim: Claim) -> Statement:

@@ -31,6 +31,7 @@ on without an end, and some of its steps count little in z3's own units.  An att
 way each time and on every machine, so that a slow one needs a longer attempt, not another verdict;
 what closes now closes in seconds."""
 
+
 @dataclass(frozen=True)
 class Answer:
     """sat, unsat or unknown; a model where there is one; the engine, unless the first at once."""
