@@ -11,6 +11,8 @@ from wmr_ctrl.corridor.loop import UP
 
 SINGLE, FAINT = 2.0**-24, 1e-30
 """Share by which a single-precision result errs, and a size that it may take for 0."""
+BLOCK = 2**18
+"""Products of numbers below which OpenBLAS takes one thread."""
 
 
 @dataclass
@@ -50,8 +52,7 @@ class CarriedColumns:
         self.misled = Kind(self.boxes.end, held, widths[1])
         self.values = np.zeros((n, self.misled.end))
         self._next = np.zeros_like(self.values)
-        self.weights = np.ones((self.boxes.end, 2), dtype=np.float32)
-        self.weights[self.known.end :, 0] = 0
+        self._single = np.zeros(self.values.shape, dtype=np.float32)
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
@@ -60,7 +61,7 @@ class CarriedColumns:
 
     def carry(self, A: Floats) -> None:
         """Multiply all."""
-        np.matmul(A, self.values, out=self._next)
+        _product(A, self.values, self._next)
         self.values, self._next = self._next, self.values
 
     def replace(self, kind: Kind, new: Floats | float) -> Floats:
@@ -104,9 +105,13 @@ class CarriedColumns:
 
         In single precision, with its rounding counted by the largest ``state`` (n).
         """
-        seen = np.abs(rows.astype(np.float32) @ self.values.astype(np.float32))
-        end = self.boxes.end
-        result = (seen[:, :end] @ self.weights).astype(float)
+        self._single[:] = self.values
+        seen = np.empty((len(rows), self.misled.end), dtype=np.float32)
+        _product(rows.astype(np.float32), self._single, seen)
+        np.abs(seen, out=seen)
+        known, end = self.known.end, self.boxes.end
+        first = seen[:, :known].sum(axis=1).astype(float)
+        result = np.stack([first, first + seen[:, known:end].sum(axis=1)], axis=1)
         if self.misled.each:
             pairs = seen[:, end:].reshape(len(rows), -1, 2)
             result += np.hypot(pairs[..., 0], pairs[..., 1]).sum(axis=1, dtype=float)[:, None]
@@ -114,3 +119,11 @@ class CarriedColumns:
         size = np.abs(rows) @ (state + many * FAINT)
         result = result * (1 + 2 * many * SINGLE) + 2 * (len(state) + 8) * SINGLE * size[:, None]
         return result[:, 0] * UP, result[:, 1] * UP
+
+
+def _product(a: Floats, b: Floats, out: Floats) -> None:
+    """a b, in blocks too small for the threads of BLAS, which wait for each other at full load."""
+    width = max(1, BLOCK // a.size)
+    for first in range(0, b.shape[1], width):
+        part = slice(first, first + width)
+        np.matmul(a, b[:, part], out=out[:, part])

@@ -6,14 +6,17 @@ leaves open is not guessed: `OpenBoxError` names the graph.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import casadi as ca
 from flint import arb
 
-from wmr_ctrl.model.graph import SELECT, read
+from wmr_ctrl.model.graph import SELECT, Node, read
 
 Balls = list[arb]
+_ZERO = arb(0)
 
 
 class OpenBoxError(ArithmeticError):
@@ -30,36 +33,46 @@ class Enclosure:
         self.pattern = list(zip(*output.sparsity().get_triplet(), strict=True))
         function = ca.Function("enclosed", list(inputs), [output.nz[:]])
         graph = read(function, places, ("y",))
-        self._nodes = graph.nodes
+        self._program = [(self._operation(node), *node.operands) for node in graph.nodes]
+        self._constants = [
+            (k, arb(node.number)) for k, node in enumerate(graph.nodes) if node.op == ca.OP_CONST
+        ]
+        self._inputs = [
+            (k, places.index(node.place[0]), node.place[1])
+            for k, node in enumerate(graph.nodes) if node.place is not None
+        ]  # fmt: skip
         stores = {store.index: store.node for store in graph.stores}
         self._stores = [stores[k] for k in range(len(self.pattern))]
-        self._place = {place: k for k, place in enumerate(places)}
 
     def __call__(self, *values: Balls) -> Balls:
         """The output's entries in the order of ``pattern`` (row, column)."""
-        done: list[arb] = []
-        for node in self._nodes:
-            if node.place is not None:
-                done.append(values[self._place[node.place[0]]][node.place[1]])
-            elif node.op == ca.OP_CONST:
-                done.append(arb(node.number))
-            else:
-                done.append(self._value(node.op, [done[k] for k in node.operands]))
+        done: list[arb] = [_ZERO] * len(self._program)
+        for k, number in self._constants:
+            done[k] = number
+        for k, place, index in self._inputs:
+            done[k] = values[place][index]
+        for k, (operation, *operands) in enumerate(self._program):
+            if len(operands) == 2:
+                done[k] = operation(done[operands[0]], done[operands[1]])
+            elif operands:
+                done[k] = operation(*[done[i] for i in operands])
         results = [done[k] for k in self._stores]
         if not all(value.is_finite() for value in results):
             raise OpenBoxError(f"{self.name}: an operation leaves its domain")
         return results
 
-    def _value(self, op: int, given: Balls) -> arb:
+    def _operation(self, node: Node) -> Callable[..., arb]:
+        op = node.op
         if op == SELECT:
-            return given[1] if self._decided(op, given[0] != 0, given[0] == 0) else given[2]
+            return lambda c, a, b: a if self._decided(op, c != 0, c == 0) else b
         if op in _CONDITIONS:
-            return arb(int(self._decided(op, *_CONDITIONS[op](*given))))
+            return lambda *given: arb(int(self._decided(op, *_CONDITIONS[op](*given))))
         if op == ca.OP_SIGN:
-            return arb(1 if self._decided(op, given[0] > 0, given[0] < 0) else -1)
-        if op not in _OPERATIONS:
-            raise OpenBoxError(f"{self.name}: operation {op} of CasADi is not covered")
-        return _OPERATIONS[op](*given)
+            return lambda a: arb(1 if self._decided(op, a > 0, a < 0) else -1)
+        return _OPERATIONS.get(op, partial(self._uncovered, op))
+
+    def _uncovered(self, op: int, *_: arb) -> arb:
+        raise OpenBoxError(f"{self.name}: operation {op} of CasADi is not covered")
 
     def _decided(self, op: int, yes: bool, no: bool) -> bool:
         if yes == no:
@@ -79,12 +92,12 @@ _CONDITIONS: dict[int, Callable[..., _Both]] = {
 }
 """Whether a condition certainly holds, and whether it certainly does not."""
 _OPERATIONS: dict[int, Callable[..., arb]] = {
-    ca.OP_ADD: lambda a, b: a + b,
-    ca.OP_SUB: lambda a, b: a - b,
-    ca.OP_MUL: lambda a, b: a * b,
-    ca.OP_DIV: lambda a, b: a / b,
+    ca.OP_ADD: operator.add,
+    ca.OP_SUB: operator.sub,
+    ca.OP_MUL: operator.mul,
+    ca.OP_DIV: operator.truediv,
     ca.OP_INV: lambda a: 1 / a,
-    ca.OP_NEG: lambda a: -a,
+    ca.OP_NEG: operator.neg,
     ca.OP_SQ: lambda a: a * a,
     ca.OP_TWICE: lambda a: 2 * a,
     ca.OP_SQRT: arb.sqrt,
