@@ -11,10 +11,12 @@ from flint import arb, ctx
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import elementary, find_corridor
-from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.along import Along, hull
 from wmr_ctrl.corridor.carried import CarriedColumns
 from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
 from wmr_ctrl.corridor.midradius import MidRadius
+from wmr_ctrl.corridor.motion import MovingCurve
+from wmr_ctrl.corridor.secants import SecantCurve
 from wmr_ctrl.corridor.spans import MidRadiusGraph
 from wmr_ctrl.scenario import load_scenario, override
 
@@ -170,6 +172,29 @@ def test_matrices_of_samples_are_the_slopes_of_the_loop_as_it_is_run(eight):
             result[:, i] = (ends[0] - ends[1]) / (2 * step)
         scale = 1e-5 * (1 + np.abs(result).max(axis=1, keepdims=True))
         assert (np.abs(result - here.A.middle[k]) <= here.A.radius[k] + scale).all()
+
+
+@pytest.mark.parametrize("wide", [1e-4, 0.02, 0.3])
+def test_secants_leave_no_more_than_they_say(wide):
+    """Of a graph whose tanh turns over within the box, from any point of the undisturbed loop."""
+    by, number, rng = ca.SX.sym("by", 2), ca.SX.sym("number"), np.random.default_rng(7)
+    output = ca.vertcat(number * ca.tanh(by[0] / 0.01) + by[1] ** 2, ca.sin(by[1]) * by[0])
+    curve = MovingCurve("f", by, number, output, (slice(1), 1.0))
+    plain = ca.Function("f", [by, number], [output])
+    points = rng.uniform(-0.02, 0.02, (1, 5, 2))
+    found = np.array([[plain(point, 2.0).full().ravel() for point in points[0]]])
+    result = SecantCurve(curve).over(
+        hull(points, 1), MidRadius(np.array([[2.0]]), np.zeros((1, 1))), np.full(2, wide), points,
+        found,
+    )  # fmt: skip
+
+    most = np.zeros(2)
+    for point, value in zip(points[0], found[0], strict=True):
+        for off in [*rng.uniform(-wide, wide, (200, 2)), *(wide * np.array([[1, 1], [-1, 1]]))]:
+            here = plain(point + off, 2.0).full().ravel()
+            most = np.maximum(most, np.abs(here - value - result.slopes.middle[0] @ off))
+    assert (most <= result.left[0]).all()
+    assert wide < 0.01 or most[0] > result.left[0, 0] / 4
 
 
 def test_sums_in_single_precision_are_not_below_those_in_double():

@@ -77,10 +77,39 @@ def test_a_push_beyond_its_bound_by_a_fifth_leaves_it_on_a_figure_of_eight():
     assert max(reached) > find_corridor(scenario, "prox", whole=True).position
 
 
+SMOOTH = {"reference.kind": "stop-and-go", "reference.period": 4.0, "reference.speed": 0.2,
+          "changes": []}  # fmt: skip
+STOPS = {
+    "from rest, without friction": ({"robot.mu": 0.0, "disturbance.std": 0.25}, 2.0, 2.0, 1.15),
+    "to a stop and on": ({"robot.mu": 0.02, "disturbance.std": 0.2}, 6.0, 4.6, 3.5),
+}
+"""Changes, duration and time to which pushes lead furthest [s], and how tight it is at least."""
+
+
+@pytest.mark.parametrize("case", STOPS)
+def test_a_path_that_stops_has_a_corridor_that_no_adversary_leaves(case):
+    changes, duration, until, loose = STOPS[case]
+    told = {"clock.control": PERIOD, "clock.duration": duration, **SMOOTH, **changes}
+    scenario = override(load_scenario("safe-simulation"), told)
+    size = scenario.disturbance.std * scenario.disturbance.truncate
+
+    tube = find_corridor(scenario, "prox", whole=True)
+    signs = worst_on_the_way(scenario, "prox", round(until / PERIOD))
+    reached = [attack(scenario, "prox", size * push) for push in signs]
+    farthest = max(reached, key=lambda item: item.position)
+
+    assert tube.position / loose <= farthest.position <= tube.position
+    assert np.abs(farthest.e[:, 2]).max() <= tube.heading
+    assert not farthest.clipped
+    if loose < 1.2:
+        beyond = (attack(scenario, "prox", 1.2 * size * push).position for push in signs)
+        assert max(beyond) > tube.position
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"reference.kind": "stop-and-go"}, "since friction turns near standstill, at t = 0 s"),
+        ({"reference.kind": "stop-and-go"}, "the torque of the right wheel may reach 20"),
         ({"actuator.tau_max": 12.0, "changes": HEAVIER}, "wheel may reach"),
     ],
 )

@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.model.graph import SELECT, read
 
+STEEPER = (1.0, 1.1, 1.2, 1.3, 1.5, 0.0)
+"""Shares of tanh's mean slope over a box that are tried."""
 Truth = tuple[NDArray[np.bool_], NDArray[np.bool_]]
 """Where a condition is certain to hold, and where it is certain not to."""
 ROUNDING, SUMS = 2.0**-49, 1.0 + 2.0**-40
@@ -200,12 +202,20 @@ def _picked(truth: Truth, a: Form, b: Form, other: Form) -> Form:
 
 
 def _tanh(a: Form) -> Form:
-    """By its least slope over the box, with which it rises from one end to the other."""
+    """By the one of some slopes that leaves least, at the ends and where tanh has that slope."""
     low, high = a.range
     at = np.tanh(np.array([low, high]))
-    slope = np.maximum((1 - at**2).min(axis=0) - ROUNDING, 0.0)
-    least, most = at[0] - slope * low, at[1] - slope * high
-    return _along(a, slope, least - 4 * ROUNDING, most + 4 * ROUNDING)
+    slope = np.clip(np.outer(STEEPER, _secant(low, high, at[0], at[1])), 0.0, 1.0)
+    turn = np.sqrt(1 - slope)
+    place = np.arctanh(np.minimum(turn, 1 - ROUNDING))
+    left = np.stack([at[0] - slope * low, at[1] - slope * high, turn - slope * place])
+    inner = [
+        np.where((s * place > low) & (s * place < high), s * left[2], left[0]) for s in (1, -1)
+    ]
+    every = np.stack([left[0], left[1], *inner])
+    least, most = every.min(axis=0), every.max(axis=0)
+    best = (most - least).argmin(axis=0), np.arange(len(low))
+    return _along(a, slope[best], least[best] - 8 * ROUNDING, most[best] + 8 * ROUNDING)
 
 
 def _curve(
@@ -261,7 +271,9 @@ _RULES: dict[int, Callable[..., Form | Truth]] = {
     ca.OP_FMAX: _max,
     ca.OP_FMIN: lambda a, b: _neg(_max(_neg(a), _neg(b))),
     ca.OP_TANH: _tanh,
-    ca.OP_SIN: _curve(np.sin, np.cos, lambda low, high: np.ones_like(low)),
+    ca.OP_SIN: _curve(
+        np.sin, np.cos, lambda low, high: np.minimum(np.maximum(np.abs(low), np.abs(high)), 1.0)
+    ),
     ca.OP_COS: _curve(np.cos, lambda x: -np.sin(x), lambda low, high: np.ones_like(low)),
     ca.OP_SQRT: _curve(
         np.sqrt,

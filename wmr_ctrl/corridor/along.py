@@ -8,6 +8,7 @@ matrices and every rounding, is a box.  Columns that have become old are counted
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
 from math import ceil, cos, pi, sin
@@ -22,6 +23,7 @@ from wmr_ctrl.corridor.inputs import NoCorridorError, check_size, conditions
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
 from wmr_ctrl.corridor.motion import MovingLoop, motion_of
+from wmr_ctrl.corridor.secants import SecantCurve
 from wmr_ctrl.corridor.stretch import Stretch, stretch
 
 DIRECTIONS = 12
@@ -33,6 +35,8 @@ STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
 PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 """Of a box on which it is looked which term grows."""
+BRIEF, SLOW, SPREAD = 0.05, 2.0, 1.2
+"""Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
 TOGETHER = 500
 """Samples whose undisturbed run is compared with the graphs at once."""
 PLACES = 9
@@ -124,7 +128,9 @@ class Along:
     def memory(self) -> int:
         """Samples after which a column counts as old."""
         n = len(self.motion.v_d)
-        places = sorted({round(k) for k in np.linspace(1, n - 1, PLACES)})
+        speeds = np.abs(self.motion.v_d[1:, 0])
+        moving = 1 + np.flatnonzero(speeds >= 0.3 * speeds.max())
+        places = sorted({int(moving[round(k)]) for k in np.linspace(0, len(moving) - 1, PLACES)})
         return min(n, max(_forgets(self.stretch(k, k + 1)) for k in places))
 
     def _law_by(self, first: int, last: int) -> Floats:
@@ -202,6 +208,39 @@ class Along:
         law = loop.law_curve.slopes(*by)
         by = hull(self._step_by(first, last), 1), hull(loop.step_numbers[first:last], 1)
         return stretch(loop, law, loop.step_curve.slopes(*by), self.knots)
+
+    @cached_property
+    def brief(self) -> int:
+        """Samples that boxes of secants are for."""
+        return max(1, round(BRIEF / self.setup.scenario.clock.control))
+
+    def is_slow(self, first: int, last: int, reach: Floats) -> bool:
+        """True where friction may turn over in some samples."""
+        v = self.fine[first:last, :, 3]
+        most = SLOW * self.setup.scenario.robot.v_s + SPREAD * reach[3]
+        return bool(np.abs(v).min() < most or v.min() < 0 < v.max())
+
+    def secant_stretch(self, first: int, last: int, wide: tuple[Floats, Floats]) -> Stretch:
+        """The same by secants over boxes of law's and plant step's variables."""
+        loop = self.loop
+        law_by, numbers = self._law_by(first, last), loop.law_numbers[first:last]
+        outs = self.outs[first:last, None]
+        law = self._law_secants.over(
+            MidRadius(law_by), MidRadius(numbers), wide[0], law_by[:, None], outs
+        )
+        step_by, numbers = self._step_by(first, last), loop.step_numbers[first:last]
+        step = self._step_secants.over(
+            hull(step_by, 1), hull(numbers, 1), wide[1], step_by, self.fine[first:last, 1:]
+        )
+        return replace(stretch(loop, law.slopes, step.slopes, self.knots), secants=(law, step))
+
+    @cached_property
+    def _law_secants(self) -> SecantCurve:
+        return SecantCurve(self.loop.law_curve)
+
+    @cached_property
+    def _step_secants(self) -> SecantCurve:
+        return SecantCurve(self.loop.step_curve)
 
     def distance(self, k: slice, reach: Floats) -> float:
         """Distance [m] from the place on the path of anything in samples, by what rows reach."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.corridor.loop import UP
 
 SINGLE, FAINT = 2.0**-24, 1e-30
 """Share by which a single-precision result errs, and a size that it may take for 0."""
+Reals: TypeAlias = NDArray[np.floating]
 BLOCK = 2**18
 """Products of numbers below which OpenBLAS takes one thread."""
 
@@ -121,7 +124,7 @@ class CarriedColumns:
         return result[:, 0] * UP, result[:, 1] * UP
 
 
-def _product(a: Floats, b: Floats, out: Floats) -> None:
+def _product(a: Reals, b: Reals, out: Reals) -> None:
     """a b, in blocks too small for the threads of BLAS, which wait for each other at full load."""
     width = max(1, BLOCK // a.size)
     for first in range(0, b.shape[1], width):

@@ -33,7 +33,7 @@ class Enclosure:
         self.pattern = list(zip(*output.sparsity().get_triplet(), strict=True))
         function = ca.Function("enclosed", list(inputs), [output.nz[:]])
         graph = read(function, places, ("y",))
-        self._program = [(self._operation(node), *node.operands) for node in graph.nodes]
+        self._program = [(self._operation(node), node.operands) for node in graph.nodes]
         self._constants = [
             (k, arb(node.number)) for k, node in enumerate(graph.nodes) if node.op == ca.OP_CONST
         ]
@@ -51,7 +51,7 @@ class Enclosure:
             done[k] = number
         for k, place, index in self._inputs:
             done[k] = values[place][index]
-        for k, (operation, *operands) in enumerate(self._program):
+        for k, (operation, operands) in enumerate(self._program):
             if len(operands) == 2:
                 done[k] = operation(done[operands[0]], done[operands[1]])
             elif operands:

@@ -8,19 +8,18 @@ guessed and then has to hold what comes of it (ledger: corridor.passage).
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.carried import CarriedColumns
-from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.instant import Instant, Kept, RunBounds, WiderBoxError
 from wmr_ctrl.corridor.loop import MOST_COLUMNS, MOST_NUMBERS, UP
-from wmr_ctrl.corridor.midradius import MidRadius, rounding
-from wmr_ctrl.corridor.motion import UNSURE, MovingCurve
-from wmr_ctrl.corridor.stretch import Stretch
+from wmr_ctrl.corridor.midradius import rounding
+from wmr_ctrl.corridor.motion import UNSURE
+from wmr_ctrl.corridor.remainders import Remainders
 
 FAR, NEAR, TRIES = 30.0, 1e-3, 40
 """Growth over the linear loop, and more [m, rad], with which a sample counts as lost; tries."""
@@ -28,55 +27,22 @@ HELD, LITTLE_MORE = 1.01, 1e-9
 """What samples of a set that stands may add, as a share of what the latest did, and more."""
 GUESSED, GROWN = 1.01, 1.03
 """Of Z: its first guess, and its growth from try to try."""
-ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
-"""Growth of the box that a bend holds on; below that share of the typical sizes another."""
 DOT = rounding(MOST_NUMBERS)
 """Share by which a sum of products over a state can err."""
 
 
-@dataclass(frozen=True)
-class RunBounds:
-    """What is certified along a motion, by samples.
-
-    ``position``, ``linear`` [m] and ``heading`` [rad] (n): the most in each sample, the second
-    without what is not linear; ``share`` (n): of the condition that is used most, ``binding`` (n)
-    its number.
-    """
-
-    position: Floats
-    linear: Floats
-    heading: Floats
-    share: Floats
-    binding: Floats
+SLOW_ROOM, SLOW_SHARE, SLOW_NEAR, SLOW_FROM = 1.05, 0.02, 0.3, 4.0
+"""Of boxes of secants: growth, what is added as a share of the typical sizes, their NEAR, and
+growth of what is reached that brings the robot to a stop where they are tried at last."""
 
 
-@dataclass
-class Instant:
-    """A sample: its number in the run and in its chunk, whose matrices and end are given.
-
-    ``held``: it stands for all samples until that end.
-    """
-
-    k: int
-    at: int
-    end: int
-    here: Stretch
-    held: bool = False
-
-    @property
-    def part(self) -> slice:
-        """The samples that it stands for."""
-        return slice(self.k, self.end if self.held else self.k + 1)
-
-
-class Passing:
+class Passing(Remainders):
     """One passage of a loop under bounded inputs; ``run`` makes it."""
 
     def __init__(self, along: Along, inputs: Inputs, start: Floats) -> None:
         """From a start off by |e| <= ``start`` (3)."""
-        self.along, self.inputs, self.loop = along, inputs, along.loop
-        n, self.nz = along.states.shape[1], len(self.loop.names)
-        self.error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
+        super().__init__(along, inputs)
+        n = along.states.shape[1]
         width = 2 * COMMAND if inputs.velocity.any() else COMMAND
         self.carried = CarriedColumns(
             along.lasting, n, along.memory, (width, COMMAND if inputs.pose else 0)
@@ -88,11 +54,8 @@ class Passing:
         if self.loop.filter:
             self._begin_estimate()
         self.rows = np.hstack([along.rows, np.zeros((len(along.rows), n - self.nz))])
-        self.commands: list[Floats] = []
         self.newest = np.zeros(0)
         self.history = deque[Floats](maxlen=along.memory)
-        self.law_bend: tuple[Floats, Floats] | None = None
-        self.step_bend: tuple[Floats, Floats] | None = None
 
     def _begin_estimate(self) -> None:
         """A run's first estimate of the pose is the measured one, not one that is reckoned."""
@@ -118,14 +81,71 @@ class Passing:
                 first = len(result)
             if first >= last:
                 continue
+            if self.along.is_slow(first, last, reach[1]):
+                reach = self._slowly(first, last, reach, result)
+                continue
             here = self.along.stretch(first, last)
             self.law_bend = self.step_bend = None
             for k in range(first, last):
-                reach, item = self._sample(Instant(k, k - first, last, here), reach)
+                slow = self.along.is_slow(k, k + 1, SLOW_FROM * reach[1])
+                before = self._kept() if slow else None
+                try:
+                    reach, item = self._sample(Instant(k, k - first, last, here), reach)
+                except NoCorridorError:
+                    if before is None:
+                        raise
+                    self._restore(before)
+                    reach = self._slowly(k, last, reach, result)
+                    break
                 result.append(item)
         values = np.array(result)
         position, linear, heading, share, worst = values.T
         return RunBounds(position, linear, heading, share, worst.astype(int))
+
+    def _slowly(
+        self, first: int, last: int, reach: tuple[Floats, Floats], result: list[tuple[float, ...]]
+    ) -> tuple[Floats, Floats]:
+        """Some samples by secants over boxes, which are made wider where they are left."""
+        k, wide = (
+            first,
+            [np.zeros(curve.by.numel()) for curve in (self.loop.law_curve, self.loop.step_curve)],
+        )
+        tries = 0
+        while k < last:
+            end = min(k + self.along.brief, last)
+            here = self.along.secant_stretch(k, end, (wide[0], wide[1]))
+            for j in range(k, end):
+                before = self._kept()
+                try:
+                    reach, item = self._sample(Instant(j, j - k, end, here), reach)
+                except WiderBoxError as error:
+                    self._restore(before)
+                    wide[error.place] = self._roomy(error.sizes)
+                    k, tries = j, tries + 1
+                    if tries > 4 * TRIES:
+                        raise NoCorridorError(self.along.blamed(reach[1], j)) from error
+                    break
+                result.append(item)
+            else:
+                k, tries = end, 0
+                wide = [self._roomy(sizes) for sizes in self.latest]
+        return reach
+
+    def _roomy(self, sizes: Floats) -> Floats:
+        """A box of secants for deviations of such sizes."""
+        wide = sizes * SLOW_ROOM
+        wide[:ROBOT] += SLOW_SHARE * self.along.typical @ self.inputs.push
+        return wide
+
+    def _kept(self) -> Kept:
+        slots = [kind.slot for kind in self.carried.kinds]
+        return self.carried.values.copy(), self.pending, list(self.history), self.commands, slots
+
+    def _restore(self, before: Kept) -> None:
+        self.carried.values, self.pending, history, self.commands, slots = before
+        self.history = deque(history, maxlen=self.along.memory)
+        for kind, slot in zip(self.carried.kinds, slots, strict=True):
+            kind.slot = slot
 
     def _held(self, k: int) -> tuple[tuple[Floats, Floats], list[tuple[float, ...]]] | None:
         """All samples from ``k`` on in which nothing changes, by one set that none of them leaves.
@@ -203,7 +223,8 @@ class Passing:
         linear, old = self.carried.sums(self.rows, sizes)
         old = old + np.abs(self.rows) @ self.pending
         guess = np.maximum(reach[1], old) * GUESSED + UNSURE
-        far = FAR * np.maximum(reach[0], linear)[:ROBOT] + NEAR
+        near = NEAR if now.here.secants is None else SLOW_NEAR
+        far = FAR * np.maximum(reach[0], linear)[:ROBOT] + near
         for _ in range(TRIES):
             step = self._step(guess, law, now) + now.here.body[now.at] @ self.inputs.body
             left = now.here.steps[now.at] @ step * UP
@@ -291,55 +312,9 @@ class Passing:
         shares = np.full(count, np.inf)
         np.divide(level, along.most, out=shares, where=along.most > 0)
         worst = int(shares.argmax())
-        if shares[worst] * UP > 1:
+        if not shares[worst] * UP <= 1:
             raise NoCorridorError(
                 f"{self.loop.conditions[worst].name} may reach {level[worst]:.3g} of "
                 f"{along.most[worst]:.3g} {along.place(now.k)}"
             )
         return float(shares[worst] * UP), worst
-
-    def _products(self, reach: Floats, error: Floats) -> Floats:
-        """Largest products (5, 5) of two of the robot's errors as they are measured."""
-        along, sizes = self.along, reach[:ROBOT]
-        pairs = np.outer(sizes, sizes)
-        both = reach[-2 * len(along.pairs) :].reshape(-1, 2).max(axis=1) ** 2 / (4 * along.ratios)
-        first, second = np.array(along.pairs).T
-        pairs[first, second] = np.minimum(pairs[first, second], both)
-        pairs[second, first] = pairs[first, second]
-        mixed = np.outer(sizes, error)
-        return np.asarray(pairs + mixed + mixed.T + np.outer(error, error))
-
-    def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
-        """What the law's outputs are off their linear part at most, with doubles' rounding."""
-        loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
-        own, acting = np.split(state[queue:], [loop.memory])
-        sizes = np.concatenate([state[:ROBOT] + self.error, own, state[self.nz : queue], acting])
-        if self.law_bend is None or (sizes > self.law_bend[0]).any():
-            ranges = self.along.law_range(now.k, now.end)
-            self.law_bend = self._bend(loop.law_curve, ranges, sizes, now.k)
-        products = np.outer(sizes, sizes)
-        products[:ROBOT, :ROBOT] = self._products(reach, self.error)
-        return (loop.law_curve.remainders(self.law_bend[1], products) + self.along.law_off) * UP
-
-    def _step(self, guess: Floats, law: Floats, now: Instant) -> Floats:
-        """What a plant step is off its linear part at most while Z is not left."""
-        curve, acts = self.loop.step_curve, np.max(self.commands, axis=0)
-        sizes = np.concatenate([guess[: self.nz], acts, self.inputs.push, self.inputs.body])
-        if self.step_bend is None or (sizes > self.step_bend[0]).any():
-            self.step_bend = self._bend(curve, self.along.step_range(now.k, now.end), sizes, now.k)
-        products = np.outer(sizes, sizes)
-        products[:ROBOT, :ROBOT] = self._products(guess, np.zeros(ROBOT))
-        return (curve.remainders(self.step_bend[1], products) + self.along.step_off) * UP
-
-    def _bend(
-        self, curve: MovingCurve, ranges: tuple[MidRadius, MidRadius], sizes: Floats, k: int
-    ) -> tuple[Floats, Floats]:
-        """A box with room about sizes of deviations, and the bends on it."""
-        little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
-        room = FIRST_ROOM if little else ROOM
-        grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges
-        try:
-            return grown, curve.bend_within(by, grown, numbers)
-        except OpenBoxError as error:
-            text = self.along.blamed(sizes, k)
-            raise NoCorridorError(text) from error

@@ -9,6 +9,7 @@ import numpy as np
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius, rounding
 from wmr_ctrl.corridor.motion import MovingLoop
+from wmr_ctrl.corridor.secants import Secants
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class Stretch:
     and by what is added to the law's outputs; ``outputs`` (outputs, n): the law's linear part, and
     ``seen`` (outputs, 5) that of what is measured.  ``steps`` (fast, fast): sizes by which what
     each plant step leaves adds up; ``body`` (fast, 2): of a plant step by mass and inertia.
+    ``secants``: of law and plant step, where these are not slopes at points.
     """
 
     A: MidRadius
@@ -42,6 +44,7 @@ class Stretch:
     steps: Floats
     body: Floats
     knots: list[Within]
+    secants: tuple[Secants, Secants] | None = None
 
 
 def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int]) -> Stretch:

@@ -12,8 +12,9 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.answer import Corridor
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, bounded_inputs, check_covered
+from wmr_ctrl.corridor.instant import RunBounds
 from wmr_ctrl.corridor.masses import mass_cells, mass_ranges, refused_open, with_inputs
-from wmr_ctrl.corridor.passage import Passing, RunBounds
+from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.world.references.kind import reference
 
 OPEN = "the undisturbed loop cannot be followed"

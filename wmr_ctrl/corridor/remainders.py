@@ -1,0 +1,87 @@
+"""What the linear parts of law and plant step leave in a sample of a passage."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.enclosure import OpenBoxError
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.instant import Instant, WiderBoxError
+from wmr_ctrl.corridor.loop import UP
+from wmr_ctrl.corridor.midradius import MidRadius
+from wmr_ctrl.corridor.motion import UNSURE, MovingCurve
+
+ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
+"""Growth of the box that a bend holds on; below that share of the typical sizes another."""
+
+
+class Remainders:
+    """By bends on a box, which serves as long as no deviation leaves it, or by secants."""
+
+    def __init__(self, along: Along, inputs: Inputs) -> None:
+        """Of one loop under bounded inputs."""
+        self.along, self.inputs, self.loop = along, inputs, along.loop
+        self.nz = len(self.loop.names)
+        self.error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
+        self.commands: list[Floats] = []
+        self.latest = [np.zeros(0), np.zeros(0)]
+        self.law_bend: tuple[Floats, Floats] | None = None
+        self.step_bend: tuple[Floats, Floats] | None = None
+
+    def _products(self, reach: Floats, error: Floats) -> Floats:
+        """Largest products (5, 5) of two of the robot's errors as they are measured."""
+        along, sizes = self.along, reach[:ROBOT]
+        pairs = np.outer(sizes, sizes)
+        both = reach[-2 * len(along.pairs) :].reshape(-1, 2).max(axis=1) ** 2 / (4 * along.ratios)
+        first, second = np.array(along.pairs).T
+        pairs[first, second] = np.minimum(pairs[first, second], both)
+        pairs[second, first] = pairs[first, second]
+        mixed = np.outer(sizes, error)
+        return np.asarray(pairs + mixed + mixed.T + np.outer(error, error))
+
+    def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
+        """What the law's outputs are off their linear part at most, with doubles' rounding."""
+        loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
+        own, acting = np.split(state[queue:], [loop.memory])
+        sizes = np.concatenate([state[:ROBOT] + self.error, own, state[self.nz : queue], acting])
+        if now.here.secants is not None:
+            secant, self.latest[0] = now.here.secants[0], sizes
+            if (sizes > secant.wide).any():
+                raise WiderBoxError(0, sizes)
+            return secant.left[now.at]
+        if self.law_bend is None or (sizes > self.law_bend[0]).any():
+            ranges = self.along.law_range(now.k, now.end)
+            self.law_bend = self._bend(loop.law_curve, ranges, sizes, now.k)
+        products = np.outer(sizes, sizes)
+        products[:ROBOT, :ROBOT] = self._products(reach, self.error)
+        return (loop.law_curve.remainders(self.law_bend[1], products) + self.along.law_off) * UP
+
+    def _step(self, guess: Floats, law: Floats, now: Instant) -> Floats:
+        """What a plant step is off its linear part at most while Z is not left."""
+        curve, acts = self.loop.step_curve, np.max(self.commands, axis=0)
+        sizes = np.concatenate([guess[: self.nz], acts, self.inputs.push, self.inputs.body])
+        if now.here.secants is not None:
+            secant, self.latest[1] = now.here.secants[1], sizes
+            if (sizes > secant.wide).any():
+                raise WiderBoxError(1, sizes)
+            return secant.left[now.at]
+        if self.step_bend is None or (sizes > self.step_bend[0]).any():
+            self.step_bend = self._bend(curve, self.along.step_range(now.k, now.end), sizes, now.k)
+        products = np.outer(sizes, sizes)
+        products[:ROBOT, :ROBOT] = self._products(guess, np.zeros(ROBOT))
+        return (curve.remainders(self.step_bend[1], products) + self.along.step_off) * UP
+
+    def _bend(
+        self, curve: MovingCurve, ranges: tuple[MidRadius, MidRadius], sizes: Floats, k: int
+    ) -> tuple[Floats, Floats]:
+        """A box with room about sizes of deviations, and the bends on it."""
+        little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
+        room = FIRST_ROOM if little else ROOM
+        grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges
+        try:
+            return grown, curve.bend_within(by, grown, numbers)
+        except OpenBoxError as error:
+            text = self.along.blamed(sizes, k)
+            raise NoCorridorError(text) from error
