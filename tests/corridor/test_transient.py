@@ -10,11 +10,15 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.limited import LimitedLoop, _secant_of
+from wmr_ctrl.corridor.settling import Settling
 from wmr_ctrl.scenario import load_scenario, override
 
 
 def driven(scenario, start, push):
-    """Errors e at all plant steps (N, 3), and torques, of a run that begins off by ``start``."""
+    """Errors e at all plant steps (N, 3), velocities at samples, largest torque, of a run.
+
+    It begins off by ``start``.
+    """
     loop = Attacked(scenario, "prox", push)
     target = loop.reference(0.0)
     c, s = np.cos(target.theta - start[2]), np.sin(target.theta - start[2])
@@ -25,7 +29,8 @@ def driven(scenario, start, push):
     loop.run(None)
     columns = loop.log.columns()
     torque = max(np.abs(columns[name]).max() for name in ("tau_right", "tau_left"))
-    return np.array(loop.errors), torque
+    v = np.stack([columns["v1"], columns["omega"]], axis=1)
+    return np.array(loop.errors), v, torque
 
 
 @pytest.fixture(scope="module")
@@ -37,49 +42,95 @@ def limited():
     "middle", [(0.045, 0.045, 0.13), (-0.045, 0.03, -0.13), (-0.02, 0.0, 0.0), (0.01, -0.01, 0.05)]
 )
 def test_cells_hold_all_runs_of_the_oracle_while_limits_act(limited, middle):
-    scenario, samples = load_scenario("safe-simulation"), 10
+    scenario, samples = load_scenario("safe-simulation"), 16
     width, rng = np.array([0.002, 0.002, 0.01]), np.random.default_rng(3)
     inputs, steps = limited.certifier.inputs, scenario.clock.substeps
     cells, boxes, far = limited.start(np.array([middle]), width[None]), [], 0.0
     for _ in range(samples):
         cells, way, _ = limited.after(cells, inputs)
-        boxes.append((cells.c[0, :3], cells.radius[0, :3]))
+        boxes.append((cells.c[0, :3], cells.radius[0, :3], *(x[0] for x in cells.velocities)))
         far = max(far, way[0])
 
     reached = []
     for _ in range(12):
         start = np.array(middle) + width * rng.choice([-1.0, 1.0], size=3)
         push = 3.0 * rng.choice([-1.0, 1.0], size=(1 if rng.random() < 0.5 else samples, 2))
-        e, torque = driven(scenario, start, np.broadcast_to(push, (samples, 2)))
+        e, v, torque = driven(scenario, start, np.broadcast_to(push, (samples, 2)))
         reached.append(torque)
-        for (center, radius), now in zip(boxes, e[steps - 1 :: steps], strict=True):
+        for (center, radius, *_), now in zip(boxes, e[steps - 1 :: steps], strict=True):
             assert (np.abs(now - center) <= radius).all()
+        for (_, _, low, high), now in zip(boxes, v[1:samples], strict=False):
+            assert (low <= now).all()
+            assert (now <= high).all()
         assert np.hypot(e[:, 0], e[:, 1]).max() <= far
 
     if abs(middle[0]) > 0.03:
         assert max(reached) == pytest.approx(20.0)  # the wheels' limit did act
 
 
-def test_a_start_from_which_limits_act_comes_into_its_corridor():
-    start = (0.008, 0.008, 0.03)
+@pytest.mark.parametrize(
+    "start",
+    [(0.008, 0.008, 0.03), pytest.param((0.05, 0.01, 0.05), marks=pytest.mark.slow)],
+)
+def test_a_start_from_which_limits_act_comes_into_its_corridor(start):
     scenario = override(load_scenario("safe-simulation"), {"corridor.start": start})
     alone = find_corridor(load_scenario("safe-simulation"), "prox")
     tube, samples = find_corridor(scenario, "prox"), 250
     assert tube.settling > 0
-    assert "limits and guard may act for" in tube.sentence
+    assert "the limits of law and wheels may act for" in tube.sentence
     assert tube.position_late == pytest.approx(alone.position, rel=1e-4)
 
+    farthest = 0.0
     for push, signs in zip(worst_pushes(scenario, "prox", samples, 3.0), range(8), strict=True):
         corner = np.array(start) * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
-        e, _ = driven(scenario, corner, push)
+        e, _, _ = driven(scenario, corner, push)
         assert np.hypot(e[:, 0], e[:, 1]).max() <= tube.position
         assert np.abs(e[:, 2]).max() <= tube.heading
+        late = e[-100 * scenario.clock.substeps :]
+        assert np.hypot(late[:, 0], late[:, 1]).max() <= 1.5 * alone.position
+        beyond, _, _ = driven(scenario, 1.3 * corner, 1.3 * push)
+        farthest = max(farthest, np.hypot(beyond[:, 0], beyond[:, 1]).max())
+    assert farthest > tube.position
+
+
+def test_what_is_followed_without_limits_holds_runs_and_is_forgotten(limited):
+    scenario, inputs, samples = load_scenario("safe-simulation"), limited.certifier.inputs, 120
+    n, start = limited.n, np.array([0.003, 0.003, 0.02])
+    settling = Settling(limited.certifier.started(np.zeros((n, 1))), inputs, samples)
+    cells = limited.start(np.zeros((1, 3)), start[None])
+    course = settling.course(limited.rest(cells, np.zeros((n, 0))))
+    assert course.through.tolist() == [0]
+    assert (course.rest[0, :3] < 0.9 * start).all()
+
+    for push, signs in zip(worst_pushes(scenario, "prox", samples, 3.0), range(8), strict=True):
+        corner = start * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
+        e, _, _ = driven(scenario, corner, push)
+        assert np.hypot(e[:, 0], e[:, 1]).max() <= course.position
+        assert np.abs(e[:, 2]).max() <= course.heading
+
+
+def test_what_would_reach_limits_does_not_come_through(limited):
+    n = limited.n
+    settling = Settling(
+        limited.certifier.started(np.zeros((n, 1))), limited.certifier.inputs, samples=20
+    )
+    far = limited.start(np.array([[0.0, 0.05, 0.15], [0.0, 0.001, 0.0]]), np.full((2, 3), 1e-4))
+    assert settling.course(limited.rest(far, np.zeros((n, 0)))).through.tolist() == [1]
+
+
+def test_a_cell_of_which_the_guard_may_change_the_force_is_given_up(limited):
+    cells = limited.start(np.zeros((2, 3)), np.full((2, 3), 1e-3))
+    cells.c[0, 3] = 0.99  # of 1 m/s
+    after, _, _ = limited.after(cells, limited.certifier.inputs)
+
+    assert np.isnan(after.c[0]).all()
+    assert np.isfinite(after.c[1]).all()
 
 
 def test_a_start_that_is_too_far_off_is_refused_with_its_place(monkeypatch):
-    monkeypatch.setattr("wmr_ctrl.corridor.transient.CELLS", 20)
-    monkeypatch.setattr("wmr_ctrl.corridor.transient.MOST", 60)
-    scenario = override(load_scenario("safe-simulation"), {"corridor.start": (0.01, 0.01, 0.5)})
+    monkeypatch.setattr("wmr_ctrl.corridor.transient.CELLS", 80)
+    monkeypatch.setattr("wmr_ctrl.corridor.transient.LOOKS", (20, 30))
+    scenario = override(load_scenario("safe-simulation"), {"corridor.start": (0.01, 0.01, 0.4)})
     words = find_corridor(scenario, "prox").refused
 
     assert "limits may act, and from a start off by about (" in words
@@ -106,7 +157,7 @@ def test_the_proximal_map_lies_between_the_lines_that_enclose_it(limited):
     for graph in limited.maps:
         low = rng.uniform(-3.0, 2.0, 200)
         high = low + rng.uniform(0.0, 1.0, 200)
-        slope, least, most = _secant_of(graph, low, high)
+        slope, least, most, _ = _secant_of(graph, low, high)
         for share in np.linspace(0.0, 1.0, 101):
             y = low + share * (high - low)
             x = _secant_of(graph, y, y)

@@ -26,7 +26,7 @@ Truth = tuple[NDArray[np.bool_], NDArray[np.bool_]]
 """Where a condition is certain to hold, and where it is certain not to."""
 ROUNDING, SUMS = 2.0**-49, 1.0 + 2.0**-40
 """Share of its size by which an operation can err, functions within 4 units of the last place;
-sums of up to 1,000 numbers."""
+sums of up to 8,000 numbers."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,10 @@ class AffineGraph:
         self.columns = sum(node.op in _BENT for node in graph.nodes)
 
     def __call__(self, given: Sequence[Form], free: int) -> tuple[list[Form], int]:
-        """Forms of the outputs; ``free`` is the first unused column, as is what comes back."""
+        """Forms of the outputs; ``free`` is the first unused column, as is what comes back.
+
+        -1: no operation has a column of its own, errors are added up.
+        """
         done: list[Form | Truth] = []
         with np.errstate(all="ignore"):
             for node in self._nodes:
@@ -76,7 +79,12 @@ class AffineGraph:
                     done.append(number(node.number, len(given[0].c)))
                     continue
                 value = _RULES[node.op](*(done[k] for k in node.operands))
-                if node.op in _BENT and isinstance(value, Form) and value.L is not None:
+                if (
+                    free >= 0
+                    and node.op in _BENT
+                    and isinstance(value, Form)
+                    and value.L is not None
+                ):
                     value, free = own_column(value, free), free + 1
                 done.append(value)
         return [_form(done[k]) for k in self._stores], free

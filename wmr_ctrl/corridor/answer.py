@@ -110,7 +110,10 @@ class Corridor:
     def _free(self) -> str:
         if not self.settling:
             return "no limit and no guard acts there"
-        return f"limits and guard may act for {self.settling:g} s, none acts from then on"
+        return (
+            f"the limits of law and wheels may act for {self.settling:g} s, none from then on, and "
+            "the guard never"
+        )
 
     @property
     def _from(self) -> str:

@@ -2,7 +2,8 @@
 
 A box of starts is cut into cells, each carried on over the very loop, sample after sample, as an
 enclosure (`wmr_ctrl.corridor.limited`).  After some samples what the pushes would have done in the
-linear loop is taken away, column by column.  The rest is a start in the linear loop's sense: the
+linear loop is taken away, column by column.  The rest is followed on while nothing limits
+(`wmr_ctrl.corridor.settling`), until it is small enough for a start in the linear loop's sense: the
 corridor holds from there on if its box closes with it (ledger: corridor.transient).
 """
 
@@ -14,32 +15,29 @@ import numpy as np
 from flint import arb_mat, ctx
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.world import ROBOT, Floats
-from wmr_ctrl.corridor.affine import SUMS
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.certificate import Certifier, Tube
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.limited import COARSE, LimitedLoop, StartCells
+from wmr_ctrl.corridor.limited import LimitedLoop, StartCells, V
 from wmr_ctrl.corridor.sample import SampleMatrices, doubles
+from wmr_ctrl.corridor.settling import BITS, Settling
+from wmr_ctrl.corridor.zonotopes import COARSE
 
-WIDEST, FINEST = (0.005, 0.005, 0.025), (0.001, 0.001, 0.005)
+WIDEST, FINEST = (0.005, 0.005, 0.025), (0.0012, 0.0012, 0.006)
 """Half-widths of the first cells at most, and of cells that are given up [m, m, rad]."""
-CELLS, BATCH = 1_200, 16
+CELLS, BATCH = 4_000, 64
 """Cells that are tried at most, and together."""
-LOST = (0.6, 4.0)
+LOST = (0.6, 2.0)
 """Half-width of e3 [rad], and of velocities in v_u1, with which a cell is lost."""
-NARROW = 1e-9
-"""Of the loop's scale, what is added to a box before it is used as a start."""
-FIRST, EVERY, MOST = 40, 20, 200
-"""Samples after which a cell may be in, between two looks, and after which it is given up."""
-SPARE = 1.25
-"""Of the box that the first cells come into, what others may come into."""
-BITS = 1000
-"""For powers of the loop's matrix."""
+LOOKS = (20, 30, 40, 60, 80, 100, 120)
+"""Samples after which a cell may need no limits any more; after the last it is given up."""
+SAMPLES = 200
+"""That are followed from there on."""
 
 
 @dataclass(frozen=True)
 class Transient:
-    """What precedes a tube: ``time`` [s] until it holds, the most until then [m], [rad]."""
+    """What precedes a tube: ``time`` [s] after which no limit acts, the most so far [m], [rad]."""
 
     time: float
     position: float
@@ -59,88 +57,83 @@ class _Search:
 
     def __init__(self, certifier: Certifier, inputs: Inputs) -> None:
         self.certifier, self.inputs, self.limited = certifier, inputs, LimitedLoop(certifier)
+        n = len(certifier.loop.at)
         self.start = np.array(certifier.loop.setup.scenario.corridor.start)
+        self.settling = Settling(certifier.started(np.zeros((n, 1))), inputs, SAMPLES)
         self.pushed = _pushed(certifier, inputs)
-        self.scale = certifier.gains.scale[:, None]
         self.samples, self.position, self.heading = 0, 0.0, 0.0
-        self.entry: tuple[Floats, Floats] | None = None
-        self.tube: Tube | None = None
+        self.entry = np.zeros(n)
 
     def result(self) -> tuple[Transient, Tube]:
         """Run all of them."""
         middle, width = _cut(self.start)
         tried = len(middle)
+        if tried > CELLS:
+            raise NoCorridorError(f"so large a start takes {tried} cells, more than {CELLS}")
         outer = np.abs(middle) / np.maximum(self.start, np.finfo(float).tiny)
         order = np.argsort(-outer.sum(axis=1), kind="stable")
         middle, width = middle[order], width[order]
         while len(middle):
-            lost = self._run(self.limited.start(middle[:BATCH], width[:BATCH]))
-            middle, width = middle[BATCH:], width[BATCH:]
-            if not len(lost.middle):
-                continue
-            tried += 2 * len(lost.middle)
-            if (lost.width <= FINEST).all(axis=1).any() or tried > CELLS:
-                place = ", ".join(f"{x:.2g}" for x in lost.middle[0])
+            lost = self._run(middle[:BATCH], width[:BATCH])
+            halves = _halved(middle[:BATCH][lost], width[:BATCH][lost])
+            tried += len(halves[0])
+            if tried > CELLS or (halves[1] < FINEST).all(axis=1).any():
+                place = ", ".join(f"{x:.2g}" for x in middle[lost][0])
                 raise NoCorridorError(
                     f"limits may act, and from a start off by about ({place}) m, m, rad it is not "
                     "known to come back"
                 )
-            halves = _halved(lost.middle, lost.width)
-            middle, width = (np.vstack(item) for item in zip(halves, (middle, width), strict=True))
-        assert self.tube is not None
+            left = middle[BATCH:], width[BATCH:]
+            middle, width = (np.vstack(item) for item in zip(halves, left, strict=True))
         period = self.certifier.loop.setup.scenario.clock.control
-        return Transient(self.samples * period, self.position, self.heading), self.tube
+        tube = self.certifier.started(np.diag(self.entry)).tube(self.inputs)
+        return Transient(self.samples * period, self.position, self.heading), tube
 
-    def _run(self, cells: StartCells) -> StartCells:
-        """Carry cells until all are in; those that are lost come back as they began."""
-        first, live = cells, np.arange(len(cells.c))
-        far, turned = np.zeros(len(live)), np.zeros(len(live))
-        lost: list[int] = []
-        for k in range(1, MOST + 1):
+    def _run(self, middle: Floats, width: Floats) -> NDArray[np.intp]:
+        """Carry cells until all are in; places of those that are lost."""
+        cells, count = self.limited.start(middle, width), len(middle)
+        far, turned, through = np.zeros(count), np.zeros(count), np.zeros(count, dtype=bool)
+        for k in range(1, LOOKS[-1] + 1):
             cells, way, heading = self.limited.after(cells, self.inputs)
-            far[live], turned[live] = np.maximum(far[live], way), np.maximum(turned[live], heading)
+            far[cells.begin] = np.maximum(far[cells.begin], way)
+            turned[cells.begin] = np.maximum(turned[cells.begin], heading)
             radius = cells.radius
-            good = np.isfinite(radius).all(axis=1) & (radius[:, 2] < LOST[0])
-            good &= (radius[:, 3:ROBOT] < LOST[1] * self.limited.largest).all(axis=1)
-            lost.extend(live[~good].tolist())
-            cells, live = cells.only(good), live[good]
-            if len(live) and k >= FIRST and (k - FIRST) % EVERY == 0:
-                inside = self._inside(cells)
-                self.samples = max(self.samples, k * bool(inside.any()))
-                cells, live = cells.only(~inside), live[~inside]
-            if not len(live):
+            good = np.isfinite(cells.c).all(axis=1) & (radius[:, 2] < LOST[0])
+            good &= (radius[:, V] < LOST[1] * self.limited.largest).all(axis=1)
+            cells = cells.only(good)
+            if len(cells.c) and k in LOOKS:
+                inside = self._settled(cells, k)
+                through[cells.begin[inside]] = True
+                cells = cells.only(~inside)
+            if not len(cells.c):
                 break
-        lost.extend(live.tolist())
-        through = np.setdiff1d(np.arange(len(far)), lost)
         self.position = max(self.position, far[through].max(initial=0.0))
         self.heading = max(self.heading, turned[through].max(initial=0.0))
-        return first.only(np.array(sorted(lost), dtype=int))
+        return np.flatnonzero(~through)
 
-    def _inside(self, cells: StartCells) -> NDArray[np.bool_]:
-        """Which cells are where the tube holds from: the first ones choose it, if there is one."""
-        rest = self.limited.rest(cells, self.pushed[:, -cells.pushes :]) / self.scale
-        if self.entry is None:
-            axes = np.linalg.svd(rest[0])[0]
-            size = SPARE * np.abs(axes.T @ rest).sum(axis=2).max(axis=0) + NARROW
-            start = self.scale * np.hstack([axes * size, NARROW * np.eye(len(axes))])
-            try:
-                self.tube = self.certifier.started(start).tube(self.inputs)
-            except NoCorridorError:
-                return np.zeros(len(rest), dtype=bool)
-            self.entry = axes, size
-        axes, size = self.entry
-        return np.asarray((np.abs(axes.T @ rest).sum(axis=2) * SUMS + COARSE <= size).all(axis=1))
+    def _settled(self, cells: StartCells, k: int) -> NDArray[np.bool_]:
+        """Which cells need no limits any more and come in."""
+        rest = self.limited.rest(cells, self.pushed[:, -cells.pushes :])
+        course = self.settling.course(rest)
+        inside = np.zeros(len(cells.c), dtype=bool)
+        inside[course.through] = True
+        if inside.any():
+            self.samples = max(self.samples, k)
+            self.position = max(self.position, course.position)
+            self.heading = max(self.heading, course.heading)
+            self.entry = np.maximum(self.entry, course.rest.max(axis=0))
+        return inside
 
 
 def _pushed(certifier: Certifier, inputs: Inputs) -> Floats:
-    """What pushes of MOST samples do in the linear loop by the end, the first first (n, 2 each)."""
+    """What pushes of samples do in the linear loop by the end, the first first (n, 2 each)."""
     with ctx.workprec(BITS):
         matrices, columns = SampleMatrices(certifier.loop), list[Floats]()
         A, now = (arb_mat(item.tolist()) for item in (matrices.A, matrices.push))
-        for _ in range(MOST):
+        for _ in range(LOOKS[-1]):
             columns.append(doubles(np.array(now.tolist(), dtype=object)))
             now = A * now
-    return np.asarray(np.hstack(columns[::-1]) * np.tile(inputs.push, MOST))
+    return np.asarray(np.hstack(columns[::-1]) * np.tile(inputs.push, LOOKS[-1]))
 
 
 def _cut(start: Floats) -> tuple[Floats, Floats]:
