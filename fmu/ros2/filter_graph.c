@@ -9,7 +9,7 @@
 #include <rmw/get_topic_endpoint_info.h>
 
 #define NAMED 128
-#define LEASE "one that died without a word is listed until its lease ends, some 20 s"
+#define LEASE "a node that ended abruptly is listed until its lease ends, some 20 s"
 
 typedef rmw_topic_endpoint_info_t endpoint;
 typedef rcl_topic_endpoint_info_array_t endpoints;

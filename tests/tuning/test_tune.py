@@ -173,7 +173,7 @@ def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch)
     [
         (("--seeds", "3"), "not a range of seeds"),
         (("--seeds", "5:5"), "not a range of seeds"),
-        (("--seeds", "1:9", "--test-seeds", "8:12"), "8 is trained on and tested with"),
+        (("--seeds", "1:9", "--test-seeds", "8:12"), "8 serves training and test alike"),
         (("--trials", "0"), "--trials"),
         (("--weight", "nan"), "weight"),
         (("--out", "a.csv"), "must end in .toml"),

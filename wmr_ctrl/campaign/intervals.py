@@ -27,7 +27,7 @@ class StopRule(Section, key="stop"):
     ``interval`` "": Clopper-Pearson of a share, the bootstrap of a mean.
     """
 
-    figure: str = quantity(REQUIRED, "1", "figure that is looked at", kind="text")
+    figure: str = quantity(REQUIRED, "1", "figure whose interval decides", kind="text")
     half_width: float = quantity(
         REQUIRED, "1", "half-width of its interval, in the figure's unit", above=0
     )

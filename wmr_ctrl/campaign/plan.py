@@ -27,7 +27,7 @@ Overrides: TypeAlias = Mapping[str, object]
 """Fields of a scenario by key path, such as ``clock.control``."""
 LATIN, SOBOL, UNIFORM = "latin-hypercube", "sobol", "uniform"
 CORRIDOR = Figure(
-    "corridor", "m", "certified distance from the path: none of a run, of law and scenario",
+    "corridor", "m", "certified distance from the path: of law and scenario, not of a run",
     lambda _: None,
 )  # fmt: skip
 """Figure of a plan's case, the same for all its seeds; on the plane model."""
@@ -126,7 +126,7 @@ class Study:
     changes fields (``overrides``); ``title``, where the report tells it; ``laws``: none are all
     that are run; ``guards``: whether the guard is on (None: as the scenario says); ``base``: the
     group that it is compared in; ``grid`` and ``sample``: values of fields that differ from run to
-    run; ``stop``: when a case has runs enough; ``chunk``: runs between two times that results are
+    run; ``stop``: when a case has enough runs; ``chunk``: runs between two times that results are
     written.
     """
 

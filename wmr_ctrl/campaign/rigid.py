@@ -198,7 +198,7 @@ _CLAIMS = (
     _Expected(_FALLS, ("mb", "nn"), AS_PRINTED, lambda rows, _: rows["tipped"], " s"),
     _stays_up("With encoders", ENCODERS),
     _stays_up("With a torque limit of 10 N m", LIMITED),
-    _stays_up("With the guard’s bound of acceleration", GUARDED),
+    _stays_up("With the guard’s bound on acceleration", GUARDED),
     _Expected(
         "On a slope of 5 degrees e₁ is above 5 mm", ("mb",), SLOPED, _late_e1, " mm", least=5.0
     ),

@@ -40,11 +40,11 @@ class PlanTable(Section):
     laws: tuple[str, ...] = quantity(("nn",), "", "control laws", kind="texts")
     guard: tuple[bool, ...] = quantity((), "", "which runs have the guard", kind="flags")
     plant: str = quantity("ode", "", "plane model, or rigid body", options=PLANTS)
-    seeds: Mapping[str, object] = _table("first and count of the seeds")
+    seeds: Mapping[str, object] = _table("first seed and number of seeds")
     set: Mapping[str, object] = _table("fields of all runs")
     grid: Mapping[str, object] = _table("values of fields")
     sample: Mapping[str, object] = _table("ranges of fields, and how they are sampled")
-    stop: Mapping[str, object] = _table("when a case has runs enough")
+    stop: Mapping[str, object] = _table("when a case has enough runs")
     figures: tuple[str, ...] = quantity((), "", "names of figures", kind="texts")
     chunk: int = quantity(1024, "1", "runs between two writes", minimum=1, below=SEED_END)
 

@@ -84,9 +84,9 @@ def study(
 
 
 WORSE = (
-    "Figures of the test are worse than before, in the rows that say so. Take these gains only if "
-    "the robot does not drive like that; or tune on that reference, or raise --weight where it is "
-    "the torque."
+    "In the rows marked worse, figures of the test seeds are worse than before. Take these gains "
+    "only if the robot does not drive like that; otherwise tune on that reference, or raise "
+    "--weight where the torque is worse."
 )
 
 

@@ -30,7 +30,7 @@ DIRECTIONS = 12
 CHUNK, KNOT = 1.0, 0.02
 """Seconds: that one bend holds for, and between knots within a sample."""
 LEFT, LONGEST = 5e-3, 1500
-"""What is left of a column that counts as old, and the samples after which any does."""
+"""Share of its first size below which a column is old, and samples after which any is."""
 STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
 PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
@@ -151,7 +151,7 @@ class Along:
         return np.concatenate([self.fine[first:last, :-1], acts, push, body], axis=2)
 
     def _residuals(self) -> tuple[Floats, Floats]:
-        """What the undisturbed run's numbers are off the graphs' values at most, in any sample.
+        """Largest differences of the undisturbed run's numbers from the graphs', in any sample.
 
         Of the law's outputs, and of the fast state at the end of each plant step.
         """

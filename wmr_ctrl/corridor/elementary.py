@@ -15,7 +15,7 @@ from wmr_ctrl.corridor.midradius import MidRadius, widened
 ANGLE, EXPONENT, SATURATED = 0.5, 300.0, 20.0
 """Largest arguments of sine and of exp, and that from which on tanh is within ONE_OFF of 1."""
 LN_2, ONE_OFF, REST = MidRadius(log(2.0), 1e-16), 1e-17, 3e-17
-"""What the series leave is below REST: x^15/15!, x^16/16! at ANGLE, 1.5 x^14/14! at ln 2 / 2."""
+"""The series' remainders are below REST: x^15/15!, x^16/16! at ANGLE, 1.5 x^14/14! at ln 2 / 2."""
 
 
 def _series(x: MidRadius, orders: range) -> MidRadius:
@@ -73,7 +73,7 @@ def _ends(a: MidRadius) -> list[Floats]:
 
 
 def _between(low: MidRadius, high: MidRadius | None = None) -> MidRadius:
-    """What a rising function of these values at its ends lies in."""
+    """Enclosure of a rising function that has these values at the ends of its argument."""
     if high is None:
         return low
     apart = high - low

@@ -14,7 +14,7 @@ Kept: TypeAlias = tuple[Floats, Floats, list[Floats], list[Floats], list[int]]
 
 @dataclass(frozen=True)
 class RunBounds:
-    """What is certified along a motion, by samples.
+    """Certified bounds along a motion, by samples.
 
     ``position``, ``linear`` [m] and ``heading`` [rad] (n): the most in each sample, the second
     without what is not linear; ``share`` (n): of the condition that is used most, ``binding`` (n)

@@ -70,7 +70,7 @@ class StartCells:
 
     @property
     def velocities(self) -> Ends:
-        """What is known of them, from both."""
+        """Ends of the velocities, from the boxes and from what else is known of them."""
         radius = self.radius[:, V]
         low, high = self.c[:, V] - radius, self.c[:, V] + radius
         return np.maximum(low, self.low), np.minimum(high, self.high)
@@ -170,7 +170,7 @@ class LimitedLoop:
         return after, far, turned
 
     def _mapped(self, wanted: Rows, ends: Ends) -> tuple[Rows, Ends]:
-        """What the proximal map makes of what it is given, and ends of it."""
+        """The proximal map of what is wanted, as rows and by its ends."""
         shown, slopes, errors, reach = [], [], [], []
         for i, graph in enumerate(self.maps):
             slope, least, most, at = _secant_of(graph, ends[0][:, i], ends[1][:, i])

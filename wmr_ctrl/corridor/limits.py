@@ -1,4 +1,4 @@
-"""What guard and wheels make of the force that a law asks for, over cells of states."""
+"""Limits of guard and wheels on the force that a law asks for, over cells of states."""
 
 from __future__ import annotations
 

@@ -193,7 +193,7 @@ class SampledLoop:
     def _law_graph(
         self, loop: Loop, v_d: ca.SX, rate: ca.SX, came: ca.SX
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """What the law is given in one, its outputs, and the sizes of the conditions' values.
+        """The law's inputs as one column, its outputs, and the sizes of the conditions' values.
 
         The reference moves at ``v_d``, which changes at ``rate``, and came at ``came`` (2 each).
         """

@@ -95,7 +95,7 @@ def _apart(start: Floats, every: Floats, way: Floats, steps: int, h: float) -> F
 
 
 def _rounding(poses: Floats, steps: int) -> float:
-    """What poses that are carried over so many steps in doubles are off at most."""
+    """Largest rounding error of poses that are carried over so many steps in doubles."""
     return float(OPERATIONS * (steps + 1) * ROUNDED * (1 + np.abs(poses[:, :3]).max()))
 
 
@@ -146,7 +146,7 @@ class MovingCurve:
         return np.array([0.5 * float(x.abs_upper()) * (1 + 2**-50) for x in self._bend(*given)])
 
     def bend_within(self, by: MidRadius, wide: Floats, numbers: MidRadius) -> Floats:
-        """What serves as ``bend`` for deviations up to ``wide`` from anywhere in ``by``.
+        """A ``bend`` that holds for deviations up to ``wide`` from anywhere in ``by``.
 
         A remainder is the integral of 1 - s times the second derivatives at s times the deviation:
         with m equal parts of s, those on k/m of the box weigh ((m + 1 - k)^2 - (m - k)^2) / m^2.
@@ -167,7 +167,7 @@ class MovingCurve:
         return np.asarray(np.tensordot(weights, parts, 1) * (1 + 1e-14))
 
     def remainders(self, bend: Floats, products: Floats) -> Floats:
-        """What the linear part leaves of each output, for products (n, n) of deviations."""
+        """Remainder of the linear part of each output, for products (n, n) of deviations."""
         row, i, j = self.bends.T
         return np.asarray(np.bincount(row, bend * products[i, j], self.shape[0]), dtype=float)
 

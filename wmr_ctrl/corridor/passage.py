@@ -24,7 +24,7 @@ from wmr_ctrl.corridor.remainders import Remainders
 FAR, NEAR, TRIES = 30.0, 1e-3, 40
 """Growth over the linear loop, and more [m, rad], with which a sample counts as lost; tries."""
 HELD, LITTLE_MORE = 1.01, 1e-9
-"""What samples of a set that stands may add, as a share of what the latest did, and more."""
+"""Bound on what samples of a standing set add: a share of the latest, and a constant."""
 GUESSED, GROWN = 1.01, 1.03
 """Of Z: its first guess, and its growth from try to try."""
 DOT = rounding(MOST_NUMBERS)
@@ -198,7 +198,7 @@ class Passing(Remainders):
         return linear, (every + np.abs(self.rows) @ self.pending) * UP
 
     def _columns(self, now: Instant, force: Floats) -> dict[str, Floats]:
-        """What a sample's inputs and its law's remainder of the ``force`` (2) make of the state."""
+        """Columns of the state from a sample's inputs and its law's remainder ``force`` (2)."""
         by_law, push, seen = (
             getattr(now.here, name).middle[now.at] for name in ("law", "push", "seen")
         )
@@ -288,7 +288,7 @@ class Passing(Remainders):
         return np.asarray(box * UP)
 
     def _within(self, now: Instant, state: Floats, commands: Floats) -> tuple[Floats, Floats]:
-        """What times within the sample may be off their chords; what rows reach at the knots."""
+        """Largest distances from the chords within the sample; reach of the rows at the knots."""
         rows, at, push = self.along.rows, now.at, self.inputs.push
         extra, most = np.zeros(self.nz), np.zeros(len(rows))
         for j, knot in enumerate(now.here.knots):

@@ -1,4 +1,4 @@
-"""What the linear parts of law and plant step leave in a sample of a passage."""
+"""Remainders of the linear parts of law and plant step in a sample of a passage."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Remainders:
         return np.asarray(pairs + mixed + mixed.T + np.outer(error, error))
 
     def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
-        """What the law's outputs are off their linear part at most, with doubles' rounding."""
+        """Largest errors of the linear part of the law's outputs, with doubles' rounding."""
         loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
         own, acting = np.split(state[queue:], [loop.memory])
         sizes = np.concatenate([state[:ROBOT] + self.error, own, state[self.nz : queue], acting])
@@ -59,7 +59,7 @@ class Remainders:
         return (loop.law_curve.remainders(self.law_bend[1], products) + self.along.law_off) * UP
 
     def _step(self, guess: Floats, law: Floats, now: Instant) -> Floats:
-        """What a plant step is off its linear part at most while Z is not left."""
+        """Largest errors of a plant step's linear part while the state stays within Z."""
         curve, acts = self.loop.step_curve, np.max(self.commands, axis=0)
         sizes = np.concatenate([guess[: self.nz], acts, self.inputs.push, self.inputs.body])
         if now.here.secants is not None:

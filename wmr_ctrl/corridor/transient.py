@@ -37,7 +37,7 @@ SAMPLES = 200
 
 @dataclass(frozen=True)
 class Transient:
-    """What precedes a tube: ``time`` [s] after which no limit acts, the most so far [m], [rad]."""
+    """Phase before a tube: ``time`` [s] after which no limit acts, the most so far [m], [rad]."""
 
     time: float
     position: float
@@ -126,7 +126,7 @@ class _Search:
 
 
 def _pushed(certifier: Certifier, inputs: Inputs) -> Floats:
-    """What pushes of samples do in the linear loop by the end, the first first (n, 2 each)."""
+    """Effect of each sample's push on the linear loop at the end, earliest first (n, 2 each)."""
     with ctx.workprec(BITS):
         matrices, columns = SampleMatrices(certifier.loop), list[Floats]()
         A, now = (arb_mat(item.tolist()) for item in (matrices.A, matrices.push))

@@ -55,7 +55,7 @@ HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay"
           "filter.delta", "filter.drag", "filter.slew_reach")  # fmt: skip
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 OF_FIRST_ORDER = ("filter.gain", "filter.d")
-"""What filters of other loops do not count on, or only in what is worked out beforehand."""
+"""Parameters that filters of other loops ignore, or use only in what is computed beforehand."""
 SPANS: Mapping[str, Span] = {
     "robot.m": (10.0, 150.0),
     "robot.mu": (0.0, 0.4),

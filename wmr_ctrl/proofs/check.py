@@ -27,7 +27,7 @@ from wmr_ctrl.proofs.methods.spec import (
 from wmr_ctrl.proofs.statement import Statement
 
 ENGINES, ENGINES_ALTERED = "engines", "engines of the altered claim"
-"""What an entry's evidence says of which engines of z3 closed the questions of its statements."""
+"""Keys of an entry's evidence: engines of z3 that closed the questions of its statements."""
 
 
 def missing(method: Method | None) -> tuple[str, ...]:

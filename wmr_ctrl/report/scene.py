@@ -109,14 +109,14 @@ class Scene:
 
     @property
     def tube_words(self) -> str:
-        """What the gauge of the certified corridors shows."""
+        """Label of the gauge of the certified corridors."""
         widths = {length(one.tube) for one in self.actors if one.tube}
         most = f"certified {widths.pop()}" if len(widths) == 1 else "over what is certified"
         return f"off its place,\n{most}"
 
     @property
     def tube_sentence(self) -> str:
-        """What the bands about the path are, "" without any."""
+        """Caption of the bands about the path, "" without any."""
         ends = sorted({one.certified for one in self.actors if one.tube})
         until = f", until {ends[0]:g} s" if ends and math.isfinite(ends[0]) else ""
         widths = ", ".join(f"{length(one.tube)} ({one.label})" for one in self.actors if one.tube)

@@ -26,7 +26,7 @@ PASSING = {MISSED, BACK, FORTH, FROZEN}
 """Flags of a moment, which diagnostics tell for a second and the log not at each change."""
 TOLD = {ARRIVED}
 """Flags that are reported though they are no fault."""
-LEASE = "one that died without a word is listed until its lease ends, some 20 s"
+LEASE = "a node that ended abruptly is listed until its lease ends, some 20 s"
 
 
 def rivals(own: str, publishers: Sequence[str], topic: str) -> str:

@@ -72,7 +72,7 @@ def _unheeding(node: Node, out: Publisher) -> Iterator[str]:
 def _full_name(item: TopicEndpointInfo) -> str:
     """Name of a node; who was found just now has none yet, and rmw says so in capitals."""
     if "_UNKNOWN_" in item.node_name:
-        return "a node that has not given its name"
+        return "a node whose name is not known yet"
     return f"{item.node_namespace.rstrip('/')}/{item.node_name}"
 
 

@@ -28,15 +28,15 @@ TRIGGERS = ("timer", "command")
 REFERENCES = ("scenario", "path")
 
 _SHARED: Table = {
-    "odometry_timeout": Declared(0.1, "s; older odometry is none", range=SECONDS),
-    "rise": Declared([1.0, 2.0], "m/s2, rad/s2; largest change away from zero", POSITIVE),
-    "fall": Declared([2.0, 4.0], "m/s2, rad/s2; largest change towards zero", POSITIVE),
+    "odometry_timeout": Declared(0.1, "s; older odometry counts as missing", range=SECONDS),
+    "rise": Declared([1.0, 2.0], "m/s2, rad/s2; largest acceleration, away from zero", POSITIVE),
+    "fall": Declared([2.0, 4.0], "m/s2, rad/s2; largest deceleration, towards zero", POSITIVE),
     "excess": Declared(
         [0.05, 0.1], "m/s, rad/s beyond the limits at which odometry stops the base", POSITIVE
     ),
     "discovery_time": Declared(
         3.0,
-        "s; how long others who void the promise are looked for at configure",
+        "s; how long configure looks for nodes that would void the promise",
         range=(0.0, 60.0),
     ),
     "base_frame": Declared("base_link", "child frame of odometry, frame of commands"),
@@ -47,9 +47,9 @@ FILTER: Table = {
     "scenario": Declared(
         "", "TOML file with [limits] and [filter]: what the promise rests on", "required"
     ),
-    "command_timeout": Declared(0.25, "s; an older command is none", range=SECONDS),
+    "command_timeout": Declared(0.25, "s; an older command counts as missing", range=SECONDS),
     "odometry": Declared(
-        "watched", "what is done without it: brought to rest, reported, nothing",
+        "watched", "required: the base stops without it; watched: that is reported",
         f"one of {', '.join(ODOMETRY_USES)}",
     ),
     "trigger": Declared(
@@ -68,13 +68,13 @@ DRIVE: Table = {
     ),
     "law": Declared("", "law that drives the base", "required"),
     "reference": Declared(
-        "scenario", "whose motion is followed", f"one of {', '.join(REFERENCES)}"
+        "scenario", "source of the motion to follow", f"one of {', '.join(REFERENCES)}"
     ),
     "odometry_frame": Declared(
         "odom", "frame_id of odometry and of the path; never map, which jumps"
     ),
     "jump": Declared(
-        [0.1, 0.2], "m, rad; a pose that leaps farther beyond its motion stops the base", POSITIVE
+        [0.1, 0.2], "m, rad; a pose that jumps farther beyond its motion stops the base", POSITIVE
     ),
     "wheels": Declared(
         ["left", "right"], "order of the wheels in the efforts of a base that takes them",

@@ -262,8 +262,8 @@ def _check_corridor(scenario: Scenario, law: str) -> None:
     tube = find_corridor(scenario, law)
     if tube.linear is None:
         raise ArgumentError(
-            f"merit = {CORRIDOR}: {scenario.name} with {law} has {tube.sentence}. Tune what a "
-            f"corridor covers (`wmr-ctrl check`), or with merit = {TRACKING}."
+            f"merit = {CORRIDOR}: {scenario.name} with {law} has {tube.sentence}. Tune a "
+            f"scenario that `wmr-ctrl check` certifies a corridor for, or use merit = {TRACKING}."
         )
 
 

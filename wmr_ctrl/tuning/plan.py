@@ -35,11 +35,11 @@ class TuningPlan:
     def __post_init__(self) -> None:
         """Raise ArgumentError for what cannot be meant."""
         if not self.seeds or not self.test_seeds:
-            raise ArgumentError("seeds: there must be at least one of training and one of test.")
+            raise ArgumentError("seeds: give at least one for training and one for testing.")
         shared = sorted(set(self.seeds) & set(self.test_seeds))
         if shared:
             raise ArgumentError(
-                f"seeds: {shared[0]} is trained on and tested with, so the test would flatter. "
+                f"seeds: {shared[0]} serves training and test alike, so the test would flatter. "
                 "Give ranges that have no seed in common."
             )
         if not 1 <= self.trials <= MOST_TRIALS:

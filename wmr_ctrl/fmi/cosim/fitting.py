@@ -53,8 +53,8 @@ def check_structure(path: str | Path, model: FmuModel) -> None:
     if graph != model.graph:
         raise ArgumentError(
             f"the FMU {path} is not the {model.what} of this scenario: they differ in more than "
-            "numbers (the law or its options, guard, drives), or it is another version's. Export "
-            "it from this scenario, or leave it out."
+            "numbers (the law or its options, guard, drives), or another version made it. "
+            "Export it from this scenario, or leave it out."
         )
 
 
@@ -69,8 +69,9 @@ def unguarded(path: str | Path, setup: Setup) -> Setup | None:
         return None
     if remembered(law_graph(bare)):
         raise ArgumentError(
-            f"{path} contains no guard, and {setup.name} relies on the torque that it commanded. "
-            "Export it with the guard (guard.enabled = true), or leave it out."
+            f"{path} contains no guard, and {setup.name} relies on the torque that it commanded, "
+            "which a guard outside it would change. Export it with the guard (guard.enabled = "
+            "true), or leave it out."
         )
     return bare
 

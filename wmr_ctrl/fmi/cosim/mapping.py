@@ -4,7 +4,7 @@ A row says ``target = sum of coefficient times source, plus offset``.  Rows of `
 names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; units are converted::
 
     [plant]
-    step = 0.002                       # their communication step, s
+    step = 0.002                       # communication step of the FMU, s
     units = "SI"                       # of variables that state none; left out, each row states it
     [plant.inputs]
     motorR = "torque_right"
@@ -87,15 +87,15 @@ def _table(doc: str, kind: str = "mapping") -> Any:
 class PartMap(Section):
     """The map of one FMU, as read: raw rows, parameters by our key, start values, step."""
 
-    inputs: Mapping[str, object] = _table("row of each of their inputs")
-    outputs: Mapping[str, object] = _table("row of each of our quantities")
-    parameters: Mapping[str, str] = _table("their name of each of our keys")
-    start: Mapping[str, float] = _table("their start values", "numbers")
-    step: float | None = quantity(None, "s", "their communication step", above=0)
+    inputs: Mapping[str, object] = _table("row of each input of the FMU")
+    outputs: Mapping[str, object] = _table("row of each quantity of ours")
+    parameters: Mapping[str, str] = _table("the FMU's name for each of our keys")
+    start: Mapping[str, float] = _table("start values of the FMU", "numbers")
+    step: float | None = quantity(None, "s", "communication step of the FMU", above=0)
     units: str = quantity(
         "stated",
         "1",
-        "units of variables of which the FMU gives none: stated in their rows, or SI",
+        "units of variables for which the FMU gives none: stated in their rows, or SI",
         options=("stated", "SI"),
     )
 
@@ -107,7 +107,7 @@ class MapEntry(Section):
         REQUIRED, "1", "coefficient of each source", kind="numbers"
     )
     offset: float = quantity(0.0, "1", "what is added, in the target's unit")
-    unit: str = quantity("", "1", "unit of their variables")
+    unit: str = quantity("", "1", "unit of the FMU's variables")
     coefficient_unit: str = quantity("1", "1", "unit of the coefficients")
 
 
@@ -283,5 +283,5 @@ def _check_complete(rows: Mapping[str, MapRow], wanted: Sequence[str], part: str
     if missing:
         raise ArgumentError(
             f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, "
-            f"or for the ready names {', '.join(_INSTEAD[part])} that they follow from."
+            f"or for the ready names {', '.join(_INSTEAD[part])} from which they follow."
         )

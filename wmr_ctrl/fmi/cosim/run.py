@@ -253,8 +253,8 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
     missing = sorted(names - known.keys())
     if missing:
         raise ArgumentError(
-            f"the scenario changes {', '.join(missing)}, and the map's [plant.parameters] has no "
-            f'name for it. Add "{missing[0]}" = "their name", or use a scenario without changes.'
+            f"the scenario changes {', '.join(missing)}, and the map's [plant.parameters] does "
+            f'not name it. Add "{missing[0]}" = "name there", or use a scenario without changes.'
         )
 
     def change(what: Change) -> None:

@@ -87,8 +87,8 @@ class FmuFile:
         variable = self.variables[name]
         if variable.type not in ("Real", "Float64"):
             raise ArgumentError(
-                f"{name} of the FMU {self.path} is of type {variable.type}; only real ones can be "
-                "used. Map another variable."
+                f"{name} of the FMU {self.path} is of type {variable.type}; only real "
+                "variables can be used. Map another variable."
             )
         return variable
 

@@ -158,7 +158,7 @@ class Assembled:
         return [self.p["actuator.delay"] <= self.delay * self.p["clock.control"]]
 
     def kept(self) -> Iterator[Relation]:
-        """What is kept beside the commands under way."""
+        """Memory beside the commands under way."""
         yield from every(self.later["tau_applied"], (self.torque, *self.sent)[self.delay])
 
     def least_pushes(self) -> Iterator[ca.SX]:

@@ -101,7 +101,7 @@ class LateAssembled(Assembled):
         return in_flight(list(zip(either, (time for _, time in pieces), strict=True)), axis, b)
 
     def _older(self, axis: int, b: Bounds) -> list[ca.SX]:
-        """What older commands still count for, ahead and back."""
+        """Remaining share of older commands, ahead and back."""
         late, kept = self.counted, self.p["guard_tail"]
         assert late.tail is not None
         steady = late.tail.steady * b.period * ca.fmax(b.net, 0)
@@ -156,12 +156,12 @@ class LateAssembled(Assembled):
 
     @property
     def signs(self) -> tuple[Relation, ...]:
-        """What is divided by is positive."""
+        """Divisors are positive."""
         lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
         return (*super().signs, *positive(lag, 1 - spread))
 
     def kept(self) -> Iterator[Relation]:
-        """What is counted for older commands, of the guard and of the monitor."""
+        """Memory of older commands, of the guard and of the monitor."""
         later = [self._joined(axis, b) for axis, (_, b, _) in enumerate(self.axes)]
         yield from every(self.later["guard_tail"], ca.vertcat(*later))
         told = self._kept_as_named(self._motion.following(self._both))
@@ -173,7 +173,7 @@ class LateAssembled(Assembled):
         return ca.substitute(expr, own, self.p["guard_monitor_tail"])
 
     def _joined(self, axis: int, b: Bounds) -> ca.SX:
-        """What older commands count for a sample later."""
+        """The share of older commands a sample later."""
         late, rest = self.counted, ca.fmax(b.net, 0)
         if late.varying:
             ends = [self._followed(late.varying.entering, axis, b, k, 1)[2] for k in (0, 1)]
