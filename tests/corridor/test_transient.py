@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from flint import ctx
 
 from tests.corridor.adversary import Attacked, worst_pushes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.limited import LimitedLoop, _secant_of
+from wmr_ctrl.corridor.sample import SampleMatrices, doubles
 from wmr_ctrl.corridor.settling import Settling
 from wmr_ctrl.scenario import load_scenario, override
 
@@ -165,3 +167,24 @@ def test_the_proximal_map_lies_between_the_lines_that_enclose_it(limited):
             assert (value - slope * y <= most).all()
             assert (value - slope * y >= least - 1e-11).all()
         assert ((slope >= 0) & (slope <= 1)).all()
+
+
+def test_what_plant_steps_leave_is_counted_with_any_signs(limited):
+    loop, n, samples = limited.loop, limited.n, 30
+    settling = Settling(
+        limited.certifier.started(np.zeros((n, 1))), limited.certifier.inputs, samples
+    )
+    with ctx.workprec(1000):
+        step = doubles(SampleMatrices(loop).step)
+    nz, most = len(step), 0.0
+    for age in range(samples):
+        rows = settling.every @ settling.powers[age]
+        each = [rows[:, :nz] @ np.linalg.matrix_power(step, s) for s in range(loop.steps)]
+        worst = np.sum(np.abs(each), axis=0)  # by one push of any sign after each plant step
+        within = len(settling.rows)
+        fast = worst[:within].reshape(loop.steps, settling.count, nz).max(axis=0)
+        worst = np.concatenate([fast, worst[within:]]).T
+        told = settling.ways[age][-nz:]
+        assert (told >= worst * (1 - 1e-12)).all()
+        most = max(most, (told / np.maximum(worst, 1e-9 * told.max())).max())
+    assert most == pytest.approx(1.0, rel=1e-3)  # and no more

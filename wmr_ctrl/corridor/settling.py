@@ -97,21 +97,16 @@ class Settling:
                 powers.append(doubles(np.array(power.tolist(), dtype=object)))
             outputs, self.law = doubles(sample.outputs), doubles(sample.law)
             within = [sample.rows_within(s, picked) for s in range(loop.steps)]
-            steps = [np.abs(doubles(item)) for item in powers_of(sample.step, loop.steps)]
+            steps = [doubles(item) for item in powers_of(sample.step, loop.steps)]
         self.powers, self.n = np.array(powers), sample.n
         self.rows = np.concatenate([item.picked @ item.state for item in within])
         self.direct = np.max([item.law for item in within], axis=0) * SUMS
         self.own = np.max([item.steps for item in within], axis=0) * SUMS
         self.acting = np.flatnonzero(outputs.any(axis=0))
-        new = np.hstack(
-            [
-                outputs[:, self.acting],
-                np.vstack([np.sum(steps, axis=0), np.zeros((self.n - self.nz, self.nz))]),
-            ]
-        )
         self.every = np.vstack([self.rows, np.eye(self.n), self.law])
-        moved = self.powers @ new
-        ways = np.abs(self.every @ moved) + COARSE * np.abs(self.every) @ np.abs(moved)
+        blank = np.zeros((self.n - self.nz, self.nz))
+        by_steps = np.sum([self._ways(np.vstack([item, blank])) for item in steps], axis=0)
+        ways = np.concatenate([self._ways(outputs[:, self.acting]), by_steps], axis=2)
         count = len(self.rows) // loop.steps
         fast = ways[:, : len(self.rows)].reshape(samples + 1, loop.steps, count, -1).max(axis=1)
         every = np.concatenate([fast, ways[:, len(self.rows) :]], axis=1) * SUMS
@@ -120,6 +115,14 @@ class Settling:
         self.scale = np.where(gains.scale > 0, gains.scale, gains.scale[gains.scale > 0].min())
         self.slowest = SLOWEST * abs(float(loop.at[ROBOT - COMMAND]))
         self.of_step, self.of_law = Bends.none(), Bends.none()
+
+    def _ways(self, new: Floats) -> Floats:
+        """Sizes (samples + 1, rows, columns) of all rows after columns (n, columns) of a state.
+
+        What the plant steps of a sample leave may have any signs, so each step's sizes are added.
+        """
+        moved = self.powers @ new
+        return np.asarray(np.abs(self.every @ moved) + COARSE * np.abs(self.every) @ np.abs(moved))
 
     def _moved(self, fast: Floats, force: Floats) -> Floats:
         known = np.concatenate((self.inputs.push, self.inputs.body))
