@@ -169,6 +169,21 @@ def test_the_proximal_map_lies_between_the_lines_that_enclose_it(limited):
         assert ((slope >= 0) & (slope <= 1)).all()
 
 
+def test_what_a_circle_is_off_its_steps_is_counted():
+    changes = {
+        "reference.rate": 1.5, "reference.radius": 0.4, "disturbance.std": 0.0,
+        "clock.control": 0.02, "clock.plant": 0.02, "guard.enabled": False,
+        "limits.v_u1": (3.0, 9.0), "limits.v_u2": (2.5, 8.0),
+    }  # fmt: skip
+    scenario = override(load_scenario("safe-simulation"), changes)
+    limited = LimitedLoop(Certifier(settle(scenario, "prox")))
+    e, _, _ = driven(scenario, np.zeros(3), np.zeros((10, 2)))
+    cells = limited.start(np.zeros((1, 3)), np.full((1, 3), 1e-15))
+    for now in e:
+        cells, _, _ = limited.after(cells, limited.certifier.inputs)
+        assert (np.abs(now - cells.c[0, :3]) <= cells.radius[0, :3]).all()
+
+
 def test_what_plant_steps_leave_is_counted_with_any_signs(limited):
     loop, n, samples = limited.loop, limited.n, 30
     settling = Settling(

@@ -22,7 +22,7 @@ from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.affine import ROUNDING, SUMS, AffineGraph, Form, boxes, number
-from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.corridor.certificate import Certifier, reference_gap
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.limits import AskedForce, ForceLimits
 from wmr_ctrl.corridor.zonotopes import (
@@ -115,6 +115,7 @@ class LimitedLoop:
         self._compose_law(setup)
         self.limits = ForceLimits(setup)
         self.step = AffineGraph(loop.step.by, loop.step.output)
+        self.gap = reference_gap(loop.step.at[V], setup.scenario.clock.plant)
 
     def _compose_law(self, setup: Setup) -> None:
         loop, scenario = self.loop, setup.scenario
@@ -205,6 +206,7 @@ class LimitedLoop:
         far, heading = _farthest(z), np.abs(z[2].c) + z[2].radius
         for _ in range(self.loop.steps):
             z = self.step([*z, *fixed], -1)[0]
+            z[:2] = [replace(item, r=item.r + self.gap) for item in z[:2]]
             far = np.maximum(far, _farthest(z))
             heading = np.maximum(heading, np.abs(z[2].c) + z[2].radius)
         shown, slope, error = _taken(z, radius)
