@@ -124,6 +124,18 @@ def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, alt
     assert found.verdict == PROVED
 
 
+def test_what_z3_showed_defined_is_asked_again_of_another_z3() -> None:
+    """The claim's own method is the ring, which another z3 does not touch."""
+    known = load().by_id()["eq04.plant"]
+    forged = replace(known, cancelled=7)
+    older = replace(forged, versions={**known.versions, "z3": "0.0"})
+
+    assert check(CLAIMED["eq04.plant"], forged).cancelled == 7
+    found = check(CLAIMED["eq04.plant"], older)
+    assert (found.cancelled, found.versions) == (known.cancelled, known.versions)
+    assert found.confirmed_by == known.confirmed_by
+
+
 def test_what_was_taken_is_said() -> None:
     entry = replace(check(claim_of(written)), altered=KNOWN, confirmed_by=("cvc5",))
     given, none = load().by_id()["lemma.integration"], Ledger(())

@@ -63,7 +63,10 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     functions = functions_of(claim, tuple(known.altered) if known else ())
     then = same.altered if same and set(same.altered) == set(functions) else {}
     verdict, reason = _guarded(finding, mutated, functions)
+    asked = {**now, **(versions(Z3()) if find_spec("z3") else {})}
     cancelled = same.cancelled if same else None
+    if cancelled and not (known and known.is_about(entered, asked)):
+        cancelled = None
     if cancelled is None and verdict in (PROVED, LEMMA):
         verdict, reason, cancelled = _defined(claim, verdict)
     counts = [
@@ -81,7 +84,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         satisfied_at=_text(finding.point) if verdict in (PROVED, LEMMA) else None,
         seconds=seconds,
         graph_hash=entered,
-        versions=now,
+        versions=asked if cancelled else now,
         altered={name: then.get(name, "") for name in functions},
         confirmed_by=same.confirmed_by if same else (),
         cancelled=cancelled,

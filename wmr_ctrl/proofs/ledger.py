@@ -33,9 +33,10 @@ class Entry:
     altered claim, ``satisfied_at`` is a point that meets the hypotheses.  ``graph_hash`` covers the
     graphs of claim and altered claim, which outputs are hypotheses and by which relations, and the
     method with its regions and boxes; it is empty where no graph is behind the entry.
-    ``versions`` are those of the packages that decided.  ``altered`` has the product's functions
-    that the graph holds, as ``module:function``, each with the entry's verdict where the function
-    is altered: REFUTED, OPEN, PROVED if it makes no difference, empty if not tried yet.
+    ``versions`` are those of the packages that decided; z3 is one of them where CasADi cancelled
+    something.  ``altered`` has the product's functions that the graph holds, as
+    ``module:function``, each with the entry's verdict where the function is altered: REFUTED,
+    OPEN, PROVED if it makes no difference, empty if not tried yet.
     ``premises`` are entries that the claim rests on, ``confirmed_by`` further solvers that agree.
     ``cancelled`` counts the operations that CasADi cancelled, each of which was shown to be
     defined; None where that was not shown.
