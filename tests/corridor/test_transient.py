@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 from flint import ctx
 
 from tests.corridor.adversary import Attacked, worst_pushes
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor import affine, find_corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.limited import LimitedLoop, _secant_of
 from wmr_ctrl.corridor.sample import SampleMatrices, doubles
@@ -152,6 +153,14 @@ def test_what_a_transient_does_not_cover_is_refused_by_name(law, changes, words)
     tube = find_corridor(override(load_scenario("safe-simulation"), far), law)
 
     assert words in tube.refused
+
+
+def test_an_operation_without_a_rule_is_refused_by_name(monkeypatch):
+    monkeypatch.delitem(affine._RULES, ca.OP_TANH)
+    far = override(load_scenario("safe-simulation"), {"corridor.start": (0.01, 0.01, 0.05)})
+    refused = find_corridor(far, "prox").refused
+
+    assert f"limits act (operation {ca.OP_TANH} of CasADi is not covered" in refused
 
 
 def test_the_proximal_map_lies_between_the_lines_that_enclose_it(limited):

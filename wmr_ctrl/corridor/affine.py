@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.model.graph import SELECT, read
 
 STEEPER = (1.0, 1.1, 1.2, 1.3, 1.5, 0.0)
@@ -67,7 +68,8 @@ class AffineGraph:
     def __call__(self, given: Sequence[Form], free: int) -> tuple[list[Form], int]:
         """Forms of the outputs; ``free`` is the first unused column, as is what comes back.
 
-        -1: no operation has a column of its own, errors are added up.
+        -1: no operation has a column of its own, errors are added up.  OpenBoxError for operations
+        without a rule.
         """
         done: list[Form | Truth] = []
         with np.errstate(all="ignore"):
@@ -78,6 +80,8 @@ class AffineGraph:
                 if node.op == ca.OP_CONST:
                     done.append(number(node.number, len(given[0].c)))
                     continue
+                if node.op not in _RULES:
+                    raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
                 value = _RULES[node.op](*(done[k] for k in node.operands))
                 if (
                     free >= 0

@@ -123,7 +123,8 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
 def _brought_in(certifier: Certifier, inputs: Inputs) -> Tube:
     """The tube after a transient in which limits may act, with what the transient adds to it."""
     certifier.started(np.zeros((len(certifier.loop.at), 1))).tube(inputs)
-    before, tube = transient(certifier, inputs)
+    with refused_open("the loop cannot be followed from such a start, where limits act"):
+        before, tube = transient(certifier, inputs)
     return replace(
         tube,
         position=max(tube.position, before.position),

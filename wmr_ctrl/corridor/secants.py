@@ -15,7 +15,6 @@ import numpy as np
 
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.affine import AffineGraph, boxes
-from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.midradius import MidRadius
 from wmr_ctrl.corridor.motion import MovingCurve
@@ -58,10 +57,7 @@ class SecantCurve:
         parts = (by.radius + wide, by.middle), (numbers.radius, numbers.middle)
         radius = np.hstack([np.broadcast_to(one, like.shape) for one, like in parts])
         columns = center.shape[1] + self._graph.columns
-        try:
-            forms, _ = self._graph(boxes(center, radius, columns), center.shape[1])
-        except KeyError as error:
-            raise OpenBoxError(f"operation {error} of CasADi near standstill") from error
+        forms, _ = self._graph(boxes(center, radius, columns), center.shape[1])
         shape = len(center), len(forms)
         slopes, left = np.zeros((*shape, n)), np.zeros(shape)
         for i, form in enumerate(forms):
