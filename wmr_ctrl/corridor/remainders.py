@@ -12,6 +12,7 @@ from wmr_ctrl.corridor.instant import Instant, WiderBoxError
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.midradius import MidRadius
 from wmr_ctrl.corridor.motion import UNSURE, MovingCurve
+from wmr_ctrl.corridor.secants import Secants
 
 ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
 """Growth of the box that a bend holds on; below that share of the typical sizes another."""
@@ -41,16 +42,20 @@ class Remainders:
         mixed = np.outer(sizes, error)
         return np.asarray(pairs + mixed + mixed.T + np.outer(error, error))
 
+    def _left_by(self, secants: Secants, place: int, sizes: Floats, at: int) -> Floats:
+        """What secants of the law (0) or of the plant step (1) leave; WiderBoxError beyond."""
+        self.latest[place] = sizes
+        if (sizes > secants.wide).any():
+            raise WiderBoxError(place, sizes)
+        return np.asarray(secants.left[at])
+
     def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
         """Largest errors of the linear part of the law's outputs, with doubles' rounding."""
         loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
         own, acting = np.split(state[queue:], [loop.memory])
         sizes = np.concatenate([state[:ROBOT] + self.error, own, state[self.nz : queue], acting])
         if now.here.secants is not None:
-            secant, self.latest[0] = now.here.secants[0], sizes
-            if (sizes > secant.wide).any():
-                raise WiderBoxError(0, sizes)
-            return secant.left[now.at]
+            return self._left_by(now.here.secants[0], 0, sizes, now.at)
         if self.law_bend is None or (sizes > self.law_bend[0]).any():
             ranges = self.along.law_range(now.k, now.end)
             self.law_bend = self._bend(loop.law_curve, ranges, sizes, now.k)
@@ -63,10 +68,7 @@ class Remainders:
         curve, acts = self.loop.step_curve, np.max(self.commands, axis=0)
         sizes = np.concatenate([guess[: self.nz], acts, self.inputs.push, self.inputs.body])
         if now.here.secants is not None:
-            secant, self.latest[1] = now.here.secants[1], sizes
-            if (sizes > secant.wide).any():
-                raise WiderBoxError(1, sizes)
-            return secant.left[now.at]
+            return self._left_by(now.here.secants[1], 1, sizes, now.at)
         if self.step_bend is None or (sizes > self.step_bend[0]).any():
             self.step_bend = self._bend(curve, self.along.step_range(now.k, now.end), sizes, now.k)
         products = np.outer(sizes, sizes)
