@@ -28,7 +28,7 @@ class Corridor:
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
     ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
-    ``late``: drives have delay or lag, and have to give friction's torque at the start already.
+    ``late``: what drives, or the base's own loop, hold at the start, in words; empty if nothing.
     ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
     ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
     ``clearance``: what is left to the scenario's obstacles, None without any.
@@ -52,7 +52,7 @@ class Corridor:
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_late: float | None = None
     settling: float = 0.0
-    late: bool = False
+    late: str = ""
     run: float | None = None
     whole: Corridor | None = None
 
@@ -79,8 +79,7 @@ class Corridor:
         if self.position is None:
             closes = "" if self.closes is None else f"; it closes {self._while(self.closes)}"
             return f"no corridor: {self.refused}{closes}"
-        load = "the torque that friction takes" if self.run is None else "no torque"
-        loaded = f", with {load} in its drives" if self.late else ""
+        loaded = f", with {self.late}" if self.late else ""
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
         lasts += "" if self.run is None else f", in a run of {self.run:g} s"
         return (
@@ -95,7 +94,7 @@ class Corridor:
         """Of the whole run behind what holds for a part of it."""
         if self.position is None:
             return f"; over the whole run {self._promise}"
-        idle = "from drives without torque, " if self.late else ""
+        idle = f"with {self.late} at first, " if self.late else ""
         return (
             f"; {idle}within {length(self.position)} and {self._turned} rad over the whole "
             f"run of {self.run:g} s, where no limit and no guard acts either (most used: "

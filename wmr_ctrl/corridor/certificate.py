@@ -181,7 +181,15 @@ class Certifier:
 
     def linear(self, inputs: Inputs) -> Peaks:
         """Peaks of the linear loop, with what does not vanish on the reference."""
-        return self._peaks(inputs, self._rest(inputs), self.law_rest)
+        return self._peaks(inputs, self._rest(inputs), self._law_rest(inputs, np.zeros(COMMAND)))
+
+    def _law_rest(self, inputs: Inputs, commands: Floats) -> Floats:
+        """What the law's outputs are off on the reference, with commands off by up to ``commands``
+        (2) that act otherwise than they are sent.
+        """
+        rest, level = self.law_rest.copy(), np.abs(self.loop.remains[:COMMAND])
+        rest[:COMMAND] += inputs.misheard(level - commands)
+        return rest
 
     def _rest(self, inputs: Inputs) -> Floats:
         """Increment of a plant step on the reference, the effect of another mass on its forces
@@ -265,7 +273,7 @@ class Certifier:
         step, law = self._remainders(inputs, peaks)
         return (
             (self._rest(inputs) + step.sum(axis=(1, 2))) * UP,
-            (self.law_rest + law.sum(axis=(1, 2))) * UP,
+            (self._law_rest(inputs, peaks.law[:COMMAND]) + law.sum(axis=(1, 2))) * UP,
         )
 
     @staticmethod

@@ -15,19 +15,30 @@ import numpy as np
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.corridor.loop import AXES, MOST_NUMBERS, Condition, SampledLoop
+from wmr_ctrl.corridor.condition import AXES, Condition
+from wmr_ctrl.corridor.loop import MOST_NUMBERS, SampledLoop
 from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import PLANT_STATE
+from wmr_ctrl.world.command_dead_band import COMMAND_DEAD_BAND
+from wmr_ctrl.world.command_delay import COMMAND_DELAY
+from wmr_ctrl.world.command_quantum import COMMAND_QUANTUM
 from wmr_ctrl.world.delay import DELAY
 from wmr_ctrl.world.effect import Effect, EffectRole, Rate
 from wmr_ctrl.world.lag import LAG, Lag
 from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
 from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.speed_loop import has_loop
+from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
+from wmr_ctrl.world.speed_loop_pi import PI
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
+from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT
+
+OF_BASE = (COMMAND_DELAY, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT, FIRST_ORDER, PI)
+"""Effects of a base that takes velocities which are counted."""
 
 
 class NoCorridorError(ArithmeticError):
@@ -44,19 +55,28 @@ class Inputs:
 
     ``push``: torque on each wheel (2) [N m], held over a sample; ``pose``: distance of the measured
     position from the true one [m]; ``velocity``: error of each measured velocity (2); ``body``:
-    how far mass and inertia are off the scenario's (2) [kg, kg m2].
+    how far mass and inertia are off the scenario's (2) [kg, kg m2]; ``command``: by how much a
+    velocity that acts is off the one that was sent (2); ``dead``: the size below which it may be
+    taken for 0 (2).
     """
 
     push: Floats
     pose: float
     velocity: Floats
     body: Floats = field(default_factory=lambda: np.zeros(2))
+    command: Floats = field(default_factory=lambda: np.zeros(2))
+    dead: Floats = field(default_factory=lambda: np.zeros(2))
 
     def scaled(self, share: float) -> Inputs:
         """Push and errors so many times as large."""
         return replace(
             self, push=share * self.push, pose=share * self.pose, velocity=share * self.velocity
         )
+
+    def misheard(self, least: Floats) -> Floats:
+        """Error (2) of the command that acts, where its size is at least ``least`` (2)."""
+        acts = least - self.command > self.dead
+        return np.asarray((self.command + np.where(acts, 0.0, self.dead)) * (1 + 1e-15))
 
     @property
     def any(self) -> bool:
@@ -68,16 +88,15 @@ def bounded_inputs(setup: Setup) -> Inputs:
     """The inputs of a setup; NoCorridorError for what has no bound or no place here."""
     scenario = setup.scenario
     push, acting = np.zeros(2), [item for item in setup.effects if item.active(scenario)]
+    counted = (VELOCITY_NOISE, POSE_SENSOR, *(OF_BASE if setup.takes_velocity else (DELAY, LAG)))
     for effect in acting:
         if effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.SAMPLE:
             push = push + _push(effect, setup)
-        elif effect not in (VELOCITY_NOISE, POSE_SENSOR, DELAY, LAG) and not _in_the_step(
-            effect, scenario
-        ):
+        elif effect not in counted and not _in_the_step(effect, scenario):
             raise NoCorridorError(f"the loop with the effect {effect.title} is not covered")
     if scenario.section(Lag).lag_spread > 0:
         raise NoCorridorError("actuator.lag_spread > 0: a lag that varies is not covered")
-    if len(surroundings(scenario).headings) > 1:
+    if _turns(setup, acting):
         raise NoCorridorError(
             "an effect that depends on the heading, such as a slope, is not covered"
         )
@@ -87,18 +106,67 @@ def bounded_inputs(setup: Setup) -> Inputs:
             "[sensor]: poses that are rare or lost, with dead reckoning in between, are not covered"
         )
     pose = math.sqrt(2.0) * sensor.pose_noise * (1 + 1e-15)
-    return Inputs(push, pose, np.array(scenario.section(VelocityNoise).velocity_noise))
+    noise = np.array(scenario.section(VelocityNoise).velocity_noise)
+    if not setup.takes_velocity:
+        return Inputs(push, pose, noise)
+    rounded, dead = np.array(scenario.base.quantum) / 2, np.array(scenario.base.deadband)
+    return Inputs(push, pose, noise, command=rounded * (1 + 1e-15), dead=dead)
+
+
+def _turns(setup: Setup, acting: list[Effect]) -> bool:
+    """True where something acts by the heading."""
+    if not setup.takes_velocity:
+        return len(surroundings(setup.scenario).headings) > 1
+    theta = PLANT_STATE[2]
+    return any(
+        theta in (port.signal for port in effect.system(setup.scenario).inputs)
+        for effect in acting if effect.role is EffectRole.DISTURBANCE
+    )  # fmt: skip
 
 
 def check_covered(setup: Setup) -> None:
     """NoCorridorError for a base or a law of which there is no loop to certify."""
     if setup.takes_velocity:
-        raise NoCorridorError("a base that takes velocities is not covered")
+        _check_base(setup.scenario)
     if setup.control_law.inside is None:
         able = ", ".join(name for name, law in LAWS.items() if law.inside is not None)
         raise NoCorridorError(f"only {able} have one, away from their limits")
     if setup.predicted:
         raise NoCorridorError("a law that predicts (its gain delay) is not covered")
+
+
+def at_first(setup: Setup, *, run: bool) -> str:
+    """What drives or the base's own loop hold at the start, in words: of a ``run``, or for good."""
+    scenario = setup.scenario
+    if not setup.takes_velocity:
+        load = "no torque" if run else "the torque that friction takes"
+        return "" if scenario.actuator.ideal else f"{load} in its drives"
+    parts = []
+    if scenario.base.delay > 0:
+        parts.append("no command under way" if run else "commands of that speed under way")
+    if has_loop(scenario, "pi"):
+        parts.append(f"{'no force' if run else 'the force that friction takes'} in its own loop")
+    return " and ".join(parts)
+
+
+def _check_base(scenario: Scenario) -> None:
+    """NoCorridorError for a base or a filter that takes commands otherwise than is counted."""
+    told = scenario.filter
+    if told.kind == "band":
+        raise NoCorridorError(
+            'filter.kind = "band": what it lets pass depends on all commands before, and is not '
+            "covered; a clip or a governor is"
+        )
+    if told.slew is not None:
+        raise NoCorridorError(
+            "filter.slew: from a run's first command on, the clip brings it up from 0 at that "
+            "rate, which is not covered"
+        )
+    if math.isfinite(scenario.actuator.tau_max):
+        raise NoCorridorError(
+            "actuator.tau_max behind the base's own loop is not covered: leave it out if the "
+            "motors are never at their limit"
+        )
 
 
 def check_size(loop: SampledLoop) -> None:

@@ -11,8 +11,8 @@ and both are their values on the reference, a linear part, and a remainder of se
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -23,7 +23,9 @@ from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, World, carried
 from wmr_ctrl.control.applied import followed, remembered
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.condition import AXES, Asked, Condition
 from wmr_ctrl.corridor.enclosure import Balls, BentEnclosure, Enclosure, upper
+from wmr_ctrl.corridor.sender import SendingLoop, balanced, base_numbers, base_world, sending
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -34,26 +36,8 @@ from wmr_ctrl.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
 from wmr_ctrl.world.delay import delay_in_periods
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
 
-AXES = ("linear", "angular")
 BODY = ("robot.m", "robot.I")
 """Numbers of the robot that may lie in an interval."""
-
-
-@dataclass(frozen=True)
-class Condition:
-    """Something of which |value| <= most keeps the loop's graphs what they are.
-
-    ``measured``: the axis whose error of the measured velocity a first sample adds to the value.
-    """
-
-    name: str
-    value: ca.SX
-    most: ca.SX
-    measured: int | None = None
-
-
-Asked = Callable[[ca.SX, ca.SX], list[Condition]]
-"""Conditions on the force that the law asks for (2) and the velocity that is measured (2)."""
 
 
 UP, MOST_NUMBERS, MOST_COLUMNS = 1.0 + 1e-11, 100, 40_000
@@ -115,10 +99,15 @@ class SampledLoop:
         robot = setup.scenario.robot
         loop, world = self._prepare(setup, asked)
         point = loop.on_reference(np.array(v_d, dtype=float))
-        torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(point.force))))
-        fast = np.concatenate((point.s, *(
-            torque if item.signal.unit == TORQUE[0].unit else item.value for item in world.fast[5:]
-        )))  # fmt: skip
+        if setup.takes_velocity:
+            own = balanced(setup.scenario, world.fast[5:], v_d)
+        else:
+            torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(point.force))))
+            own = np.concatenate((np.zeros(0), *(
+                torque if item.signal.unit == TORQUE[0].unit else item.value
+                for item in world.fast[5:]
+            )))  # fmt: skip
+        fast = np.concatenate((point.s, own))
         by, after = self._step_graph(world, ca.SX(ca.DM(v_d)), {})
         at = np.concatenate((fast, point.force, np.zeros(COMMAND), (robot.m, robot.I)))
         self.step = Curve("the robot", by, after, at)
@@ -129,10 +118,15 @@ class SampledLoop:
         scenario, clock = setup.scenario, setup.scenario.clock
         self.setup, self.steps = setup, clock.substeps
         self._asked = asked
-        loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
-        world = surroundings(scenario).worlds(clock.control)[0][1]
-        self.names, drives = world.names, scenario.actuator
-        late = drives.delay + drives.unmodelled_delay
+        if setup.takes_velocity:
+            loop: Loop = SendingLoop(setup, sender=self._inside(LawContext(setup)))
+            world = base_world(scenario)
+            late = scenario.base.delay
+        else:
+            loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
+            world = surroundings(scenario).worlds(clock.control)[0][1]
+            late = scenario.actuator.delay + scenario.actuator.unmodelled_delay
+        self.names = world.names
         self.late = int(np.floor(late / clock.plant + 0.5))
         return loop, world
 
@@ -146,10 +140,13 @@ class SampledLoop:
         scenario, clock = self.setup.scenario, self.setup.scenario.clock
         sizes = (("z", world.size), ("u", COMMAND), ("d", COMMAND), ("body", COMMAND))
         z, u, push, body = (ca.SX.sym(name, n) for name, n in sizes)
-        torque = force_to_wheel(*_wheels(scenario.robot), u)
-        held = ca.vertcat(torque, push, ca.SX.zeros(world.held - 2 * COMMAND))
-        around = surroundings(scenario)
-        numbers = ca.SX(ca.DM(around.numbers(world, clock.control, clock.plant, None)))
+        if self.setup.takes_velocity:
+            sent, known = u, base_numbers(world, scenario)
+        else:
+            sent = force_to_wheel(*_wheels(scenario.robot), u)
+            known = surroundings(scenario).numbers(world, clock.control, clock.plant, None)
+        held = ca.vertcat(sent, push, ca.SX.zeros(world.held - 2 * COMMAND))
+        numbers = ca.SX(ca.DM(known))
         for name, value in {**dict(zip(BODY, ca.vertsplit(body), strict=True)), **changed}.items():
             numbers[world.place(name)] = value
         after = world.step(0, z, z[2], held, numbers, v_d)  # seen by the robot: its theta = 0
@@ -160,7 +157,11 @@ class SampledLoop:
         inside = self.setup.control_law.inside
         assert inside is not None
         law = inside(context)
-        self.conditions = self._asked(law.system.outputs[0].expr, context.v) + [
+        if self.setup.takes_velocity:
+            system, limits = sending(self.setup, law, self._asked)
+        else:
+            system, limits = law.system, self._asked(law.system.outputs[0].expr, context.v)
+        self.conditions = limits + [
             Condition(
                 f"{name} ({axis})", value[i], most[i], i if name in law.from_measured else None
             )
@@ -170,8 +171,8 @@ class SampledLoop:
         values = stack(item.value for item in self.conditions)
         most = stack(ca.SX(item.most) for item in self.conditions)
         seen = port(Signal("conditions", "1", "values and sizes of conditions", 2 * most.numel()))
-        update = ca.vertcat(law.system.update, values, most)
-        return replace(law.system, state=(*law.system.state, seen), update=update)
+        update = ca.vertcat(system.update, values, most)
+        return replace(system, state=(*system.state, seen), update=update)
 
     def _compose_law(self, loop: Loop, memory: Floats, rest: Floats) -> None:
         v_d = self.step.at[3:ROBOT]

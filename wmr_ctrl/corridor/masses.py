@@ -16,7 +16,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor
 from wmr_ctrl.corridor.certificate import Certifier, Tube
 from wmr_ctrl.corridor.enclosure import OpenBoxError
-from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first
 from wmr_ctrl.corridor.loop import BODY
 from wmr_ctrl.corridor.transient import transient
 from wmr_ctrl.guard.bounds import mass_range
@@ -36,7 +36,7 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         setup.name,
         until=until,
         mass=setup.scenario.robot.m,
-        late=not setup.scenario.actuator.ideal,
+        late=at_first(setup, run=False),
     )
     tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
     try:

@@ -17,8 +17,9 @@ from flint import arb
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
 from wmr_ctrl.codegen.build import first_step_at
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.condition import Asked
 from wmr_ctrl.corridor.enclosure import BentEnclosure
-from wmr_ctrl.corridor.loop import Asked, SampledLoop
+from wmr_ctrl.corridor.loop import SampledLoop
 from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, MidRadius
 from wmr_ctrl.corridor.spans import MidRadiusGraph
 from wmr_ctrl.scenario import Scenario

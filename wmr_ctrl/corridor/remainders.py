@@ -26,6 +26,8 @@ class Remainders:
         self.along, self.inputs, self.loop = along, inputs, along.loop
         self.nz = len(self.loop.names)
         self.error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
+        self.misheard = np.zeros(self.along.outs.shape[1])
+        self.misheard[:COMMAND] = inputs.misheard(np.zeros(COMMAND))
         self.commands: list[Floats] = []
         self.latest = [np.zeros(0), np.zeros(0)]
         self.law_bend: tuple[Floats, Floats] | None = None
@@ -54,14 +56,18 @@ class Remainders:
         loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
         own, acting = np.split(state[queue:], [loop.memory])
         sizes = np.concatenate([state[:ROBOT] + self.error, own, state[self.nz : queue], acting])
+        return self._left_of_law(sizes, reach, now) + self.misheard
+
+    def _left_of_law(self, sizes: Floats, reach: Floats, now: Instant) -> Floats:
         if now.here.secants is not None:
             return self._left_by(now.here.secants[0], 0, sizes, now.at)
         if self.law_bend is None or (sizes > self.law_bend[0]).any():
             ranges = self.along.law_range(now.k, now.end)
-            self.law_bend = self._bend(loop.law_curve, ranges, sizes, now.k)
+            self.law_bend = self._bend(self.loop.law_curve, ranges, sizes, now.k)
         products = np.outer(sizes, sizes)
         products[:ROBOT, :ROBOT] = self._products(reach, self.error)
-        return (loop.law_curve.remainders(self.law_bend[1], products) + self.along.law_off) * UP
+        left = self.loop.law_curve.remainders(self.law_bend[1], products)
+        return (left + self.along.law_off) * UP
 
     def _step(self, guess: Floats, law: Floats, now: Instant) -> Floats:
         """Largest errors of a plant step's linear part while the state stays within Z."""

@@ -11,7 +11,13 @@ from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.answer import Corridor
-from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, bounded_inputs, check_covered
+from wmr_ctrl.corridor.inputs import (
+    Inputs,
+    NoCorridorError,
+    at_first,
+    bounded_inputs,
+    check_covered,
+)
 from wmr_ctrl.corridor.instant import RunBounds
 from wmr_ctrl.corridor.masses import mass_cells, mass_ranges, refused_open, with_inputs
 from wmr_ctrl.corridor.passage import Passing
@@ -32,7 +38,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         setup.name,
         run=scenario.clock.duration,
         mass=scenario.robot.m,
-        late=not scenario.actuator.ideal,
+        late=at_first(setup, run=True),
     )
     result: list[tuple[Along, RunBounds]] = []
     here = ""

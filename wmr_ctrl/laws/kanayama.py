@@ -18,6 +18,7 @@ from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Inside, Law, Traits
 from wmr_ctrl.laws.velocity_loop import CHANGE, VelocityLoopGains, with_command, with_torque
 from wmr_ctrl.model.system import System
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 TITLE = "kinematic tracking with limited commands (kanayama)"
 
@@ -43,7 +44,8 @@ def inside(context: LawContext) -> Inside:
         within[name] = values, most
         return values
 
-    law = with_torque(context, TITLE, wanted_velocity, whole)
+    build = with_command if takes_velocity(context.scenario) else with_torque
+    law = build(context, TITLE, wanted_velocity, whole)
     return Inside(law, within, from_measured=frozenset({CHANGE}))
 
 

@@ -86,13 +86,15 @@ def with_torque(
     )
 
 
-def with_command(context: LawContext, title: str, wanting: Wanting) -> System:
+def with_command(
+    context: LawContext, title: str, wanting: Wanting, limited: Limiting = cut_named
+) -> System:
     """The law as a System whose output is the velocity for a base that has a loop of its own."""
     before, started = port(SENT_BEFORE), port(STARTED)
     start = ca.if_else(started.sym > 0, before.sym, context.v)
     return context.system(
         title,
-        _commanded(context, start, wanting, cut_named),
+        _commanded(context, start, wanting, limited),
         (started,),
         ca.SX(1),
         further_inputs=(before,),

@@ -58,6 +58,7 @@ THEMES = (
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
     ("corridor", "The certified corridor"),
+    ("corridor_bases", "The certified corridor"),
     ("pieces", "Parts of the arguments by hand"),
     ("composition", "How the parts are put together"),
 )

@@ -1,0 +1,233 @@
+"""An adversary of bases that take velocities: a loop of its own, from law to wheels, and its worst.
+
+Kanayama's command, or that of the model-based law through the inverse of a first order; commands
+under way; a first-order or PI loop in every plant step; the oracle's plant.  The product's filter
+stands in between and is watched: inside the bounds it must not change a command.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from tests.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
+from tests.oracle.plant import Plant, wheel_torques
+from tests.oracle.references import reference_of
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import gains_by_law, settle
+from wmr_ctrl.filter.filter import CommandFilter
+
+TINY = 1e-6
+DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
+KINDS = ("push", "pose", "velocity", "heard")
+OWN = ("kanayama", "mb")
+"""Laws that are written down here; of others it is the product's controller that sends."""
+FIRST = 2
+"""Samples before the first single error: the law's first one knows of no command before."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """Errors e at all plant steps (N, 3), velocities sent, and whether a filter changed one."""
+
+    e: np.ndarray
+    sent: np.ndarray
+    changed: bool
+
+    @property
+    def position(self) -> float:
+        """Largest distance from the place on the path [m]."""
+        return float(np.hypot(self.e[:, 0], self.e[:, 1]).max())
+
+
+class _Base:
+    """Speed loop, commands under way and firmware, from the velocity of the reference."""
+
+    def __init__(self, scenario, v, idle):
+        self.base, self.robot = scenario.base, scenario.robot
+        self.h, steps = scenario.clock.plant, round(scenario.base.delay / scenario.clock.plant)
+        self.queue = deque([(0.0, 0.0) if idle else v] * steps)
+        self.integral = [0.0 if idle else self.friction(v), 0.0]
+        self.ramped = v
+
+    def friction(self, v):
+        return self.robot.mu * self.robot.m * self.robot.g * math.tanh(v[0] / self.robot.v_s)
+
+    def torque(self, sent, v, off):
+        self.queue.append(sent)
+        u = [self._firmware(i, x + off[i]) for i, x in enumerate(self.queue.popleft())]
+        masses = self.robot.m, self.robot.I
+        if self.base.loop == "pi":
+            force = []
+            for i, size in enumerate((1.0, self.robot.l**2)):
+                force.append(self.base.kp * size * (u[i] - v[i]) + self.integral[i])
+                self.integral[i] += self.h * self.base.ki * size * (u[i] - v[i])
+        else:
+            force = [
+                masses[i] * (self.base.gain[i] * u[i] - v[i])
+                * (1 - math.exp(-self.h / self.base.tau[i])) / self.h
+                for i in (0, 1)
+            ]  # fmt: skip
+            force[0] += self.friction(v)
+        return wheel_torques(tuple(force), self.robot)
+
+    def _firmware(self, i, u):
+        step, dead = self.base.quantum[i], self.base.deadband[i]
+        if step > 0:
+            u = step * math.floor(u / step + 0.5)
+        return 0.0 if abs(u) < dead else u
+
+
+class _Wish:
+    """What the law asks for, with what it remembers."""
+
+    def __init__(self, scenario, law):
+        gains = gains_by_law(scenario)
+        self.scenario, self.law, self.gains = scenario, law, gains[law]
+        self.k, self.last = gains["kinematics"].k, None
+
+    def asked(self, target, pose, v):
+        e = tracking_error(target, pose)
+        return self._mb(target, e, v) if self.law == "mb" else self._kanayama(target, e, v)
+
+    def _kanayama(self, target, e, v):
+        kx, ky, kt = self.gains.k
+        wanted = (
+            target.v1 * math.cos(e[2]) + kx * e[0],
+            target.v2 + target.v1 * (ky * e[1] + kt * math.sin(e[2])),
+        )
+        last, T = self.last or v, self.scenario.clock.control
+        result = []
+        for i, wish in enumerate(wanted):
+            top, most = self.gains.share * self.scenario.limits.v_u1[i], self.gains.a_max[i] * T
+            cut = min(max(wish, -top), top)
+            result.append(last[i] + min(max(cut - last[i], -most), most))
+        return tuple(result)
+
+    def _mb(self, target, e, v):
+        T, tau = self.scenario.clock.control, self.scenario.base.tau
+        c, rate = auxiliary_velocity(e, target, self.k), auxiliary_rate(e, v, target, self.k)
+        return tuple(
+            v[i]
+            + T / (1 - math.exp(-T / tau[i])) * (rate[i] - self.gains.rho[i] * (v[i] - c[i]) / 2)
+            for i in (0, 1)
+        )
+
+
+class _Sent:
+    """What the product's own controller sends, law, adapter and filter, as it is exported."""
+
+    def __init__(self, scenario, law, before):
+        """``before``: the velocity that was sent until now."""
+        system = controller(settle(scenario, law))
+        self.step = system.function("sent", [system.update, system.y])
+        start = [before if item.signal.name.startswith("v_sent_before") else item.value
+                 for item in system.state]  # fmt: skip
+        self.x, self.p = ca.DM([x for part in start for x in part]), ca.DM(system.p0)
+
+    def asked(self, target, pose, v):
+        u = [target.x, target.y, target.theta, target.v1, target.v2, target.v1_dot, target.v2_dot]
+        self.x, y = self.step(ca.DM([*u, *pose, *v]), self.x, self.p)
+        return tuple(y.full().ravel().tolist())
+
+
+def course(scenario, law, samples, *, idle=False, jump=(0.0, 0.0, 0.0), **errors):
+    """The Course under ``errors`` (samples, 2) of KINDS, from a start moved by ``jump``.
+
+    "heard": of the command that acts, on top of what the firmware makes of it.
+    """
+    off = {kind: errors.get(kind, np.zeros((samples, 2))) for kind in KINDS}
+    reference, clock = reference_of(scenario.reference), scenario.clock
+    begin, h = reference(0.0), clock.plant
+    base = _Base(scenario, (begin.v1, begin.v2), idle)
+    own = law in OWN
+    before = (0.0, 0.0) if idle else (begin.v1, begin.v2)
+    wish = _Wish(scenario, law) if own else _Sent(scenario, law, before)
+    filtered = CommandFilter(scenario) if own and scenario.filter.kind != "none" else None
+    turned = begin.theta - jump[2]
+    s, c = math.sin(turned), math.cos(turned)
+    state = (begin.x + s * jump[0] + c * jump[1], begin.y - c * jump[0] + s * jump[1], turned,
+             begin.v1, begin.v2)  # fmt: skip
+    share, old, estimate = scenario.sensor.correction, None, None
+    rows, sent, changed, n = [], [], False, 0
+    plant = Plant(scenario.robot)
+    for k in range(samples):
+        target, v = reference(k * clock.control), tuple(np.add(state[3:], off["velocity"][k]))
+        measured = (state[0] + off["pose"][k, 0], state[1] + off["pose"][k, 1], state[2])
+        if share < 1 and estimate is not None:
+            theta = estimate[2] + clock.control * old[1]
+            way = clock.control * old[0]
+            ahead = (
+                estimate[0] - way * math.sin(theta),
+                estimate[1] + way * math.cos(theta),
+                theta,
+            )
+            measured = tuple(a + share * (m - a) for a, m in zip(ahead, measured, strict=True))
+        estimate, old = measured, v
+        command = wish.asked(target, measured, v)
+        if filtered is not None:
+            safe = filtered.step(command, v)
+            changed = changed or "limited" in safe.flags
+            command = safe.command
+        wish.last = command
+        sent.append(command)
+        for _ in range(clock.substeps):
+            torque = base.torque(command, state[3:], off["heard"][k])
+            state = plant.step(state, tuple(np.add(torque, off["push"][k])), h)
+            n += 1
+            rows.append(tracking_error(reference(n * h), state[:3]))
+    return Course(np.array(rows), np.array(sent), changed)
+
+
+def worst(scenario, law, samples, kind, size):
+    """For each of DIRECTIONS: errors (N, 2) of ``kind`` of this ``size`` (2) that lead furthest."""
+    steps = scenario.clock.substeps
+    rest = course(scenario, law, samples + FIRST).e[(FIRST + 1) * steps - 1 :: steps]
+    answers = []
+    for axis in (0, 1):
+        error = np.zeros((samples + FIRST, 2))
+        error[FIRST, axis] = TINY
+        e = course(scenario, law, samples + FIRST, **{kind: error}).e
+        answers.append(e[(FIRST + 1) * steps - 1 :: steps] - rest)
+    rate = reference_of(scenario.reference)(0.0).v2 if kind == "pose" else 0.0
+    turned = rate * scenario.clock.control * np.arange(samples)
+    c, s = np.cos(turned), np.sin(turned)
+    for ahead, left in DIRECTIONS:
+        x, y = (ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers)
+        yield np.sign(np.stack([c * x - s * y, s * x + c * y], axis=1)) * size
+
+
+def farthest(scenario, law, samples, kind, size, times=1.0):
+    """The largest of these courses."""
+    each = (
+        course(scenario, law, samples, **{kind: times * error})
+        for error in worst(scenario, law, samples, kind, size)
+    )
+    return max(each, key=lambda x: x.position)
+
+
+def farthest_on_the_way(scenario, law, end, size, stride, times=1.0):
+    """The largest course under pushes of ``size`` that lead furthest at the end of some samples.
+
+    Along any path, from a base to which nothing was sent yet.
+    """
+    blank = np.zeros((end, 2))
+    rest = course(scenario, law, end, idle=True).e[-1]
+    places = np.arange(0, end, stride)
+    answers = np.zeros((2, len(places), 3))
+    for wheel in (0, 1):
+        for k, place in enumerate(places):
+            push = blank.copy()
+            push[place, wheel] = TINY
+            answers[wheel, k] = course(scenario, law, end, idle=True, push=push).e[-1] - rest
+    every = []
+    for ahead, left in DIRECTIONS:
+        led = ahead * answers[..., 0] + left * answers[..., 1]
+        signs = [np.sign(np.interp(np.arange(end), places, row)) for row in led]
+        push = times * size * np.stack(signs, axis=1)
+        every.append(course(scenario, law, end, idle=True, push=push))
+    return max(every, key=lambda x: x.position)

@@ -1,0 +1,159 @@
+"""The corridor of bases that take velocities, against an adversary of the tests' own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.control.bases import VELOCITY, based
+from tests.corridor.sending import course, farthest, farthest_on_the_way
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import corridor_monitor, find_corridor
+from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.filter import CommandFilter
+from wmr_ctrl.filter.passing import passing_commands
+from wmr_ctrl.scenario import load_scenario, override
+
+PUSHED = {"disturbance.std": 1e-4, "disturbance.truncate": 3.0, "clock.plant": 0.005}
+QUIET = {"clock.plant": 0.005}
+PI = {"base.loop": "pi", "base.kp": 10.0, "base.ki": 20.0, "filter.kind": "none"}
+WIDE = {"limits.v_u2": [0.21, 2.6], "filter.kind": "none"}
+CASES = {
+    "pushes": ("kanayama", "push", PUSHED, 90, 1.1),
+    "a gain that is not 1": ("kanayama", "push", {**PUSHED, "base.gain": [1.02, 0.98]}, 90, 1.1),
+    "mb through the adapter": ("mb", "push", PUSHED, 90, 1.15),
+    "an observer": ("prox", "push", {**PUSHED, **WIDE, "disturbance.std": 3e-5}, 120, 1.15),
+    "a PI loop": ("kanayama", "push", {**PUSHED, **PI}, 90, 1.1),
+    "a line": ("kanayama", "push",
+               {**PUSHED, "reference.kind": "line", "reference.speed": 0.15}, 90, 1.1),
+    "poses": ("kanayama", "pose", {**QUIET, "sensor.pose_noise": 5e-4}, 90, 1.1),
+    "poses in part": ("kanayama", "pose",
+                      {**QUIET, "sensor.pose_noise": 5e-4, "sensor.correction": 0.3}, 90, 1.35),
+    "velocities": ("mb", "velocity", {**QUIET, "sensor.velocity_noise": [2e-3, 1e-2]}, 90, 1.1),
+}  # fmt: skip
+"""Law, what disturbs, changes, samples that an attack takes, and how tight the corridor is."""
+DEAR = set(CASES) - {"pushes", "velocities"}
+
+
+def burger(*changes):
+    """A TurtleBot3 with some changes."""
+    told = {key: value for part in changes for key, value in part.items()}
+    return override(load_scenario("turtlebot3-burger"), told)
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(x, marks=pytest.mark.slow) if x in DEAR else x for x in CASES]
+)
+def test_no_adversary_leaves_the_corridor_but_with_a_fifth_more_it_does(case):
+    law, kind, changes, samples, loose = CASES[case]
+    scenario = burger(changes)
+    size = {
+        "push": np.full(2, 3 * scenario.disturbance.std),
+        "pose": np.full(2, scenario.sensor.pose_noise),
+        "velocity": np.array(scenario.sensor.velocity_noise),
+    }[kind]
+
+    tube = find_corridor(scenario, law)
+    within, beyond = (farthest(scenario, law, samples, kind, size, x) for x in (1.0, 1.2))
+
+    assert tube.position / loose <= within.position <= tube.position
+    assert np.abs(within.e[:, 2]).max() <= tube.heading
+    assert not within.changed
+    assert beyond.position > tube.position or loose > 1.2
+    assert "commands of that speed under way" in tube.sentence
+
+
+def test_every_peak_holds_and_a_command_that_is_rounded_or_not_heard_is_counted():
+    told = {"base.quantum": [0.002, 0.01], "base.deadband": [0.02, 0.02], "filter.kind": "clip"}
+    rough = burger(QUIET, told, {"reference.rate": 0.15})
+    exact = override(rough, {"base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0]})
+    tube, certifier = find_corridor(rough, "kanayama"), Certifier(settle(rough, "kanayama"))
+    heard = farthest(exact, "kanayama", 90, "heard", np.array([0.001, 0.005]))
+
+    assert tube.position / 1.1 <= heard.position <= tube.position
+    assert (np.abs(heard.e).max(axis=0) <= certifier.tube(certifier.inputs).peaks.fast[:3]).all()
+    assert 0 < course(rough, "kanayama", 90).position <= tube.position
+    slow = override(rough, {"base.deadband": [0.13, 0.02]})
+    assert find_corridor(slow, "kanayama").position is None
+
+
+@pytest.mark.slow
+def test_along_a_figure_of_eight_from_a_base_to_which_nothing_was_sent():
+    path = {"reference.kind": "lemniscate", "reference.size": 1.0, "clock.duration": 5.0}
+    scenario = burger(PUSHED, path)
+    tube = find_corridor(scenario, "kanayama", whole=True)
+    reached = farthest_on_the_way(scenario, "kanayama", 100, 3e-4, 4)
+
+    assert reached.position <= tube.position < 1.2 * reached.position
+    assert not reached.changed
+    assert "with no command under way," in tube.sentence
+
+
+def test_it_starts_with_commands_under_way_and_an_observer_that_knows_of_them():
+    """Without commands under way the robot falls behind, which is not counted and is said."""
+    scenario = burger(QUIET, WIDE)
+    certifier = Certifier(settle(scenario, "prox"))
+    force, _ = certifier.loop.observed
+    memory = certifier.loop.remains[2 + force : 4 + force]
+    tube = find_corridor(scenario, "prox")
+
+    assert memory == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert course(scenario, "prox", 40).position <= tube.position + 1e-12
+    assert course(scenario, "kanayama", 40, idle=True).position > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"actuator.tau_max": 1.0, "filter.kind": "clip"}, "actuator.tau_max"),
+        ({"base.losses": 1, "filter.kind": "clip"}, "command loss"),
+        ({"base.jerk": [1.0, 1.0], "filter.kind": "clip"}, "command jerk"),
+        ({"corridor.start": [0.1, 0.1, 0.1]}, "a start so far off"),
+        ({"base.w_max": 4.95, "filter.kind": "clip"}, "the firmware's limit of the right wheel"),
+        ({"limits.v_u1": [0.174, 2.84], "limits.v_u2": [0.165, 2.2]}, "the filter's limit (v)"),
+    ],
+)  # fmt: skip
+def test_what_is_not_covered_is_refused_by_name(changes, why):
+    tube = find_corridor(burger(PUSHED, changes), "kanayama")
+
+    assert tube.position is None
+    assert why in tube.refused
+
+
+@pytest.mark.parametrize(
+    ("told", "why"),
+    [
+        ({"kind": "band", "frequency": [4.0, 6.0]}, 'filter.kind = "band"'),
+        ({"kind": "clip", "frequency": [4.0, 6.0], "slew": [0.1, 0.3]}, "filter.slew"),
+    ],
+)
+def test_filters_that_remember_what_was_sent_are_refused(told, why):
+    second = {"loop": "second-order", "damping": [0.8, 1.0], "trust": True, **told}
+    tube = find_corridor(based(VELOCITY, filter=second), "kanayama")
+
+    assert why in tube.refused
+
+
+@pytest.mark.parametrize("channels", ["body", "wheels"])
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+@pytest.mark.parametrize("scale", ["curvature", "turn", "drive"])
+def test_a_filter_passes_the_commands_within_its_sizes_whatever_came_before(kind, scale, channels):
+    scenario = burger({"filter.kind": kind, "filter.scale": scale, "filter.channels": channels})
+    filtered, rng = CommandFilter(scenario), np.random.default_rng(3)
+    rows = passing_commands(scenario)
+    largest = 0.0
+    for _ in range(300):
+        command = (rng.uniform(-1, 1, 2) * (0.25, 3.0)).tolist()
+        used = max(abs(row[0] * command[0] + row[1] * command[1]) / most for _, row, most in rows)
+        filtered.step(rng.uniform(-3, 3, 2).tolist(), rng.uniform(-0.2, 0.2, 2).tolist())
+        if used <= 1:
+            seen = rng.uniform(-0.2, 0.2, 2).tolist()
+            assert filtered.step(command, seen).command == pytest.approx(command, rel=1e-14)
+            largest = max(largest, used)
+    assert largest > 0.9
+
+
+def test_a_base_that_takes_velocities_has_no_monitor():
+    with pytest.raises(ScenarioError, match="bases that take velocities"):
+        corridor_monitor(burger(PUSHED), "kanayama")

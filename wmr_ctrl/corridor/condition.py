@@ -1,0 +1,27 @@
+"""Conditions on which the loop's graphs are what the certificate takes them for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+
+AXES = ("linear", "angular")
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Something of which |value| <= most keeps the loop's graphs what they are.
+
+    ``measured``: the axis whose error of the measured velocity a first sample adds to the value.
+    """
+
+    name: str
+    value: ca.SX
+    most: ca.SX
+    measured: int | None = None
+
+
+Asked = Callable[[ca.SX, ca.SX], list[Condition]]
+"""Conditions on the force that the law asks for (2) and the velocity that is measured (2)."""

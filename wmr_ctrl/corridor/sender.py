@@ -1,0 +1,115 @@
+"""Loop of a base that takes velocities: what is sent to it, and the base, where nothing cuts.
+
+What is sent is the graph that the controller is made from, without its filter (ledger:
+corridor.filter); the base is its plant step without what `idle_base` leaves out, each of which is a
+condition on what is sent, or a bounded error of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_plant import Point
+from wmr_ctrl.checks.world import Floats, World, world_of
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.velocity import SentVelocity
+from wmr_ctrl.corridor.condition import Asked, Condition
+from wmr_ctrl.filter.passing import passing_commands
+from wmr_ctrl.laws.law import Inside
+from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.system import Output, Parameters, Port, System
+from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.signals import ASKED, SENT_BEFORE, TORQUE
+from wmr_ctrl.world.phases import Phase, drag
+from wmr_ctrl.world.speed_loop_pi import INTEGRAL
+
+IDLE = {
+    "base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0], "base.w_max": np.inf,
+    "base.antiwindup": False, "actuator.tau_max": np.inf, "filter.kind": "none",
+}  # fmt: skip
+"""Numbers of a base that leaves every command as it is, and gives every torque."""
+
+
+def idle_base(scenario: Scenario) -> Scenario:
+    """The scenario with a base that cuts and rounds nothing, and without filter."""
+    return override(scenario, IDLE)
+
+
+@dataclass(frozen=True)
+class SendingLoop(Loop):
+    """A law's loop whose output is the velocity that is sent."""
+
+    sender: System | None = None
+
+    @cached_property
+    def core(self) -> System:
+        """Law, adapter and what they remember."""
+        assert self.sender is not None
+        return self.sender
+
+    def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
+        """The robot on the reference, its commands having been those of the reference for long."""
+        speed = np.array(v_d, dtype=float)
+        own = [speed if item.signal.name.startswith(SENT_BEFORE.name) else np.array(item.value)
+               for item in self.core.state]  # fmt: skip
+        there = Point(np.zeros(3), speed, speed, np.zeros(2), np.concatenate(own), speed)
+        return replace(self.after_a_sample(self.after_a_sample(there)), force=speed)
+
+
+def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condition]]:
+    """What is sent of a law away from its limits, and the conditions for nothing to be cut."""
+    core = law.system
+    plain = settle(idle_base(setup.scenario), setup.name)
+    sender = SentVelocity(plain, core, Parameters(plain, core.params), core.outputs[0].expr)
+    limits = [] if core.outputs[0].signal == ASKED else asked(core.outputs[0].expr, sender.v)
+    system = replace(sender.system(), outputs=(Output(ASKED, sender.asked),), diagnostics=())
+    return system, [*limits, *_passing(setup, sender.asked)]
+
+
+def _passing(setup: Setup, command: ca.SX) -> Iterator[Condition]:
+    """That the filter and the firmware leave a command (2,) as it is."""
+    scenario = setup.scenario
+    for name, row, most in passing_commands(scenario):
+        yield Condition(f"the filter's limit ({name})", row[0] * command[0] + row[1] * command[1],
+                        ca.SX(most))  # fmt: skip
+    if np.isfinite(scenario.base.w_max):
+        base = scenario.base
+        off = base.quantum[0] / 2 + base.deadband[0]
+        off += scenario.robot.l * (base.quantum[1] / 2 + base.deadband[1])
+        rim = (scenario.robot.r * base.w_max - off) * (1 - 1e-15)
+        for side, way in (("right", 1), ("left", -1)):
+            speed = command[0] + way * scenario.robot.l * command[1]
+            yield Condition(f"the firmware's limit of the {side} wheel's speed", speed, ca.SX(rim))
+
+
+def base_world(scenario: Scenario) -> World:
+    """Graphs of the idle base's plant steps."""
+    return world_of(idle_base(scenario))
+
+
+def base_numbers(world: World, scenario: Scenario) -> list[float]:
+    """Parameters of these graphs for the scenario's own robot and clock."""
+    own = {f"robot.{key}": value for key, value in vars(scenario.robot).items()}
+    clock = {"clock.control": scenario.clock.control, "clock.plant": scenario.clock.plant}
+    return world.numbers({**own, **clock})
+
+
+def balanced(scenario: Scenario, state: tuple[Port, ...], v_d: Floats) -> Floats:
+    """A base's own state while it drives at ``v_d`` (2): it gives what friction takes."""
+    robot = scenario.robot
+    force = drag(robot, Phase(0.0, robot.m, robot.mu), np.asarray(v_d))[:, 0]
+    torque = np.asarray(
+        ca.evalf(force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), ca.SX(ca.DM(force)))), dtype=float
+    ).ravel()
+    known = {INTEGRAL: force}
+    return np.concatenate([
+        np.zeros(0),
+        *(torque if item.signal.unit == TORQUE[0].unit else known.get(item.signal, item.value)
+          for item in state),
+    ])  # fmt: skip
