@@ -123,13 +123,44 @@ def test_what_stops_it_is_named_with_its_time(changes, words):
     assert "where v_d = " in tube.refused
 
 
-def test_masses_in_cells_and_changes_are_refused_together():
-    told = {"corridor.cells": 2, "changes": HEAVIER}
+LOADED = {
+    "guard.M_min": [58.0, 6.2], "guard.M_max": [64.0, 6.9], "robot.m": 61.0, "robot.I": 6.5,
+    "model.m": 50.0, "model.I": 5.4, "guard.trust": True, "clock.control": PERIOD,
+    "disturbance.std": 0.02, "changes": [{"t": 3.0, "m": 62.0, "I": 6.6}],
+}  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_change_leads_from_any_mass_of_the_cells_to_any_other():
+    told = {"corridor.cells": 2, "clock.duration": 5.0}
+    tube = certified_run(
+        settle(override(load_scenario("safe-simulation"), {**LOADED, **told}), "prox")
+    )
+    end = round(3.4 / PERIOD)
+
+    def reached(before, after):
+        robots = {"robot.m": before[0], "robot.I": before[1]}
+        change = [{"t": 3.0, "m": after[0], "I": after[1]}]
+        whole = {**LOADED, **robots, "changes": change, "clock.duration": 5.0}
+        scenario = override(load_scenario("safe-simulation"), whole)
+        signs = worst_on_the_way(scenario, "prox", end)
+        each = (attack(scenario, "prox", 0.06 * push, changing=True) for push in signs[::2])
+        return max(item.position for item in each)
+
+    light, heavy = (58.0, 6.2), (64.0, 6.9)
+    within = max(reached(light, heavy), reached(heavy, light))
+
+    assert tube.position / 1.6 < within <= tube.position < reached(light, (76.8, 8.3))
+    assert "I from 6.2 to 6.9 kg m2, after each change anew" in tube.sentence
+
+
+def test_more_courses_of_masses_than_are_followed_are_refused():
+    told = {**LOADED, "corridor.cells": 3, "changes": [*LOADED["changes"], {"t": 6.0, "m": 60.0}]}
     refused = certified_run(
         settle(override(load_scenario("safe-simulation"), told), "prox")
     ).refused
 
-    assert refused == "masses in cells (corridor.cells) and changes are not covered"
+    assert "corridor.cells = 3 with changes makes 243 courses" in refused
 
 
 def test_what_stays_free_counts_on_the_corridor_that_there_is():

@@ -29,6 +29,7 @@ class Corridor:
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
     ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
     ``late``: what drives, or the base's own loop, hold at the start, in words; empty if nothing.
+    ``anew``: a change of the robot leads from any of these masses to any other.
     ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
     ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
     ``clearance``: what is left to the scenario's obstacles, None without any.
@@ -54,6 +55,7 @@ class Corridor:
     settling: float = 0.0
     late: str = ""
     run: float | None = None
+    anew: bool = False
     whole: Corridor | None = None
 
     @property
@@ -130,7 +132,10 @@ class Corridor:
         if self.masses is None:
             return f"M = {self.mass:g} kg"
         (low, high), (least, most) = self.masses
-        return f"M is anything from {low:g} to {high:g} kg, I from {least:g} to {most:g} kg m2"
+        also = ", after each change anew" if self.anew else ""
+        return (
+            f"M is anything from {low:g} to {high:g} kg, I from {least:g} to {most:g} kg m2{also}"
+        )
 
     def _while(self, share: float) -> str:
         velocity = (share * self.velocity[0], share * self.velocity[1])

@@ -5,9 +5,11 @@ Where there is none: the share of pushes and errors with which there is one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import product
+from typing import TypeAlias
 
 import numpy as np
 
@@ -20,8 +22,12 @@ from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first
 from wmr_ctrl.corridor.loop import BODY
 from wmr_ctrl.corridor.transient import transient
 from wmr_ctrl.guard.bounds import mass_range
-from wmr_ctrl.scenario import override
+from wmr_ctrl.scenario import Change, override
 
+Body: TypeAlias = "tuple[float | None, float | None]"
+"""Mass and inertia."""
+MOST_COURSES = 64
+"""Courses of mass and inertia that a whole run with changes is followed for."""
 SHARES = 12
 """Halvings in the search for the inputs with which a corridor closes."""
 
@@ -61,7 +67,7 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         binding=worst.binding,
         share=worst.share,
         settling=worst.settling,
-        masses=mass_ranges(setup) if len(cells) > 1 else None,
+        masses=mass_ranges(setup) if cells[0][1].any() else None,
     )
 
 
@@ -96,15 +102,67 @@ def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
     scenario, count = setup.scenario, setup.scenario.corridor.cells
     if not count or not scenario.guard.enabled:
         return [(setup, np.zeros(COMMAND))]
+    middles, widths = _cells(setup, count)
+    pairs = product(*middles.tolist())
+    return [(_with_robots(setup, [(m, I)]), widths) for m, I in pairs]
+
+
+def _cells(setup: Setup, count: int) -> tuple[Floats, Floats]:
+    """Middles (2, count) of equal parts of the guard's intervals, and their half-widths (2)."""
     ranges = np.array(mass_ranges(setup))
     widths = (ranges[:, 1] - ranges[:, 0]) / (2 * count)
     middles = ranges[:, :1] + widths[:, None] * (2 * np.arange(count) + 1)
-    believed = {f"model.{key}": getattr(scenario.believed, key) for key in ("m", "I", "mu")}
+    return middles, widths * (1 + 1e-12)
+
+
+def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
+    """The same for a whole run: each change of mass or inertia leads from any cell to any other.
+
+    NoCorridorError for more courses than are followed.
+    """
+    count, changes = setup.scenario.corridor.cells, setup.scenario.changes
+    moved = [sum(getattr(item, name) is not None for item in changes) for name in ("m", "I")]
+    if not count or not setup.scenario.guard.enabled or not changes:
+        return mass_cells(setup)
+    total = count ** (len(moved) + sum(moved))
+    if total > MOST_COURSES:
+        raise NoCorridorError(
+            f"corridor.cells = {count} with changes makes {total} courses of mass and inertia, "
+            f"and {MOST_COURSES} are followed at most"
+        )
+    middles, widths = _cells(setup, count)
+    numbers = [
+        product(row.tolist(), repeat=1 + many) for row, many in zip(middles, moved, strict=True)
+    ]
     return [
-        (settle(override(scenario, {**believed, BODY[0]: m, BODY[1]: I}), setup.name),
-         widths * (1 + 1e-12))
-        for m in middles[0].tolist() for I in middles[1].tolist()
-    ]  # fmt: skip
+        (_with_robots(setup, _course(changes, masses, inertias)), widths)
+        for masses, inertias in product(*numbers)
+    ]
+
+
+def _course(
+    changes: Sequence[Change], masses: Sequence[float], inertias: Sequence[float]
+) -> list[Body]:
+    """Mass and inertia at first and after each change, None where it changes something else."""
+    first, second = iter(masses), iter(inertias)
+    bodies: list[Body] = [(next(first), next(second))]
+    for item in changes:
+        mass = None if item.m is None else next(first)
+        bodies.append((mass, None if item.I is None else next(second)))
+    return bodies
+
+
+def _with_robots(setup: Setup, robots: Sequence[Body]) -> Setup:
+    """The setup whose robot has such masses and inertias, and believes what it did."""
+    scenario = setup.scenario
+    (m, I), *later = robots
+    changes = tuple(
+        replace(item, m=mass, I=inertia)
+        for item, (mass, inertia) in zip(scenario.changes, later, strict=False)
+    )
+    believed = {f"model.{key}": getattr(scenario.believed, key) for key in ("m", "I", "mu")}
+    other = override(scenario, {**believed, BODY[0]: m, BODY[1]: I})
+    return settle(replace(other, changes=changes or scenario.changes), setup.name)
 
 
 def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube:

@@ -19,7 +19,7 @@ from wmr_ctrl.corridor.inputs import (
     check_covered,
 )
 from wmr_ctrl.corridor.instant import RunBounds
-from wmr_ctrl.corridor.masses import mass_cells, mass_ranges, refused_open, with_inputs
+from wmr_ctrl.corridor.masses import mass_courses, mass_ranges, refused_open, with_inputs
 from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.world.references.kind import reference
 
@@ -33,7 +33,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
 
     ``closing``: where there is none, search for the share of inputs with which there is one.
     """
-    scenario, cells = setup.scenario, mass_cells(setup)
+    scenario, cells = setup.scenario, list[tuple[Setup, Floats]]()
     known = Corridor(
         setup.name,
         run=scenario.clock.duration,
@@ -46,8 +46,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         check_covered(setup)
         if reference(scenario).x.numel():
             raise NoCorridorError("a reference that has a state of its own is not covered")
-        if len(cells) > 1 and scenario.changes:
-            raise NoCorridorError("masses in cells (corridor.cells) and changes are not covered")
+        cells = mass_courses(setup)
         for cell, widths in cells:
             here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
             inputs = replace(bounded_inputs(cell), body=widths)
@@ -67,7 +66,8 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         start=scenario.corridor.start,
         binding=along.loop.conditions[passage.binding[worst]].name,
         share=float(passage.share[worst]),
-        masses=mass_ranges(setup) if len(cells) > 1 else None,
+        masses=mass_ranges(setup) if cells[0][1].any() else None,
+        anew=any(item.m is not None or item.I is not None for item in scenario.changes),
     )
 
 
