@@ -20,7 +20,7 @@ from wmr_ctrl.checks.world import Floats, World, world_of
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.control.velocity import SentVelocity
 from wmr_ctrl.corridor.condition import Asked, Condition
-from wmr_ctrl.filter.passing import passing_commands
+from wmr_ctrl.filter.filter import passing_commands
 from wmr_ctrl.laws.law import Inside
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.system import Output, Parameters, Port, System

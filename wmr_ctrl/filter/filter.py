@@ -19,9 +19,10 @@ from wmr_ctrl.filter.band import BandGovernor
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
 from wmr_ctrl.filter.force_band import ForceBand
+from wmr_ctrl.filter.governor import largest_command
 from wmr_ctrl.filter.governor_step import Governor, check_jitter
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
-from wmr_ctrl.model.system import System
+from wmr_ctrl.model.system import System, stack, values
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.scenario.command_filter import Filter
 from wmr_ctrl.signals import Signal
@@ -99,6 +100,10 @@ def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:
 LARGEST_PEAK = 100.0
 """Largest peak gain of a filter: beyond it less than a per cent of the limit is left."""
 
+SHRUNK = 1 - 1e-12
+"""Share of a limit within which a command passes, roundings of the filter's own sums included."""
+SIDES = ("v", "omega", "the right wheel", "the left wheel")
+
 BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
     "clip": Clip,
     "governor": Governor,
@@ -131,6 +136,33 @@ def filter_system(scenario: Scenario) -> System:
     if scenario.filter.force is not None:
         return ForceBand(scenario).system
     return BUILDERS[scenario.filter.kind](scenario).system
+
+
+def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float], float]]:
+    """Speeds row[0] v + row[1] omega by name, with the size within which a command passes.
+
+    Whatever came before: the clip's own limits, than which a governor's are never less, since the
+    speed that it counts on is at most V (ledger: filter.contains-clip).  Of a clip without slew or
+    a governor; empty without filter.  0 where none passes.
+    """
+    if scenario.filter.kind == "none":
+        return []
+    check_filter(scenario)
+    built: Clip | Governor = (
+        Clip(scenario) if scenario.filter.kind == "clip" else Governor(scenario)
+    )
+    limits = [largest_command(item.bounds.V, item.bounds) for item in built.channels]
+    rows = ca.vertcat(*(ca.horzcat(*map(ca.SX, item.row)) for item in built.channels))
+    ports = built.p.ports
+    numbers = [stack(item.sym for item in ports)]
+    graph = ca.Function("passing", numbers, [ca.vertcat(*limits), rows, built.sound])
+    most, sides, sound = (item.full() for item in graph(values(ports)))
+    most = most * sound
+    names = SIDES[2:] if scenario.filter.channels == "wheels" else SIDES
+    return [
+        (name, (float(row[0]), float(row[1])), float(size[0]) * SHRUNK)
+        for name, row, size in zip(names, sides, most, strict=False)
+    ]
 
 
 @dataclass(frozen=True)
