@@ -151,13 +151,13 @@ def at_first(setup: Setup, *, run: bool) -> str:
 
 def _check_base(scenario: Scenario) -> None:
     """NoCorridorError for a base or a filter that takes commands otherwise than is counted."""
-    told = scenario.filter
-    if told.kind == "band":
+    stated = scenario.filter
+    if stated.kind == "band":
         raise NoCorridorError(
             'filter.kind = "band": what it lets pass depends on all commands before, and is not '
             "covered; a clip or a governor is"
         )
-    if told.slew is not None:
+    if stated.slew is not None:
         raise NoCorridorError(
             "filter.slew: from a run's first command on, the clip brings it up from 0 at that "
             "rate, which is not covered"
