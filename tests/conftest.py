@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gc
 import os
+import shutil
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -54,6 +55,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("every_case"):
         settings.load_profile("every example")
     os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
+    if config.option.markexpr == "not slow" and shutil.which("cc"):
+        os.environ.setdefault("WMR_CTRL_FMU_CC", "cc")  # zig begins by building a C library
     cache = getattr(config, "cache", None)
     if cache is not None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))
@@ -126,6 +129,10 @@ def pytest_collection(session: pytest.Session) -> None:
 def pytest_collection_finish() -> None:
     """What was imported and collected is not looked through for garbage again."""
     gc.freeze()
+    if "casadi" in sys.modules:
+        from tests import quick_expressions
+
+        quick_expressions.use()
 
 
 def mark_slow(items: Iterable[pytest.Item]) -> None:

@@ -180,7 +180,7 @@ def test_the_proximal_map_lies_between_the_lines_that_enclose_it(limited):
 
 def test_what_a_circle_is_off_its_steps_is_counted():
     changes = {
-        "reference.rate": 1.5, "reference.radius": 0.4, "disturbance.std": 0.0,
+        "reference.rate": 1.5, "reference.radius": 0.2, "disturbance.std": 0.0,
         "clock.control": 0.02, "clock.plant": 0.02, "guard.enabled": False,
         "limits.v_u1": (3.0, 9.0), "limits.v_u2": (2.5, 8.0),
     }  # fmt: skip

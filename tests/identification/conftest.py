@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ KNOWN = {"robot.r": TRUTH.r, "robot.l": TRUTH.l, "encoder.counts": TRUTH.counts}
 POSED = ("t", "wheel_counts[1]", "wheel_counts[2]", "tau_right", "tau_left", "x", "y", "theta")
 
 
-@pytest.fixture(scope="session", autouse=True)
+@contextmanager
 def filters_at_level_one():
     """A fit runs its compiled filter hundreds of times: at -O1 that takes a fifth of -O0."""
     find = build.find_toolchain
@@ -29,6 +31,13 @@ def filters_at_level_one():
         yield
 
 
+@pytest.fixture(scope="module", autouse=True)
+def level_one():
+    """In this folder alone: a fixture of the session would last for all tests after it."""
+    with filters_at_level_one():
+        yield
+
+
 @pytest.fixture(scope="session")
 def driven():
     return simulate(TRUTH, 4, 24.0, seed=0, step=2e-3)
@@ -37,7 +46,8 @@ def driven():
 @pytest.fixture(scope="session")
 def found(driven):
     """What the first robot's log tells."""
-    return identify(log_of(driven, 0), overrides=KNOWN)
+    with filters_at_level_one():
+        return identify(log_of(driven, 0), overrides=KNOWN)
 
 
 @pytest.fixture

@@ -31,8 +31,11 @@ FIGURES = [
     *(f"fig{number}{p.letter}_{p.key}" for number in (3, 5) for p in PANELS),
     "fig3_sheet", "fig5_sheet", *EVIDENCE, *PAST,
 ]  # fmt: skip
-SHOWN = [name for name in FIGURES if not name.startswith("fig5") and not name.endswith("_sheet")]
-"""Figures that are drawn by default: those of Fig. 5 are drawn as those of Fig. 3 are."""
+ALIKE = ("fig3d", "fig3f", "fig3g", "fig3h", "fig3j", "fig3l", "fig5")
+SHOWN = [name for name in FIGURES if not name.startswith(ALIKE) and not name.endswith("_sheet")]
+"""Figures that are drawn by default: those of Fig. 5 are drawn as those of Fig. 3 are, and so are
+omega as v1, errors as that of x, one wheel as the other.
+"""
 FACTS = Facts(
     titles={"nn": "Adaptive <network>"},
     timings={"pid": 0.001, "smc": 0.002, "mb": 0.003, "nn": 0.01},

@@ -67,7 +67,7 @@ def checks_arguments(function: Callable[P, T]) -> Callable[P, T]:
         except TypeError as problem:
             raise ArgumentError(f"{name}: {problem}. Its arguments: {', '.join(hints)}.") from None
         for key, value in (given | kwargs).items():
-            if key in hints:
+            if key in hints and type(value) is not hints[key]:  # mostly it is
                 check(value, hints[key], f"{name}: {key}")
         return function(*args, **kwargs)
 
@@ -108,7 +108,7 @@ def check(value: object, hint: object, where: str) -> None:
 
 def fits(value: object, hint: object) -> bool:
     """True if a value matches a type hint; of a long collection only the beginning is checked."""
-    return any(_is_a(value, *part) for part in _alternatives(hint))
+    return type(value) is hint or any(_is_a(value, *part) for part in _alternatives(hint))
 
 
 def words(hint: object) -> str:

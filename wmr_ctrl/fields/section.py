@@ -76,12 +76,15 @@ class Section:
     """
 
     KEY: ClassVar[str] = ""
+    QUANTITIES: ClassVar[tuple[tuple[str, Quantity], ...]] = ()
 
     def __init_subclass__(cls, *, key: str = "") -> None:
         """Make a frozen dataclass of what derives from this."""
         super().__init_subclass__()
         cls.KEY = key or cls.KEY
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+        fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+        cls.QUANTITIES = tuple((field.name, field.metadata["quantity"]) for field in fields)
 
     def __post_init__(self) -> None:
         """Put every field into its own type, or raise ScenarioError that names the key."""
@@ -97,10 +100,9 @@ class Section:
 S = TypeVar("S", bound=Section)
 
 
-def quantities(cls: type[Section]) -> Iterator[tuple[str, Quantity]]:
-    """Yield name and :class:`Quantity` of each field of a section or gains dataclass."""
-    for field in dataclasses.fields(cls):  # type: ignore[arg-type]
-        yield field.name, field.metadata["quantity"]
+def quantities(cls: type[Section]) -> tuple[tuple[str, Quantity], ...]:
+    """Name and :class:`Quantity` of each field of a section or gains dataclass."""
+    return cls.QUANTITIES
 
 
 def build(cls: type[S], raw: object, path: str | None = None) -> S:
