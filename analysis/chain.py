@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import cache
 from pathlib import Path
 from textwrap import fill
 
@@ -48,7 +50,8 @@ class Link:
         return found
 
 
-def record() -> dict[str, str]:
+@cache
+def record() -> Mapping[str, str]:
     """Verdict of every entry of the committed ledger."""
     entries = json.loads(RECORD.read_text(encoding="utf-8"))["entries"]
     return {item["id"]: item["verdict"] for item in entries}

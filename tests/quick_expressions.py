@@ -4,33 +4,42 @@ For `a * b` CasADi's Python layer tries each kind of number and matrix in turn b
 expressions for what they are: 20 us, where the operation takes 2.  Tests build graphs by the
 thousand, so for these kinds it is told.  The node that comes out is the same:
 `test_no_committed_verdict_is_about_another_graph` and the golden packages compare graphs that were
-recorded without this file.
+recorded without this file, and tests/test_quick_expressions.py each function with CasADi's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import casadi as ca
 from casadi import casadi as layer
 
-ONE = {"sqrt": ca.OP_SQRT, "fabs": ca.OP_FABS, "exp": ca.OP_EXP, "logic_not": ca.OP_NOT}
+ONE = {
+    "sqrt": ca.OP_SQRT, "fabs": ca.OP_FABS, "exp": ca.OP_EXP, "expm1": ca.OP_EXPM1,
+    "log": ca.OP_LOG, "log1p": ca.OP_LOG1P, "sin": ca.OP_SIN, "cos": ca.OP_COS,
+    "tan": ca.OP_TAN, "tanh": ca.OP_TANH, "floor": ca.OP_FLOOR, "logic_not": ca.OP_NOT,
+}  # fmt: skip
 TWO = {
     "plus": ca.OP_ADD, "minus": ca.OP_SUB, "times": ca.OP_MUL, "rdivide": ca.OP_DIV,
-    "lt": ca.OP_LT, "le": ca.OP_LE, "fmin": ca.OP_FMIN, "fmax": ca.OP_FMAX,
+    "power": ca.OP_POW, "atan2": ca.OP_ATAN2, "fmin": ca.OP_FMIN, "fmax": ca.OP_FMAX,
+    "lt": ca.OP_LT, "le": ca.OP_LE, "eq": ca.OP_EQ, "ne": ca.OP_NE,
     "logic_and": ca.OP_AND, "logic_or": ca.OP_OR,
 }  # fmt: skip
 NUMBERS = (float, int)
+SEARCHED: Mapping[str, Callable[..., Any]] = {
+    name: getattr(layer._casadi, name) for name in (*ONE, *TWO, "if_else")
+}
+"""CasADi's own, by name."""
 
 
 def use() -> None:
     """From now on in this process."""
     for name, op in ONE.items():
-        setattr(layer._casadi, name, _of_one(op, getattr(layer._casadi, name)))
+        setattr(layer._casadi, name, _of_one(op, SEARCHED[name]))
     for name, op in TWO.items():
-        setattr(layer._casadi, name, _of_two(op, getattr(layer._casadi, name)))
-    layer._casadi.if_else = _choice(layer._casadi.if_else)
+        setattr(layer._casadi, name, _of_two(op, SEARCHED[name]))
+    layer._casadi.if_else = _choice(SEARCHED["if_else"])
 
 
 def _of_one(op: int, searched: Callable[..., Any]) -> Callable[..., Any]:

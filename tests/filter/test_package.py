@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, run
 from tests.filter.test_filter import scenario
+from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import command_filter
@@ -182,16 +182,6 @@ def test_a_scenario_without_filter_is_refused():
 
 
 def test_the_command_writes_it(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "wmr_ctrl",
-        "codegen",
-        "filter",
-        "--set",
-        "filter.kind=clip",
-        "--out",
-        str(tmp_path),
-    ]
-    assert subprocess.run(command, check=False, capture_output=True).returncode == 0
+    command = ["codegen", "filter", "--set", "filter.kind=clip", "--out", str(tmp_path)]
+    assert CliRunner().invoke(root, command).exit_code == 0
     assert {"wmr_filter.h", "wmr_filter.c"} <= {item.name for item in tmp_path.iterdir()}
