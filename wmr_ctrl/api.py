@@ -124,11 +124,13 @@ def simulate_runs(
     overrides: types.Overrides | None = None,
     jobs: int | None = None,
     progress: types.Progress | None = None,
+    device: str = "cpu",
 ) -> list[Run]:
     """One complete Run per seed, computed several at a time on each core.
 
     The results equal those of `simulate` bit for bit, for any number of ``jobs`` (threads, or
-    processes for the ``plant`` "mujoco"; default: one per core) and any vector instructions.
+    processes for the ``plant`` "mujoco"; default: one per core), any vector instructions, and with
+    ``device`` "gpu" (CUDA: extra gpu) on a graphics processor.
     `simulate_many` returns only figures and needs no memory for logs.  ``progress`` is called with
     the completed share.  Raises the same errors as `simulate`.
 
@@ -136,11 +138,13 @@ def simulate_runs(
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
-    from wmr_ctrl.engines import check_plant, runs_of
+    from wmr_ctrl.engines import check_device, check_plant, runs_of
 
     listed = checked_seeds(seeds)
     check_plant(plant)
-    return runs_of(plant, scenario_of(scenario, overrides, guard), law, listed, jobs, progress)
+    check_device(device, plant)
+    chosen = scenario_of(scenario, overrides, guard)
+    return runs_of(plant, chosen, law, listed, jobs, progress, device)
 
 
 @checks_arguments
@@ -156,6 +160,7 @@ def simulate_many(
     figures: Iterable[str] = (),
     jobs: int | None = None,
     progress: types.Progress | None = None,
+    device: str = "cpu",
 ) -> RunTable:
     """Figures of one run per seed as arrays, computed for several runs at a time on each core.
 
@@ -163,23 +168,25 @@ def simulate_many(
     t = 0 in the scenario's ``frames``: x, y [m], theta [rad], v1 [m/s], omega [rad/s].
     ``figures`` names further figures of the catalogue, including those of other packages.
     With ``plant`` "mujoco", the rigid body, ``jobs`` are processes, and the table also has slip,
-    wheel speed, tilt and tip margin.  Results do not depend on ``jobs``.  Ctrl-C ends all threads
+    wheel speed, tilt and tip margin.  With ``device`` "gpu" (CUDA: extra gpu) a graphics processor
+    makes the runs, with the same bits.  Results do not depend on ``jobs``.  Ctrl-C ends all threads
     within one sample, and processes at once.  Raises the same errors as `simulate`.
 
     >>> table = simulate_many("paper-simulation", "mb", range(3), {"clock.duration": 5.0})
     >>> table["violations"]
     array([0., 0., 0.])
     """
-    from wmr_ctrl.engines import check_plant, table_of
+    from wmr_ctrl.engines import check_device, check_plant, table_of
 
     listed = checked_seeds(seeds)
     check_plant(plant)
+    check_device(device, plant)
     if progress:
         progress(0.0)
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
     rows = None if starts is None else checked_starts(starts, scenarios)
-    return table_of(plant, scenarios, law, listed, rows, tuple(figures), jobs, progress)
+    return table_of(plant, scenarios, law, listed, rows, tuple(figures), jobs, progress, device)
 
 
 @checks_arguments

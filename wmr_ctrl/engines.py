@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from wmr_ctrl.codegen.build import build_batch, build_loop, build_plantless
+from wmr_ctrl.codegen.build import build_batch, build_gpu, build_loop, build_plantless
 from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.setup import Setup, settle
@@ -11,6 +11,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.gpu import processor
 from wmr_ctrl.sim.interpreted import run_interpreted
 from wmr_ctrl.sim.many import each_task, later, planned_tasks, run_each, tabulated
 from wmr_ctrl.sim.memory import Task
@@ -19,10 +20,14 @@ from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run, settings_of
 Progress = Callable[[float], None]
 
 
-def runnable_batch(scenario: Scenario, law: str) -> RunnableLoop:
-    """The closed loop of a law, compiled for many runs at a time.  Raises as `settle` does."""
+DEVICES = ("cpu", "gpu")
+"""Where many runs are made: in vectors on this processor's cores, or on a graphics processor."""
+
+
+def runnable_batch(scenario: Scenario, law: str, device: str = "cpu") -> RunnableLoop:
+    """The closed loop of a law, for many runs at a time on a device.  Raises as `settle` does."""
     setup = settle(scenario, law)
-    return runnable_of(build_batch(setup), setup)
+    return runnable_of((build_gpu if device == "gpu" else build_batch)(setup), setup)
 
 
 def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
@@ -56,6 +61,7 @@ def runs_of(
     seeds: Sequence[int],
     jobs: int | None = None,
     progress: Progress | None = None,
+    device: str = "cpu",
 ) -> list[Run]:
     """A whole Run per seed on that plant; errors as `run_each` and `run_rigid_each` raise."""
     if plant == "mujoco":
@@ -63,7 +69,7 @@ def runs_of(
 
         apart = runnable_plantless(scenario, law)
         return run_rigid_each([(apart, seed) for seed in seeds], lambda _, run: run, jobs, progress)
-    loop = runnable_batch(scenario, law)
+    loop = runnable_batch(scenario, law, device)
     return run_each([(loop, seed) for seed in seeds], lambda _, run: run, jobs, progress)
 
 
@@ -76,9 +82,10 @@ def table_of(
     figures: Sequence[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
+    device: str = "cpu",
 ) -> RunTable:
     """Figures of a run per seed on that plant; errors as `planned_tasks` and the makers raise."""
-    build, tabulate = partial(runnable_batch, law=law), tabulated
+    build, tabulate = partial(runnable_batch, law=law, device=device), tabulated
     if plant == "mujoco":
         from wmr_ctrl.physics.rigid import mujoco
         from wmr_ctrl.physics.run import rigid_table
@@ -93,6 +100,22 @@ def table_of(
 def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:
     """A compiled loop with the scenario, law and assumptions of its setup."""
     return RunnableLoop(compiled, setup.scenario, setup.name, setup.assumptions)
+
+
+def check_device(device: str, plant: str = "ode") -> None:
+    """Raise unless there is such a device and it answers.
+
+    UnknownNameError, ArgumentError (plant), MissingExtraError or DeviceError.
+    """
+    if device not in DEVICES:
+        raise UnknownNameError("device", device, DEVICES)
+    if device == "gpu" and plant != "ode":
+        raise ArgumentError(
+            f"device = 'gpu' runs the plant ode alone, and the plant is {plant!r}. Leave out the "
+            "device, or choose the plant ode."
+        )
+    if device == "gpu":
+        processor()
 
 
 def check_plant(plant: str, engine: str = "native") -> None:

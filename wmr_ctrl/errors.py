@@ -37,6 +37,10 @@ class CacheError(CompilerError):
     """Compiled code cannot be stored: a full disk, say, whatever the compiler."""
 
 
+class DeviceError(WmrError, RuntimeError):
+    """A graphics processor is not there, has too little memory, or failed."""
+
+
 class ResultFileError(WmrError, ValueError):
     """A saved run cannot be read, or a result cannot be written."""
 

@@ -273,11 +273,22 @@ static void watch(wmr_loop *w, const wmr_v *seen)
 }
 #endif
 
+/* The slow part that a sample left holds now, beside the fast part as it is. */
+static void take_on(wmr_loop *w)
+{
+#ifdef WMR_ONE_STATE
+    copy(wmr_loop_state(w) + WMR_FAST, wmr_loop_next(w) + WMR_FAST, WMR_STATE - WMR_FAST);
+#else
+    copy(wmr_loop_next(w), wmr_loop_state(w), WMR_FAST);
+    w->now = !w->now;
+#endif
+}
+
 void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
 {
     wmr_v held[WMR_HELD], draws[WMR_SAMPLE_DRAWS + 1];
     const wmr_v k = wmr_all((double)w->sample), *x = wmr_loop_state(w), *p;
-    wmr_v *next = w->states[!w->now] + WMR_FAST;
+    wmr_v *next = wmr_loop_next(w) + WMR_FAST;
     change(s, w);
     draw(s, w, 0, 1, w->sample, draws);
     p = parameters(s, w);
@@ -293,8 +304,7 @@ void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
         wmr_sample_logged(&k, x, p, draws, w->prepared_logged, next, held, row);
     }
     w->findings[WMR_FOUND_SAMPLES] += wmr_number(w->running);
-    copy(w->states[!w->now], x, WMR_FAST);
-    w->now = !w->now;
+    take_on(w);
     plant_steps(s, w, held);
     w->sample += 1;
 }

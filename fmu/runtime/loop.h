@@ -47,8 +47,15 @@ typedef struct {
 #endif
 } wmr_loop;
 
-/* The state that holds now. */
+/* The state that holds now, and where a sample leaves its part of the next.  With WMR_ONE_STATE
+   they stay in their places, so that a compiler with many registers may keep them there. */
+#ifdef WMR_ONE_STATE
+static inline wmr_v *wmr_loop_state(wmr_loop *w) { return w->states[0]; }
+static inline wmr_v *wmr_loop_next(wmr_loop *w) { return w->states[1]; }
+#else
 static inline wmr_v *wmr_loop_state(wmr_loop *w) { return w->states[w->now]; }
+static inline wmr_v *wmr_loop_next(wmr_loop *w) { return w->states[!w->now]; }
+#endif
 
 void wmr_loop_start(const wmr_settings *s, wmr_loop *w);
 

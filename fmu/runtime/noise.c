@@ -3,7 +3,13 @@
 #define ROUNDS 10
 
 /* High and low half of a 64 by 64 bit product; from 32-bit pieces where there is no wider type. */
-#ifdef __SIZEOF_INT128__
+#if defined(__CUDA_ARCH__)
+static uint64_t multiply(uint64_t a, uint64_t b, uint64_t *high)
+{
+    *high = __umul64hi(a, b);
+    return a * b;
+}
+#elif defined(__SIZEOF_INT128__)
 __extension__ typedef unsigned __int128 wide;
 
 static uint64_t multiply(uint64_t a, uint64_t b, uint64_t *high)

@@ -77,7 +77,7 @@ def made_up(
 ) -> Iterator[None]:
     """Within it campaigns need no compiling, ``asked`` hears of each loop: functions of a seed."""
 
-    def build(case: PlannedCase) -> Callable[[int], Run]:
+    def build(case: PlannedCase, device: str = "cpu") -> Callable[[int], Run]:
         asked(case)
         return lambda seed: simulate(case.scenario, case.law, seed)
 

@@ -56,13 +56,14 @@ class Silent:
         """Show nothing."""
 
 
-def build_loop(case: PlannedCase) -> RunnableLoop:
+def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
     """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
     # imported here, so that a worker that builds none is light
     from wmr_ctrl.engines import runnable_batch, runnable_plantless
 
-    build = runnable_batch if case.plant == "ode" else runnable_plantless
-    return build(scenario_of(case), case.law)
+    if case.plant == "ode":
+        return runnable_batch(scenario_of(case), case.law, device)
+    return runnable_plantless(scenario_of(case), case.law)
 
 
 def scenario_of(case: PlannedCase) -> Scenario:
@@ -74,9 +75,9 @@ def scenario_of(case: PlannedCase) -> Scenario:
 
 
 def built_loops(
-    cases: Iterable[PlannedCase], progress: PhaseProgress, text: str
+    cases: Iterable[PlannedCase], progress: PhaseProgress, text: str, device: str = "cpu"
 ) -> list[RunnableLoop | Refusal]:
-    """The loop of each case, in their order, each different one compiled once.
+    """The loop of each case for a device, in their order, each different one compiled once.
 
     A guard that refuses gives its Refusal; what cannot be without the guard either is raised.
     """
@@ -86,7 +87,7 @@ def built_loops(
         key = case_key(case)
         if key not in known:
             try:
-                known[key] = build_loop(case)
+                known[key] = build_loop(case, device)
             except ScenarioError as error:
                 if not case.guard:
                     raise
@@ -94,8 +95,10 @@ def built_loops(
                 known[key] = Refusal(str(error))
         return known[key]
 
-    keyed = [(case_key(case), case) for case in cases]
-    different = dict(keyed)
+    listed = list(cases)
+    apart = {id(case): case for case in listed}
+    keys = {place: case_key(case) for place, case in apart.items()}
+    different = {keys[place]: case for place, case in apart.items()}
     progress.start(len(different), text)
     try:
         for case in different.values():
@@ -103,7 +106,7 @@ def built_loops(
             progress.advance(1)
     finally:
         progress.done()
-    return [known[key] for key, _ in keyed]
+    return [known[keys[id(case)]] for case in listed]
 
 
 def accepted(

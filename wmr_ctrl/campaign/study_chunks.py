@@ -53,19 +53,20 @@ MOST_LOOPS = 16
 class StudyChunk:
     """Some runs of a study, and the figures that are asked of them: what a worker is sent.
 
-    ``loops``: that of each run, where the worker need not build them.
+    ``loops``: that of each run, where the worker need not build them; ``device``: as in `study`.
     """
 
     runs: tuple[tuple[PlannedCase, int], ...]
     figures: tuple[str, ...]
     loops: tuple[RunnableLoop | Refusal, ...] = ()
+    device: str = "cpu"
 
     def with_loops(self) -> StudyChunk:
         """The same with its loops; as it is where almost every run has a case of its own."""
         cases = [case for case, _ in self.runs]
         if len(set(map(id, cases))) > MOST_LOOPS:
             return self
-        return replace(self, loops=tuple(built_loops(cases, Silent(), "")))
+        return replace(self, loops=tuple(built_loops(cases, Silent(), "", self.device)))
 
 
 def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
@@ -73,7 +74,8 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
 
     On ``jobs`` threads, or processes for the rigid body; what an executor's worker calls.
     """
-    loops = chunk.loops or built_loops((case for case, _ in chunk.runs), Silent(), "")
+    cases = (case for case, _ in chunk.runs)
+    loops = chunk.loops or built_loops(cases, Silent(), "", chunk.device)
     places, ready = accepted(loops, [seed for _, seed in chunk.runs])
     rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
     outcome = np.array([REFUSED] * len(loops), dtype="<U16")

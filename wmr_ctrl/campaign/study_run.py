@@ -25,6 +25,9 @@ from wmr_ctrl.sim.batch import check_jobs
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""
 
+GPU_CHUNK = 2**17
+"""Least runs between two writes with a graphics processor: fewer would not fill it."""
+
 MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 """Outcome and figures of a chunk's runs on so many threads; what executors run."""
 
@@ -65,11 +68,13 @@ def study(
     executor: str | Executor = "threads",
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
+    device: str = "cpu",
 ) -> StudyOutcome:
     """Run a plan (a TOML file, its tables, or a Study) and write ``out``/table.csv.
 
     ``executor``: "threads" of this process, "dask" for processes of this machine, a Dask scheduler
-    as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes.
+    as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes;
+    ``device``: "gpu" for the graphics processor of whoever makes the runs (CUDA: extra gpu).
     The table has the same bytes for all of them.  After an interruption, the same call makes only
     the runs that are missing.  Runs of the plant "mujoco" (extra physics) are made by processes
     instead of threads.  Raises ArgumentError,
@@ -86,22 +91,28 @@ def study(
 
         mujoco()
         description(chosen.loaded)  # refuses what no rigid body is
-    facts = partial(study_facts, chosen.loaded, chosen.laws, chosen.plant)
+    facts = partial(study_facts, chosen.loaded, chosen.laws, chosen.plant, device)
     with ThreadPoolExecutor(1) as beside:
         known = beside.submit(facts)  # while processes start
         with executor_named(executor, jobs, known.result, facts) as running:
             made_by = known.result()
-            return run_study(chosen, Path(out), chunk_rows, made_by, running, jobs, progress)
+            where = (running, jobs, progress, device)
+            return run_study(chosen, Path(out), chunk_rows, made_by, *where)
 
 
-def study_facts(scenario: Scenario, laws: tuple[str, ...], plant: str) -> dict[str, str]:
+def study_facts(
+    scenario: Scenario, laws: tuple[str, ...], plant: str, device: str = "cpu"
+) -> dict[str, str]:
     """Facts that decide a result besides the plan: the version, and the code of the plan's laws.
 
     The laws' loops without guard are compiled for it, here or on the worker that is asked, so that
-    a kind of machine does so before its first chunk.
+    a kind of machine does so before its first chunk.  Raises as `check_device`.
     """
+    from wmr_ctrl.engines import check_device
+
+    check_device(device, plant)
     cases = (PlannedCase(scenario, law, False, plant=plant) for law in laws)
-    digests = [build_loop(case).compiled.digest for case in cases]
+    digests = [build_loop(case, device).compiled.digest for case in cases]
     code = hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16]
     facts = {"version": __version__, "kernels": code}
     if plant == "mujoco":
@@ -119,6 +130,7 @@ def run_study(
     executor: Executor | None = None,
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
+    device: str = "cpu",
 ) -> StudyOutcome:
     """Run what of ``plan`` the folder ``out`` does not have yet, and write the table.
 
@@ -139,8 +151,10 @@ def run_study(
             runs = len(cells) * (end - begin)
             which = f", look {look + 1} of {len(counts)}" if len(counts) > 1 else ""
             shown.start(runs, f"Running the study{which}")
-            blocks = _blocks(chosen, runs, plan.chunk)
-            paths = _finished(folder, look, blocks, make, executor, jobs, shown)
+            longest = max(plan.chunk, GPU_CHUNK) if device == "gpu" else plan.chunk
+            blocks = _blocks(chosen, runs, longest)
+            chunk = partial(_chunk, plan, device)
+            paths = _finished(folder, look, blocks, chunk, make, executor, jobs, shown)
             shown.done()
             looks.append(paths)
             done, begin = done + runs, end
@@ -174,13 +188,14 @@ def _finished(
     folder: StudyFolder,
     look: int,
     blocks: Iterator[list[int]],
+    chunk: Callable[[list[int]], StudyChunk],
     make: MakeRows,
     executor: Executor | None,
     jobs: int | None,
     progress: PhaseProgress,
 ) -> list[Path]:
     """Paths of a look's chunks, in order; those that are not there yet are made."""
-    plan, paths = folder.plan, []
+    paths = []
 
     def missing() -> Iterator[tuple[Path, list[int]]]:
         for block in blocks:
@@ -198,22 +213,22 @@ def _finished(
 
     if executor is None:
         for path, block in missing():
-            keep(path, block, make(_chunk(plan, block), jobs))
+            keep(path, block, make(chunk(block), jobs))
     else:
-        _sent(missing(), plan, make, executor, jobs, keep)
+        _sent(missing(), chunk, make, executor, jobs, keep)
     return paths
 
 
-def _chunk(plan: Study, block: Sequence[int]) -> StudyChunk:
+def _chunk(plan: Study, device: str, block: Sequence[int]) -> StudyChunk:
     """The runs of some indices; those of a cell share their case."""
     cases = {cell: plan.case(cell) for cell in dict.fromkeys(k // plan.seeds for k in block)}
     runs = ((cases[k // plan.seeds], plan.first_seed + k % plan.seeds) for k in block)
-    return StudyChunk(tuple(runs), plan.figures)
+    return StudyChunk(tuple(runs), plan.figures, device=device)
 
 
 def _sent(
     missing: Iterator[tuple[Path, list[int]]],
-    plan: Study,
+    chunk: Callable[[list[int]], StudyChunk],
     make: MakeRows,
     executor: Executor,
     jobs: int | None,
@@ -232,7 +247,7 @@ def _sent(
                         raise answer
                     keep(*waiting.pop(future), answer)
             if path is not None:
-                waiting[executor.submit(_told, make, _chunk(plan, block), 1)] = (path, block)
+                waiting[executor.submit(_told, make, chunk(block), 1)] = (path, block)
     finally:
         for future in waiting:
             future.cancel()

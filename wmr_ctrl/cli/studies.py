@@ -36,11 +36,23 @@ if TYPE_CHECKING:
     metavar="E",
     help="threads, dask (local processes) or dask://HOST:PORT.",
 )
+@click.option(
+    "--device",
+    type=click.Choice(("cpu", "gpu")),
+    default="cpu",
+    show_default=True,
+    help="gpu: an NVIDIA graphics processor makes the runs (extra gpu), with the same bits.",
+)
 @opt.jobs_option
 @opt.json_option("Print what was made as one JSON document.")
 @opt.debug_option
 def study(
-    words: tuple[str, ...], out: str | None, executor: str, jobs: int | None, as_json: bool
+    words: tuple[str, ...],
+    out: str | None,
+    executor: str,
+    device: str,
+    jobs: int | None,
+    as_json: bool,
 ) -> None:
     """Run everything that PLAN.toml names, and write DIR/table.csv with one row per run.
 
@@ -71,7 +83,7 @@ def study(
     for text in plan.warnings:
         say("warning", text)
     with resumable(Path(out)), Progress("study") as progress:
-        result = api.study(plan, out, executor=executor, jobs=jobs, progress=progress)
+        result = api.study(plan, out, executor=executor, device=device, jobs=jobs, progress=progress)
     if as_json:
         print_json(
             {key: str(v) if key in ("folder", "table") else v for key, v in asdict(result).items()}

@@ -8,12 +8,14 @@ same generated text; which of them runs is decided when it is used (dispatch.c).
 import hashlib
 import json
 import platform
+import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from wmr_ctrl.codegen import kernels
+from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
 from wmr_ctrl.codegen.emit import Kernel
@@ -32,6 +34,7 @@ LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "
 NATIVE = ("native.c", *LOOP)
 OUTSIDE = ("outside.c", *LOOP[1:])
 LAW = ("law.c", "arithmetic.h", "export.h")
+GPU = ("gpu.c", "gpu_types.h", "seed.c", "seed.h", *LOOP[1:-1])
 _DISPATCH = "dispatch.c"
 
 
@@ -77,6 +80,17 @@ def build_batch(setup: Setup) -> CompiledLoop:
     """The closed loop for lanes of robots, with a log and without."""
     program = program_of(setup)
     return filled(program, setup, program.lanes, digest(program.generated_lanes))
+
+
+def build_gpu(setup: Setup) -> CompiledLoop:
+    """The text of the loop for a graphics processor, from that of `build_batch`, in the cache.
+
+    It is compiled where it runs.  Raises CacheError if it cannot be stored.
+    """
+    program = program_of(setup)
+    text = one_text(GPU, program.generated_lanes)
+    library = build_cached({"loop.cu": text}, lambda folder: folder / "loop.cu")
+    return filled(program, setup, library, digest(program.generated_lanes))
 
 
 def build_plantless(setup: Setup) -> CompiledLoop:
@@ -252,6 +266,20 @@ def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[st
     included = {name: text.replace('.c"\n', '.inc"\n') for name, text in every.items()}
     unit = included.pop(_as_header(files[0]))
     return {**included, files[0]: unit}
+
+
+def one_text(files: Sequence[str], generated: Mapping[str, str]) -> str:
+    """Generated and hand-written sources as one text that includes nothing, the first file's."""
+    left = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files} | generated
+
+    def included(match: re.Match[str]) -> str:
+        own = match[1] == '"'
+        return INCLUDE.sub(included, left.pop(match[2], "")) if own else ""
+
+    return INCLUDE.sub(included, left.pop(files[0]))
+
+
+INCLUDE = re.compile(r'^#include (["<])([^">]+)[">].*\n', re.MULTILINE)
 
 
 def digest(generated: dict[str, str]) -> str:

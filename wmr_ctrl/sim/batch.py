@@ -21,7 +21,8 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put
-from wmr_ctrl.sim.memory import Memory, Task, laid_out, vector_set
+from wmr_ctrl.sim.gpu import is_for_gpu, launched, robots_of
+from wmr_ctrl.sim.memory import Results, Task, laid_out, vector_set
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -40,7 +41,7 @@ def run_tasks(
     """
     figures = empty_figures(len(tasks))
 
-    def read(places: list[int], memory: Memory) -> None:
+    def read(places: list[int], memory: Results) -> None:
         put(figures, places, memory, [tasks[k] for k in places])
 
     _run_batches(tasks, read, False, jobs, progress)
@@ -61,7 +62,7 @@ def run_logged(
     """
     results: dict[int, T] = {}
 
-    def read(places: list[int], memory: Memory) -> None:
+    def read(places: list[int], memory: Results) -> None:
         watched = monitors(memory, tasks[places[0]].loop.settings)
         for lane, place in enumerate(places):
             results[place] = then(place, memory.logged(lane), watched[lane])
@@ -86,25 +87,44 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def _batches(tasks: Sequence[Task]) -> list[list[int]]:
+def _batches(tasks: Sequence[Task], log: bool) -> list[list[int]]:
     """Places of the tasks, in groups that fit the lanes of their library and share a structure."""
-    groups: dict[tuple[object, ...], list[int]] = {}
+    alike: dict[tuple[int, str | None], list[int]] = {}
     for place, task in enumerate(tasks):
+        alike.setdefault((id(task.loop), task.vectors), []).append(place)
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for same in alike.values():
+        task = tasks[same[0]]
         compiled, windows = task.loop.compiled, windows_of(task.loop.settings)
-        alike = compiled.library, compiled.structure, compiled.phase_start, compiled.delay_steps
+        structure = compiled.library, compiled.structure, compiled.phase_start, compiled.delay_steps
         timed = task.loop.scenario.clock, tuple(windows.values()), task.vectors
-        groups.setdefault((*alike, *timed), []).append(place)
+        groups.setdefault((*structure, *timed), []).extend(same)
     batches = []
     for places in groups.values():
-        first = tasks[places[0]]
-        lanes = vector_set(first.loop.compiled.library, first.vectors).lanes
+        lanes = _lanes(tasks[places[0]], log)
         batches += [places[k : k + lanes] for k in range(0, len(places), lanes)]
     return batches
 
 
+def _lanes(task: Task, log: bool) -> int:
+    """Runs of one batch."""
+    if is_for_gpu(task):
+        return robots_of(task, len(windows_of(task.loop.settings)), log=log)
+    return vector_set(task.loop.compiled.library, task.vectors).lanes
+
+
+def _made(chosen: Sequence[Task], log: bool, cancelled: ct.c_int32) -> Results | None:
+    """What the runs of one batch leave; None if they were cancelled."""
+    windows = [] if log else list(windows_of(chosen[0].loop.settings).values())
+    if is_for_gpu(chosen[0]):
+        return launched(chosen, windows, log, cancelled)
+    memory = laid_out(chosen, windows, log=log, cancelled=cancelled)
+    return memory if memory.run() else None
+
+
 def _run_batches(
     tasks: Sequence[Task],
-    read: Callable[[list[int], Memory], None],
+    read: Callable[[list[int], Results], None],
     log: bool,
     jobs: int | None,
     progress: Progress | None,
@@ -114,14 +134,12 @@ def _run_batches(
     cancelled, done = ct.c_int32(0), 0
 
     def one(places: list[int]) -> int:
-        chosen = [tasks[k] for k in places]
-        windows = [] if log else list(windows_of(chosen[0].loop.settings).values())
-        memory = laid_out(chosen, windows, log=log, cancelled=cancelled)
-        if memory.run():
+        memory = _made([tasks[k] for k in places], log, cancelled)
+        if memory:
             read(places, memory)
         return len(places)
 
-    for count in _finished(one, _batches(tasks), cancelled, jobs or cores()):
+    for count in _finished(one, _batches(tasks, log), cancelled, jobs or cores()):
         done += count
         if progress:
             progress(done / len(tasks))

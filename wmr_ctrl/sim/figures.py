@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from wmr_ctrl.fields.orientation import outward
 from wmr_ctrl.results import Monitor, Settings, outcome_of
 from wmr_ctrl.results.figures import STATE, SUMMED, Sum
-from wmr_ctrl.results.outcomes import STOP_REASONS, Event
+from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS, Event
 from wmr_ctrl.results.windows import at_rest, windows_of
-from wmr_ctrl.sim.memory import Memory, Task
+from wmr_ctrl.sim.memory import Results, Task
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Floats = NDArray[np.float64]
 Figures = dict[str, NDArray[np.float64]]
@@ -34,27 +35,47 @@ def empty_figures(count: int) -> Figures:
     return texts | {name: np.full(count, np.nan) for name in COLUMNS}
 
 
-def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[Task]) -> None:
+def put(figures: Figures, places: Sequence[int], memory: Results, runs: Sequence[Task]) -> None:
     """Write a batch's figures where its runs stand."""
-    where, settings = list(places), [run.loop.settings for run in runs]
-    guarded = [run.loop.scenario.guard.enabled for run in runs]
-    filtered = [run.loop.scenario.base.kind == "velocity" for run in runs]
-    numbers = {**_from_findings(memory, settings[0]), **dict(_from_sums(memory, settings[0]))}
+    where, settings = list(places), runs[0].loop.settings
+    each = {id(run.loop): _facts(run.loop) for run in runs}
+    known = np.array([each[id(run.loop)] for run in runs])
+    guarded, filtered, stops = known[:, :3].T != 0.0
+    numbers = {**_from_findings(memory, settings), **dict(_from_sums(memory, settings))}
     for share in CHANGED:
         numbers[share] = np.where(filtered if "filter" in share else guarded, numbers[share], 0.0)
     for name, values in numbers.items():
         figures[name][where] = values
-    seen = zip(monitors(memory, settings[0]), guarded, strict=True)
-    figures["outcome"][where] = [outcome_of(watched, guard).value for watched, guard in seen]
-    allowed = np.array([item.tolerance for item in settings], dtype=float)
-    stops = np.array([first < end for first, end in map(at_rest, settings)])
-    drives, ends = (numbers[f"tracking_{part}_rms"] <= allowed for part in ("drive", "end"))
+    figures["outcome"][where] = _outcomes(memory, settings, guarded)
+    drives, ends = (numbers[f"tracking_{part}_rms"] <= known[:, 3] for part in ("drive", "end"))
     figures["tracked"][where] = drives & (ends | ~stops)
 
 
-def monitors(memory: Memory, settings: Settings) -> list[Monitor]:
-    """Monitors of the runs of a batch."""
-    columns = memory.findings[:, : memory.count].T.tolist()
+def _facts(loop: RunnableLoop) -> tuple[float, ...]:
+    """Of a loop: whether it has a guard, a filter, a path that stops; and the error allowed [m]."""
+    scenario, settings = loop.scenario, loop.settings
+    first, end = at_rest(settings)
+    switches = scenario.guard.enabled, scenario.base.kind == "velocity", first < end
+    return (*map(float, switches), settings.tolerance)
+
+
+def _outcomes(memory: Results, settings: Settings, guarded: NDArray[np.bool_]) -> NDArray[np.str_]:
+    """Outcome of each run; runs that are alike in all that decides it are judged once."""
+    found = memory.row
+    most = np.maximum(found("max_v1"), found("max_omega"))
+    events = (most >= DIVERGENCE, found("violations") > 0, found("left_sample") >= 0, guarded)
+    decisive = [found("stop"), ~np.isfinite(most), *events]
+    alike = np.ravel_multi_index([*np.array(decisive, dtype=int)], (3, 2, 2, 2, 2, 2))
+    _, first, kind = np.unique(alike, return_index=True, return_inverse=True)
+    judged = zip(monitors(memory, settings, first), guarded[first], strict=True)
+    return np.array([outcome_of(seen, guard).value for seen, guard in judged])[kind]
+
+
+def monitors(
+    memory: Results, settings: Settings, places: NDArray[np.intp] | slice = slice(None)
+) -> list[Monitor]:
+    """Monitors of the runs of a batch, or of those at some places."""
+    columns = memory.findings[:, : memory.count].T[places].tolist()
     rows = [dict(zip(memory.layout.findings, numbers, strict=True)) for numbers in columns]
     return [monitor(row, settings.plant, settings.control) for row in rows]
 
@@ -87,7 +108,7 @@ def final_state(end: Iterable[V], frames: str) -> dict[str, V]:
     return values | {"final_theta": outward(values["final_theta"], frames)}
 
 
-def _from_findings(memory: Memory, settings: Settings) -> Figures:
+def _from_findings(memory: Results, settings: Settings) -> Figures:
     row = memory.row
     step, left = settings.plant, row("left_sample")
     violated, ended, samples = row("violations") > 0, row("stop") > 0, row("samples")
@@ -111,7 +132,7 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
     }
 
 
-def _from_sums(memory: Memory, settings: Settings) -> Iterator[tuple[str, Floats]]:
+def _from_sums(memory: Results, settings: Settings) -> Iterator[tuple[str, Floats]]:
     """Figures that have sums, by name; NaN where a run did not last the figure's window."""
     windows = windows_of(settings)
     full = {name: covered(span, settings, memory) for name, span in windows.items()}
@@ -138,7 +159,7 @@ def _made(how: Sum, added: Floats, samples: Floats, period: float) -> Floats:
     return mean if how.how == "mean" else np.sqrt(mean / how.count)
 
 
-def covered(window: tuple[int, int], settings: Settings, memory: Memory) -> NDArray[np.bool_]:
+def covered(window: tuple[int, int], settings: Settings, memory: Results) -> NDArray[np.bool_]:
     """Mask of the runs that lasted through a window of samples."""
     stop, stop_step = memory.row("stop"), memory.row("stop_step")
     substeps = round(settings.control / settings.plant)

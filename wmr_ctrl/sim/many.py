@@ -16,6 +16,7 @@ from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.table import RunTable, table_of_rows
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, run_logged, run_tasks
+from wmr_ctrl.sim.gpu import is_for_gpu
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
 
@@ -109,15 +110,16 @@ def each_task(
     then: Callable[[int, Run], T],
     jobs: int | None = None,
     progress: Callable[[float], None] | None = None,
-    engine: str = "lanes",
+    engine: str | None = None,
 ) -> list[T]:
-    """`run_each` for tasks; ``engine``: what made the runs."""
+    """`run_each` for tasks; ``engine``: what made the runs, by default "lanes" or "gpu"."""
 
     def pass_on(place: int, rows: Floats, watched: Monitor) -> T:
         item, seed = tasks[place].loop, tasks[place].seed
         signals, facts = item.compiled.layout.columns, {"kernel_hash": item.compiled.digest}
         log = signals, split_columns(signals, rows), watched
-        run = assemble_run(item.scenario, item.law, seed, engine, log, facts, item.bounds)
+        made_by = engine or ("gpu" if is_for_gpu(tasks[place]) else "lanes")
+        run = assemble_run(item.scenario, item.law, seed, made_by, log, facts, item.bounds)
         return then(place, run)
 
     return run_logged(tasks, pass_on, jobs=jobs, progress=progress)

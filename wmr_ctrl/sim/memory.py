@@ -139,25 +139,19 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Memory:
-    """The settings of a batch, every array that they point into, and what a run leaves.
+class Results:
+    """What the runs of a batch leave.
 
-    ``findings`` and ``state``: a row a name, a column a lane; ``count``: lanes that are asked for.
+    ``findings``, ``state`` and ``added`` (windows, sums, lanes): a row a name, a column a lane;
+    ``count``: lanes that are asked for.
     """
 
     layout: LoopLayout
-    vectors: VectorSet
-    settings: LoopSettings
-    arrays: Mapping[str, Numbers]
     findings: Floats
     state: Floats
+    added: Floats
     logs: Sequence[Floats]
     count: int
-
-    def run(self) -> bool:
-        """Run all lanes to the end; False if that was cancelled."""
-        pointers = (item.ctypes.data_as(REALS) for item in (self.findings, self.state))
-        return not self.vectors.run(ct.byref(self.settings), *pointers)
 
     def row(self, name: str) -> Floats:
         """A finding of each run, (runs,)."""
@@ -172,8 +166,7 @@ class Memory:
     @property
     def sums(self) -> Floats:
         """Sums over windows, (windows, sums, runs)."""
-        sums: Floats = self.arrays["sums"][:, :, : self.count]  # type: ignore[assignment]
-        return sums
+        return self.added[:, :, : self.count]
 
     def sum(self, name: str) -> Floats:
         """One of the sums over all windows, (windows, runs)."""
@@ -182,6 +175,20 @@ class Memory:
     def logged(self, lane: int) -> Floats:
         """Rows of one run's log."""
         return self.logs[lane][: int(self.row("samples")[lane])]
+
+
+@dataclass(frozen=True)
+class Memory(Results):
+    """The settings of a batch, every array that they point into, and what a run leaves."""
+
+    vectors: VectorSet
+    settings: LoopSettings
+    arrays: Mapping[str, Numbers]
+
+    def run(self) -> bool:
+        """Run all lanes to the end; False if that was cancelled."""
+        pointers = (item.ctypes.data_as(REALS) for item in (self.findings, self.state))
+        return not self.vectors.run(ct.byref(self.settings), *pointers)
 
 
 def laid_out(
@@ -201,6 +208,7 @@ def laid_out(
             "`compile_loop`."
         )
     padded = [*runs, *[runs[-1]] * (chosen.lanes - len(runs))]
+    added = aligned(len(windows), chosen.sums, chosen.lanes)
     arrays: dict[str, Numbers] = {
         "parameters": _columns([[*chain(*run.loop.compiled.parameters)] for run in padded]),
         "start": _columns([_start(run) for run in padded]),
@@ -208,7 +216,7 @@ def laid_out(
         "window": np.array(windows, dtype=np.int64).reshape(-1, 2),
         "key": np.array([noise_key(run.seed) for run in padded], dtype=np.uint64),
         "queue": aligned(max(2 * compiled.delay_steps, 1), chosen.lanes),
-        "sums": aligned(len(windows), chosen.sums, chosen.lanes),
+        "sums": added,
     }
     settings = LoopSettings(
         samples=clock.samples, phases=len(compiled.phase_start), windows=len(windows),
@@ -219,7 +227,8 @@ def laid_out(
     if log:
         settings.log = (REALS * chosen.lanes)(*(rows.ctypes.data_as(REALS) for rows in logs))
     left = aligned(chosen.findings, chosen.lanes), aligned(chosen.state, chosen.lanes)
-    return Memory(compiled.layout, chosen, settings, arrays, *left, logs, len(runs))
+    found = (compiled.layout, *left, added, logs, len(runs))
+    return Memory(*found, chosen, settings, arrays)
 
 
 def aligned(*shape: int) -> Floats:

@@ -4,7 +4,7 @@ import hashlib
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -99,7 +99,7 @@ class RunnableLoop:
     law: str
     bounds: Assumptions
 
-    @property
+    @cached_property
     def settings(self) -> Settings:
         """Clocks, limits and windows of the scenario."""
         return settings_of(self.scenario)

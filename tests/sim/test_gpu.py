@@ -1,0 +1,200 @@
+"""Many runs on a graphics processor: its text, run here by a stand-in, has the bits of lanes.
+
+The stand-in compiles the same text as C++ and runs one robot after the other; the last test runs
+CUDA where there is a device.
+"""
+
+from __future__ import annotations
+
+import ctypes as ct
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.campaign.studies import REAL
+from tests.matrix import headed, turns
+from tests.sim.graphics import COMPILER, Stand
+from wmr_ctrl import simulate_many, simulate_runs, study
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.cli.root import root
+from wmr_ctrl.engines import runnable_batch
+from wmr_ctrl.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.sim import gpu
+from wmr_ctrl.sim.batch import run_tasks
+from wmr_ctrl.sim.memory import Task
+
+SHORT = {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 3.3, "I": 0.03, "mu": 0.05}]}
+
+
+@pytest.fixture
+def stand(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, request
+) -> Stand:
+    if COMPILER is None:
+        pytest.skip("NOT RUN: no C++ compiler is there")
+    made = Stand(Path(request.config.cache.mkdir("gpu")), most=3)
+    monkeypatch.setattr(gpu, "processor", lambda: made)
+    monkeypatch.setattr("wmr_ctrl.engines.processor", lambda: made)
+    return made
+
+
+def assert_same(some: RunTable, others: RunTable) -> None:
+    assert list(some) == list(others)
+    for name, values in some.items():
+        np.testing.assert_array_equal(others[name], values, err_msg=name)
+
+
+@pytest.mark.parametrize("law", turns(headed("prox", NAMES), shown=0))
+def test_figures_and_columns_are_those_of_lanes(stand: Stand, law: str) -> None:
+    """With encoders, delay, disturbances, and a change of the robot on the way."""
+    asked = ("robot-10ms", law, range(5))
+    cpu, there = (simulate_many(*asked, SHORT, device=name) for name in ("cpu", "gpu"))
+    assert_same(cpu, there)
+    assert sorted(stand.launches) == [2, 3]
+    runs, others = (
+        simulate_runs(*asked[:2], range(2), overrides=SHORT, device=name) for name in ("cpu", "gpu")
+    )
+    for run, other in zip(runs, others, strict=True):
+        assert (run.monitor, run.outcome) == (other.monitor, other.outcome)
+        assert (run.engine, other.engine) == ("lanes", "gpu")
+        for name in run.columns:
+            np.testing.assert_array_equal(other[name], run[name], err_msg=name)
+
+
+def test_robots_and_starts_may_differ(stand: Stand) -> None:
+    each = [{"clock.duration": 1.0, "robot.m": 2.9 + 0.01 * k} for k in range(4)]
+    starts = [(0.1 * k, -0.2, 0.3, 0.0, 0.0) for k in range(4)]
+    asked = ("safe-simulation", "prox", range(4), each)
+    cpu, there = (simulate_many(*asked, starts=starts, device=name) for name in ("cpu", "gpu"))
+    assert_same(cpu, there)
+    assert len(np.unique(there["position_rms"])) == 4
+
+
+def test_a_base_that_takes_velocities_runs_there(stand: Stand) -> None:
+    asked = ("turtlebot3-burger", "kanayama", range(2), {"clock.duration": 2.0})
+    assert_same(*(simulate_many(*asked, device=name) for name in ("cpu", "gpu")))
+
+
+def test_a_launch_takes_no_more_than_the_memory_holds(stand: Stand) -> None:
+    task = Task(runnable_batch(scenario_of("safe-simulation"), "prox", "gpu"), 0)
+    stand.most = 10**6
+    assert gpu.robots_of(task, 11, log=False) < 10**6
+    logged = gpu.robots_of(task, 11, log=True)
+    rows = task.loop.scenario.clock.samples * sum(s.size for s in task.loop.compiled.layout.columns)
+    assert 1 <= logged <= stand.memory // 2 // (8 * rows)
+
+
+def test_a_cancelled_launch_ends_and_leaves_nothing(
+    stand: Stand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loop = runnable_batch(scenario_of("safe-simulation"), "prox", "gpu")
+    run = Stand.run
+
+    def interrupted(self: Stand, *words: object) -> None:
+        cancelled = words[-1]
+        assert isinstance(cancelled, ct.c_int32)
+        cancelled.value = 1
+        run(self, *words)
+        arrays = words[3]
+        assert isinstance(arrays, dict)
+        samples = arrays["findings"][loop.compiled.layout.findings.index("samples")]
+        assert not samples.any()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Stand, "run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_tasks([Task(loop, seed) for seed in range(3)])
+    cancelled = ct.c_int32(1)
+    monkeypatch.setattr(Stand, "run", run)
+    assert gpu.launched([Task(loop, 0)], [], False, cancelled) is None
+
+
+def test_a_study_has_the_same_table_and_goes_on_after_an_interrupt(
+    stand: Stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wmr_ctrl.campaign.study_run.GPU_CHUNK", 3)
+    figures = ["violated", "position_rms"]
+    plan = {**REAL, "guard": [False], "seeds": 4, "figures": figures, "chunk": 2}
+    expected = study(plan, tmp_path / "cpu").table.read_bytes()
+    run, left = Stand.run, [1]
+
+    def once(self: Stand, *words: object) -> None:
+        if not left.pop():
+            raise KeyboardInterrupt
+        left.append(0)
+        run(self, *words)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Stand, "run", once)
+        with pytest.raises(KeyboardInterrupt):
+            study(plan, tmp_path / "gpu", device="gpu")
+    kept = len(list((tmp_path / "gpu" / "chunks").iterdir()))
+    before = len(stand.launches)
+    assert study(plan, tmp_path / "gpu", device="gpu").table.read_bytes() == expected
+    assert kept == 1
+    assert len(stand.launches) == before + 2
+
+
+def test_the_text_includes_nothing() -> None:
+    loop = runnable_batch(scenario_of("safe-simulation"), "prox", "gpu")
+    text = Path(loop.compiled.library).read_text(encoding="utf-8")
+    assert "#include" not in text
+    assert text.count("wmr_runs") == 1
+
+
+def test_without_cupy_or_a_device_there_is_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text('scenario = "far-start"\nlaws = ["mb"]\nseeds = 1\n', encoding="utf-8")
+    words = ["study", str(plan), "--out", str(tmp_path / "out"), "--device", "gpu"]
+    gpu.processor.cache_clear()
+    monkeypatch.setitem(sys.modules, "cupy", None)
+    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[gpu\]"):
+        simulate_many("far-start", "mb", [0], device="gpu")
+    monkeypatch.setitem(sys.modules, "cupy", _without_device())
+    with pytest.raises(DeviceError, match="no CUDA device answers .no driver."):
+        simulate_many("far-start", "mb", [0], device="gpu")
+    result = CliRunner().invoke(root, words)
+    assert result.exit_code == 2
+    assert "no CUDA device answers" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def _without_device() -> types.ModuleType:
+    """CuPy on a machine without a driver."""
+
+    class CUDARuntimeError(RuntimeError):
+        pass
+
+    def fail(*_: object) -> None:
+        raise CUDARuntimeError("no driver")
+
+    module = types.ModuleType("cupy")
+    runtime = types.SimpleNamespace(CUDARuntimeError=CUDARuntimeError, getDeviceProperties=fail)
+    device = types.SimpleNamespace(id=0)
+    module.cuda = types.SimpleNamespace(runtime=runtime, Device=lambda: device)  # type: ignore[attr-defined]
+    return module
+
+
+def test_other_devices_and_plants_are_refused() -> None:
+    with pytest.raises(UnknownNameError, match="device"):
+        simulate_many("far-start", "mb", [0], device="tpu")
+    with pytest.raises(ArgumentError, match="mujoco"):
+        simulate_many("far-start", "mb", [0], device="gpu", plant="mujoco")
+
+
+def test_cuda_has_the_same_bits() -> None:
+    gpu.processor.cache_clear()
+    try:
+        gpu.processor()
+    except (MissingExtraError, DeviceError) as error:
+        pytest.skip(f"NOT RUN: {error}")
+    asked = ("robot-10ms", "prox", range(100), SHORT)
+    assert_same(*(simulate_many(*asked, device=name) for name in ("cpu", "gpu")))
