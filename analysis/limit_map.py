@@ -1,6 +1,7 @@
-"""Where MB breaks its limit at 20 ms, from a million starts: ``python -m analysis.limit_map [gpu]``.
+"""Where MB breaks its limit at 20 ms, from a million starts.
 
-It writes limit_map.npz, which notebook 12 draws.  Each run is that of `runs`, on every machine.
+``python -m analysis.limit_map [gpu]`` writes limit_map.npz, which notebook 12
+draws.  Each run is that of `runs`, on every machine.
 """
 
 import sys

@@ -10,9 +10,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import redirect_stdout
 from multiprocessing import get_context
-from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np

@@ -56,8 +56,7 @@ def scenario_of(
     """
     from wmr_ctrl.control.setup import check_name, check_scenario
 
-    switch = {} if guard is None else {"guard.enabled": guard}
-    changed = {**(overrides or {}), **switch}
+    changed = {**(overrides or {}), **({} if guard is None else {"guard.enabled": guard})}
     if isinstance(given, str):
         check_name(given)
     loaded = (
@@ -129,22 +128,20 @@ def simulate_runs(
     """One complete Run per seed, computed several at a time on each core.
 
     The results equal those of `simulate` bit for bit, for any number of ``jobs`` (threads, or
-    processes for the ``plant`` "mujoco"; default: one per core), any vector instructions, and with
-    ``device`` "gpu" (CUDA: extra gpu) on a graphics processor.
-    `simulate_many` returns only figures and needs no memory for logs.  ``progress`` is called with
-    the completed share.  Raises the same errors as `simulate`.
+    processes for the ``plant`` "mujoco"; default: one per core), any vector instructions, and on a
+    graphics processor (``device`` "gpu": CUDA, extra gpu).  `simulate_many` returns only figures
+    and needs no memory for logs.  ``progress`` is called with the completed share.  Raises the
+    errors of `simulate`, and DeviceError.
 
     >>> runs = simulate_runs("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
-    from wmr_ctrl.engines import check_device, check_plant, runs_of
+    from wmr_ctrl.engines import check_device, runs_of
 
-    listed = checked_seeds(seeds)
-    check_plant(plant)
     check_device(device, plant)
-    chosen = scenario_of(scenario, overrides, guard)
-    return runs_of(plant, chosen, law, listed, jobs, progress, device)
+    run = plant, scenario_of(scenario, overrides, guard), law
+    return runs_of(*run, checked_seeds(seeds), jobs, progress, device)
 
 
 @checks_arguments
@@ -168,18 +165,17 @@ def simulate_many(
     t = 0 in the scenario's ``frames``: x, y [m], theta [rad], v1 [m/s], omega [rad/s].
     ``figures`` names further figures of the catalogue, including those of other packages.
     With ``plant`` "mujoco", the rigid body, ``jobs`` are processes, and the table also has slip,
-    wheel speed, tilt and tip margin.  With ``device`` "gpu" (CUDA: extra gpu) a graphics processor
-    makes the runs, with the same bits.  Results do not depend on ``jobs``.  Ctrl-C ends all threads
-    within one sample, and processes at once.  Raises the same errors as `simulate`.
+    wheel speed, tilt and tip margin.  Results depend neither on ``jobs`` nor on ``device``, as in
+    `simulate_runs`.  Ctrl-C ends all threads within one sample, and processes at once.  Raises the
+    same errors.
 
     >>> table = simulate_many("paper-simulation", "mb", range(3), {"clock.duration": 5.0})
     >>> table["violations"]
     array([0., 0., 0.])
     """
-    from wmr_ctrl.engines import check_device, check_plant, table_of
+    from wmr_ctrl.engines import check_device, table_of
 
     listed = checked_seeds(seeds)
-    check_plant(plant)
     check_device(device, plant)
     if progress:
         progress(0.0)
@@ -341,10 +337,7 @@ def compile_loop(
     overrides: types.Overrides | None = None,
     guard: bool | None = None,
 ) -> RunnableLoop:
-    """The closed loop of ``law`` on ``scenario``, compiled for many simultaneous runs.
-
-    For `wmr_ctrl.sim.many` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
-    """
+    """The closed loop of ``law`` on ``scenario``, for `sim.batch`.  Errors as in `compile_law`."""
     from wmr_ctrl.engines import runnable_batch
 
     return runnable_batch(scenario_of(scenario, overrides, guard), law)

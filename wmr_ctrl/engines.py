@@ -103,10 +103,11 @@ def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:
 
 
 def check_device(device: str, plant: str = "ode") -> None:
-    """Raise unless there is such a device and it answers.
+    """Raise unless there are such a device and plant, and the device answers.
 
-    UnknownNameError, ArgumentError (plant), MissingExtraError or DeviceError.
+    UnknownNameError, ArgumentError (both together), MissingExtraError or DeviceError.
     """
+    check_plant(plant)
     if device not in DEVICES:
         raise UnknownNameError("device", device, DEVICES)
     if device == "gpu" and plant != "ode":

@@ -1,4 +1,4 @@
-"""A graphics processor for tests: the same text, compiled by a C++ compiler, a robot after the other."""
+"""A graphics processor for tests: the same text as C++, a robot after the other."""
 
 import ctypes as ct
 import hashlib

@@ -159,7 +159,7 @@ def test_without_cupy_or_a_device_there_is_a_sentence(
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[gpu\]"):
         simulate_many("far-start", "mb", [0], device="gpu")
     monkeypatch.setitem(sys.modules, "cupy", _without_device())
-    with pytest.raises(DeviceError, match="no CUDA device answers .no driver."):
+    with pytest.raises(DeviceError, match="no CUDA device answers"):
         simulate_many("far-start", "mb", [0], device="gpu")
     result = CliRunner().invoke(root, words)
     assert result.exit_code == 2

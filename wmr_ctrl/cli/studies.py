@@ -83,7 +83,9 @@ def study(
     for text in plan.warnings:
         say("warning", text)
     with resumable(Path(out)), Progress("study") as progress:
-        result = api.study(plan, out, executor=executor, device=device, jobs=jobs, progress=progress)
+        result = api.study(
+            plan, out, executor=executor, device=device, jobs=jobs, progress=progress
+        )
     if as_json:
         print_json(
             {key: str(v) if key in ("folder", "table") else v for key, v in asdict(result).items()}

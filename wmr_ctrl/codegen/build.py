@@ -270,7 +270,8 @@ def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[st
 
 def one_text(files: Sequence[str], generated: Mapping[str, str]) -> str:
     """Generated and hand-written sources as one text that includes nothing, the first file's."""
-    left = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files} | generated
+    runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files}
+    left = {**runtime, **generated}
 
     def included(match: re.Match[str]) -> str:
         own = match[1] == '"'

@@ -56,15 +56,15 @@ def _facts(loop: RunnableLoop) -> tuple[float, ...]:
     scenario, settings = loop.scenario, loop.settings
     first, end = at_rest(settings)
     switches = scenario.guard.enabled, scenario.base.kind == "velocity", first < end
-    return (*map(float, switches), settings.tolerance)
+    return (*map(float, switches), np.nan if settings.tolerance is None else settings.tolerance)
 
 
 def _outcomes(memory: Results, settings: Settings, guarded: NDArray[np.bool_]) -> NDArray[np.str_]:
     """Outcome of each run; runs that are alike in all that decides it are judged once."""
-    found = memory.row
-    most = np.maximum(found("max_v1"), found("max_omega"))
-    events = (most >= DIVERGENCE, found("violations") > 0, found("left_sample") >= 0, guarded)
-    decisive = [found("stop"), ~np.isfinite(most), *events]
+    row = memory.row
+    most = np.maximum(row("max_v1"), row("max_omega"))
+    events = (most >= DIVERGENCE, row("violations") > 0, row("left_sample") >= 0, guarded)
+    decisive = [row("stop"), ~np.isfinite(most), *events]
     alike = np.ravel_multi_index([*np.array(decisive, dtype=int)], (3, 2, 2, 2, 2, 2))
     _, first, kind = np.unique(alike, return_index=True, return_inverse=True)
     judged = zip(monitors(memory, settings, first), guarded[first], strict=True)

@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.errors import CompilerError, DeviceError
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.signals import PLANT_STATE
-from wmr_ctrl.sim.memory import LONG, Numbers, Results, Task
+from wmr_ctrl.sim.memory import LONG, Results, Task
 
 SUFFIX = ".cu"
 """Of a CUDA text."""
@@ -32,7 +33,7 @@ PATIENCE = 0.002
 OPTIONS = ("--fmad=false", "--device-as-default-execution-space", "-w")
 """Of the compiler: no multiplication is fused with an addition."""
 Defines = tuple[tuple[str, int], ...]
-Arrays = dict[str, Numbers]
+Arrays = dict[str, NDArray[Any]]
 
 
 class Batch(ct.Structure):
@@ -84,13 +85,13 @@ class Cuda:
     def __init__(self) -> None:
         self.cupy = library("cupy", "gpu")
         try:
-            found = self.cupy.cuda.runtime.getDeviceProperties(self.cupy.cuda.Device().id)
+            facts = self.cupy.cuda.runtime.getDeviceProperties(self.cupy.cuda.Device().id)
         except self.cupy.cuda.runtime.CUDARuntimeError as error:
             raise DeviceError(
                 f"device = 'gpu': no CUDA device answers ({error}). Leave the device out, or use a "
                 "machine with an NVIDIA processor and its driver; `nvidia-smi` lists them."
             ) from None
-        self.most = found["multiProcessorCount"] * found["maxThreadsPerMultiProcessor"]
+        self.most = facts["multiProcessorCount"] * facts["maxThreadsPerMultiProcessor"]
         self.lock = threading.Lock()
         self.kernels: dict[tuple[str, Defines], Callable[..., object]] = {}
 
@@ -115,8 +116,8 @@ class Cuda:
                 device["cancelled"] = self.cupy.zeros(1, dtype=np.int32)
                 for name, array in device.items():
                     setattr(batch, name, array.data.ptr)
-                told = self.cupy.asarray(np.frombuffer(bytes(batch), dtype=np.uint8))
-                kernel((-(-batch.robots // BLOCK),), (BLOCK,), (told,))
+                numbers = self.cupy.asarray(np.frombuffer(bytes(batch), dtype=np.uint8))
+                kernel((-(-batch.robots // BLOCK),), (BLOCK,), (numbers,))
                 self._wait(stream, device["cancelled"], cancelled)
                 for name in LEFT:
                     if name in arrays:
@@ -151,7 +152,7 @@ class Cuda:
                 except Exception as error:  # CuPy has no one class for what NVRTC may say
                     raise CompilerError(
                         f"the compiler of graphics processors does not compile {path} "
-                        f"({str(error)[:500]}). `python -c \"import cupy; cupy.show_config()\"` "
+                        f'({str(error)[:500]}). `python -c "import cupy; cupy.show_config()"` '
                         "names the CUDA toolkit that CuPy found; it needs that of its own version."
                     ) from error
             return self.kernels[path, defines]
@@ -212,5 +213,5 @@ def launched(
     )
     if cancelled.value:
         return None
-    left = (arrays[name] for name in ("findings", "state", "sums"))
-    return Results(layout, *left, [*arrays.get("logs", ())], count)
+    logs = [*arrays.get("logs", ())]
+    return Results(layout, arrays["findings"], arrays["state"], arrays["sums"], logs, count)

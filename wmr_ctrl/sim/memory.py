@@ -227,8 +227,8 @@ def laid_out(
     if log:
         settings.log = (REALS * chosen.lanes)(*(rows.ctypes.data_as(REALS) for rows in logs))
     left = aligned(chosen.findings, chosen.lanes), aligned(chosen.state, chosen.lanes)
-    found = (compiled.layout, *left, added, logs, len(runs))
-    return Memory(*found, chosen, settings, arrays)
+    results = (compiled.layout, *left, added, logs, len(runs))
+    return Memory(*results, chosen, settings, arrays)
 
 
 def aligned(*shape: int) -> Floats:
