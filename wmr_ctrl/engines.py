@@ -102,8 +102,8 @@ def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:
     return RunnableLoop(compiled, setup.scenario, setup.name, setup.assumptions)
 
 
-def check_device(device: str, plant: str = "ode") -> None:
-    """Raise unless there are such a device and plant, and the device answers.
+def check_device(device: str, plant: str = "ode", *, here: bool = True) -> None:
+    """Raise unless there are such a device and plant, and if it is needed ``here`` it answers.
 
     UnknownNameError, ArgumentError (both together), MissingExtraError or DeviceError.
     """
@@ -115,7 +115,7 @@ def check_device(device: str, plant: str = "ode") -> None:
             f"device = 'gpu' runs the plant ode alone, and the plant is {plant!r}. Leave out the "
             "device, or choose the plant ode."
         )
-    if device == "gpu":
+    if device == "gpu" and here:
         processor()
 
 

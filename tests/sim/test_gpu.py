@@ -20,8 +20,11 @@ from tests.matrix import headed, turns
 from tests.sim.graphics import COMPILER, Stand
 from wmr_ctrl import simulate_many, simulate_runs, study
 from wmr_ctrl.api import scenario_of
+from wmr_ctrl.campaign.plan import PlannedCase
+from wmr_ctrl.campaign.study_chunks import StudyChunk, chunk_rows
+from wmr_ctrl.campaign.study_run import _told
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.engines import runnable_batch
+from wmr_ctrl.engines import check_device, runnable_batch
 from wmr_ctrl.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results.table import RunTable
@@ -87,7 +90,7 @@ def test_a_launch_takes_no_more_than_the_memory_holds(stand: Stand) -> None:
     assert gpu.robots_of(task, 11, log=False) < 10**6
     logged = gpu.robots_of(task, 11, log=True)
     rows = task.loop.scenario.clock.samples * sum(s.size for s in task.loop.compiled.layout.columns)
-    assert 1 <= logged <= stand.memory // 2 // (8 * rows)
+    assert 1 <= logged <= stand.memory // 4 // (8 * rows)
 
 
 def test_a_cancelled_launch_ends_and_leaves_nothing(
@@ -181,6 +184,18 @@ def _without_device() -> types.ModuleType:
     device = types.SimpleNamespace(id=0)
     module.cuda = types.SimpleNamespace(runtime=runtime, Device=lambda: device)  # type: ignore[attr-defined]
     return module
+
+
+def test_a_chunk_for_a_worker_without_a_device_is_told_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A cluster's client needs no device of its own."""
+    gpu.processor.cache_clear()
+    monkeypatch.setitem(sys.modules, "cupy", _without_device())
+    check_device("gpu", here=False)
+    case = PlannedCase(scenario_of("far-start"), "mb", False)
+    answer = _told(chunk_rows, StudyChunk(((case, 0),), ("violated",), device="gpu"), 1)
+    assert isinstance(answer, DeviceError)
 
 
 def test_other_devices_and_plants_are_refused() -> None:

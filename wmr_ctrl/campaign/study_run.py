@@ -14,7 +14,7 @@ import numpy as np
 from wmr_ctrl import __version__
 from wmr_ctrl.campaign.engine import PhaseProgress, Silent, build_loop
 from wmr_ctrl.campaign.plan import PlannedCase, Study
-from wmr_ctrl.campaign.study_chunks import StudyChunk, chunk_rows, executor_named
+from wmr_ctrl.campaign.study_chunks import THREADS, StudyChunk, chunk_rows, executor_named
 from wmr_ctrl.campaign.study_plan import load_plan, plan_of
 from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
 from wmr_ctrl.errors import WmrError
@@ -81,10 +81,13 @@ def study(
     UnknownNameError, ScenarioError, ResultFileError, MissingExtraError or CompilerError; finished
     runs are kept.
     """
+    from wmr_ctrl.engines import check_device  # which imports what makes graphs
+
     check_jobs(jobs)
     if isinstance(plan, str | Path):
         plan = load_plan(plan)
     chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
+    check_device(device, chosen.plant, here=executor == THREADS)
     if chosen.plant == "mujoco":
         from wmr_ctrl.physics.description import description
         from wmr_ctrl.physics.rigid import mujoco
@@ -106,11 +109,8 @@ def study_facts(
     """Facts that decide a result besides the plan: the version, and the code of the plan's laws.
 
     The laws' loops without guard are compiled for it, here or on the worker that is asked, so that
-    a kind of machine does so before its first chunk.  Raises as `check_device`.
+    a kind of machine does so before its first chunk.
     """
-    from wmr_ctrl.engines import check_device
-
-    check_device(device, plant)
     cases = (PlannedCase(scenario, law, False, plant=plant) for law in laws)
     digests = [build_loop(case, device).compiled.digest for case in cases]
     code = hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16]

@@ -21,7 +21,7 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put
-from wmr_ctrl.sim.gpu import is_for_gpu, launched, robots_of
+from wmr_ctrl.sim.gpu import LAUNCHES, is_for_gpu, launched, robots_of
 from wmr_ctrl.sim.memory import Results, Task, laid_out, vector_set
 
 Floats = NDArray[np.float64]
@@ -139,7 +139,10 @@ def _run_batches(
             read(places, memory)
         return len(places)
 
-    for count in _finished(one, _batches(tasks, log), cancelled, jobs or cores()):
+    threads = jobs or cores()
+    if any(map(is_for_gpu, tasks[:1])):
+        threads = min(threads, LAUNCHES)
+    for count in _finished(one, _batches(tasks, log), cancelled, threads):
         done += count
         if progress:
             progress(done / len(tasks))

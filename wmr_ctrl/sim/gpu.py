@@ -28,6 +28,8 @@ BLOCK = 128
 """Threads of a block."""
 MOST_LOGGED = 2**30
 """Bytes of the logs of one launch."""
+LAUNCHES = 2
+"""Launches at a time: one is computed while the other's results are read."""
 PATIENCE = 0.002
 """Seconds between two looks at a launch."""
 OPTIONS = ("--fmad=false", "--device-as-default-execution-space", "-w")
@@ -80,7 +82,7 @@ def processor() -> GraphicsProcessor:
 
 
 class Cuda:
-    """CuPy's current CUDA device."""
+    """The first CUDA device that CUDA_VISIBLE_DEVICES leaves."""
 
     def __init__(self) -> None:
         self.cupy = library("cupy", "gpu")
@@ -168,10 +170,10 @@ def robots_of(task: Task, windows: int, *, log: bool) -> int:
     device, layout = processor(), task.loop.compiled.layout
     if log:
         row = 8 * task.loop.scenario.clock.samples * len(elements(layout.columns))
-        return max(1, min(MOST_LOGGED, device.free_memory() // 2) // row)
+        return max(1, min(MOST_LOGGED, device.free_memory() // (2 * LAUNCHES)) // row)
     numbers = len(layout.findings) + len(elements(layout.state)) + windows * len(layout.sums)
     each = 8 * (numbers + len(elements(layout.parameters)) * len(task.loop.compiled.phase_start))
-    return max(1, min(device.threads(), device.free_memory() // (4 * each)))
+    return max(1, min(device.threads(), device.free_memory() // (2 * LAUNCHES * each)))
 
 
 def launched(
