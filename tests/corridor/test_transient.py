@@ -157,8 +157,8 @@ def test_what_a_transient_does_not_cover_is_refused_by_name(law, changes, words)
 
 def test_an_operation_without_a_rule_is_refused_by_name(monkeypatch):
     monkeypatch.delitem(affine._RULES, ca.OP_TANH)
-    far = override(load_scenario("safe-simulation"), {"corridor.start": (0.01, 0.01, 0.05)})
-    refused = find_corridor(far, "prox").refused
+    changes = {"corridor.start": (0.01, 0.01, 0.05), "clock.plant": 0.01}
+    refused = find_corridor(override(load_scenario("safe-simulation"), changes), "prox").refused
 
     assert f"limits act (operation {ca.OP_TANH} of CasADi is not covered" in refused
 

@@ -91,13 +91,19 @@ class _Numbering:
         self.nodes: list[Node] = []
         self._known: dict[tuple[object, ...], int] = {}
 
-    def number_of(self, node: Node) -> int:
+    def number_of(
+        self,
+        op: int,
+        operands: tuple[int, ...] = (),
+        number: float = 0.0,
+        place: tuple[str, int] | None = None,
+    ) -> int:
         """Number of a value; its own where it is new."""
-        key = (node.op, node.operands, repr(node.number), node.place)
-        if key not in self._known:
-            self._known[key] = len(self.nodes)
-            self.nodes.append(node)
-        return self._known[key]
+        key = (op, operands) if operands else (op, repr(number), place)
+        own = self._known.setdefault(key, len(self.nodes))
+        if own == len(self.nodes):
+            self.nodes.append(Node(op, operands, number, place))
+        return own
 
 
 class _Reader:
@@ -120,9 +126,9 @@ class _Reader:
             self.stores.append(Store(self._outputs[into[0]], into[1], self._slots[operands[0]]))
         elif op == ca.OP_INPUT:
             place = (self._inputs[operands[0]], operands[1])
-            self._slots[into[0]] = self.into.number_of(Node(op, place=place))
+            self._slots[into[0]] = self.into.number_of(op, place=place)
         elif op == ca.OP_CONST:
-            self._slots[into[0]] = self.into.number_of(Node(op, number=f.instruction_constant(k)))
+            self._slots[into[0]] = self.into.number_of(op, number=f.instruction_constant(k))
         else:
             self._slots[into[0]] = self._value(op, tuple(self._slots[i] for i in operands))
 
@@ -130,21 +136,20 @@ class _Reader:
         if op == ca.OP_ASSIGN:
             return operands[0]
         if op == ca.OP_IF_ELSE_ZERO:
-            zero = self.into.number_of(Node(ca.OP_CONST, number=0.0))
-            return self.into.number_of(Node(SELECT, (*operands, zero)))
-        if op == ca.OP_ADD:
-            return self.into.number_of(self._choice(*operands) or Node(op, operands))
-        return self.into.number_of(Node(op, operands))
+            zero = self.into.number_of(ca.OP_CONST, number=0.0)
+            return self.into.number_of(SELECT, (*operands, zero))
+        chosen = self._choice(*operands) if op == ca.OP_ADD else None
+        return self.into.number_of(SELECT, chosen) if chosen else self.into.number_of(op, operands)
 
-    def _choice(self, left: int, right: int) -> Node | None:
-        """(c ? a : 0) + (!c ? b : 0), either way round, as one choice."""
+    def _choice(self, left: int, right: int) -> tuple[int, ...] | None:
+        """Operands of (c ? a : 0) + (!c ? b : 0), either way round, as one choice."""
         for first, second in ((left, right), (right, left)):
             one, other = self.into.nodes[first], self.into.nodes[second]
             if not (self._zero_else(one) and self._zero_else(other)):
                 continue
             negated = self.into.nodes[other.operands[0]]
             if negated.op == ca.OP_NOT and negated.operands[0] == one.operands[0]:
-                return Node(SELECT, (*one.operands[:2], other.operands[1]))
+                return (*one.operands[:2], other.operands[1])
         return None
 
     def _zero_else(self, node: Node) -> bool:
@@ -162,16 +167,22 @@ def _with_reciprocals(nodes: list[Node], stores: list[Store]) -> tuple[list[Node
     but a and b, so an expression is computed alike in whatever function it stands.
     """
     kind = kinds(nodes)
+    rewritten = {
+        number
+        for number, node in enumerate(nodes)
+        if node.op == ca.OP_DIV and [kind[k] for k in node.operands] == [CHANGING, STEADY]
+    }
+    if not rewritten:
+        return nodes, stores
     into = _Numbering()
     new: list[int] = []
-    for node in nodes:
-        operands = tuple(new[k] for k in node.operands)
-        if node.op == ca.OP_DIV and [kind[k] for k in node.operands] == [CHANGING, STEADY]:
-            inverse = into.number_of(Node(ca.OP_INV, operands[1:]))
-            node = Node(ca.OP_MUL, (operands[0], inverse))
+    for number, node in enumerate(nodes):
+        operands = tuple([new[k] for k in node.operands])
+        if number in rewritten:
+            inverse = into.number_of(ca.OP_INV, operands[1:])
+            new.append(into.number_of(ca.OP_MUL, (operands[0], inverse)))
         else:
-            node = Node(node.op, operands, node.number, node.place)
-        new.append(into.number_of(node))
+            new.append(into.number_of(node.op, operands, node.number, node.place))
     return into.nodes, [Store(item.vector, item.index, new[item.node]) for item in stores]
 
 
@@ -192,9 +203,11 @@ def without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
     for number in range(len(nodes) - 1, -1, -1):
         if number in live:
             live.update(nodes[number].operands)
+    if len(live) == len(nodes):
+        return Graph(tuple(nodes), tuple(stores))
     new = {old: place for place, old in enumerate(sorted(live))}
     used = (nodes[old] for old in new)
-    rest = (Node(n.op, tuple(new[old] for old in n.operands), n.number, n.place) for n in used)
+    rest = (Node(n.op, tuple([new[old] for old in n.operands]), n.number, n.place) for n in used)
     return Graph(tuple(rest), tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
 
 
