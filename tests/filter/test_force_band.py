@@ -186,3 +186,14 @@ def test_a_run_of_weak_motors_is_kept_and_one_of_weaker_ones_refused():
     assert np.abs(run["v1"]).max() > 0.3
     with pytest.raises(ScenarioError, match="may ask a wheel for"):
         wmr_ctrl.simulate(override(stated, {"actuator.tau_max": 0.95 * enough}), "kanayama")
+
+
+@pytest.mark.parametrize("push", [0.0, 10.0])
+def test_a_step_takes_no_more_of_weak_motors_than_the_proof_of_rounding_counts_on(push):
+    """`filter.rounding.force`: A c <= 2^8 f, and drag c <= f."""
+    numbers = {item.signal.name: item.value for item in banded(60.0, push).system.params}
+    for i, name in enumerate(("v", "omega")):
+        c, f = (1, 1)[i] * 1.0, numbers["filter.force_room"][i]
+        sizes = (numbers[f"filter.{end}_force_{name}"] for end in ("least", "most"))
+        assert max(abs(np.asarray(size)).max() for size in sizes) * c <= 2.0**8 * f
+        assert numbers["filter.drag"][i] * c <= f

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import casadi as ca
+import numpy as np
 import pytest
 
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.filter.channels import WAYS, scaled
+from wmr_ctrl.proofs.claims.filter_command_rounding import BEYOND, RIM, Limited
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import UNIT, Statement, above, at_least, equal, symbols
@@ -70,3 +75,28 @@ def test_what_is_not_defined_behind_a_rounding_is_left_open() -> None:
     assert verdict(share, at_least(1, t["hat"]), t, (above(t["x"]),)) == PROVED
     guarded = ca.if_else(t["x"] > 0, ca.fmin(ca.sqrt(t["x"]), 1), 0)
     assert verdict(guarded, at_least(1, t["hat"]), t) == PROVED
+
+
+@pytest.mark.parametrize(
+    ("on", "scale"),
+    [(on, scale) for on in ("body", "wheels", "both") for scale in ("curvature", "turn", "drive")],
+)
+def test_what_doubles_scale_is_as_near_to_its_limits_as_is_proved(on: str, scale: str) -> None:
+    """In rationals, for commands that doubles compute; some of them do pass their limits."""
+    a, rng, passed = Limited(on), np.random.default_rng(1), 0
+    sent = ca.Function("sent", [*a.symbols.values()], [scaled(a.asked, a.channels, *a.ends, scale)])
+    wheels = [not a.is_axis(channel) for channel in a.channels]
+    for _ in range(300):
+        low, high = (way * 2.0 ** rng.uniform(-9, 3, len(wheels)) for way in (-1, 1))
+        arm, r = rng.uniform(0.05, 2), rng.standard_normal(2) * 2.0 ** rng.uniform(-4, 9, 2)
+        ends = np.ravel([high, low], order="F")
+        v, omega = (Fraction(float(x)) for x in sent(arm, *r, 0, 0, 0, *ends).full().ravel())
+        largest = Fraction(float(np.abs([low, high])[:, wheels].max(initial=0.0)))
+        rims = [v + way * Fraction(float(arm)) * omega for way in WAYS]
+        speeds = {"body": [v, omega], "wheels": rims, "both": [v, omega, *rims]}[on]
+        for speed, least, most, wheel in zip(speeds, low, high, wheels, strict=True):
+            end = abs(Fraction(float(most if speed > 0 else least)))
+            spare = Fraction(RIM) * largest if wheel else Fraction(BEYOND) * end
+            assert abs(speed) <= end + spare
+            passed += abs(speed) > end
+    assert passed or (on, scale) == ("body", "curvature")

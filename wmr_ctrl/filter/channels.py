@@ -24,6 +24,8 @@ from wmr_ctrl.signals import LARGEST, Signal
 
 AXES = (0, 1)
 WAYS = (1, -1)
+FIRST = {"drive": 0, "turn": 1}
+"""Axis that goes first, by the scale's name."""
 ROUNDING = 2.0**-26
 """Share of V that the filter stays away from the limit: roundings (`filter.rounding.*`), and times
 that are taken for the same (1e-9 of a period), are far below it."""
@@ -102,27 +104,37 @@ def scaled(
 
     ``scale``: by one factor, each axis by its own, or one axis first and then the other.
     """
-    if scale in ("turn", "drive"):
-        return _one_first(r, channels, lo, hi, AXES[scale == "turn"])
+    if scale in FIRST:
+        return one_first(r, channels, lo, hi, FIRST[scale])[0]
+    sent = stretched(r, channels, lo, hi, scale)
+    if channels[0].row[1].is_zero():  # the axes themselves: no rounding leads beyond their limits
+        return ca.vertcat(*(ca.fmin(ca.fmax(sent[i], lo[i]), hi[i]) for i in AXES))
+    return sent
+
+
+def stretched(
+    r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], scale: str
+) -> ca.SX:
+    """Both axes' commands by one factor or, with ``scale`` "axes", each by its own."""
     shares = admitted([channel.of(r) for channel in channels], lo, hi)
     common = reduce(ca.fmin, shares)
     factors = shares if scale == "axes" else [common, common]
-    if channels[0].row[1].is_zero():  # the axes themselves: no rounding leads beyond their limits
-        return ca.vertcat(*(ca.fmin(ca.fmax(factors[i] * r[i], lo[i]), hi[i]) for i in AXES))
     return ca.vertcat(*(factors[i] * r[i] for i in AXES))
 
 
-def _one_first(
+def one_first(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], first: int
-) -> ca.SX:
-    sent = [ca.SX(0), ca.SX(0)]
+) -> tuple[ca.SX, list[list[ca.SX]]]:
+    """One axis' command, then the other's within what it leaves; shares of both, by channel."""
+    sent, shares = [ca.SX(0), ca.SX(0)], list[list[ca.SX]]()
     for axis in (first, 1 - first):
         used = [channel.of(sent) for channel in channels]
         left = [ca.fmin(lo[k] - used[k], -TINY) for k in range(len(channels))]
         right = [ca.fmax(hi[k] - used[k], TINY) for k in range(len(channels))]
         asked = [channel.row[axis] * r[axis] for channel in channels]
-        sent[axis] = reduce(ca.fmin, admitted(asked, left, right)) * r[axis]
-    return ca.vertcat(*sent)
+        shares.append(admitted(asked, left, right))
+        sent[axis] = reduce(ca.fmin, shares[-1]) * r[axis]
+    return ca.vertcat(*sent), shares
 
 
 def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:

@@ -16,6 +16,7 @@ the fastest admitted ramp.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, lru_cache, reduce
 from itertools import chain
 
@@ -126,7 +127,7 @@ def _inverse(slope: ca.SX, least: ca.SX) -> ca.SX:
 
 def speed_steps(known: Forecast, c: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Largest rise and fall of the command that keep v and -v within c; ``inverse``: 1/high."""
-    above, below = _rooms(known, c, known.u)
+    above, below = rooms(known, c, known.u)
     return _most(above * inverse), _most(below * inverse)
 
 
@@ -150,22 +151,28 @@ def force_steps(
     known: Forecast, f: ca.SX, inverse: tuple[ca.SX, ca.SX], held: ca.SX | None = None
 ) -> tuple[ca.SX, ca.SX]:
     """The same for the force and its negative, within f; ``held``: where it ends, by default 0."""
-    above, below = _rooms(known, f, ca.SX(0) if held is None else held)
+    above, below = rooms(known, f, ca.SX(0) if held is None else held)
     up, down = inverse
-    rise = ca.fmin(_line(above, up), _line(below, down))
-    fall = ca.fmin(_line(above, down), _line(below, up))
+    rise = ca.fmin(line(above, up), line(below, down))
+    fall = ca.fmin(line(above, down), line(below, up))
     return _most(rise), _most(fall)
 
 
-def _rooms(known: Forecast, most: ca.SX, held: ca.SX) -> tuple[ca.SX, ca.SX]:
+def rooms(known: Forecast, most: ca.SX, held: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Room left below ``most`` on each piece and beyond them, above and below."""
     over, under = (ca.vertcat(item, known.tail) for item in (known.over, known.under))
     return most - (over + held), most - (under - held)
 
 
-def _line(room: ca.SX, inverse: ca.SX) -> ca.SX:
+def line(room: ca.SX, inverse: ca.SX) -> ca.SX:
     """Change that leaves no room, at least LARGEST where it takes none: no choice, a loop in C."""
     return ca.fmax(room * inverse, -LARGEST * inverse)
+
+
+def reached(u: ca.SX, steps: Sequence[tuple[ca.SX, ca.SX]]) -> tuple[ca.SX, ca.SX]:
+    """Least and largest command that every rise and fall admits."""
+    rise, fall = (reduce(ca.fmin, some) for some in zip(*steps, strict=True))
+    return u - fall, u + rise
 
 
 def _most(lines: ca.SX) -> ca.SX:
@@ -223,8 +230,7 @@ class ForceBand(BandGovernor):
                 force_steps(force, f, (inverse[0], inverse[1])),
                 force_steps(dragged, f, (inverse[2], inverse[3]), dragged.u),
             )
-            rise, fall = (reduce(ca.fmin, some) for some in zip(*steps, strict=True))
-            both.append((speed.u - fall, speed.u + rise))
+            both.append(reached(speed.u, steps))
         return both
 
     @cached_property

@@ -159,18 +159,22 @@ class SpeedBound:
 
         Pieces before that age do not count, and of the one that it lies in a part.
         """
-        v, T = ca.fmin(y + self.bounds.nbar, self.bounds.V), self.period
+        v = ca.fmin(y + self.bounds.nbar, self.bounds.V)
         pieces = self.schedule.pieces(-self.schedule.age, 0.0, 1) if self.schedule.age else []
-        rest = ca.SX(0)
-        for piece in reversed(pieces):
-            rest = ca.if_else(-age < piece.end * T, piece.end * T + age, rest)
-        part = self.shares(rest)
+        part = self.shares(self.rest(age, pieces))
         for piece in pieces:
-            began, over = -age <= piece.start * T, -age >= piece.end * T
+            began, over = -age <= piece.start * self.period, -age >= piece.end * self.period
             pairs = zip(self._whole(piece), part, strict=True)
             most, least = (ca.if_else(began, whole, some) for whole, some in pairs)
             v = ca.if_else(over, v, self.carried(v, piece, targets, (most, least)))
         return v
+
+    def rest(self, age: ca.SX, pieces: Sequence[Piece]) -> ca.SX:
+        """What is left, at this age, of the piece in which it lies [s]."""
+        rest, T = ca.SX(0), self.period
+        for piece in reversed(pieces):
+            rest = ca.if_else(-age < piece.end * T, piece.end * T + age, rest)
+        return rest
 
     def _whole(self, piece: Piece) -> tuple[ca.SX, ca.SX]:
         return self.shares((piece.end - piece.start) * self.period)

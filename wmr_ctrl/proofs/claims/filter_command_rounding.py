@@ -1,0 +1,333 @@
+"""Rounding of the command filter: commands brought inside all limits, at once or slowly.
+
+A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.filter.channels import AXES, FIRST, ROUNDING, Channel, one_first, scaled, stretched
+from wmr_ctrl.filter.channels import WAYS as SIDES
+from wmr_ctrl.filter.clip import moved, ramp_shares
+from wmr_ctrl.filter.governor import FirstOrder, largest_command
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.ledger import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
+
+BEYOND = 2.0**-50
+"""Share of its limit by which roundings may carry v or omega beyond it."""
+RIM = 2.0**-48
+"""Share of the wheels' largest limit by which they may carry a wheel's speed beyond its own."""
+LEAST = 2.0**-40
+"""Least limit [m/s, rad/s]: far above what counts as used up (`TINY`)."""
+OVER = 2.0**-29
+"""Share of its limit by which rounding may carry a command that changes slowly beyond it."""
+SLOWEST = 2.0**-20
+"""Least change in a period of a command that changes slowly, as a share of its limit."""
+claim = Claims(by=Z3(effort=100))
+
+
+@dataclass(frozen=True)
+class Limited:
+    """Symbols of v, omega and both wheels with their limits; ``on`` names those that are limited.
+
+    ``body``: v and omega; ``wheels``; ``both``.
+    """
+
+    on: str
+    least: float = LEAST
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Every number by name; M is the largest limit of a wheel, in size."""
+        limits = " ".join(
+            f"{end}{i + 1}" for i in range(len(self.channels)) for end in ("hi", "lo")
+        )
+        return {"l": self.arm} | symbols(f"r0 r1 M v omega {limits}")
+
+    @cached_property
+    def arm(self) -> ca.SX:
+        """Half the distance between the wheels."""
+        return ca.SX.sym("p.l")
+
+    @cached_property
+    def channels(self) -> list[Channel]:
+        """Speeds that are limited."""
+        ones, unit = FirstOrder(*[ca.SX(1)] * 6), ((ca.SX(1), ca.SX(0)), (ca.SX(0), ca.SX(1)))
+        axes = [Channel(row, ones, 1.0) for row in unit]
+        sides = [Channel((ca.SX(1), way * self.arm), ones, 1.0) for way in SIDES]
+        return {"body": axes, "wheels": sides, "both": [*axes, *sides]}[self.on]
+
+    @property
+    def ends(self) -> tuple[list[ca.SX], list[ca.SX]]:
+        """lo and hi of all channels."""
+        low, high = ([self.symbols[f"{end}{i + 1}"] for i in range(len(self.channels))]
+                     for end in ("lo", "hi"))  # fmt: skip
+        return low, high
+
+    @property
+    def asked(self) -> list[ca.SX]:
+        """Command of both axes."""
+        return [self.symbols[f"r{i}"] for i in AXES]
+
+    @property
+    def sent(self) -> list[ca.SX]:
+        """v and omega as computed."""
+        return [self.symbols["v"], self.symbols["omega"]]
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """l > 0; the limits on their sides of 0, those of the wheels of at most M in size."""
+        given = [above(self.arm)]
+        for channel, low, high in zip(self.channels, *self.ends, strict=True):
+            for size in (high, -low):
+                given.append(at_least(size, self.least) if self.least else above(size))
+                given += [] if self.is_axis(channel) else [at_least(self.symbols["M"], size)]
+        return tuple(given)
+
+    def is_axis(self, channel: Channel) -> bool:
+        """True for v and omega."""
+        return any(part.is_zero() for part in channel.row)
+
+    def kept(self, command: list[ca.SX], spare: float, axes: bool) -> tuple[Relation, ...]:
+        """v and omega (``axes``), or the wheels, within their limits but for ``spare``."""
+        kept = list[Relation]()
+        for channel, low, high in zip(self.channels, *self.ends, strict=True):
+            if self.is_axis(channel) == axes:
+                up, down = (high, -low) if axes else [self.symbols["M"]] * 2
+                speed = channel.of(command)
+                kept += [at_least(high + spare * up, speed), at_least(speed, low - spare * down)]
+        return tuple(kept)
+
+    def computed(self, command: ca.SX) -> dict[str, ca.SX]:
+        """What v and omega stand for."""
+        return {"v": command[0], "omega": command[1]}
+
+
+GIVEN = "every command; l > 0; limits lo < 0 < hi"
+ROUNDED = "operations rounded by at most 2^-53"
+AT_LEAST = "of at least 2^-40 in size"
+ORDER = ({"scale": "turn", "how": "omega"}, {"scale": "drive", "how": "v"})
+
+
+@claim(
+    "filter.rounding.wheels",
+    given=f"{GIVEN} of the wheels, of at most M in size; both axes scaled by one factor; {ROUNDED}",
+    premises="assumption.libm",
+)
+def wheels(mutation: Mutation) -> Statement:
+    """lo - 2^-49 M <= v + l omega, v - l omega <= hi + 2^-49 M, of the command that is computed.
+
+    Wheels that are limited by themselves keep their limits, however v and l omega cancel.
+    """
+    a = Limited("wheels", least=0)
+    sent = scaled(a.asked, a.channels, *a.ends, "curvature")
+    goals = a.kept(a.sent, mutation(1, 2.0**-6) * 2.0**-49, axes=False)
+    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+
+
+@claim(
+    "filter.rounding.wheels-{scale}",
+    given=f"{GIVEN} of the wheels, {AT_LEAST} and at most M; {{how}} first; {ROUNDED}",
+    premises="assumption.libm",
+    over=ORDER,
+)
+def wheels_first(mutation: Mutation, scale: str) -> Statement:
+    """lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the command that is computed.
+
+    Wheels keep their limits, too, where one axis takes what it wants and the other what is left.
+    """
+    a = Limited("wheels")
+    sent = scaled(a.asked, a.channels, *a.ends, scale)
+    goals = a.kept(a.sent, mutation(1, 2.0**-6) * RIM, axes=False)
+    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+
+
+@claim(
+    "filter.rounding.axes-{scale}",
+    given=f"every command; limits lo < 0 < hi of v and omega, {AT_LEAST}; {{how}} first; {ROUNDED}",
+    premises="assumption.libm",
+    over=ORDER,
+)
+def axes_first(mutation: Mutation, scale: str) -> Statement:
+    """lo (1 + 2^-50) <= v, omega <= hi (1 + 2^-50), of the command that is computed.
+
+    v and omega keep their limits to within roundings, whichever goes first.
+    """
+    a = Limited("body")
+    sent = scaled(a.asked, a.channels, *a.ends, scale)
+    goals = a.kept(a.sent, mutation(1, 2.0**-6) * BEYOND, axes=True)
+    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+
+
+BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
+
+
+@claim(
+    "filter.rounding.beside",
+    given=f"{BESIDE}; both axes scaled by one factor; {ROUNDED}",
+    premises="assumption.libm",
+)
+def beside(mutation: Mutation) -> Statement:
+    """v and omega before they are cut are within (1 + 2^-50) of their limits, the wheels' speeds
+    within 2^-49 M of theirs.
+
+    One factor keeps v, omega and both wheels within their limits.
+    """
+    a = Limited("both", least=0)
+    made = stretched(a.asked, a.channels, *a.ends, "curvature")
+    spare = mutation(1, 2.0**-6)
+    goals = *a.kept(a.sent, spare * BEYOND, axes=True), *a.kept(a.sent, spare * RIM / 2, axes=False)
+    return Statement(a.symbols, goals, a.stated, computed=a.computed(made))
+
+
+@claim(
+    "filter.rounding.beside-cut",
+    given=f"{BESIDE}; v and omega before they are cut as in filter.rounding.beside",
+    premises="filter.rounding.beside",
+)
+def beside_cut(mutation: Mutation) -> Statement:
+    """lo <= v, omega <= hi; lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the
+    command that is sent.
+
+    v and omega that are cut at their limits take the wheels no further beyond theirs than
+    roundings.
+    """
+    a = Limited("both", least=0)
+    made = stretched(a.asked, a.channels, *a.ends, "curvature")
+    sent = ca.vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
+    known = *a.kept(a.sent, BEYOND, axes=True), *a.kept(a.sent, RIM / 2, axes=False)
+    spare = mutation(RIM, RIM / 2)
+    goals = *a.kept(sent, 0, axes=True), *a.kept(sent, spare, axes=False)
+    return Statement(a.symbols, goals, (*a.stated, *known), a.computed(made))
+
+
+@claim(
+    "filter.rounding.beside-axes-{scale}",
+    given=f"{BESIDE}, all {AT_LEAST}; the wheels' shares any that are not negative; {{how}} first; "
+    f"{ROUNDED}",
+    premises="assumption.libm",
+    over=ORDER,
+)
+def beside_axes(mutation: Mutation, scale: str) -> Statement:
+    """lo (1 + 2^-50) <= v, omega <= hi (1 + 2^-50), of the command that is computed.
+
+    v and omega keep their limits beside those of the wheels.
+    """
+    return _first(scale, True, mutation(1, 2.0**-6) * BEYOND)
+
+
+@claim(
+    "filter.rounding.beside-{scale}",
+    given=f"{BESIDE}, all {AT_LEAST}; the shares of v and omega any that are not negative; {{how}} "
+    f"first; {ROUNDED}",
+    premises="assumption.libm",
+    over=ORDER,
+)
+def beside_first(mutation: Mutation, scale: str) -> Statement:
+    """lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the command that is computed.
+
+    The wheels keep their limits beside those of v and omega.
+    """
+    return _first(scale, False, mutation(1, 2.0**-6) * RIM)
+
+
+def _first(scale: str, axes: bool, spare: float) -> Statement:
+    """One axis first: goals of v and omega, or of the wheels, whatever the others leave of it."""
+    a = Limited("both")
+    sent, shares = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
+    others = [k for k, channel in enumerate(a.channels) if a.is_axis(channel) != axes]
+    cuts = {f"share{k}of{i}": own[k] for i, own in enumerate(shares) for k in others}
+    free = symbols(" ".join(cuts))
+    given = *a.stated, *map(at_least, free.values())
+    goals = a.kept(a.sent, spare, axes=axes)
+    return Statement(a.symbols | free, goals, given, cuts, computed=a.computed(sent))
+
+
+@claim(
+    "filter.rounding.slew-limit",
+    given="K > 0, delta, a, reach >= 0; V the stated limit; operations rounded by at most 2^-53",
+    premises="assumption.libm",
+)
+def slew_limit(mutation: Mutation) -> Statement:
+    """K hi (1 + 2^-29) + delta + a (1 + 2^-30) reach <= V for the hi that the text of the clip of
+    slow commands computes, by a quotient or by 1/K.
+
+    The margin covers what rounding adds to commands and to how fast they change.
+    """
+    s = symbols("V K delta slew reach direct inverse", "V K delta slew reach")
+    V, K, dbar = s["V"], s["K"], s["delta"] + s["slew"] * s["reach"]
+    aimed = V * (1 - mutation(ROUNDING, -ROUNDING))
+    top = largest_command(aimed, FirstOrder(aimed, dbar, ca.SX(0), K, K, ca.SX(0)))
+    computed = {"direct": top, "inverse": (aimed - dbar) * (1 / K)}
+    added = s["delta"] + s["slew"] * (1 + 2.0**-30) * s["reach"]
+    goals = tuple(at_least(V, K * s[name] * (1 + OVER) + added) for name in computed)
+    signs = above(K), at_least(s["delta"]), at_least(s["slew"]), at_least(s["reach"])
+    return Statement(s, goals, (*signs, above(aimed, dbar)), computed=computed)
+
+
+def _slow(s: dict[str, ca.SX]) -> tuple[Relation, ...]:
+    """The command before and the one that is wanted are within the limit but for roundings."""
+    hi = s["hi"]
+    wanted = within(s["wanted"], hi * (1 + BEYOND))
+    return (above(hi), *within(s["last"], hi * (1 + OVER)), *wanted)
+
+
+@claim(
+    "filter.rounding.slew-kept",
+    given="|wanted| <= hi (1 + 2^-50); the command before within hi (1 + 2^-29); 2^-22 <= share "
+    "<= 1; operations rounded by at most 2^-53",
+    premises="assumption.libm",
+)
+def slew_kept(mutation: Mutation) -> Statement:
+    """|u| <= hi (1 + 2^-29), u as the text computes it.
+
+    Rounding carries commands that change slowly no further beyond their limit with time.
+    """
+    s = symbols("hi last wanted share sent")
+    shares = at_least(s["share"], mutation(2.0**-22, 0.0)), at_least(ca.SX(1), s["share"])
+    goals = within(s["sent"], s["hi"] * (1 + OVER))
+    computed = {"sent": moved(s["last"], s["wanted"], s["share"])}
+    return Statement(s, goals, (*_slow(s), *shares), computed=computed)
+
+
+@claim(
+    "filter.rounding.slew-step",
+    given="as in filter.rounding.slew-kept; a T >= 2^-20 hi; 0 <= share <= the axis' own share",
+    premises="assumption.libm",
+)
+def slew_step(mutation: Mutation) -> Statement:
+    """|u - u_before| <= a T (1 + 2^-30), the axis' own share >= 2^-22, as the text computes them.
+
+    Commands change no faster than the clip of slow commands counts on.
+    """
+    s = symbols("hi last wanted share sent own slew T", "slew T")
+    most = s["slew"] * s["T"]
+    (own,) = ramp_shares(s["last"], s["wanted"], most)
+    given = (
+        *_slow(s), above(s["slew"]), above(s["T"]), at_least(s["share"]),
+        at_least(most, mutation(1, 2.0**-10) * SLOWEST * s["hi"]), at_least(s["own"], s["share"]),
+    )  # fmt: skip
+    goals = (*within(s["sent"] - s["last"], most * (1 + 2.0**-30)), at_least(s["own"], 2.0**-22))
+    computed = {"own": own, "sent": moved(s["last"], s["wanted"], s["share"])}
+    return Statement(s, goals, given, computed=computed)
+
+
+@claim(
+    "filter.rounding.slew",
+    given="the hypotheses of filter.slew; a T >= 2^-20 of the largest command, on both axes; "
+    "limits of at least 2^-40 where one axis goes first; no overflow and no underflow",
+    by=HAND,
+    premises="filter.slew filter.rounding.slew-limit filter.rounding.slew-kept "
+    "filter.rounding.slew-step filter.rounding.axes-turn filter.rounding.axes-drive",
+)
+def slew() -> None:
+    """|v| <= V, V the stated limit, behind what the text of the clip of slow commands computes.
+
+    The margin that is kept back covers its roundings, for ever.
+    """

@@ -1,0 +1,266 @@
+"""Rounding of the command filter's band of weak motors, as the compiled text computes it.
+
+A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`).  d is
+how far the command moves, A the largest force that a command of 1 leads to, and ``slope`` what a
+quantity changes by where the command moves by 1.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.filter.band import Forecast, ResponseTable, inverse_slopes
+from wmr_ctrl.filter.force_band import (
+    dragging,
+    force_steps,
+    inverse_force_slopes,
+    line,
+    reached,
+    rooms,
+    speed_steps,
+    with_drag,
+)
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis
+from wmr_ctrl.proofs.ledger import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import (
+    UNIT,
+    Relation,
+    Statement,
+    above,
+    at_least,
+    symbols,
+    within,
+)
+
+STRONGEST = 2.0**8
+"""Most of a step by c that a loop may ask for, over f."""
+ENDED = 2.0**-50
+"""Share of c by which a rounded sum may admit more than its rise."""
+ROOM, LINED, STEP = 2.0**-47, 2.0**-40, 2.0**-38
+"""Shares of f by which a room is off, a line admits too much, and a change passes f at most."""
+CHANGED = 2.0**-40
+"""Share of f by which a change may leave a computed forecast of the force too low."""
+SPEED = 2.0**-46
+"""Share of c by which a change may take a forecast of the speed beyond c."""
+ROUNDED = "operations rounded by at most 2^-53"
+TURNS = ({"turn": "rise", "rises": True}, {"turn": "fall", "rises": False})
+NONE, ZERO = ca.SX(0, 1), ca.SX(0)
+claim = Claims(by=Z3(effort=100))
+
+
+def _strong(s: dict[str, ca.SX], most: float = STRONGEST) -> tuple[Relation, ...]:
+    """c, f > 0; A c <= 2^8 f."""
+    return above(s["f"]), above(s["c"]), at_least(most * s["f"], s["A"] * s["c"])
+
+
+def _moved(s: dict[str, ca.SX], most: ca.SX) -> tuple[Relation, ...]:
+    """0 <= d <= 6 c, and at most what the text admits, but for the rounding of the sum with u."""
+    d, c = s["d"], s["c"]
+    return at_least(d), at_least(6 * c, d), at_least(ca.fmax(most, 0) + ENDED * c, d)
+
+
+@claim(
+    "filter.rounding.force-room",
+    given=f"0 <= drag, drag c <= f; |u| <= 2 c, force of at most 4 f and speed of at most 4 c in "
+    f"size; {ROUNDED}",
+    premises="assumption.libm",
+)
+def room(mutation: Mutation) -> Statement:
+    """|above - (f - (force + drag speed + drag u))|, |below - (f - (force + drag speed - drag u))|
+    <= 2^-47 f, of the rooms that the text computes.
+
+    What is left of the force is computed well enough, with friction and, with drag = 0, without.
+    """
+    s = symbols("force speed drag u f c above below")
+    f, c, u = s["f"], s["c"], s["u"]
+    force, speed = (Forecast(NONE, NONE, s[name], u) for name in ("force", "speed"))
+    both = with_drag(force, speed, s["drag"])
+    left = rooms(both, f, both.u)
+    given = (
+        above(f), above(c), at_least(s["drag"]), at_least(f, s["drag"] * c), *within(u, 2 * c),
+        *within(s["force"], 4 * f), *within(s["speed"], 4 * c),
+    )  # fmt: skip
+    goals = list[Relation]()
+    for name, way in (("above", 1), ("below", -1)):
+        exact = f - (s["force"] + s["drag"] * s["speed"] + way * s["drag"] * u)
+        goals += within(s[name] - exact, mutation(1, 2.0**-4) * ROOM * f)
+    return Statement(s, tuple(goals), given, computed={"above": left[0], "below": left[1]})
+
+
+@claim(
+    "filter.rounding.force-slope",
+    given=f"drag >= 0; |low|, |high| <= A of the force, at most 5 of the speed; {ROUNDED}",
+    premises="assumption.libm",
+)
+def slope(mutation: Mutation) -> Statement:
+    """the computed sums of force and drag times speed are off by at most 2^-51 (A + 5 drag).
+
+    What a change takes of the motors, friction included, is computed well enough.
+    """
+    s = symbols("low high low_speed high_speed drag A least most")
+    force = ResponseTable(s["low"], s["high"], ZERO, ZERO, rest=0)
+    both = dragging(force, ResponseTable(s["low_speed"], s["high_speed"], ZERO, ZERO), s["drag"])
+    given, goals = [at_least(s["drag"])], list[Relation]()
+    spare = mutation(1, 2.0**-3) * 4 * UNIT * (s["A"] + 5 * s["drag"])
+    for name, made in (("low", "least"), ("high", "most")):
+        speed = s[f"{name}_speed"]
+        given += [*within(s[name], s["A"]), *within(speed, 5)]
+        goals += within(s[made] - (s[name] + s["drag"] * speed), spare)
+    computed = {"least": both.low, "most": both.high}
+    return Statement(s, tuple(goals), tuple(given), computed=computed)
+
+
+@claim(
+    "filter.rounding.force-line-{word}",
+    given="|slope| <= A, A c <= 2^9 f; |room| <= 16 f; 0 <= d <= 6 c, d at most the line that the "
+    f"text computes, or 0, and 2^-50 c; {ROUNDED}",
+    premises="assumption.libm",
+    over=({"word": "up", "sign": 1}, {"word": "down", "sign": -1}),
+)
+def lined(mutation: Mutation, sign: int) -> Statement:
+    """d slope <= max(room, 0) + 2^-40 f.
+
+    A change that a computed line admits takes no more than the room, however flat the line is.
+    """
+    s = symbols("first slope room f c A d line")
+    rising = s["slope"] if sign > 0 else -s["slope"]
+    table = ResponseTable(ca.vertcat(0, rising), ca.vertcat(s["first"], rising), ZERO, ZERO, rest=0)
+    inverse = inverse_force_slopes(table)[0 if sign > 0 else 1][1]
+    given = (
+        *_strong(s, 2 * STRONGEST), above(s["first"]), *within(s["slope"], s["A"]),
+        *within(s["room"], 16 * s["f"]), *_moved(s, s["line"]),
+    )  # fmt: skip
+    most = ca.fmax(s["room"], 0) + mutation(1, 2.0**-8) * LINED * s["f"]
+    goals = (at_least(most, s["d"] * s["slope"]),)
+    return Statement(s, goals, given, computed={"line": line(s["room"], inverse)})
+
+
+@claim(
+    "filter.rounding.force-{word}",
+    given="A c <= 2^8 f; |low|, |high| <= A; |u|, |to| <= 2 c; |over|, |under| <= 4 f; {sign}F <= "
+    f"{{word}} + e; low <= W <= high, the force behind a step; {ROUNDED}",
+    premises="assumption.libm",
+    over=WAYS,
+)
+def forecast(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(F + (to - u) W) <= {word} + e + 2^-40 f, {word} as the text computes it for the
+    changed command.
+
+    A change of the command leaves a computed forecast of the force too low by at most 2^-40 of f.
+    """
+    s = symbols("low high over under u to f c A F W e made")
+    table = ResponseTable(ca.vertcat(s["low"], 0), ca.vertcat(s["high"], 0), ZERO, ZERO, rest=0)
+    changed = Forecast(s["over"], s["under"], ZERO, s["u"]).changed(s["to"], table)
+    given = [*_strong(s), at_least(s["e"]), at_least(s["W"], s["low"]), at_least(s["high"], s["W"])]
+    sizes = {"low": s["A"], "high": s["A"], "u": 2 * s["c"], "to": 2 * s["c"]}
+    for name, most in (sizes | dict.fromkeys(("over", "under"), 4 * s["f"])).items():
+        given += within(s[name], most)
+    given.append(at_least(s[word] + s["e"], way * s["F"]))
+    most = s["made"] + s["e"] + mutation(1, 2.0**-8) * CHANGED * s["f"]
+    goal = at_least(most, way * (s["F"] + (s["to"] - s["u"]) * s["W"]))
+    made = changed.over if way > 0 else changed.under
+    return Statement(s, (goal,), tuple(given), computed={"made": made})
+
+
+@claim(
+    "filter.rounding.force-end",
+    given="|u| <= 2 c; rises and falls of at least 0, the first ones of at most 6 c; to between "
+    f"the ends of the text; {ROUNDED}",
+    premises="assumption.libm",
+)
+def end(mutation: Mutation) -> Statement:
+    """-(fall + 2^-50 c) <= to - u <= rise + 2^-50 c, for each of the three rises and falls.
+
+    A command goes no further than every condition admits, but for the rounding of one sum.
+    """
+    names = [(f"rise{i}", f"fall{i}") for i in (1, 2, 3)]
+    every = [name for pair in names for name in pair]
+    s = symbols(f"u to c least most {' '.join(every)}")
+    c, change = s["c"], s["to"] - s["u"]
+    least, most = reached(s["u"], [(s[rise], s[fall]) for rise, fall in names])
+    given = [above(c), *within(s["u"], 2 * c), at_least(s["most"], s["to"])]
+    given.append(at_least(s["to"], s["least"]))
+    given += [*map(at_least, (s[name] for name in every))]
+    given += [at_least(6 * c, s[name]) for name in names[0]]
+    spare = mutation(1, 2.0**-3) * ENDED * c
+    goals = list[Relation]()
+    for rise, fall in names:
+        goals += at_least(s[rise] + spare, change), at_least(change, -s[fall] - spare)
+    return Statement(s, tuple(goals), tuple(given), computed={"least": least, "most": most})
+
+
+@claim(
+    "filter.rounding.force-speed-{turn}",
+    given="0 <= low <= high <= 5 on the piece, 0 <= left <= 1/5; |over|, |under| <= 4 c, 0 <= tail "
+    f"<= 4 c, |u| <= 2 c; 0 <= d <= the {{turn}} of the text and 2^-50 c; {ROUNDED}",
+    premises="assumption.libm",
+    over=TURNS,
+)
+def speed(mutation: Mutation, rises: bool) -> Statement:
+    """d <= 6 c; the bound before and d high <= max(the bound before, c) + 2^-46 c, on the piece and
+    behind.
+
+    A command that is admitted by roundings keeps the speed's forecast within c but for roundings.
+    """
+    a = BandAxis()
+    s, c, way = a.symbols | symbols("d turn"), a.symbols["c"], 1 if rises else -1
+    d = s["d"]
+    longer = (ca.vertcat(values[0], values[0], values) for values in (a.table.low, a.table.high))
+    steps = speed_steps(a.forecast, c, inverse_slopes(*longer)[0][-2:])
+    known = a.forecast.over if rises else a.forecast.under
+    given = (
+        *a.stated, at_least(5, s["high1"]), at_least(0.2, s["left"]), at_least(4 * c, s["tail"]),
+        *within(s["over1"], 4 * c), *within(s["under1"], 4 * c), *within(s["u"], 2 * c),
+        at_least(d), at_least(s["turn"] + ENDED * c, d),
+    )  # fmt: skip
+    spare, goals = mutation(1, 2.0**-8) * SPEED * c, [at_least(6 * c, d)]
+    for bound, high in zip((known[0], s["tail"]), ca.vertsplit(a.table.high), strict=True):
+        before = bound + way * s["u"]
+        goals.append(at_least(ca.fmax(before, c) + spare, before + d * high))
+    return Statement(s, tuple(goals), given, computed={"turn": steps[0 if rises else 1]})
+
+
+@claim(
+    "filter.rounding.force-least-{turn}",
+    given="any forecast, limit and lines, on a piece and behind",
+    over=TURNS,
+)
+def least(mutation: Mutation, rises: bool) -> Statement:
+    """0 <= the {turn} <= the larger of 0 and each line, of the rooms above and below.
+
+    The text compares each room with what the change takes of it, up or down.
+    """
+    s = symbols("over under tail u f held up down up_behind down_behind")
+    known, f = Forecast(s["over"], s["under"], s["tail"], s["u"]), s["f"]
+    up, down = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("up", "down"))
+    inverse = up, down
+    most = force_steps(known, f, inverse, s["held"])[0 if rises else 1]
+    lines = [
+        line(left, inverse[(way > 0) != rises])
+        for left, way in zip(rooms(known, f, s["held"]), (1, -1), strict=True)
+    ]
+    each = {f"line{i}": item for i, item in enumerate(ca.vertsplit(ca.vertcat(*lines)))}
+    goals = [at_least(ca.fmax(item, 0), mutation(1, 1.1) * most) for item in each.values()]
+    return Statement(s, (*goals, at_least(most)), cuts=each)
+
+
+@claim(
+    "filter.rounding.force",
+    given="the hypotheses of filter.band.ramp; high <= 5 of the speed, left <= 1/5, fading <= 1 - "
+    "2^-40; tables of at most 128 periods; A c <= 2^8 f, A the largest size in the force's tables, "
+    "0 <= drag c <= f; no overflow, and no underflow but of the tails",
+    by=HAND,
+    premises="filter.band.ramp filter.rounding.force-room filter.rounding.force-slope "
+    "filter.rounding.force-line-up filter.rounding.force-line-down "
+    "filter.rounding.force-least-rise filter.rounding.force-least-fall filter.rounding.force-end "
+    "filter.rounding.force-speed-rise filter.rounding.force-speed-fall "
+    "filter.rounding.force-over filter.rounding.force-under filter.rounding.band-over "
+    "filter.rounding.band-under filter.rounding.band-tail filter.rounding.clip",
+)
+def force() -> None:
+    """|v| <= V and |F| <= F_max, V and F_max as stated, behind what the text of the band of weak
+    motors computes: a piece of time is carried through at most 128 periods, of which each adds
+    2^-45 of c and 2^-37 of f.
+
+    The margin that is kept back covers the roundings of the band of weak motors, for ever.
+    """
