@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 from xdist.remote import Producer
 
 from tests.longest_first import Apart, seconds
@@ -41,6 +42,10 @@ settings.register_profile(
 )
 settings.register_profile("every example", settings.get_profile("project"), max_examples=100)
 settings.load_profile("project")
+# Numbers from every module that happens to be imported are no examples: they would be others with
+# each change of a file, and to read all files takes seconds in each process.
+if hasattr(providers, "_get_local_constants"):
+    providers._get_local_constants = lambda: providers._local_constants
 
 
 def pytest_configure(config: pytest.Config) -> None:
