@@ -31,9 +31,11 @@ def test_a_set_that_stands_serves_for_many_samples_and_is_no_smaller(monkeypatch
     told = {"clock.control": PERIOD, "clock.duration": 16.0, "changes": HEAVIER}
     setup = settle(override(load_scenario("safe-simulation"), told), "prox")
     along = Along(setup)
-    samples, exact = [], Passing._sample
+    samples, exact = [], Passing._follow
     monkeypatch.setattr(
-        Passing, "_sample", lambda item, *given: samples.append(1) or exact(item, *given)
+        Passing,
+        "_follow",
+        lambda item, now, reach: samples.extend(now.block.at) or exact(item, now, reach),
     )
     first = Passing(along, bounded_inputs(setup), np.zeros(3)).run()
     few = len(samples)
@@ -64,6 +66,28 @@ def test_no_adversary_leaves_it_and_some_come_near(case):
     assert tube.position / loose <= farthest.position
     assert np.abs(farthest.e[:, 2]).max() <= tube.heading
     assert not farthest.clipped
+
+
+@pytest.mark.parametrize("corner", [(1, 1, 1), (1, -1, 1), (-1, 1, 1), (1, 1, -1)])
+def test_a_run_that_begins_off_its_path_stays_within_what_is_said_of_each_sample(corner):
+    """Nearly all of that is reached, by pushes that lead farthest soon after."""
+    start = (0.003, 0.003, 0.02)
+    told = {"clock.control": PERIOD, "clock.duration": 4.0, "corridor.start": start}
+    scenario = override(load_scenario("safe-simulation"), told)
+    setup, steps = settle(scenario, "prox"), scenario.clock.substeps
+    bounds = Passing(Along(setup), bounded_inputs(setup), np.array(start)).run()
+    size = scenario.disturbance.std * scenario.disturbance.truncate
+
+    shares = []
+    for signs in worst_on_the_way(scenario, "prox", 8):
+        run = attack(scenario, "prox", size * signs, jump=np.array(start) * corner)
+        each = run.e[: len(run.e) // steps * steps].reshape(-1, steps, 3)
+        for off, most in (
+            (np.hypot(each[..., 0], each[..., 1]), bounds.position),
+            (np.abs(each[..., 2]), bounds.heading),
+        ):
+            shares.append((off.max(axis=1) / most[: len(off)]).max())
+    assert 0.9 < max(shares) <= 1.0
 
 
 def test_a_push_beyond_its_bound_by_a_fifth_leaves_it_on_a_figure_of_eight():
@@ -164,9 +188,9 @@ def test_more_courses_of_masses_than_are_followed_are_refused():
 
 
 def test_what_stays_free_counts_on_the_corridor_that_there_is():
-    """The whole run has none from a start off the path; until the change there is one."""
-    told = {"reference.keep_out": [[0.0, 2.0, 1.0]], "body.radius": 0.3, "changes": HEAVIER,
-            "corridor.start": [0.003, 0.003, 0.02]}  # fmt: skip
+    """The whole run has none, with a friction that wheels cannot bear; until then there is one."""
+    told = {"reference.keep_out": [[0.0, 2.0, 1.0]], "body.radius": 0.3,
+            "changes": [{"t": 0.5, "mu": 0.9}]}  # fmt: skip
     tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
 
     assert tube.whole.position is None

@@ -101,7 +101,8 @@ def check(
 
     case = load(scenario, assignments, guard)
     taken = inherited(case, scenario, parse_assignments(assignments))
-    answers = _answers(case, chosen or ((only,) if only and only in LAWS else tuple(LAWS)), taken)
+    laws = chosen or ((only,) if only and only in LAWS else tuple(LAWS))
+    answers = _answers(case, laws, taken, only == "corridor" and not as_json)
     if as_json:
         print_json(_document(answers))
     elif only:
@@ -111,7 +112,9 @@ def check(
         click.echo("\n".join((*_head(answers), "", *_table(answers), *details)))
 
 
-def _answers(case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue]) -> Answers:
+def _answers(
+    case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue], bare: bool
+) -> Answers:
     from wmr_ctrl.checks import grip_warnings, stability, warnings_for
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.corridor import find_corridor
@@ -121,12 +124,12 @@ def _answers(case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue
         setups = {law: settle(case, law) for law in laws}
         for count, (law, setup) in enumerate(setups.items()):
             progress(count / len(laws))
-            grip = (replace(item, objects=False) for item in grip_warnings(setup))
-            warned[law] = (*warnings_for(setup), *grip)
             tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
-            if not setup.takes_velocity:
+            grip = (replace(item, objects=False) for item in grip_warnings(setup))
+            warned[law] = () if bare else (*warnings_for(setup), *grip)
+            if not (bare or setup.takes_velocity):
                 stable[law] = stability(case, law)
-        runs = _runs(case, laws, progress)
+        runs = {} if bare else _runs(case, laws, progress)
     return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
 
 

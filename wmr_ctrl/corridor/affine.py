@@ -2,10 +2,9 @@
 
     y = c + L xi + r',     |xi_k| <= 1,  |r'| <= r
 
-for many boxes together.  What a product, a choice or a curve leaves of a linear map is a new xi of
-its own, so that it cancels where it is taken away again.  With ``size`` at least as large as all
-that was added up, the rounding of an operation is at most ROUNDING of it, and is added to r.  Both
-sides of an undecided choice are enclosed by their hull, of |x|, min and max by a secant.
+for many boxes together.  With ``size`` at least as large as all that was added up, the rounding of
+an operation is at most ROUNDING of it, and is added to r.  Both sides of an undecided choice are
+enclosed by their hull, of |x|, min and max by a secant.
 """
 
 from __future__ import annotations
@@ -63,54 +62,32 @@ class AffineGraph:
         self._nodes = graph.nodes
         stores = {item.index: item.node for item in graph.stores}
         self._stores = [stores[k] for k in range(self.outputs)]
-        self.columns = sum(node.op in _BENT for node in graph.nodes)
 
-    def __call__(self, given: Sequence[Form], free: int) -> tuple[list[Form], int]:
-        """Forms of the outputs; ``free`` is the first unused column, as is what comes back.
-
-        -1: no operation has a column of its own, errors are added up.  OpenBoxError for operations
-        without a rule.
-        """
+    def __call__(self, given: Sequence[Form]) -> list[Form]:
+        """Forms of the outputs; OpenBoxError for operations without a rule."""
         done: list[Form | Truth] = []
         with np.errstate(all="ignore"):
             for node in self._nodes:
                 if node.place is not None:
                     done.append(given[node.place[1]])
-                    continue
-                if node.op == ca.OP_CONST:
+                elif node.op == ca.OP_CONST:
                     done.append(number(node.number, len(given[0].c)))
-                    continue
-                if node.op not in _RULES:
+                elif node.op not in _RULES:
                     raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
-                value = _RULES[node.op](*(done[k] for k in node.operands))
-                if (
-                    free >= 0
-                    and node.op in _BENT
-                    and isinstance(value, Form)
-                    and value.L is not None
-                ):
-                    value, free = own_column(value, free), free + 1
-                done.append(value)
-        return [_form(done[k]) for k in self._stores], free
+                else:
+                    done.append(_RULES[node.op](*(done[k] for k in node.operands)))
+        return [_form(done[k]) for k in self._stores]
 
 
-def boxes(center: Floats, radius: Floats, columns: int) -> list[Form]:
+def boxes(center: Floats, radius: Floats) -> list[Form]:
     """Forms of boxes (C, n): column k is input k in units of its radius."""
     forms = []
     for k in range(center.shape[1]):
-        L = np.zeros((len(center), columns))
+        L = np.zeros(center.shape)
         L[:, k] = radius[:, k]
         size = np.abs(center[:, k]) + radius[:, k]
         forms.append(Form(center[:, k], L, np.zeros(len(center)), size))
     return forms
-
-
-def own_column(form: Form, free: int) -> Form:
-    """Its error as the column ``free``."""
-    assert form.L is not None
-    L = form.L.copy()
-    L[:, free] = form.r
-    return Form(form.c, L, np.zeros_like(form.r), form.size)
 
 
 def number(value: float, count: int) -> Form:
@@ -298,10 +275,3 @@ _RULES: dict[int, Callable[..., Form | Truth]] = {
     ca.OP_AND: lambda a, b: (a[0] & b[0], a[1] | b[1]),
     ca.OP_OR: lambda a, b: (a[0] | b[0], a[1] & b[1]),
 }
-_BENT = frozenset(
-    {
-        SELECT, ca.OP_MUL, ca.OP_SQ, ca.OP_DIV, ca.OP_INV, ca.OP_FABS, ca.OP_FMAX, ca.OP_FMIN,
-        ca.OP_TANH, ca.OP_SIN, ca.OP_COS, ca.OP_SQRT,
-    }
-)  # fmt: skip
-"""Operations that leave an error of their own beside rounding."""

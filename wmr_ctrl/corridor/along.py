@@ -21,10 +21,10 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import NoCorridorError, check_size, conditions
 from wmr_ctrl.corridor.loop import UP
-from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius
+from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius, hull
 from wmr_ctrl.corridor.motion import MovingLoop, motion_of
 from wmr_ctrl.corridor.secants import SecantCurve
-from wmr_ctrl.corridor.stretch import Stretch, stretch
+from wmr_ctrl.corridor.stretch import Stretch, forgets, stretch
 
 DIRECTIONS = 12
 CHUNK, KNOT = 1.0, 0.02
@@ -35,8 +35,13 @@ STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
 PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 """Of a box on which it is looked which term grows."""
+TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.1, 10, 0.5, 0.03
+"""Seconds and samples that are followed at once; seconds after which some samples' columns stand
+for all, and between these."""
 BRIEF, SLOW, SPREAD = 0.05, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
+KEPT, MOST_TOGETHER = 4, 8
+"""Stretches that are kept, and the most chunks of one."""
 TOGETHER = 500
 """Samples whose undisturbed run is compared with the graphs at once."""
 PLACES = 9
@@ -64,6 +69,7 @@ class Along:
         for (a, b), ratio in zip(self.pairs, self.ratios, strict=True):
             rows += [_row(nz, (a, 1.0), (b, sign * ratio)) for sign in (1, -1)]
         self.rows = np.array(rows)
+        self._kept = list[tuple[int, int, Stretch]]()
         sizes = loop.sizes(*(
             [MidRadius(np.array([x])) for x in part]
             for part in (self._law_by(0, 1)[0], loop.law_numbers[0])
@@ -80,14 +86,31 @@ class Along:
 
         The first sample is alone, and so is one in which the robot changes.
         """
-        n = len(self.motion.v_d)
-        size = max(10, round(CHUNK / self.setup.scenario.clock.control))
+        n, period = len(self.motion.v_d), self.setup.scenario.clock.control
+        size = self.together * max(1, round(CHUNK / period / self.together))
         bodies = self.motion.robot
         moved = np.flatnonzero((bodies != bodies[:, :1]).any(axis=(1, 2)))
         after = np.flatnonzero((bodies[1:, 0] != bodies[:-1, -1]).any(axis=1)) + 1
         own = [0, 1, *range(1 + size, n, size), n, *moved, *(k + 1 for k in moved), *after]
         ends = sorted({int(k) for k in own})
         return [(a, b) for a, b in pairwise(ends) if a < b]
+
+    @cached_property
+    def together(self) -> int:
+        """Samples that are followed at once."""
+        period = self.setup.scenario.clock.control
+        return min(TOGETHER_MOST, max(1, round(TOGETHER_FOR / period)))
+
+    @cached_property
+    def young(self) -> int:
+        """Samples that keep all their columns."""
+        blocks = max(1, round(YOUNG / self.setup.scenario.clock.control / self.together))
+        return min(self.memory, blocks * self.together)
+
+    @cached_property
+    def apart(self) -> int:
+        """Of so many old samples one keeps its columns."""
+        return max(1, int(APART / self.setup.scenario.clock.control + 1e-9))
 
     @cached_property
     def pairs(self) -> list[tuple[int, int]]:
@@ -131,7 +154,7 @@ class Along:
         speeds = np.abs(self.motion.v_d[1:, 0])
         moving = 1 + np.flatnonzero(speeds >= 0.3 * speeds.max())
         places = sorted({int(moving[round(k)]) for k in np.linspace(0, len(moving) - 1, PLACES)})
-        return min(n, max(_forgets(self.stretch(k, k + 1)) for k in places))
+        return min(n, max(forgets(self.stretch(k, k + 1), LEFT, LONGEST) for k in places))
 
     def _law_by(self, first: int, last: int) -> Floats:
         loop, nz = self.loop, len(self.loop.names)
@@ -175,9 +198,8 @@ class Along:
     def step_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Of a plant step's variables and numbers over all plant steps of some samples."""
         by, numbers = self._step_by(first, last), self.loop.step_numbers[first:last]
-        both = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
-        first_range, second_range = both
-        return first_range, second_range
+        one, other = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
+        return one, other
 
     def steady_until(self, k: int) -> tuple[int, int]:
         """First and last of the samples about ``k`` in which reference and robot are the same."""
@@ -208,6 +230,23 @@ class Along:
         law = loop.law_curve.slopes(*by)
         by = hull(self._step_by(first, last), 1), hull(loop.step_numbers[first:last], 1)
         return stretch(loop, law, loop.step_curve.slopes(*by), self.knots)
+
+    def matrices(self, first: int, last: int) -> tuple[Stretch, int]:
+        """A stretch that some samples are part of, and where it begins.
+
+        It is kept, and as long as nothing forbids it, each is longer than the one before.
+        """
+        for begin, end, here in self._kept:
+            if begin <= first and last <= end:
+                return here, begin
+        more = min(MOST_TOGETHER, 2 ** len(self._kept)) * (last - first)
+        end = min(first + more, len(self.motion.v_d))
+        try:
+            here = self.stretch(first, end)
+        except OpenBoxError:
+            end, here = last, self.stretch(first, last)
+        self._kept = [*self._kept[: KEPT - 1], (first, end, here)]
+        return here, first
 
     @cached_property
     def brief(self) -> int:
@@ -242,12 +281,28 @@ class Along:
     def _step_secants(self) -> SecantCurve:
         return SecantCurve(self.loop.step_curve)
 
-    def distance(self, k: slice, reach: Floats) -> float:
-        """Distance [m] from the place on the path of anything in samples, by what rows reach."""
+    def distance(self, off: Floats, reach: Floats) -> Floats:
+        """Distances [m] from the place on the path, by what rows reach beside an `off` (J, r)."""
         directions = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
-        off = np.abs(self.fine[k, :, :2] @ self.rows[directions, :2].T).max(axis=(0, 1))
-        ahead = (off + reach[directions]).max() + self.motion.aside[k].max()
-        return float(ahead / cos(pi / (2 * DIRECTIONS)) * UP)
+        most = (off[:, 1:] + reach[:, directions]).max(axis=1)
+        return np.asarray((most + off[:, 0]) / cos(pi / (2 * DIRECTIONS)) * UP)
+
+    @cached_property
+    def off(self) -> Floats:
+        """Of each sample, undisturbed: distance of the chord from the path, directions' (n, r)."""
+        directions = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
+        off = np.abs(self.fine[:, :, :2] @ self.rows[directions, :2].T).max(axis=1)
+        return np.hstack([self.motion.aside[:, None], off])
+
+    @cached_property
+    def levels(self) -> Floats:
+        """Sizes of the conditions' values (n, conditions)."""
+        return np.abs(self.outs[:, -self.loop.count :])
+
+    @cached_property
+    def turned(self) -> Floats:
+        """The same of the heading (n)."""
+        return np.asarray(np.abs(self.fine[:, :, 2]).max(axis=1) * UP + self.motion.turned)
 
     def blamed(self, reach: Floats, k: int) -> str:
         """The product of two errors that adds most to what a plant step leaves, in words."""
@@ -273,30 +328,6 @@ class Along:
             except OpenBoxError:
                 continue
         return np.ones(len(self.loop.step_curve.bends))
-
-
-def _forgets(here: Stretch) -> int:
-    """Samples until little is left of a push, were the loop always as it is here."""
-    A, x = here.A.middle[0], here.push.middle[0]
-    scale, later = np.zeros(len(A)), x
-    for _ in range(200):
-        scale, later = scale + np.abs(later).sum(axis=1), A @ later
-    scale += 1e-9 * scale.max()
-    first = 0.0
-    for age in range(LONGEST):
-        size = float((np.abs(x).sum(axis=1) / scale).max())
-        first, x = max(first, size), A @ x
-        if size < LEFT * first:
-            return age
-    return LONGEST
-
-
-def hull(points: Floats, axis: int) -> MidRadius:
-    """The spans that hold all points along an axis."""
-    low, high = points.min(axis=axis), points.max(axis=axis)
-    size = np.maximum(np.abs(low), np.abs(high))
-    wide = (high - low) / 2 * UP + ROUNDED * size
-    return MidRadius((low + high) / 2, np.where(low == high, 0.0, wide))
 
 
 def _row(size: int, *entries: tuple[int, float]) -> Floats:

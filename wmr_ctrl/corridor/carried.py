@@ -2,131 +2,143 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wmr_ctrl.checks.world import COMMAND, Floats
+from wmr_ctrl.checks.loop import IntArray
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.loop import UP
+from wmr_ctrl.corridor.midradius import ROUNDED
 
 SINGLE, FAINT = 2.0**-24, 1e-30
 """Share by which a single-precision result errs, and a size that it may take for 0."""
-Reals: TypeAlias = NDArray[np.floating]
 BLOCK = 2**18
 """Products of numbers below which OpenBLAS takes one thread."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Kind:
-    """So many columns in each of ``count`` slots from ``first`` on; the oldest slot is ``slot``."""
+    """Columns ``weight`` (K, m) times ``values`` (n, K, m) of K samples."""
 
-    first: int
-    count: int
-    each: int
-    slot: int = field(default=0)
+    values: Floats
+    weight: Floats
 
     @property
-    def end(self) -> int:
-        """The column after its last one."""
-        return self.first + self.count * self.each
+    def flat(self) -> Floats:
+        """As one matrix (n, K m)."""
+        return (self.values * self.weight).reshape(len(self.values), -1)
 
-    def next(self) -> slice:
-        """Columns of the oldest slot, which becomes the newest."""
-        begin = self.first + self.slot * self.each
-        self.slot = (self.slot + 1) % self.count
-        return slice(begin, begin + self.each)
+    def from_sample(self, first: int) -> Kind:
+        """Without those of the first samples."""
+        return Kind(self.values[:, first:], self.weight[first:])
+
+    def sizes(self, last: int | None = None) -> Floats:
+        """Of each number of the state (n), by all or by the first samples."""
+        return np.einsum("nkm,km->n", np.abs(self.values[:, :last]), self.weight[:last])
+
+    def and_more(self, new: Kind) -> Kind:
+        """With those of later samples."""
+        both = zip((self.values, self.weight), (new.values, new.weight), (1, 0), strict=True)
+        return Kind(*(np.concatenate([old, more], axis=axis) for old, more, axis in both))
+
+    def thinned(self, first: int, last: int, nodes: IntArray, share: Floats) -> tuple[Kind, Floats]:
+        """Of some samples only some ``nodes``, and sizes (n) of what is beside these.
+
+        Each of the samples is a share (samples, nodes) of these, with one sign, and a rest.
+        """
+        values, weight = self.values[:, first:last], self.weight[first:last]
+        ends = values[:, nodes]
+        between, size = (np.einsum("jk,nkm->njm", share, part) for part in (ends, np.abs(ends)))
+        off = np.abs(values - between) + 4 * ROUNDED * (np.abs(values) + size)
+        middle = Kind(ends, (share.T @ weight) * UP)
+        before = Kind(self.values[:, :first], self.weight[:first])
+        result = before.and_more(middle).and_more(self.from_sample(last))
+        return result, np.einsum("njm,jm->n", off, weight)
 
 
+@dataclass(frozen=True)
 class CarriedColumns:
-    """The columns of all kinds as one matrix of doubles.
+    """All columns, the oldest first; ``born`` (K): the first sample that each is part of.
 
-    ``known``: of what disturbs, ``added``: of the law's force, ``boxes``: of the components
-    ``lasting``, ``misled``: pairs of a disc.
+    ``known``: of what disturbs, ``bent``: of the law's force, and of boxes' components; ``misled``:
+    pairs of a disc.
     """
 
-    def __init__(self, lasting: list[int], n: int, held: int, widths: tuple[int, int]) -> None:
-        """Of the last ``held`` samples; ``widths``: of ``known`` and of ``misled``."""
-        self.lasting = lasting
-        self.known = Kind(0, held, widths[0])
-        self.added = Kind(self.known.end, held, COMMAND)
-        self.boxes = Kind(self.added.end, held, len(lasting))
-        self.misled = Kind(self.boxes.end, held, widths[1])
-        self.values = np.zeros((n, self.misled.end))
-        self._next = np.zeros_like(self.values)
-        self._single = np.zeros(self.values.shape, dtype=np.float32)
+    born: IntArray
+    known: Kind
+    bent: Kind
+    misled: Kind
 
     @property
-    def kinds(self) -> tuple[Kind, ...]:
+    def kinds(self) -> tuple[Kind, Kind, Kind]:
         """All of them."""
-        return self.known, self.added, self.boxes, self.misled
+        return self.known, self.bent, self.misled
 
-    def carry(self, A: Floats) -> None:
-        """Multiply all."""
-        _product(A, self.values, self._next)
-        self.values, self._next = self._next, self.values
+    @property
+    def sizes(self) -> Floats:
+        """Of each number of the state (n), with rounding."""
+        return np.asarray(sum(kind.sizes() for kind in self.kinds) * UP)
 
-    def replace(self, kind: Kind, new: Floats | float) -> Floats:
-        """Put the newest in the place of the oldest; returns the sizes (n) that these had."""
-        place = kind.next()
-        old: Floats = np.abs(self.values[:, place]).sum(axis=1)
-        self.values[:, place] = new
-        return old
+    def later(self, P: Floats, oldest: int) -> tuple[CarriedColumns, Floats]:
+        """Multiplied by P, without those born before; sizes (n) of these."""
+        lost, gone, kinds = int(np.searchsorted(self.born, oldest)), np.zeros(len(P)), []
+        for kind in self.kinds:
+            values = (P @ kind.values.reshape(len(P), -1)).reshape(kind.values.shape)
+            moved = Kind(values, kind.weight)
+            gone += moved.sizes(lost)
+            kinds.append(moved.from_sample(lost))
+        return CarriedColumns(self.born[lost:], *kinds), gone
 
-    def boxed(self, box: Floats) -> Floats:
-        """Make the newest boxes of the lasting components of a box (n); returns the rest."""
-        newest = self.boxes.first + (self.boxes.slot - 1) % self.boxes.count * self.boxes.each
-        places = newest + np.arange(self.boxes.each)
-        self.values[self.lasting, places] = box[self.lasting]
-        rest = box.copy()
-        rest[self.lasting] = 0.0
-        return rest
+    def and_more(self, new: CarriedColumns) -> CarriedColumns:
+        """With younger ones."""
+        pairs = zip(self.kinds, new.kinds, strict=True)
+        kinds = (kind.and_more(more) for kind, more in pairs)
+        return CarriedColumns(np.concatenate([self.born, new.born]), *kinds)
 
-    def stand(self, A: Floats, newest: dict[str, Floats], shares: dict[str, Floats]) -> Floats:
-        """Put in place of all columns what they were, had every sample been alike.
+    def thinned(self, first: int, last: int, apart: int) -> tuple[CarriedColumns, Floats]:
+        """Of those born from ``first`` until ``last`` one in so many, with the ends.
 
-        ``newest``: columns of the kinds, A each sample's matrix.  ``shares`` (count, each): by
-        which share of such a one the present columns began, by age; 1 where there are none.
-        Returns the sizes (n) of what the present columns are besides such shares of the new ones.
+        Also sizes (n) of what is beside these, as a box.
         """
-        off = np.zeros(len(A))
-        for name, column in newest.items():
-            kind = getattr(self, name)
-            share = shares.get(name, np.ones((kind.count, kind.each)))
-            for age in range(kind.count):
-                begin = kind.first + (kind.slot - 1 - age) % kind.count * kind.each
-                place = slice(begin, begin + kind.each)
-                own = self.values[:, place]
-                off += np.abs(own - share[age] * column).sum(axis=1)
-                off += 4 * SINGLE**2 * np.abs(own).sum(axis=1)
-                self.values[:, place], column = column, A @ column
-        return off * UP
+        begin, end = np.searchsorted(self.born, (first, last + 1)).tolist()
+        count = end - begin
+        if count < 3 or apart < 2:
+            return self, np.zeros(len(self.known.values))
+        nodes = np.array(sorted({*range(0, count, apart), count - 1}))
+        born = self.born[begin:end]
+        units = np.eye(len(nodes))
+        share = np.array([np.interp(born, born[nodes], unit) for unit in units]).T
+        both = [kind.thinned(begin, end, nodes, share) for kind in self.kinds]
+        births = np.concatenate([self.born[:begin], born[nodes], self.born[end:]])
+        off = np.asarray(sum(rest for _, rest in both))
+        return CarriedColumns(births, *(kind for kind, _ in both)), off
 
-    def sums(self, rows: Floats, state: Floats) -> tuple[Floats, Floats]:
-        """Sizes of rows (r, n) of the sum of all: of what disturbs alone, and of all.
+    def older(self, samples: int) -> CarriedColumns:
+        """The same, born so much later."""
+        return replace(self, born=self.born + samples)
 
-        In single precision, with its rounding counted by the largest ``state`` (n).
+    def sums(self, rows: Floats, sizes: Floats) -> tuple[Floats, Floats]:
+        """Sizes of rows (..., r, n) of the sum of all: of what disturbs alone, and of all.
+
+        In single precision, with its rounding counted by the ``sizes``.
         """
-        self._single[:] = self.values
-        seen = np.empty((len(rows), self.misled.end), dtype=np.float32)
-        _product(rows.astype(np.float32), self._single, seen)
+        known, bent = (_absolute(rows, kind.flat) for kind in (self.known, self.bent))
+        if self.misled.weight.size:
+            pairs = rows @ self.misled.flat
+            known += np.hypot(pairs[..., ::2], pairs[..., 1::2]).sum(axis=-1)
+        many = sum(kind.weight.size for kind in self.kinds)
+        off = 2 * (rows.shape[-1] + 8) * SINGLE * (np.abs(rows) @ (sizes + many * FAINT))
+        share = (1 + 2 * many * SINGLE) * UP
+        return known * share + off * UP, (known + bent) * share + off * UP
+
+
+def _absolute(rows: Floats, columns: Floats) -> Floats:
+    """Sums of the sizes of the products, by rows, in blocks too small for the threads of BLAS."""
+    result, single = np.zeros(rows.shape[:-1]), rows.astype(np.float32)
+    width = max(1, BLOCK // (rows.shape[-1] * rows.shape[-2]))
+    for first in range(0, columns.shape[1], width):
+        seen = single @ columns[:, first : first + width].astype(np.float32)
         np.abs(seen, out=seen)
-        known, end = self.known.end, self.boxes.end
-        first = seen[:, :known].sum(axis=1).astype(float)
-        result = np.stack([first, first + seen[:, known:end].sum(axis=1)], axis=1)
-        if self.misled.each:
-            pairs = seen[:, end:].reshape(len(rows), -1, 2)
-            result += np.hypot(pairs[..., 0], pairs[..., 1]).sum(axis=1, dtype=float)[:, None]
-        many = seen.shape[1]
-        size = np.abs(rows) @ (state + many * FAINT)
-        result = result * (1 + 2 * many * SINGLE) + 2 * (len(state) + 8) * SINGLE * size[:, None]
-        return result[:, 0] * UP, result[:, 1] * UP
-
-
-def _product(a: Reals, b: Reals, out: Reals) -> None:
-    """a b, in blocks too small for the threads of BLAS, which wait for each other at full load."""
-    width = max(1, BLOCK // a.size)
-    for first in range(0, b.shape[1], width):
-        part = slice(first, first + width)
-        np.matmul(a, b[:, part], out=out[:, part])
+        result += np.einsum("...k->...", seen)
+    return result

@@ -1,15 +1,14 @@
-"""A sample of a passage, what is kept of one, and what a passage certifies."""
+"""Samples of a passage, and what a passage certifies."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+
+import numpy as np
 
 from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.corridor.blocks import FollowedBlock
 from wmr_ctrl.corridor.stretch import Stretch
-
-Kept: TypeAlias = tuple[Floats, Floats, list[Floats], list[Floats], list[int]]
-"""Columns, pending box, history, commands and oldest slots before a sample that may be repeated."""
 
 
 @dataclass(frozen=True)
@@ -28,23 +27,30 @@ class RunBounds:
     binding: Floats
 
 
-@dataclass
+@dataclass(frozen=True)
 class Instant:
-    """A sample: its number in the run and in its chunk, whose matrices and end are given.
+    """The samples of a block: their first, the end of those that their matrices are for.
 
-    ``held``: it stands for all samples until that end.
+    ``held``: each of them stands for all samples until that end.
     """
 
     k: int
-    at: int
     end: int
     here: Stretch
+    block: FollowedBlock
     held: bool = False
 
     @property
-    def part(self) -> slice:
-        """The samples that it stands for."""
-        return slice(self.k, self.end if self.held else self.k + 1)
+    def count(self) -> int:
+        """Of the samples."""
+        return len(self.block.at)
+
+    def most(self, course: Floats) -> Floats:
+        """Of a course by samples (n, ...) the numbers of these (J, ...)."""
+        if not self.held:
+            return course[self.k : self.k + self.count]
+        most = course[self.k : self.end].max(axis=0)
+        return np.broadcast_to(most, (self.count, *most.shape))
 
 
 class WiderBoxError(ArithmeticError):

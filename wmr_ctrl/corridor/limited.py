@@ -200,12 +200,12 @@ class LimitedLoop:
         held = np.concatenate([joined[:, :ROBOT], acts, d], axis=1)
         middle = np.hstack([cells.c[:, :ROBOT], sent.c, np.zeros((count, COMMAND))])
         radius = radius_of(held)
-        forms = boxes(middle, radius, radius.shape[1])
+        forms = boxes(middle, radius)
         z, fixed = forms[:ROBOT], forms[ROBOT:]
         fixed += [number(x, count) for x in self.loop.step.at[-COMMAND:]]
         far, heading = _farthest(z), np.abs(z[2].c) + z[2].radius
         for _ in range(self.loop.steps):
-            z = self.step([*z, *fixed], -1)[0]
+            z = self.step([*z, *fixed])
             z[:2] = [replace(item, r=item.r + self.gap) for item in z[:2]]
             far = np.maximum(far, _farthest(z))
             heading = np.maximum(heading, np.abs(z[2].c) + z[2].radius)
@@ -263,7 +263,7 @@ def _own(slope: Floats, first: int) -> Floats:
 
 def _linear(graph: AffineGraph, middle: Floats, radius: Floats) -> tuple[Floats, Floats, Floats]:
     """A graph over boxes: its middle (C, out), slopes (C, out, in) and errors (C, out)."""
-    return _taken(graph(boxes(middle, radius, radius.shape[1]), -1)[0], radius)
+    return _taken(graph(boxes(middle, radius)), radius)
 
 
 def _taken(forms: list[Form], radius: Floats) -> tuple[Floats, Floats, Floats]:
@@ -293,7 +293,7 @@ def _secant_of(
     at[-1] = high
     flat = at.ravel()
     still = np.zeros_like(flat)
-    form = graph([Form(flat, None, still, np.abs(flat))], -1)[0][0]
+    form = graph([Form(flat, None, still, np.abs(flat))])[0]
     off = (form.r + form.size * ROUNDING).reshape(at.shape)
     value = form.c.reshape(at.shape)
     apart = high - low

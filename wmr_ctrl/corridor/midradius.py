@@ -98,3 +98,11 @@ def _rounded(middle: Floats, radius: Floats) -> MidRadius:
 def widened(a: MidRadius, more: Floats | float) -> MidRadius:
     """With so much added to its radius."""
     return MidRadius(a.middle, (a.radius + more) * OUTWARD)
+
+
+def hull(points: Floats, axis: int) -> MidRadius:
+    """The spans that hold all points along an axis."""
+    low, high = points.min(axis=axis), points.max(axis=axis)
+    size = np.maximum(np.abs(low), np.abs(high))
+    wide = (high - low) / 2 * (1 + 2**-40) + ROUNDED * size
+    return MidRadius((low + high) / 2, np.where(low == high, 0.0, wide))

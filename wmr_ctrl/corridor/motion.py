@@ -127,6 +127,7 @@ class MovingCurve:
         self._slope = MidRadiusGraph(f"the slope of {name}", [by, numbers], slope)
         self._bend = BentEnclosure(f"the bend of {name}", [by, numbers], output, by)
         self.bends = np.array(self._bend.bends).reshape(-1, 3)
+        self._rows = np.eye(self.shape[0])[self.bends[:, 0]]
 
     def value(self, by: MidRadius, numbers: MidRadius) -> MidRadius:
         """Values at points (..., n) under numbers (..., n)."""
@@ -168,9 +169,9 @@ class MovingCurve:
         return np.asarray(np.tensordot(weights, parts, 1) * (1 + 1e-14))
 
     def remainders(self, bend: Floats, products: Floats) -> Floats:
-        """Remainder of the linear part of each output, for products (n, n) of deviations."""
-        row, i, j = self.bends.T
-        return np.asarray(np.bincount(row, bend * products[i, j], self.shape[0]), dtype=float)
+        """Remainder of each output's linear part, for products (..., n, n) of deviations."""
+        _, i, j = self.bends.T
+        return np.asarray((bend * products[..., i, j]) @ self._rows)
 
 
 def _columns(points: MidRadius) -> list[MidRadius]:

@@ -56,8 +56,7 @@ class SecantCurve:
         center = np.hstack([by.middle, numbers.middle])
         parts = (by.radius + wide, by.middle), (numbers.radius, numbers.middle)
         radius = np.hstack([np.broadcast_to(one, like.shape) for one, like in parts])
-        columns = center.shape[1] + self._graph.columns
-        forms, _ = self._graph(boxes(center, radius, columns), center.shape[1])
+        forms = self._graph(boxes(center, radius))
         shape = len(center), len(forms)
         slopes, left = np.zeros((*shape, n)), np.zeros(shape)
         for i, form in enumerate(forms):

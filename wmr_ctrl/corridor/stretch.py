@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
-from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius, rounding
+from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, MidRadius, rounding
 from wmr_ctrl.corridor.motion import MovingLoop
 from wmr_ctrl.corridor.secants import Secants
 
@@ -110,9 +110,28 @@ def _bent(
     for k in range(3):
         begin, end = (each[s][k] for s in (first, last))
         most = np.zeros(begin.middle.shape)
+        size = np.abs(begin.middle) + np.abs(end.middle)
+        wide = np.maximum(begin.radius, end.radius)
         for s in range(first + 1, last):
-            share = (s - first) / (last - first)
-            chord = MidRadius(1 - share, ROUNDED) * begin + MidRadius(share, ROUNDED) * end
-            most = np.maximum(most, (each[s][k] - chord).most)
+            share, here = (s - first) / (last - first), each[s][k]
+            off = np.abs(here.middle - (1 - share) * begin.middle - share * end.middle)
+            off += here.radius + wide + 8 * ROUNDED * (size + np.abs(here.middle))
+            most = np.maximum(most, off * OUTWARD)
         result.append(most)
     return result[0], result[1], result[2]
+
+
+def forgets(here: Stretch, left: float, longest: int) -> int:
+    """Samples, at most so many, until a share of a push is left, were it always as here."""
+    A, x = here.A.middle[0], here.push.middle[0]
+    scale, later = np.zeros(len(A)), x
+    for _ in range(200):
+        scale, later = scale + np.abs(later).sum(axis=1), A @ later
+    scale += 1e-9 * scale.max()
+    first = 0.0
+    for age in range(longest):
+        size = float((np.abs(x).sum(axis=1) / scale).max())
+        first, x = max(first, size), A @ x
+        if size < left * first:
+            return age
+    return longest

@@ -24,8 +24,8 @@ from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.world.references.kind import reference
 
 OPEN = "the undisturbed loop cannot be followed"
-LEAST = 2.0**-8
-"""Least share of pushes and errors that is tried where all of them have no corridor."""
+LEAST = 8
+"""Most halvings of pushes and errors that are tried where all of them have no corridor."""
 
 
 def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
@@ -92,13 +92,19 @@ def _followed(along: Along, inputs: Inputs, start: Floats) -> RunBounds:
 
 
 def _closing(along: Along, inputs: Inputs, start: Floats) -> float | None:
-    """The first half, quarter, eighth, ... of the inputs with which there is a corridor."""
-    share = 0.5
-    while share >= LEAST and inputs.any:
+    """The first half, quarter, eighth, ... of the inputs with which there is a corridor.
+
+    If the half has none, the others are bisected, as if there were one with all that is less.
+    """
+    closing, most, least = None, 1, LEAST
+    halved = 1
+    while inputs.any and most <= least:
+        share = 0.5**halved
         try:
             _followed(along, inputs.scaled(share), start)
         except NoCorridorError:
-            share /= 2
+            most = halved + 1
         else:
-            return share
-    return None
+            closing, least = share, halved - 1
+        halved = (most + least) // 2
+    return closing

@@ -1,0 +1,343 @@
+"""Sets of deviations carried over some samples of a passage at once, and checked in each.
+
+What a sample that begins with deviations X adds to the law's force and beside it follows from X,
+and what its plant steps add from a box Z of what the fast state reaches within it.  All of it is
+guessed for the samples of a block, and then has to hold what comes of it (ledger:
+corridor.passage).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.carried import CarriedColumns, Kind
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.instant import Instant
+from wmr_ctrl.corridor.loop import MOST_COLUMNS, MOST_NUMBERS, UP
+from wmr_ctrl.corridor.midradius import MidRadius, rounding
+from wmr_ctrl.corridor.motion import UNSURE
+from wmr_ctrl.corridor.remainders import Remainders
+
+FAR, NEAR, SLOW_NEAR, TRIES = 30.0, 1e-3, 0.3, 40
+"""Growth over the linear loop, and more [m, rad], with which a sample counts as lost, the latter
+also by secants; tries."""
+GUESSED, GROWN, AGAIN, FASTEST = 1.003, 1.02, 1.005, 1.2
+"""Growth of what is guessed: at first, from try to try, and from block to block, there at most."""
+DOT = rounding(MOST_NUMBERS)
+"""Share by which a sum of products over a state can err."""
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What samples may add: to the law's force (J, 2), as a box (J, n), by plant steps (J, nz)."""
+
+    force: Floats
+    box: Floats
+    left: Floats
+
+    def holds(self, other: Guess) -> bool:
+        """True where no size of the other is larger."""
+        pairs = zip(self.parts, other.parts, strict=True)
+        return all(bool((its <= mine).all()) for mine, its in pairs)
+
+    @property
+    def parts(self) -> tuple[Floats, Floats, Floats]:
+        """All of them."""
+        return self.force, self.box, self.left
+
+    @property
+    def weights(self) -> Floats:
+        """Of a block's columns."""
+        return np.concatenate([self.force.ravel(), self.box.ravel()])
+
+    def going_on(self, before: Guess, count: int) -> Guess:
+        """For a block of so many samples, what grew to these from the block before."""
+        parts = []
+        for old, part in zip(before.parts, self.parts, strict=True):
+            if len(old) == len(part) == count:
+                growth = np.clip(part / np.maximum(old, 1e-300), 1.0, FASTEST)
+                parts.append(part * growth * AGAIN)
+            else:
+                parts.append(np.tile(part.max(axis=0) * AGAIN, (count, 1)))
+        return Guess(*parts)
+
+    def grown(self, by: float) -> Guess:
+        """All sizes larger, but those that are 0."""
+        return Guess(*(part * by + UNSURE * (part > 0) for part in self.parts))
+
+    def and_more(self, other: Guess) -> Guess:
+        """The larger of both sizes."""
+        return Guess(*map(np.maximum, self.parts, other.parts))
+
+
+@dataclass(frozen=True)
+class _Until:
+    """What of a block does not depend on the guess, with what was carried into it.
+
+    ``linear``, ``after`` (J, rows): of the rows at samples' ends, by what disturbs alone and in
+    all; ``inner``: of inner ones.  ``through`` (n): all columns' sizes by those of the last matrix.
+    ``wide`` (J, outputs, n): error of the law's linear part by the state, ``direct`` that by errors
+    of what is measured.  Of boxes: ``box`` (J, n), and what is added by the state and the law.
+    """
+
+    linear: Floats
+    after: Floats
+    inner: Floats
+    through: Floats
+    wide: Floats
+    direct: Floats
+    box_by_state: Floats
+    box_by_law: Floats
+    box: Floats
+
+
+class Following(Remainders):
+    """Columns and boxes that deviations are within, and what becomes of them in a block."""
+
+    def __init__(self, along: Along, inputs: Inputs, start: Floats) -> None:
+        """From a start off by |e| <= ``start`` (3)."""
+        super().__init__(along, inputs)
+        n = along.states.shape[1]
+        each = 2 * COMMAND + len(along.lasting)
+        each += COMMAND * (bool(inputs.velocity.any()) + bool(inputs.pose))
+        if (columns := each * along.memory) > MOST_COLUMNS:
+            raise NoCorridorError(f"the loop forgets too slowly: it takes {columns} columns")
+        self.carried = self._none()
+        self.pending = np.zeros(n)
+        self.pending[:3] = start
+        if self.loop.filter:
+            self._begin_estimate()
+        rows = np.hstack([along.rows, np.zeros((len(along.rows), n - self.nz))])
+        self.rows = np.vstack([rows, np.eye(n)[self.nz :]])
+        outs = along.outs.shape[1]
+        self.read = np.array([*range(COMMAND), *range(outs - self.loop.count, outs)])
+        self.which = self.rows, along.rows, self.read
+        nothing = (np.zeros((1, size)) for size in (COMMAND, n, self.nz))
+        self.last = self.before = Guess(*nothing)
+
+    def _begin_estimate(self) -> None:
+        """A run's first estimate of the pose is the measured one, not one that is reckoned."""
+        loop = self.loop
+        first = COMMAND + loop.memory - loop.filter
+        place = len(self.pending) - loop.acting - loop.filter
+        share = self.along.setup.scenario.sensor.correction
+        begun = np.abs(self.along.outs[0, first : first + 3]) / (1 - share) + self.pending[:3]
+        way = abs(self.along.motion.v_d[0, 0]) * self.along.setup.scenario.clock.control
+        off = np.hypot(*begun[:2]) + way * begun[2] + self.inputs.pose
+        self.pending[place : place + 3] = np.array([off, off, begun[2]]) * UP + UNSURE
+
+    def _none(self) -> CarriedColumns:
+        """No columns yet."""
+        known = COMMAND * (2 if self.inputs.velocity.any() else 1)
+        widths = known, COMMAND + len(self.along.lasting), COMMAND if self.inputs.pose else 0
+        n = self.along.states.shape[1]
+        nothing = (Kind(np.zeros((n, 0, width)), np.zeros((0, width))) for width in widths)
+        return CarriedColumns(np.zeros(0, dtype=int), *nothing)
+
+    def _reach(self) -> tuple[Floats, Floats]:
+        """What the rows reach, by what disturbs alone and in all."""
+        linear, every = self.carried.sums(self.rows, self.carried.sizes)
+        return linear, (every + np.abs(self.rows) @ self.pending) * UP
+
+    def _state(self, reach: Floats) -> Floats:
+        """Sizes of the state's numbers (J, n) from those of the rows."""
+        return np.hstack([reach[:, : self.nz], reach[:, len(self.along.rows) :]])
+
+    def _until(self, now: Instant) -> _Until:
+        """What does not depend on the guess."""
+        block, inputs, motion = now.block, self.inputs, self.along.motion
+        known, discs = block.ends[:2]
+        sizes = self.carried.sizes
+        through = np.abs(block.chain) @ (sizes + self.pending)
+        both = []
+        for rows, chain, by, size in (
+            (self.rows, block.chain[1:], block.after_by, through[1:]),
+            (block.inner, block.chain[:-1], block.inner_by, through[:-1]),
+        ):
+            ahead = rows @ chain
+            linear, every = self.carried.sums(ahead, sizes)
+            own = by[..., :known].sum(axis=-1) + DOT * _each(np.abs(rows), size)
+            if discs > known:
+                pairs = by[..., known:discs]
+                own += np.hypot(pairs[..., ::2], pairs[..., 1::2]).sum(axis=-1)
+            both.append(((linear + own) * UP, (every + own + np.abs(ahead) @ self.pending) * UP))
+        A, law, outputs, push, seen = (
+            MidRadius(part.middle[block.at], part.radius[block.at])
+            for part in (getattr(now.here, name) for name in _PARTS)
+        )
+        wide_law = law.radius + DOT * np.abs(law.middle)
+        box = DOT * _each(np.abs(A.middle), through[:-1])
+        box += _each(law.most, (seen.radius + DOT * np.abs(seen.middle)) @ self.error)
+        box += (push.radius + DOT * np.abs(push.middle)) @ inputs.push
+        box[:, :2] += now.most(motion.gap)[:, None]
+        if self.loop.filter:
+            place = box.shape[1] - self.loop.acting - self.loop.filter
+            box[:, place : place + 2] += now.most(motion.reckoned)[:, None]
+        direct = seen.most @ self.error * UP
+        beside = np.abs(law.middle)
+        beside[:, :, :COMMAND] = 0
+        return _Until(
+            linear=both[0][0], after=both[0][1], inner=both[1][1], through=through[-1],
+            wide=(outputs.radius + DOT * np.abs(outputs.middle))[:, self.read], direct=direct,
+            box_by_state=A.radius + DOT * np.abs(A.middle), box_by_law=wide_law + beside,
+            box=box + _each(wide_law, direct),
+        )  # fmt: skip
+
+    def _follow(
+        self, now: Instant, reach: tuple[Floats, Floats]
+    ) -> tuple[tuple[Floats, Floats], Floats]:
+        """From what rows reach before a block, by what disturbs alone and in all, to its end.
+
+        And of each sample the numbers of RunBounds (J, 5).
+        """
+        along, until, count = self.along, self._until(now), now.count
+        guess = self.last.going_on(self.before, count)
+        before = np.vstack([reach[0], until.linear])
+        ahead = np.maximum(before[:-1], before[1:])[:, : len(along.rows)]
+        near = NEAR if now.here.secants is None else SLOW_NEAR
+        for tried in range(TRIES):
+            answer, most, law = self._found(now, guess, reach[1], until)
+            if guess.holds(answer):
+                break
+            lost = (most[:, :ROBOT] > FAR * ahead[:, :ROBOT] + near).any(axis=1)
+            if lost.any() and tried > 1:
+                k = int(lost.argmax())
+                raise NoCorridorError(along.blamed(most[k], now.k + k))
+            guess = guess.and_more(answer.grown(GROWN)) if tried else answer.grown(GUESSED)
+        else:
+            raise NoCorridorError(along.blamed(most[0], now.k))
+        share, worst = self._conditions(law, now)
+        self._carry(now, answer, until)
+        self.commands = np.vstack([self.commands, law[:, :COMMAND]])[count:]
+        self.before, self.last = self.last, answer
+        off = now.most(along.off)
+        heading = (most[:, 2] + now.most(along.turned)) * UP
+        items = (along.distance(off, most), along.distance(off, ahead), heading, share, worst)
+        after = self._after(now, answer, until)[-1]
+        return (until.linear[-1], after), np.stack(items, axis=1)
+
+    def _after(self, now: Instant, guess: Guess, until: _Until) -> Floats:
+        """What rows reach at the samples' ends (J, rows)."""
+        by = now.block.after_by[..., now.block.ends[1] :]
+        after = until.after + by @ guess.weights
+        return np.asarray((after + DOT * self._state(after) @ np.abs(self.rows).T) * UP)
+
+    def _found(
+        self, now: Instant, guess: Guess, reach: Floats, until: _Until
+    ) -> tuple[Guess, Floats, Floats]:
+        """What comes of a guess; what the rows reach within samples, and the law's outputs."""
+        block, rows, at = now.block, self.along.rows, now.block.at
+        after = self._after(now, guess, until)
+        begin = np.vstack([reach, after[:-1]])
+        state = self._state(begin)
+        begin, after = begin[:, : len(rows)], after[:, : len(rows)]
+        inner = until.inner + block.inner_by[..., block.ends[1] :] @ guess.weights
+        added, direct = self._law_added(begin, state, now), until.direct
+        outs = len(self.read)
+        beside = _each(until.wide, state) + (direct + added)[:, self.read]
+        law = (inner[:, :outs] + beside) * UP
+        box = _each(until.box_by_state, state) + _each(until.box_by_law, added) + until.box
+        ask = added[:, :COMMAND] + direct[:, :COMMAND]
+        extra, knots = self._within(now, state, ask, inner[:, outs:])
+        most = np.maximum(np.maximum(begin, after), knots)
+        most = (most + (extra + guess.left) @ np.abs(rows).T) * UP
+        step = self._step(most, law[:, :COMMAND], now) + now.here.body[at] @ self.inputs.body
+        left = _each(now.here.steps[at], step) * UP
+        box[:, : self.nz] += left
+        return Guess(added[:, :COMMAND], box * UP, left), most, law
+
+    def _within(
+        self, now: Instant, state: Floats, commands: Floats, inner: Floats
+    ) -> tuple[Floats, Floats]:
+        """Largest distances from the chords within samples; reach of the rows at the knots."""
+        rows, at, push = self.along.rows, now.block.at, self.inputs.push
+        extra, most = np.zeros((now.count, self.nz)), np.zeros((now.count, len(rows)))
+        for j, knot in enumerate(now.here.knots):
+            by_state, by_push, by_command = (part[at] for part in knot.apart)
+            off = _each(by_state, state) + by_push @ push + _each(by_command, commands)
+            extra = np.maximum(extra, off)
+            if j:
+                place = slice((j - 1) * len(rows), j * len(rows))
+                size = np.abs(knot.state.middle[at])
+                wide = _each(knot.state.radius[at] + DOT * size, state)
+                pushed, command = (
+                    MidRadius(part.middle[at], part.radius[at])
+                    for part in (knot.push, knot.command)
+                )
+                wide += _each(command.most, commands)
+                wide += (pushed.radius + DOT * pushed.most) @ push
+                own = np.abs(rows @ pushed.middle) @ push
+                most = np.maximum(most, inner[:, place] + own + wide @ np.abs(rows).T)
+        return extra, most
+
+    def _carry(self, now: Instant, answer: Guess, until: _Until) -> None:
+        """All columns to the end of a block, with its own; all else as a box."""
+        new, beside = self._added(now, answer.force, answer.box)
+        self.carried, gone = self._moved(self.carried, now, new)
+        box = (gone + beside + np.abs(now.block.chain[-1]) @ self.pending) * UP
+        box += DOT * until.through
+        newest = self.carried.bent.weight[-1, COMMAND:]
+        newest[:] = (newest + box[self.along.lasting]) * UP
+        self.pending = self._rest(box * UP)
+
+    def _moved(
+        self, carried: CarriedColumns, now: Instant, new: CarriedColumns
+    ) -> tuple[CarriedColumns, Floats]:
+        """Columns at the end of a block, with its own; sizes (n) of what is left of the old."""
+        along, last = self.along, now.k + now.count
+        columns, gone = carried.later(now.block.chain[-1], last + 1 - along.memory)
+        young = last - along.young
+        columns, beside = columns.thinned(young - now.count + 1, young, along.apart)
+        return columns.and_more(new), gone + beside
+
+    def _rest(self, box: Floats) -> Floats:
+        """Of a box the components that do not last."""
+        rest = box.copy()
+        rest[self.along.lasting] = 0.0
+        return rest
+
+    def _added(self, now: Instant, force: Floats, box: Floats) -> tuple[CarriedColumns, Floats]:
+        """Columns at its end of what a block adds, and what is beside them, as a box (n)."""
+        count, lasting, columns = now.count, self.along.lasting, now.block.columns
+        parts = np.split(columns, now.block.ends[:-1], axis=1)
+        known, misled, law, boxes = (part.reshape(len(part), count, -1) for part in parts)
+        rest = box.copy()
+        rest[:, lasting] = 0.0
+        bent = Kind(
+            np.concatenate([law, boxes[:, :, lasting]], axis=2), np.hstack([force, box[:, lasting]])
+        )
+        plain = (Kind(part, np.ones(part.shape[1:])) for part in (known, misled))
+        first, second = plain
+        born = np.arange(now.k, now.k + count) + 1
+        return CarriedColumns(born, first, bent, second), np.einsum(
+            "njm,jm->n", np.abs(boxes), rest
+        )
+
+    def _conditions(self, law: Floats, now: Instant) -> tuple[Floats, Floats]:
+        """Share of the condition that is used most in each sample, and its number."""
+        along = self.along
+        level = now.most(along.levels) + law[:, COMMAND:]
+        shares = np.full(level.shape, np.inf)
+        np.divide(level, along.most, out=shares, where=along.most > 0)
+        worst, share = shares.argmax(axis=1), shares.max(axis=1) * UP
+        beyond = ~(share <= 1)
+        if beyond.any():
+            k = int(beyond.argmax())
+            i = worst[k]
+            raise NoCorridorError(
+                f"{self.loop.conditions[i].name} may reach {level[k, i]:.3g} of "
+                f"{along.most[i]:.3g} {along.place(now.k + k)}"
+            )
+        return share, worst.astype(float)
+
+
+_PARTS = ("A", "law", "outputs", "push", "seen")
+
+
+def _each(matrices: Floats, vectors: Floats) -> Floats:
+    """Products of matrices (J, m, n), or of one, with vectors (J, n)."""
+    return np.asarray((matrices @ vectors[..., None])[..., 0])
