@@ -261,10 +261,10 @@ def odometry(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.governor",
-    given="the hypotheses of filter.induction; odometry at most 60 tau_min old; at most n pieces "
-    "of time from a sample to the next, to the latest takeover, and in any period that odometry "
-    "looks back through; T >= n 2^-13 tau_max; pieces as the schedule cuts them; limits of "
-    "at least 2^-40 where one axis goes first; no overflow and no underflow",
+    given="the hypotheses of filter.induction; jitter of at most T/2; odometry at most 60 tau_min "
+    "old; at most n pieces of time from a sample to the next, to the latest takeover, and in any "
+    "period that odometry looks back through; T >= n 2^-13 tau_max; pieces as the schedule cuts "
+    "them; limits of at least 2^-40 where one axis goes first; no overflow and no underflow",
     by=HAND,
     premises="filter.induction filter.rounding.takeover filter.rounding.target filter.rounding.rim "
     "filter.rounding.relaxed filter.rounding.piece-rising filter.rounding.piece-falling "
