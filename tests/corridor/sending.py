@@ -52,7 +52,7 @@ class _Base:
         self.h, steps = scenario.clock.plant, round(scenario.base.delay / scenario.clock.plant)
         self.queue = deque([(0.0, 0.0) if idle else v] * steps)
         self.integral = [0.0 if idle else self.friction(v), 0.0]
-        self.ramped = v
+        self.ramped = [0.0, 0.0] if idle else list(v)
 
     def friction(self, v):
         return self.robot.mu * self.robot.m * self.robot.g * math.tanh(v[0] / self.robot.v_s)
@@ -79,7 +79,12 @@ class _Base:
         step, dead = self.base.quantum[i], self.base.deadband[i]
         if step > 0:
             u = step * math.floor(u / step + 0.5)
-        return 0.0 if abs(u) < dead else u
+        u, now = 0.0 if abs(u) < dead else u, self.ramped[i]
+        grow, shrink = self.h * self.base.accel[i], self.h * self.base.decel[i]
+        up = now + grow if now >= 0 else min(now + shrink, 0.0)
+        down = now - grow if now <= 0 else max(now - shrink, 0.0)
+        self.ramped[i] = max(down, min(up, u))
+        return self.ramped[i]
 
 
 class _Wish:

@@ -32,6 +32,10 @@ CASES = {
     "velocities": ("mb", "velocity", {**QUIET, "sensor.velocity_noise": [2e-3, 1e-2]}, 90, 1.1),
 }  # fmt: skip
 """Law, what disturbs, changes, samples that an attack takes, and how tight the corridor is."""
+CASES["a ramp"] = ("kanayama", "push", {**PUSHED, "filter.kind": "clip", "base.accel": [0.5, 3.0],
+                   "base.decel": [0.5, 3.0], "filter.d": [0.01, 0.1]}, 90, 1.15)  # fmt: skip
+CASES["a ramp, poses"] = ("kanayama", "pose", {**CASES["a ramp"][2], "disturbance.std": 0.0,
+                          "sensor.pose_noise": 2e-4}, 90, 1.65)  # fmt: skip
 DEAR = set(CASES) - {"pushes", "velocities"}
 
 

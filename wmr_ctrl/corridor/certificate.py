@@ -32,15 +32,17 @@ from wmr_ctrl.corridor.inputs import (
     conditions,
     steady_motion,
 )
-from wmr_ctrl.corridor.loop import UP, SampledLoop
+from wmr_ctrl.corridor.late_guard import counts_late, sizes_counted
+from wmr_ctrl.corridor.loop import NOTHING, UP, SampledLoop
+from wmr_ctrl.corridor.overlap import ALONE, Overlap, jitter_overlap, ramp_overlap, ramps
 from wmr_ctrl.corridor.sample import SlowLoopError
 
 ROUNDS, CLOSE, INFLATED, LEAST = 60, 1e-7, 1e-6, 1e-15
 """Rounds of the fixed point, the change at which they end, and what is added before the check."""
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
-FAR = 30.0
-"""Growth over the linear loop with which the fixed point counts as lost."""
+FAR, DUST = 30.0, 1e-9
+"""Growth over the linear loop, and beyond it, with which the fixed point counts as lost."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
@@ -86,11 +88,20 @@ class Tube:
 class Certifier:
     """A law's loop on its reference with its gains, for inputs of any size."""
 
-    def __init__(self, setup: Setup) -> None:
-        """NoCorridorError where the loop is not covered."""
+    def __init__(
+        self, setup: Setup, overlap: Overlap | None = None, counted: Floats | None = None
+    ) -> None:
+        """NoCorridorError where the loop is not covered.
+
+        ``overlap`` and what a guard has ``counted`` for late commands: else what the setup needs.
+        """
         check_covered(setup)
+        if overlap is None:
+            overlap = _overlap(setup)
+        if counted is None:
+            counted = _counted(setup, overlap)
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
-        self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup))
+        self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup), overlap, counted)
         check_size(loop)
         shown, moved = loop.law.value(), loop.step.value()
         self.added = np.array(
@@ -181,7 +192,8 @@ class Certifier:
 
     def linear(self, inputs: Inputs) -> Peaks:
         """Peaks of the linear loop, with what does not vanish on the reference."""
-        return self._peaks(inputs, self._rest(inputs), self._law_rest(inputs, np.zeros(COMMAND)))
+        rest, nothing = self._rest(inputs), np.zeros(COMMAND)
+        return self._peaks(inputs, rest, self._law_rest(inputs, nothing), nothing)
 
     def _law_rest(self, inputs: Inputs, commands: Floats) -> Floats:
         """What the law's outputs are off on the reference, with commands off by up to ``commands``
@@ -210,7 +222,7 @@ class Certifier:
             peaks = following
             if change.all():
                 break
-            if (peaks.fast[:ROBOT] > FAR * first.fast[:ROBOT]).any():
+            if (peaks.fast[:ROBOT] > FAR * first.fast[:ROBOT] + DUST).any():
                 raise NoCorridorError(self._blamed(inputs, first))
         grown = peaks.times(1 + INFLATED)
         if not self.image(inputs, grown).within(grown):
@@ -230,7 +242,10 @@ class Certifier:
 
     def _tube(self, peaks: Peaks) -> Tube:
         shares = (self.level + peaks.law[-self.loop.count :]) / self.most * UP
-        worst = int(np.where(self.most > 0, shares, np.inf).argmax())
+        shares = np.where(self.most > 0, shares, np.inf)
+        inner = np.array([item.inner for item in self.loop.conditions])
+        broken = (shares[inner] > 1).any()
+        worst = int(np.where(inner == broken, shares, -1.0).argmax())
         position = self.position(peaks)
         share = float(shares[worst]) if self.most[worst] > 0 else float("inf")
         name = self.loop.conditions[worst].name
@@ -238,7 +253,16 @@ class Certifier:
 
     def image(self, inputs: Inputs, peaks: Peaks, *, started: bool = True) -> Peaks:
         """Left side of (*), with the start or after it has been forgotten."""
-        return self._peaks(inputs, *self._added(inputs, peaks), started)
+        return self._peaks(
+            inputs, *self._added(inputs, peaks), self._changes(inputs, peaks), started
+        )
+
+    def _changes(self, inputs: Inputs, peaks: Peaks) -> Floats:
+        """Largest changes (2) from one command that acts to the next."""
+        if not self.loop.overlap.steps:
+            return np.zeros(COMMAND)
+        heard = 2 * inputs.misheard(np.zeros(COMMAND))
+        return np.asarray((self.level[-COMMAND:] + peaks.law[-COMMAND:] + heard) * UP)
 
     def settled(self, inputs: Inputs, peaks: Peaks) -> Peaks:
         """States after K samples within ``peaks``, K as in `LoopGains` (ledger: corridor.latch)."""
@@ -250,7 +274,8 @@ class Certifier:
     def next_sample(self, inputs: Inputs, state: Floats, peaks: Peaks) -> Peaks:
         """Sizes over one sample from a state within ``state``, while nothing leaves ``peaks``."""
         step, law = self._added(inputs, peaks)
-        given, step = self._given(inputs, law), step + np.abs(self.added)
+        given = self._given(inputs, law, self._changes(inputs, peaks))
+        step = step + np.abs(self.added)
 
         def of(gains: Gains) -> Floats:
             held, direct, own = gains.first
@@ -276,11 +301,13 @@ class Certifier:
             (self._law_rest(inputs, peaks.law[:COMMAND]) + law.sum(axis=(1, 2))) * UP,
         )
 
-    @staticmethod
-    def _given(inputs: Inputs, law: Floats) -> Floats:
-        """Inputs and what the law adds, in the order of the gains' columns."""
+    def _given(self, inputs: Inputs, law: Floats, changes: Floats) -> Floats:
+        """Inputs, what the law adds, and what is off of what acts for commands that change so much,
+        in the order of the gains' columns.
+        """
         error = np.array([inputs.pose, 0.0, 0.0, *inputs.velocity])
-        return np.concatenate((inputs.push, law, error))
+        late = (self.loop.overlap.off * changes * UP).ravel()
+        return np.concatenate((inputs.push, law, late, error))
 
     def _remainders(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
         """Remainders of the robot's step and of the law beyond their linear parts, by pairs of
@@ -304,8 +331,10 @@ class Certifier:
         by_law[:ROBOT, :ROBOT] = pairs + mixed + mixed.T + np.outer(error, error)
         return loop.step.remainders(by_step * UP), loop.law.remainders(by_law * UP)
 
-    def _peaks(self, inputs: Inputs, step: Floats, law: Floats, started: bool = True) -> Peaks:
-        given, before = self._given(inputs, law), self._before(inputs, law)
+    def _peaks(
+        self, inputs: Inputs, step: Floats, law: Floats, changes: Floats, started: bool = True
+    ) -> Peaks:
+        given, before = self._given(inputs, law, changes), self._before(inputs, law)
 
         def of(gains: Gains) -> Floats:
             forced = gains.by @ given + gains.steps @ step + gains.constant
@@ -325,6 +354,27 @@ class Certifier:
         a, b = np.unravel_index((added + added.T).argmax(), added.shape)
         term = f"{WORDS[a]}^2" if a == b else f"{WORDS[min(a, b)]} {WORDS[max(a, b)]}"
         return f"{term} may grow as large as what the loop corrects"
+
+
+def _overlap(setup: Setup) -> Overlap:
+    """The overlap of a setup's commands; of a ramp for a little more than the linear loop needs."""
+    scenario = setup.scenario
+    if not setup.takes_velocity:
+        return jitter_overlap(scenario)
+    if not ramps(scenario):
+        return ALONE
+    watched = Overlap(np.zeros(1), np.zeros((1, COMMAND)), ALONE.most)
+    free = Certifier(setup, watched)
+    return ramp_overlap(scenario, free.linear(free.inputs).law[-COMMAND:])
+
+
+def _counted(setup: Setup, overlap: Overlap) -> Floats:
+    """Sizes of the forces (2) that a guard counts for late commands, a little more than linear."""
+    if not counts_late(setup):
+        return NOTHING
+    free = Certifier(setup, overlap, NOTHING)
+    most = np.abs(free.loop.remains[:COMMAND]) + free.linear(free.inputs).law[:COMMAND]
+    return sizes_counted(setup, most)
 
 
 def reference_gap(v_d: Floats, step: float) -> float:

@@ -14,6 +14,7 @@ AXES = ("linear", "angular")
 class Condition:
     """Something of which |value| <= most keeps the loop's graphs what they are.
 
+    ``inner``: its size is one that the certificate chose, and no limit of anything.
     ``measured``: the axis whose error of the measured velocity a first sample adds to the value.
     """
 
@@ -21,6 +22,7 @@ class Condition:
     value: ca.SX
     most: ca.SX
     measured: int | None = None
+    inner: bool = False
 
 
 Asked = Callable[[ca.SX, ca.SX], list[Condition]]

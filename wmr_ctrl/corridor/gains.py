@@ -42,7 +42,8 @@ PAIRS = [(a, b) for a in range(ROBOT) for b in range(a + 1, ROBOT)]
 class Gains:
     """Largest rows for inputs of size 1 in every sample, whatever their signs.
 
-    ``by``: columns push (2), errors of the law's outputs, a disc of (e1, e2) as measured, nothing,
+    ``by``: columns push (2), errors of the law's outputs, errors of the command that acts in each
+    plant step of the overlap (2 each), a disc of (e1, e2) as measured, nothing,
     errors of e3, v1 and omega as measured.
     ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
     after a start that is off by shares of the columns that were asked for; ``misled``: after
@@ -116,7 +117,8 @@ def _summed(
     for _ in range(samples):
         powers.append(doubles(np.array(power.tolist(), dtype=object)))
         power = A * power
-    inputs = np.hstack([sample.push, sample.outputs, sample.outputs @ sample.seen])
+    measured = sample.outputs @ sample.seen
+    inputs = np.hstack([sample.push, sample.outputs, sample.late, measured])
     every = np.hstack([np.eye(n), doubles(inputs)])
     course = np.array(powers) @ every
     scale = np.abs(course[:, :, n : n + COMMAND]).sum(axis=(0, 2))
@@ -148,10 +150,12 @@ def _summed(
     within = [sums.gains(sample.rows_within(s, picked), shares[s]) for s in range(loop.steps)]
     shown = doubles(sample.law)
     count = len(shown)
-    none = {"push": blank[:, :COMMAND], "measured": np.zeros((n, ROBOT)), "steps": blank[:, :nz]}
+    late = sample.late.shape[1]
+    none = {"push": blank[:, :COMMAND], "measured": np.zeros((n, ROBOT)), "steps": blank[:, :nz],
+            "late": np.zeros((n, late))}  # fmt: skip
     state = OutputRows(np.eye(n), np.eye(n), law=np.zeros((n, count)), **none)
     law = OutputRows(
-        np.eye(count), shown, np.zeros((count, COMMAND)), np.eye(count),
+        np.eye(count), shown, np.zeros((count, COMMAND)), np.eye(count), np.zeros((count, late)),
         np.abs(doubles(sample.seen)) * UP, np.zeros((count, nz)),
     )  # fmt: skip
     three = _largest(within), sums.gains(state), sums.gains(law)
@@ -196,7 +200,7 @@ class _Sums:
         tail = np.outer(reach, self.norms.sum(axis=0)) * self.damping / (1 - self.damping)
         start = self._started(ways[..., :n], slack, reach)
         misled, before = self._misled(seen, slack, reach), self._before(seen, slack, reach)
-        direct = np.hstack([rows.push, rows.law, rows.measured])
+        direct = np.hstack([rows.push, rows.law, rows.late, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
         for part in (seen, direct):
             part[..., disc[0]] = np.hypot(part[..., disc[0]], part[..., disc[1]])

@@ -16,7 +16,9 @@ from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.condition import AXES, Condition
-from wmr_ctrl.corridor.loop import MOST_NUMBERS, SampledLoop
+from wmr_ctrl.corridor.late_guard import counts_late, is_plain
+from wmr_ctrl.corridor.loop import MOST_NUMBERS, SampledLoop, punctual
+from wmr_ctrl.corridor.overlap import ramps
 from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -25,8 +27,10 @@ from wmr_ctrl.signals import PLANT_STATE
 from wmr_ctrl.world.command_dead_band import COMMAND_DEAD_BAND
 from wmr_ctrl.world.command_delay import COMMAND_DELAY
 from wmr_ctrl.world.command_quantum import COMMAND_QUANTUM
+from wmr_ctrl.world.command_ramp import COMMAND_RAMP
 from wmr_ctrl.world.delay import DELAY
 from wmr_ctrl.world.effect import Effect, EffectRole, Rate
+from wmr_ctrl.world.jitter import JITTER
 from wmr_ctrl.world.lag import LAG, Lag
 from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
 from wmr_ctrl.world.references.kind import reference
@@ -37,7 +41,10 @@ from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
 from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT
 
-OF_BASE = (COMMAND_DELAY, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT, FIRST_ORDER, PI)
+OF_BASE = (
+    COMMAND_DELAY, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT, COMMAND_RAMP, FIRST_ORDER,
+    PI,
+)  # fmt: skip
 """Effects of a base that takes velocities which are counted."""
 
 
@@ -88,7 +95,11 @@ def bounded_inputs(setup: Setup) -> Inputs:
     """The inputs of a setup; NoCorridorError for what has no bound or no place here."""
     scenario = setup.scenario
     push, acting = np.zeros(2), [item for item in setup.effects if item.active(scenario)]
-    counted = (VELOCITY_NOISE, POSE_SENSOR, *(OF_BASE if setup.takes_velocity else (DELAY, LAG)))
+    counted = (
+        VELOCITY_NOISE,
+        POSE_SENSOR,
+        *(OF_BASE if setup.takes_velocity else (DELAY, JITTER, LAG)),
+    )
     for effect in acting:
         if effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.SAMPLE:
             push = push + _push(effect, setup)
@@ -116,7 +127,7 @@ def bounded_inputs(setup: Setup) -> Inputs:
 def _turns(setup: Setup, acting: list[Effect]) -> bool:
     """True where something acts by the heading."""
     if not setup.takes_velocity:
-        return len(surroundings(setup.scenario).headings) > 1
+        return len(surroundings(punctual(setup.scenario)).headings) > 1
     theta = PLANT_STATE[2]
     return any(
         theta in (port.signal for port in effect.system(setup.scenario).inputs)
@@ -144,6 +155,8 @@ def at_first(setup: Setup, *, run: bool) -> str:
     parts = []
     if scenario.base.delay > 0:
         parts.append("no command under way" if run else "commands of that speed under way")
+    if ramps(scenario):
+        parts.append("its ramp at that speed")
     if has_loop(scenario, "pi"):
         parts.append(f"{'no force' if run else 'the force that friction takes'} in its own loop")
     return " and ".join(parts)
@@ -248,10 +261,15 @@ def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
     scenario, guard = setup.scenario, setup.guard
     if not scenario.guard.enabled:
         return
-    if any(item.most or item.mixed for item in guard.lateness(scenario.clock)):
-        raise NoCorridorError(
-            "the guard counts late commands or velocities, and whether it acts then is not covered"
-        )
+    for i, axis in enumerate(AXES):
+        if net(guard, i) < 0:
+            raise NoCorridorError(f"guard.f_min ({axis}) above guard.dbar is not covered")
+    if counts_late(setup):
+        if not is_plain(setup):
+            raise NoCorridorError(
+                "the guard counts a lag or late velocities, and whether it acts then is not covered"
+            )
+        return
     errors = pair_of(guard.nbar)
     for i, axis in enumerate(AXES):
         slope = mass_range(guard, i)[0] * (guard.alpha or 0.0)

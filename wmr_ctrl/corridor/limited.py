@@ -106,6 +106,7 @@ class LimitedLoop:
             or loop.acting
             or loop.queue > 1
             or loop.late
+            or loop.overlap.steps
             or len(loop.names) > ROBOT
         ):
             raise NoCorridorError("a start so far off is not covered with delay, lag or filter")

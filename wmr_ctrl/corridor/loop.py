@@ -25,13 +25,15 @@ from wmr_ctrl.control.applied import followed, remembered
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.condition import AXES, Asked, Condition
 from wmr_ctrl.corridor.enclosure import Balls, BentEnclosure, Enclosure, upper
+from wmr_ctrl.corridor.late_guard import commands_counted, late_conditions
+from wmr_ctrl.corridor.overlap import ALONE, Overlap
 from wmr_ctrl.corridor.sender import SendingLoop, balanced, base_numbers, base_world, sending
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.kinematics import error_rotation, tracking_error
 from wmr_ctrl.model.system import System, port, stack
-from wmr_ctrl.scenario import Robot
+from wmr_ctrl.scenario import Robot, Scenario, override
 from wmr_ctrl.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
 from wmr_ctrl.world.delay import delay_in_periods
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
@@ -40,6 +42,8 @@ BODY = ("robot.m", "robot.I")
 """Numbers of the robot that may lie in an interval."""
 
 
+FREE, NOTHING = 1e300, np.zeros(0)
+"""Size of a condition that nothing breaks; no sizes."""
 UP, MOST_NUMBERS, MOST_COLUMNS = 1.0 + 1e-11, 100, 40_000
 """Sums of up to 4e4 doubles that are not negative, in whatever order, err by less than UP.  Most
 numbers that a loop's state may have, and columns that are summed up."""
@@ -94,8 +98,22 @@ class SampledLoop:
     observer's force and the velocity that it remembers begin, None without one.
     """
 
-    def __init__(self, setup: Setup, v_d: Floats, asked: Asked) -> None:
-        """Compose the graphs; ``asked``: conditions on the asked force and measured velocity."""
+    overlap: Overlap = ALONE
+    counted: Floats = NOTHING
+
+    def __init__(
+        self,
+        setup: Setup,
+        v_d: Floats,
+        asked: Asked,
+        overlap: Overlap = ALONE,
+        counted: Floats = NOTHING,
+    ) -> None:
+        """Compose the graphs; ``asked``: conditions on the asked force and measured velocity.
+
+        ``counted``: sizes for which a guard that counts late commands is looked at, if given.
+        """
+        self.overlap, self.counted = overlap, counted
         robot = setup.scenario.robot
         loop, world = self._prepare(setup, asked)
         point = loop.on_reference(np.array(v_d, dtype=float))
@@ -124,11 +142,27 @@ class SampledLoop:
             late = scenario.base.delay
         else:
             loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
-            world = surroundings(scenario).worlds(clock.control)[0][1]
+            world = surroundings(punctual(scenario)).worlds(clock.control)[0][1]
             late = scenario.actuator.delay + scenario.actuator.unmodelled_delay
         self.names = world.names
         self.late = int(np.floor(late / clock.plant + 0.5))
         return loop, world
+
+    def _changes(self, changes: ca.SX) -> list[Condition]:
+        """Conditions on the change from one command to the next, which are the last."""
+        most = np.minimum(self.overlap.most, FREE)
+        return [
+            Condition(
+                f"the command's change in a period ({axis})", changes[i], ca.SX(most[i]), inner=True
+            )
+            for i, axis in enumerate(AXES)
+        ]
+
+    def acts(self, s: int) -> tuple[int, float]:
+        """Age of the command that acts at a plant step of a sample, and the earlier one's share."""
+        behind, rest = divmod(self.late, self.steps)
+        phase, share = (s - rest) % self.steps, self.overlap.share
+        return behind + (s < rest), float(share[phase]) if phase < len(share) else 0.0
 
     def _step_graph(
         self, world: World, v_d: ca.SX, changed: Mapping[str, ca.SX]
@@ -144,7 +178,8 @@ class SampledLoop:
             sent, known = u, base_numbers(world, scenario)
         else:
             sent = force_to_wheel(*_wheels(scenario.robot), u)
-            known = surroundings(scenario).numbers(world, clock.control, clock.plant, None)
+            around = surroundings(punctual(scenario))
+            known = around.numbers(world, clock.control, clock.plant, None)
         held = ca.vertcat(sent, push, ca.SX.zeros(world.held - 2 * COMMAND))
         numbers = ca.SX(ca.DM(known))
         for name, value in {**dict(zip(BODY, ca.vertsplit(body), strict=True)), **changed}.items():
@@ -215,7 +250,8 @@ class SampledLoop:
         ages = {tau_sent(age): age for age in range(1, setup.predicted + 1)}
         reach = whole + (part > 0) + 1 if TAU_APPLIED in asked else 0
         behind, left = divmod(self.late, self.steps)
-        self.queue = max(reach, setup.predicted, behind + (left > 0))
+        arriving = behind + (left > 0) + (self.overlap.steps > 0)
+        self.queue = max(reach, setup.predicted, arriving, commands_counted(setup))
         lag = scenario.actuator.lag
         self.acting = COMMAND if lag > 0 and TAU_APPLIED in asked else 0
         s, own = ca.SX.sym("s", ROBOT), ca.SX.sym("memory", self.memory)
@@ -243,8 +279,22 @@ class SampledLoop:
         by = ca.vertcat(s, own, sent, acting)
         sizes = following[law_memory + self.count :]
         values = following[law_memory : law_memory + self.count]
+        further = list[Condition]()
+        if self.counted.size:
+            further += late_conditions(setup, force, s[ROBOT - COMMAND :], queue, self.counted)
+        if self.overlap.steps:
+            further += self._changes(force - sent[:COMMAND])
+        values = ca.vertcat(values, *(item.value for item in further))
+        sizes = ca.vertcat(sizes, *(item.most for item in further))
+        self.conditions += further
+        self.count += len(further)
         output = ca.vertcat(force, following[:law_memory], shown[: self.filter], end, values)
         return by, output, sizes
+
+
+def punctual(scenario: Scenario) -> Scenario:
+    """The scenario without jitter."""
+    return override(scenario, {"actuator.jitter": 0.0}) if scenario.actuator.jitter else scenario
 
 
 def estimated(past: ca.SX, e: ca.SX, v_d: ca.SX, T: ca.SX, share: ca.SX) -> ca.SX:

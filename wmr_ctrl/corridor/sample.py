@@ -34,6 +34,7 @@ class OutputRows:
     state: Floats
     push: Floats
     law: Floats
+    late: Floats
     measured: Floats
     steps: Floats
 
@@ -61,7 +62,6 @@ class SampleMatrices:
         self.law[:, order] = slopes
         self.seen = slopes[:, :ROBOT]
         self.step = step[:, :nz]
-        behind, rest = divmod(loop.late, loop.steps)
         ages = [np.hstack([balls(COMMAND, n), unit_matrix(COMMAND)])]
         for age in range(loop.queue):
             at = nz + COMMAND * age
@@ -70,14 +70,25 @@ class SampleMatrices:
             )
         now = np.hstack([unit_matrix(nz), balls(nz, n - nz + COMMAND)])
         pushed, self.fast, self.pushed = balls(nz, COMMAND), [], []
+        late, self.lates, overlap = balls(nz, COMMAND * loop.overlap.steps), [], loop.overlap.steps
+        by_command = step[:, nz : nz + COMMAND]
         for s in range(loop.steps):
             self.fast.append(now)
             self.pushed.append(pushed)
-            now = self.step @ now + step[:, nz : nz + COMMAND] @ ages[behind + (s < rest)]
+            self.lates.append(late)
+            age, share = loop.acts(s)
+            acts = ages[age]
+            if share:
+                acts = arb(1 - share) * acts + arb(share) * ages[age + 1]
+            now = self.step @ now + by_command @ acts
             pushed = self.step @ pushed + step[:, nz + COMMAND : nz + 2 * COMMAND]
+            late, phase = self.step @ late, (s - loop.late) % loop.steps
+            if phase < overlap:
+                late[:, COMMAND * phase : COMMAND * (phase + 1)] += by_command
         sent = [row for age in ages[: loop.queue] for row in age]
         rows = np.vstack([now, *sent, balls(nm + na, n + COMMAND)])
         self.push = np.vstack([pushed, balls(n - nz, COMMAND)])
+        self.late = np.vstack([late, balls(n - nz, COMMAND * overlap)])
         self.outputs = balls(n, len(slopes))
         self.outputs[:, :COMMAND] = rows[:, n:]
         self.outputs[nz + nq :, COMMAND : COMMAND + nm + na] = unit_matrix(nm + na)
@@ -95,7 +106,7 @@ class SampleMatrices:
         push, seen = self.pushed[s], command @ self.seen[:COMMAND]
         return OutputRows(
             picked, doubles(whole), sizes(picked, doubles(push)), law,
-            sizes(picked, doubles(seen)), steps,
+            sizes(picked, doubles(self.lates[s])), sizes(picked, doubles(seen)), steps,
         )  # fmt: skip
 
 

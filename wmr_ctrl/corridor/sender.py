@@ -31,7 +31,8 @@ from wmr_ctrl.world.speed_loop_pi import INTEGRAL
 
 IDLE = {
     "base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0], "base.w_max": np.inf,
-    "base.antiwindup": False, "actuator.tau_max": np.inf, "filter.kind": "none",
+    "base.accel": [np.inf, np.inf], "base.decel": [np.inf, np.inf], "base.antiwindup": False,
+    "actuator.tau_max": np.inf, "filter.kind": "none",
 }  # fmt: skip
 """Numbers of a base that leaves every command as it is, and gives every torque."""
 

@@ -19,7 +19,9 @@ from wmr_ctrl.corridor.inputs import (
     check_covered,
 )
 from wmr_ctrl.corridor.instant import RunBounds
+from wmr_ctrl.corridor.late_guard import counts_late
 from wmr_ctrl.corridor.masses import mass_courses, mass_ranges, refused_open, with_inputs
+from wmr_ctrl.corridor.overlap import ramps
 from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.world.references.kind import reference
 
@@ -46,6 +48,13 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         check_covered(setup)
         if reference(scenario).x.numel():
             raise NoCorridorError("a reference that has a state of its own is not covered")
+        if scenario.actuator.jitter > 0 or (setup.takes_velocity and ramps(scenario)):
+            name = "base.accel" if setup.takes_velocity else "actuator.jitter"
+            raise NoCorridorError(f"{name} is not covered over a whole run")
+        if counts_late(setup):
+            raise NoCorridorError(
+                "a guard that counts late commands is not covered over a whole run"
+            )
         cells = mass_courses(setup)
         for cell, widths in cells:
             here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""

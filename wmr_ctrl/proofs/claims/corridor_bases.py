@@ -1,17 +1,37 @@
-"""Assumptions of the certified corridor about bases that take velocities, and what is sent to them.
+"""Assumptions of the certified corridor about what is sent: to bases that take velocities, or late.
 
 Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.corridor` reads it.
 """
+
+from dataclasses import replace
 
 import casadi as ca
 
 from wmr_ctrl.filter.channels import WAYS, Channel, scaled
 from wmr_ctrl.filter.governor import FirstOrder
+from wmr_ctrl.guard.delay import InFlight, in_flight, largest_force
+from wmr_ctrl.guard.guard import Bounds, clipped
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
 from wmr_ctrl.proofs.claims.world import EffectGraph, positive
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, every, symbols
-from wmr_ctrl.world import command_dead_band, speed_loop_pi, wheel_speed_limit
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    equal,
+    every,
+    symbols,
+    when,
+)
+from wmr_ctrl.world import (
+    command_dead_band,
+    command_ramp,
+    jitter,
+    speed_loop_pi,
+    wheel_speed_limit,
+)
 
 claim = Claims(by=Z3(effort=150))
 
@@ -101,3 +121,142 @@ def pi_loop(mutation: Mutation) -> Statement:
         *(above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1)),
     ]
     return g.states([*every(own.update, following), *every(own.y, torque)], given)
+
+
+LATE = (
+    {"key": "constant", "words": "a constant delay", "jitters": False},
+    {"key": "jitter", "words": "with jitter", "jitters": True},
+)
+
+
+@claim(
+    "corridor.guard-late-{key}",
+    given="S = M_min alpha > 0, brake >= 0, net >= 0; ahead, back, and what the last command adds "
+    "to them until the new one is sure to act: a, 0 without jitter; c = 1 + alpha J",
+    over=LATE,
+)
+def late_guard(mutation: Mutation, jitters: bool) -> Statement:
+    """F + S (w + ahead + a) <= S u1 - net and c F + S (w + ahead) <= S u1 - c net for w = y + nbar
+    and for w = f_speed, the same with 0 for F, all of it backwards too, and |F| at most the largest
+    force, imply that the guard leaves F as it is, and that 0 is safe ({words}).
+
+    On these conditions the law drives as if there were no guard, though commands are late.
+    """
+    t = symbols(f"{NUMBERS} y force J delay mixed ahead back a_ahead a_back slope stretch braking "
+                "largest", f"{NUMBERS} J delay mixed slope stretch braking largest")  # fmt: skip
+    b = Bounds(**{name: t[name] for name in NUMBERS.split()}, delay=t["delay"])
+    coming = InFlight(t["ahead"], t["back"])
+    if jitters:
+        b = replace(b, jitter=t["J"], mixed=t["mixed"])
+        coming = replace(coming, again=InFlight(t["a_ahead"], t["a_back"]))
+    S, c = t["slope"], t["stretch"] if jitters else ca.SX(1)
+    cuts = {"slope": b.M_min * b.alpha, "braking": b.braking, "largest": largest_force(b)}
+    if jitters:
+        cuts["stretch"] = 1 + b.alpha * t["J"]
+    sizes = list[Relation]()
+    for way, side in ((1, "ahead"), (-1, "back")):
+        for w in (way * t["y"] + t["nbar"], t["f_speed"]):
+            for F in (way * t["force"], ca.SX(0)):
+                room = S * (t["u1"] - w - t[side])
+                again = t[f"a_{side}"] if jitters else ca.SX(0)
+                sizes.append(at_least(room - S * again, F + b.net))
+                if jitters:
+                    sizes.append(at_least(room, c * mutation(1, 0.5) * (F + b.net)))
+    if not jitters:
+        sizes[0] = at_least(mutation(1, 2) * S * (t["u1"] - t["y"] - t["nbar"] - t["ahead"]),
+                            t["force"] + b.net)  # fmt: skip
+    given = (
+        *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1", "delay")),
+        above(S), *((at_least(c, 1),) if jitters else ()), at_least(b.net),
+        *(at_least(t[f"a_{side}"]) for side in ("ahead", "back")),
+        at_least(t["largest"], ca.fabs(t["force"])), *sizes,
+    )  # fmt: skip
+    goals = tuple(
+        equal(clipped(asked, t["y"], b, coming), asked) for asked in (t["force"], ca.SX(0))
+    )
+    return Statement(t, goals, given, cuts)
+
+
+@claim("corridor.guard-sums", given="M_min, T > 0, tau_j >= 0; |F_j| <= N, N >= net")
+def late_sums(mutation: Mutation) -> Statement:
+    """what two commands that may act for tau_j count for is at most sum tau_j (F_j + N)/M_min ahead
+    and sum tau_j (N - F_j)/M_min back; of a piece in which either may act, with one of the two.
+
+    So what the guard counts is linear in the commands, and an output of the loop.
+    """
+    t = symbols(f"{NUMBERS} F1 F2 N t1 t2", f"{NUMBERS} t1 t2")
+    b = Bounds(**{name: t[name] for name in NUMBERS.split()})
+    first, second = (ca.vertcat(t[name], 0) for name in ("F1", "F2"))
+    sums = in_flight([(first, t["t1"]), (ca.horzcat(second, first), t["t2"])], 0, b)
+    scale, size = t["period"] / t["M_min"], mutation(1, 0.5) * t["N"]
+    goals = list[Relation]()
+    for way, side in ((1, sums.ahead), (-1, sums.back)):
+        worst = ca.fmax(way * t["F1"], way * t["F2"])
+        most = t["t1"] * (way * t["F1"] + size) + t["t2"] * (worst + size)
+        goals.append(at_least(scale * most, side))
+    given = (
+        above(t["M_min"]), above(t["period"]), at_least(t["t1"]), at_least(t["t2"]),
+        at_least(t["N"], b.net), *(at_least(t["N"], ca.fabs(t[name])) for name in ("F1", "F2")),
+    )  # fmt: skip
+    return Statement(t, tuple(goals), given)
+
+
+@claim(
+    "corridor.jitter",
+    given="jitter a multiple of h, h > 0; each time drawn within it; what waits is the command "
+    "that arrived last, and what acts is it or the one before, it from the time drawn for it on",
+)
+def overtaken(mutation: Mutation) -> Statement:
+    """what acts is the command that arrived last or the one before it, and what is given is so
+    again in the next plant step.
+
+    Drives with jitter let one of the last two commands act, never an older one.
+    """
+    g = EffectGraph(jitter.JITTER, (("actuator.jitter", 0.01),))
+    t = symbols("steps most drawn phase older")
+    h, width, number = g["clock.plant"], g["actuator.jitter"], g[f"{jitter.NUMBERS.name}[1]"]
+    steps, most = (jitter.whole(time / h) for time in (g["clock.control"], width))
+    since = g["step"] - jitter.whole((g["actuator.delay"] + g["actuator.unmodelled_delay"]) / h)
+    phase, drawn = since - steps * ca.floor(since / steps), ca.floor((number + 1) / 2 * (most + 1))
+    cuts = {"steps": steps, "most": most, "phase": phase, "drawn": drawn}
+    now, waiting, wait = (part[0] for part in ca.vertsplit(g.system.update, [0, 2, 4, 5]))
+    acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
+                         for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
+    arrived = g["tau_right"]
+    before = ca.if_else(t["phase"] <= 0, last, t["older"])
+    given = (
+        above(h), equal(width, t["most"] * h), at_least(t["drawn"]),
+        at_least(t["most"], t["drawn"]), at_least(t["phase"]), at_least(t["steps"], 1),
+        at_least(t["steps"], t["phase"] + 1), at_least(t["steps"], due), at_least(due),
+        when(t["phase"] > 0, equal(last, arrived)),
+        equal((acting - last) * (acting - mutation(t["older"], t["older"] + 1))),
+        when(ca.logic_and(t["phase"] <= 0, due < t["steps"]), equal(acting, last)),
+    )  # fmt: skip
+    goals = (
+        equal((now - arrived) * (now - before)), equal(waiting, arrived),
+        when(t["phase"] >= wait, equal(now, arrived)),
+    )  # fmt: skip
+    return g.states(goals, given, cuts, t)
+
+
+@claim("corridor.ramp", given="h, accel, decel > 0; a at most accel and decel")
+def ramped(mutation: Mutation) -> Statement:
+    """a ramp leads towards its goal and not past it, in a plant step by a h or all that is left,
+    or as far as 0 where it has to turn round.
+
+    On the way from one command to the next what acts lies between them, and is there in time.
+    """
+    g = EffectGraph(command_ramp.COMMAND_RAMP, (("base.accel", [1.0, 1.0]),))
+    a, goals = symbols("a", "a"), list[Relation]()
+    h, given = g["clock.plant"], list[Relation]()
+    for i in (0, 1):
+        now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
+        after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]
+        given += [at_least(rate, a["a"]) for rate in rates]
+        left, was = ca.fabs(wanted - after), ca.fabs(wanted - now)
+        goals.append(at_least((after - now) * (wanted - after)))
+        taken = at_least(ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0), left)
+        goals.append(when(now * wanted >= 0, taken))
+        goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
+    goals += every(g.system.update, g.system.y)
+    return g.states(goals, [above(h), above(a["a"]), *given], None, a)

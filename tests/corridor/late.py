@@ -1,0 +1,84 @@
+"""Adversary of drives with jitter: when each command takes over, chosen against the robot.
+
+A command that was computed acts from the plant step on that its wait says; until then the one
+before it does.  The law is told of the torque that it sent, as the product tells it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests.corridor.adversary import DIRECTIONS, TINY, Attacked, Excursion
+from tests.oracle.plant import wheel_torques
+
+ROUNDS = 4
+
+
+class _Waiting:
+    """Drives in which the command of each sample waits for so many plant steps."""
+
+    def __init__(self, waits, steps, before):
+        self.waits, self.steps, self.before, self.now, self.n = waits, steps, before, before, 0
+
+    def advance(self, commanded):
+        k, phase = divmod(self.n, self.steps)
+        if phase == 0:
+            self.before, self.now = self.now, commanded
+        self.n += 1
+        return self.now if phase >= self.waits[k] else self.before
+
+
+class Jittered(Attacked):
+    """The oracle's loop behind such drives, whose first command follows what friction takes."""
+
+    def __init__(self, scenario, law, push, waits):
+        super().__init__(scenario, law, push)
+        robot, v = scenario.robot, self.state[3]
+        friction = robot.mu * robot.m * robot.g * np.tanh(v / robot.v_s)
+        before = wheel_torques((float(friction), 0.0), robot)
+        self.actuator = _Waiting(waits, scenario.clock.substeps, before)
+
+    def _sample(self, k):
+        super()._sample(k)
+        self.applied = self.sent[0]
+
+
+def jittered(scenario, law, push, waits):
+    """The Excursion, and the torques that were sent (N, 2)."""
+    loop = Jittered(scenario, law, push, waits)
+    loop.run(None)
+    columns = loop.log.columns()
+    sent = np.stack([columns["tau_right"], columns["tau_left"]], axis=1)
+    clipped = bool(np.any(columns["clip_active"]))
+    return Excursion(np.array(loop.errors), float(np.abs(sent).max()), clipped), sent
+
+
+def farthest_held(scenario, law, samples, size, wait):
+    """The largest excursion under pushes of ``size`` where every command waits for so long."""
+    return _farthest(scenario, law, samples, size, (wait, wait))
+
+
+def farthest_jittered(scenario, law, samples, size, most, times=1.0):
+    """The largest excursion under pushes of ``size`` and waits of up to ``most`` plant steps."""
+    return _farthest(scenario, law, samples, times * size, (0, most))
+
+
+def _farthest(scenario, law, samples, size, ends):
+    steps, held = scenario.clock.substeps, np.full(samples, sum(ends) // 2)
+    blank = np.zeros((samples, 2))
+    rest = jittered(scenario, law, blank, held)[0].e[steps - 1 :: steps]
+    answers = []
+    for wheel in (0, 1):
+        push = blank.copy()
+        push[0, wheel] = TINY
+        answers.append(jittered(scenario, law, push, held)[0].e[steps - 1 :: steps] - rest)
+    found = []
+    for ahead, left in DIRECTIONS:
+        led = np.stack([ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers], axis=1)
+        push, waits = size * np.sign(led), held
+        for _ in range(ROUNDS):
+            course, sent = jittered(scenario, law, push, waits)
+            found.append(course)
+            back = np.vstack([sent[:1], sent[:-1]]) - sent
+            waits = np.where((back * led).sum(axis=1) > 0, ends[1], ends[0])
+    return max(found, key=lambda x: x.position)

@@ -1,0 +1,91 @@
+"""The corridor behind drives with jitter, against an adversary that chooses when commands act."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.corridor.late import farthest_held, farthest_jittered, jittered
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor.overlap import jitter_overlap
+from wmr_ctrl.scenario import load_scenario, override
+
+ALONE = {"disturbance.std": 0.1, "guard.enabled": False, "changes": []}
+
+
+def simulated(**told):
+    changes = {key.replace("__", "."): value for key, value in told.items()}
+    return override(load_scenario("safe-simulation"), {**ALONE, **changes})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "steps", "loose"), [("prox", 2, 1.15), ("prox", 5, 1.3), ("kanayama", 5, 1.25)]
+)
+def test_no_adversary_leaves_it_whenever_commands_act(law, steps, loose):
+    tube = find_corridor(simulated(actuator__jitter=1e-3 * steps), law)
+    within, beyond = (
+        farthest_jittered(simulated(), law, 250, 0.3, steps, times) for times in (1.0, 1.2)
+    )
+
+    assert tube.position / loose <= within.position <= tube.position
+    assert np.abs(within.e[:, 2]).max() <= tube.heading
+    assert beyond.position > tube.position or steps > 2
+
+
+def test_a_jitter_widens_it_and_waits_of_any_kind_stay_within():
+    scenario, rng = simulated(actuator__jitter=0.004), np.random.default_rng(5)
+    tube, plain = find_corridor(scenario, "prox"), find_corridor(simulated(), "prox")
+    push = 0.3 * rng.choice([-1.0, 1.0], size=(150, 2))
+    course, _ = jittered(simulated(), "prox", push, rng.integers(0, 5, 150))
+
+    assert jitter_overlap(scenario).steps == 4
+    assert plain.position < tube.position < 1.4 * plain.position
+    assert course.position <= tube.position
+    assert find_corridor(scenario, "prox", whole=True).position == tube.position
+
+
+GUARDED = {"guard__enabled": True, "disturbance__truncate": 3.0}
+LATE = {"jitter": {"actuator__jitter": 0.004}, "delay": {"actuator__unmodelled_delay": 0.004}}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("late", LATE)
+@pytest.mark.parametrize("size", [0.3, 1.5])
+def test_behind_a_guard_that_counts_late_commands_it_changes_none(late, size):
+    scenario = simulated(**GUARDED, **LATE[late], disturbance__std=size / 3)
+    tube = find_corridor(scenario, "prox")
+    found = (
+        farthest_jittered(scenario, "prox", 150, size, 4)
+        if late == "jitter"
+        else farthest_held(scenario, "prox", 150, size, 4)
+    )
+
+    assert found.position <= tube.position < 1.35 * found.position
+    assert not found.clipped
+    assert "the guard's count" not in tube.binding
+
+
+@pytest.mark.slow
+def test_a_guard_that_would_act_on_late_commands_is_named_and_acts():
+    close = {"limits__v_u1": [0.5, 1.0], "limits__v_u2": [0.45, 0.9], "disturbance__std": 0.5}
+    wide, near = (
+        simulated(**GUARDED, **LATE["delay"], **close, guard__alpha=alpha) for alpha in (20.0, 5.0)
+    )
+    tube = find_corridor(near, "prox")
+
+    assert "the guard's ceiling" in find_corridor(wide, "prox").binding
+    assert "the guard's ceiling (linear) may reach" in tube.refused
+    assert farthest_held(near, "prox", 60, 1.5, 4).clipped
+
+
+def test_what_is_not_covered_of_late_commands_is_refused_by_name():
+    lagging = find_corridor(simulated(**GUARDED, actuator__lag=0.005), "prox")
+    path = {"reference__kind": "lemniscate"}
+    jitters, late = (
+        find_corridor(simulated(**path, **GUARDED, **LATE[key]), "prox", whole=True) for key in LATE
+    )
+
+    assert "the guard counts a lag or late velocities" in lagging.refused
+    assert "actuator.jitter is not covered over a whole run" in jitters.refused
+    assert "a guard that counts late commands is not covered over a whole run" in late.refused
