@@ -224,7 +224,7 @@ def test_cells_that_are_too_coarse_are_refused_with_the_mass():
 
 REFUSED = {
     "disturbance.truncate = inf": ("paper-simulation", {}, "prox"),
-    "dead reckoning": ("safe-experiment", {"sensor.pose_period": 0.2}, "prox"),
+    "corrected in part": ("safe-experiment", {"sensor.pose_period": 0.2}, "prox"),
     "v_c0 (angular) may reach 3.43 of 1.3, which is so for the linear loop already": (
         "safe-experiment",
         {},
@@ -233,7 +233,7 @@ REFUSED = {
     "circles and lines alone": ("safe-simulation", {"reference.kind": "lemniscate"}, "prox"),
     "away from their limits": ("safe-simulation", {}, "smc"),
     "the effect encoder": ("robot-10ms", {}, "prox"),
-    "counts late commands": ("safe-simulation", {"actuator.delay": 0.005}, "prox"),
+    "counts a lag or late velocities": ("safe-simulation", {"actuator.lag": 0.005}, "prox"),
     "unstable": ("safe-simulation", {"clock.control": 0.1, "guard.enabled": False}, "prox"),
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
     "may grow as large": ("safe-experiment", EXACT_POSE, "prox"),

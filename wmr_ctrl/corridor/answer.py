@@ -29,6 +29,7 @@ class Corridor:
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
     ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
     ``late``: what drives, or the base's own loop, hold at the start, in words; empty if nothing.
+    ``missing``: samples in a row at most to which no pose comes.
     ``anew``: a change of the robot leads from any of these masses to any other.
     ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
     ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
@@ -56,6 +57,7 @@ class Corridor:
     late: str = ""
     run: float | None = None
     anew: bool = False
+    missing: int = 0
     whole: Corridor | None = None
 
     @property
@@ -139,7 +141,10 @@ class Corridor:
 
     def _while(self, share: float) -> str:
         velocity = (share * self.velocity[0], share * self.velocity[1])
-        return f"while {bounds(share * self.push, share * self.pose, velocity)}"
+        reckoned = ""
+        if self.missing:
+            reckoned = f", no pose comes to up to {self.missing} samples in a row"
+        return f"while {bounds(share * self.push, share * self.pose, velocity)}{reckoned}"
 
     @property
     def figures(self) -> dict[str, object]:
@@ -156,7 +161,8 @@ class Corridor:
             "settling": self.settling,
             "binding": self.binding, "share": self.share, "linear": self.linear,
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
-            "mass": self.mass, "masses": self.masses, "until": self.until, "clearance": clearance,
+            "missing": self.missing, "mass": self.mass, "masses": self.masses,
+            "until": self.until, "clearance": clearance,
             "run": self.run, "whole": None if self.whole is None else self.whole.figures,
         }  # fmt: skip
 

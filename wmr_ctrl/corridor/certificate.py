@@ -109,7 +109,8 @@ class Certifier:
         )
         try:
             start = np.diag((*setup.scenario.corridor.start, *[0.0] * (len(loop.at) - 3)))
-            self.gains = loop_gains(loop, start, self.added)
+            reckons = self.inputs.missing > 0
+            self.gains = loop_gains(loop, start, self.added, reckons=reckons)
         except SlowLoopError as error:
             raise NoCorridorError(f"the loop is unstable, or takes too long: {error}") from error
         self.level = np.array([upper(item) for item in shown[-loop.count :]])
@@ -131,7 +132,8 @@ class Certifier:
     def started(self, start: Floats) -> Certifier:
         """The same from a start off by shares of some columns (n, columns)."""
         other = copy(self)
-        other.gains = loop_gains(self.loop, start, self.added)
+        reckons = self.inputs.missing > 0
+        other.gains = loop_gains(self.loop, start, self.added, reckons=reckons)
         return other
 
     def _reckoning_gap(self) -> float:
@@ -253,9 +255,32 @@ class Certifier:
 
     def image(self, inputs: Inputs, peaks: Peaks, *, started: bool = True) -> Peaks:
         """Left side of (*), with the start or after it has been forgotten."""
+        inputs = self._reckoned(inputs, peaks)
         return self._peaks(
             inputs, *self._added(inputs, peaks), self._changes(inputs, peaks), started
         )
+
+    def _reckoned(self, inputs: Inputs, peaks: Peaks) -> Inputs:
+        """With the errors of a pose that is reckoned for as many samples as none comes.
+
+        Over one sample a reckoned pose moves off a robot that it began with by ``off``, and one
+        that is turned by b against it by its way times b more (ledger: corridor.reckoning).
+        """
+        if not inputs.missing:
+            return inputs
+        curve, clock = self.loop.reckoning, self.loop.setup.scenario.clock
+        sizes = peaks.fast[:ROBOT] + np.array([0.0, 0.0, 0.0, *inputs.velocity])
+        left = curve.remainders(np.outer(sizes, sizes) * UP).sum(axis=(1, 2))
+        rest = np.array([upper(item) for item in curve.value()])
+        rest[:2] += reference_gap(curve.at[3:], clock.control)
+        off = (peaks.fast[-3:] + left + rest) * UP
+        away, v = self.position(peaks), abs(float(curve.at[3])) + float(sizes[3])
+        each = float(np.hypot(off[0], off[1]) + off[2] * away) * UP
+        pose, turn = inputs.pose, 0.0
+        for _ in range(inputs.missing):
+            pose = (pose + each + clock.control * v * turn) * UP
+            turn = (turn + float(off[2])) * UP
+        return replace(inputs, pose=(pose + turn * away) * UP, turn=turn)
 
     def _changes(self, inputs: Inputs, peaks: Peaks) -> Floats:
         """Largest changes (2) from one command that acts to the next."""
@@ -273,6 +298,7 @@ class Certifier:
 
     def next_sample(self, inputs: Inputs, state: Floats, peaks: Peaks) -> Peaks:
         """Sizes over one sample from a state within ``state``, while nothing leaves ``peaks``."""
+        inputs = self._reckoned(inputs, peaks)
         step, law = self._added(inputs, peaks)
         given = self._given(inputs, law, self._changes(inputs, peaks))
         step = step + np.abs(self.added)
@@ -305,7 +331,7 @@ class Certifier:
         """Inputs, what the law adds, and what is off of what acts for commands that change so much,
         in the order of the gains' columns.
         """
-        error = np.array([inputs.pose, 0.0, 0.0, *inputs.velocity])
+        error = np.array([inputs.pose, 0.0, inputs.turn, *inputs.velocity])
         late = (self.loop.overlap.off * changes * UP).ravel()
         return np.concatenate((inputs.push, law, late, error))
 
@@ -316,12 +342,11 @@ class Certifier:
         loop, nz = self.loop, len(self.loop.names)
         queue, memory = COMMAND * loop.queue, loop.memory
         pairs = np.outer(peaks.fast[:ROBOT], peaks.fast[:ROBOT])
-        both = peaks.fast[nz + DIRECTIONS :].reshape(-1, 2).max(axis=1) ** 2 / (
-            4 * self.gains.ratios
-        )
+        sums = slice(nz + DIRECTIONS, nz + DIRECTIONS + 2 * len(PAIRS))
+        both = peaks.fast[sums].reshape(-1, 2).max(axis=1) ** 2 / (4 * self.gains.ratios)
         for (a, b), most in zip(PAIRS, both, strict=True):
             pairs[a, b] = pairs[b, a] = min(pairs[a, b], most)
-        error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
+        error = np.array([inputs.pose, inputs.pose, inputs.turn, *inputs.velocity])
         moved = np.concatenate((peaks.fast[:nz], peaks.law[:COMMAND], inputs.push, inputs.body))
         state = np.split(peaks.state, [nz, nz + queue, nz + queue + memory])
         seen = np.concatenate((peaks.fast[:ROBOT] + error, state[2], state[1], state[3]))

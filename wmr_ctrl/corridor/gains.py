@@ -8,7 +8,7 @@ q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from math import ceil, cos, log, log2, pi, sin
 
@@ -69,7 +69,8 @@ class LoopGains:
     """Gains of the fast state at all plant steps, of the state at samples, of the law's outputs.
 
     Rows of ``fast``: its elements, directions of (e1, e2), then for each of PAIRS the sum and the
-    difference of its first with ``ratios`` times its second.  ``damping`` is q, over ``samples``,
+    difference of its first with ``ratios`` times its second, and what dead reckoning is off, if
+    that was asked for.  ``damping`` is q, over ``samples``,
     ``scale`` the weights of its norm.
     """
 
@@ -82,10 +83,13 @@ class LoopGains:
     scale: Floats
 
 
-def loop_gains(loop: SampledLoop, start: Floats, added: Floats) -> LoopGains:
+def loop_gains(
+    loop: SampledLoop, start: Floats, added: Floats, *, reckons: bool = False
+) -> LoopGains:
     """All gains of a loop, from a start off by shares of the columns ``start`` (n, columns).
 
-    ``added``: what every plant step adds to the fast state, always the same.
+    ``added``: what every plant step adds to the fast state, always the same.  ``reckons``: also by
+    how much (3) dead reckoning over a sample is off.
     SlowLoopError where it is unstable or too slow to be enclosed.
     """
     with ctx.workprec(SPARE_BITS):
@@ -97,7 +101,7 @@ def loop_gains(loop: SampledLoop, start: Floats, added: Floats) -> LoopGains:
     if bits > MOST_BITS:
         raise SlowLoopError(f"its matrix would take {bits} bits")
     with ctx.workprec(bits):
-        return _summed(SampleMatrices(loop), loop, samples, start, added)
+        return _summed(SampleMatrices(loop), loop, samples, start, added, reckons)
 
 
 def _samples(a: Floats) -> tuple[int, float]:
@@ -110,7 +114,12 @@ def _samples(a: Floats) -> tuple[int, float]:
 
 
 def _summed(
-    sample: SampleMatrices, loop: SampledLoop, samples: int, start: Floats, added: Floats
+    sample: SampleMatrices,
+    loop: SampledLoop,
+    samples: int,
+    start: Floats,
+    added: Floats,
+    reckons: bool,
 ) -> LoopGains:
     n, nz = sample.n, len(loop.names)
     A, power, powers = arb_mat(sample.A.tolist()), arb_mat(unit_matrix(n).tolist()), []
@@ -158,7 +167,10 @@ def _summed(
         np.eye(count), shown, np.zeros((count, COMMAND)), np.eye(count), np.zeros((count, late)),
         np.abs(doubles(sample.seen)) * UP, np.zeros((count, nz)),
     )  # fmt: skip
-    three = _largest(within), sums.gains(state), sums.gains(law)
+    fast = _largest(within)
+    if reckons:
+        fast = _stacked(fast, sums.gains(sample.reckoned_rows(loop), shares[-1]))
+    three = fast, sums.gains(state), sums.gains(law)
     return LoopGains(*three, ratios, damping, samples, scale)
 
 
@@ -273,6 +285,19 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
     for place, value in entries:
         row[place] = value
     return row
+
+
+def _stacked(first: Gains, second: Gains) -> Gains:
+    """Rows of the first, then those of the second."""
+    own, more = (
+        {item.name: getattr(gains, item.name) for item in fields(Gains) if item.name != "first"}
+        for gains in (first, second)
+    )
+    held, direct, steps = (
+        np.concatenate(both) for both in zip(first.first, second.first, strict=True)
+    )
+    rows = {name: np.concatenate((value, more[name])) for name, value in own.items()}
+    return Gains(first=(held, direct, steps), **rows)
 
 
 def _largest(each: list[Gains]) -> Gains:

@@ -64,7 +64,8 @@ class Inputs:
     position from the true one [m]; ``velocity``: error of each measured velocity (2); ``body``:
     how far mass and inertia are off the scenario's (2) [kg, kg m2]; ``command``: by how much a
     velocity that acts is off the one that was sent (2); ``dead``: the size below which it may be
-    taken for 0 (2).
+    taken for 0 (2); ``missing``: samples in a row to which no pose comes; ``turn``: error of the
+    heading that is measured [rad].
     """
 
     push: Floats
@@ -73,6 +74,8 @@ class Inputs:
     body: Floats = field(default_factory=lambda: np.zeros(2))
     command: Floats = field(default_factory=lambda: np.zeros(2))
     dead: Floats = field(default_factory=lambda: np.zeros(2))
+    missing: int = 0
+    turn: float = 0.0
 
     def scaled(self, share: float) -> Inputs:
         """Push and errors so many times as large."""
@@ -111,17 +114,32 @@ def bounded_inputs(setup: Setup) -> Inputs:
         raise NoCorridorError(
             "an effect that depends on the heading, such as a slope, is not covered"
         )
-    sensor, period = scenario.section(PoseSensor), scenario.clock.control
-    if sensor.pose_period > period * (1 + 1e-9) or sensor.pose_dropout > 0:
-        raise NoCorridorError(
-            "[sensor]: poses that are rare or lost, with dead reckoning in between, are not covered"
-        )
+    sensor = scenario.section(PoseSensor)
     pose = math.sqrt(2.0) * sensor.pose_noise * (1 + 1e-15)
     noise = np.array(scenario.section(VelocityNoise).velocity_noise)
+    missing = _missing(scenario)
     if not setup.takes_velocity:
-        return Inputs(push, pose, noise)
+        return Inputs(push, pose, noise, missing=missing)
     rounded, dead = np.array(scenario.base.quantum) / 2, np.array(scenario.base.deadband)
-    return Inputs(push, pose, noise, command=rounded * (1 + 1e-15), dead=dead)
+    return Inputs(push, pose, noise, command=rounded * (1 + 1e-15), dead=dead, missing=missing)
+
+
+def _missing(scenario: Scenario) -> int:
+    """Samples in a row at most to which no pose comes; NoCorridorError for too many."""
+    sensor, period = scenario.section(PoseSensor), scenario.clock.control
+    apart, losses = max(1, round(sensor.pose_period / period)), scenario.corridor.losses
+    if sensor.pose_dropout > 0 and not losses:
+        raise NoCorridorError(
+            "sensor.pose_dropout: poses may be lost any number of times in a row; state "
+            "corridor.losses, the most that are"
+        )
+    count = apart * (1 + losses * (sensor.pose_dropout > 0)) - 1
+    if count and sensor.correction < 1:
+        raise NoCorridorError(
+            "[sensor]: poses that are rare or lost and corrected in part (correction < 1) are not "
+            "covered"
+        )
+    return count
 
 
 def _turns(setup: Setup, acting: list[Effect]) -> bool:

@@ -81,8 +81,9 @@ def monitor_of(scenario: Scenario, law: str) -> System:
     if not seen(setup, latch):
         raise ScenarioError(
             f"{scenario.name} with {law}: drives with delay or lag, bases that take velocities, "
-            "partly corrected poses and laws with a memory of their own have states that a monitor "
-            "cannot see. Watch prox or mb with torques, ideal drives and correction = 1."
+            "rare or partly corrected poses and laws with a memory of their own have states that a "
+            "monitor cannot see. Watch prox or mb with torques, ideal drives and a pose at every "
+            "sample that is taken as it is."
         )
     graph = monitor(setup, latch, measured=True)
     box = next(item.value for item in graph.params if item.signal.name == "corridor.box")

@@ -110,7 +110,7 @@ class LimitedLoop:
             or len(loop.names) > ROBOT
         ):
             raise NoCorridorError("a start so far off is not covered with delay, lag or filter")
-        if inputs.pose or inputs.velocity.any():
+        if inputs.pose or inputs.missing or inputs.velocity.any():
             raise NoCorridorError("a start so far off is not covered with errors of measurements")
         self.n = len(loop.at)
         self._compose_law(setup)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -147,6 +148,15 @@ class SampledLoop:
         self.names = world.names
         self.late = int(np.floor(late / clock.plant + 0.5))
         return loop, world
+
+    @cached_property
+    def reckoning(self) -> Curve:
+        """Error (3) that dead reckoning over a sample leads to, by e and v (5) at its begin."""
+        at = self.step.at[:ROBOT]
+        by, v_d = ca.SX.sym("s", ROBOT), ca.SX(ca.DM(at[3:]))
+        period, none = ca.SX(self.setup.scenario.clock.control), ca.SX(0)
+        ahead = estimated(by, ca.SX.zeros(3), v_d, period, none)
+        return Curve("dead reckoning", by, ahead, at)
 
     def _changes(self, changes: ca.SX) -> list[Condition]:
         """Conditions on the change from one command to the next, which are the last."""

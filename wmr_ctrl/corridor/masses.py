@@ -91,7 +91,8 @@ def with_inputs(known: Corridor, inputs: Inputs, *, first: bool) -> Corridor:
     if not first and push != known.push:
         raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
     v, w = map(float, inputs.velocity)
-    return replace(known, push=push, pose=inputs.pose, velocity=(v, w))
+    errors = replace(known, pose=inputs.pose, velocity=(v, w), missing=inputs.missing)
+    return replace(errors, push=push)
 
 
 def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -86,6 +86,9 @@ class SampleMatrices:
             if phase < overlap:
                 late[:, COMMAND * phase : COMMAND * (phase + 1)] += by_command
         sent = [row for age in ages[: loop.queue] for row in age]
+        self.fast.append(now)
+        self.pushed.append(pushed)
+        self.lates.append(late)
         rows = np.vstack([now, *sent, balls(nm + na, n + COMMAND)])
         self.push = np.vstack([pushed, balls(n - nz, COMMAND)])
         self.late = np.vstack([late, balls(n - nz, COMMAND * overlap)])
@@ -108,6 +111,19 @@ class SampleMatrices:
             picked, doubles(whole), sizes(picked, doubles(push)), law,
             sizes(picked, doubles(self.lates[s])), sizes(picked, doubles(seen)), steps,
         )  # fmt: skip
+
+    def reckoned_rows(self, loop: SampledLoop) -> OutputRows:
+        """Rows of e at a sample's end less where dead reckoning from its begin would have it."""
+        nz, steps = len(loop.names), loop.steps
+        rows, reckoned = self.rows_within(steps, np.eye(3, nz)), balls(nz, self.n)
+        slopes = np.array(loop.reckoning.slopes(), dtype=object)
+        reckoned[:3, :ROBOT] = slopes
+        command = self.fast[steps][:, self.n :]
+        whole = self.fast[steps][:, : self.n] + command @ self.law[:COMMAND] - reckoned
+        seen = command @ self.seen[:COMMAND]
+        seen[:3, 3:] = seen[:3, 3:] - slopes[:, 3:]
+        measured = sizes(rows.picked, doubles(seen))
+        return replace(rows, state=doubles(whole), measured=measured)
 
 
 def powers_of(matrix: BallArray, count: int) -> list[BallArray]:

@@ -177,6 +177,11 @@ class CorridorSettings(Section, key="corridor"):
         "0: robot.m and robot.I alone",
         minimum=0, maximum=32,
     )  # fmt: skip
+    losses: int = quantity(
+        0, "1",
+        "poses lost in a row at most, where sensor.pose_dropout loses some by chance; 0: not said",
+        minimum=0, maximum=1000,
+    )  # fmt: skip
 
 
 class Change(Section, key="changes"):

@@ -32,6 +32,7 @@ from wmr_ctrl.world import (
     speed_loop_pi,
     wheel_speed_limit,
 )
+from wmr_ctrl.world.pose_sensor import reckoned
 
 claim = Claims(by=Z3(effort=150))
 
@@ -260,3 +261,25 @@ def ramped(mutation: Mutation) -> Statement:
         goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
     goals += every(g.system.update, g.system.y)
     return g.states(goals, [above(h), above(a["a"]), *given], None, a)
+
+
+@claim("corridor.reckoning", given="two poses, the second off by (dx, dy, b); one velocity")
+def reckoning(mutation: Mutation) -> Statement:
+    """after a period of dead reckoning the second is off by b as before, and in its position by
+    what it was and T v times the difference of both directions.
+
+    A reckoned pose that began off the true one goes on being off so, and turns no further away.
+    """
+    t = symbols("x y theta dx dy b v omega T s c s_off c_off")
+    there, off = ca.vertcat(t["x"], t["y"], t["theta"]), ca.vertcat(t["dx"], t["dy"], t["b"])
+    v = ca.vertcat(t["v"], t["omega"])
+    first, second = (reckoned(pose, v, t["T"]) for pose in (there, there + off))
+    turned = t["T"] * t["omega"]
+    cuts = {
+        "s": ca.sin(t["theta"] + turned), "c": ca.cos(t["theta"] + turned),
+        "s_off": ca.sin(t["theta"] + t["b"] + turned),
+        "c_off": ca.cos(t["theta"] + t["b"] + turned),
+    }  # fmt: skip
+    way = mutation(1, 2) * t["T"] * t["v"]
+    apart = ca.vertcat(-way * (t["s_off"] - t["s"]), way * (t["c_off"] - t["c"]), 0)
+    return Statement(t, every(second - first, off + apart), (), cuts)
