@@ -86,9 +86,7 @@ class SampleMatrices:
             if phase < overlap:
                 late[:, COMMAND * phase : COMMAND * (phase + 1)] += by_command
         sent = [row for age in ages[: loop.queue] for row in age]
-        self.fast.append(now)
-        self.pushed.append(pushed)
-        self.lates.append(late)
+        self._end = now, pushed, late
         rows = np.vstack([now, *sent, balls(nm + na, n + COMMAND)])
         self.push = np.vstack([pushed, balls(n - nz, COMMAND)])
         self.late = np.vstack([late, balls(n - nz, COMMAND * overlap)])
@@ -99,27 +97,34 @@ class SampleMatrices:
 
     def rows_within(self, s: int, picked: Floats) -> OutputRows:
         """Rows of the fast state after ``s`` plant steps of a sample."""
-        command = self.fast[s][:, self.n :]
-        whole = self.fast[s][:, : self.n] + command @ self.law[:COMMAND]
+        return self._rows(s, picked, (self.fast[s], self.pushed[s], self.lates[s]))
+
+    def _rows(
+        self, s: int, picked: Floats, there: tuple[BallArray, BallArray, BallArray]
+    ) -> OutputRows:
+        now, push, late = there
+        command = now[:, self.n :]
+        whole = now[:, : self.n] + command @ self.law[:COMMAND]
         law = np.zeros((len(picked), len(self.law)))
         law[:, :COMMAND] = sizes(picked, doubles(command))
         steps, power = np.zeros((len(picked), len(self.step))), unit_matrix(len(self.step))
         for _ in range(s):
             steps, power = steps + sizes(picked, doubles(power)), self.step @ power
-        push, seen = self.pushed[s], command @ self.seen[:COMMAND]
+        seen = command @ self.seen[:COMMAND]
         return OutputRows(
             picked, doubles(whole), sizes(picked, doubles(push)), law,
-            sizes(picked, doubles(self.lates[s])), sizes(picked, doubles(seen)), steps,
+            sizes(picked, doubles(late)), sizes(picked, doubles(seen)), steps,
         )  # fmt: skip
 
     def reckoned_rows(self, loop: SampledLoop) -> OutputRows:
         """Rows of e at a sample's end less where dead reckoning from its begin would have it."""
         nz, steps = len(loop.names), loop.steps
-        rows, reckoned = self.rows_within(steps, np.eye(3, nz)), balls(nz, self.n)
+        rows, reckoned = self._rows(steps, np.eye(3, nz), self._end), balls(nz, self.n)
         slopes = np.array(loop.reckoning.slopes(), dtype=object)
         reckoned[:3, :ROBOT] = slopes
-        command = self.fast[steps][:, self.n :]
-        whole = self.fast[steps][:, : self.n] + command @ self.law[:COMMAND] - reckoned
+        now = self._end[0]
+        command = now[:, self.n :]
+        whole = now[:, : self.n] + command @ self.law[:COMMAND] - reckoned
         seen = command @ self.seen[:COMMAND]
         seen[:3, 3:] = seen[:3, 3:] - slopes[:, 3:]
         measured = sizes(rows.picked, doubles(seen))
