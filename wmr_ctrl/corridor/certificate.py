@@ -13,7 +13,7 @@ taken of X and then of itself, bounds what is left of x in the long run.
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import cos, pi
 
@@ -35,54 +35,16 @@ from wmr_ctrl.corridor.inputs import (
 from wmr_ctrl.corridor.late_guard import counts_late, sizes_counted
 from wmr_ctrl.corridor.loop import NOTHING, UP, SampledLoop
 from wmr_ctrl.corridor.overlap import ALONE, Overlap, jitter_overlap, ramp_overlap, ramps
+from wmr_ctrl.corridor.peaks import LEAST, Peaks, Tube, reckoned_inputs, reference_gap
 from wmr_ctrl.corridor.sample import SlowLoopError
 
-ROUNDS, CLOSE, INFLATED, LEAST = 60, 1e-7, 1e-6, 1e-15
+ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
 """Rounds of the fixed point, the change at which they end, and what is added before the check."""
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
 FAR, DUST = 30.0, 1e-9
 """Growth over the linear loop, and beyond it, with which the fixed point counts as lost."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
-
-
-@dataclass(frozen=True)
-class Peaks:
-    """Largest deviations: fast state with all its rows, state at samples, outputs of the law."""
-
-    fast: Floats
-    state: Floats
-    law: Floats
-
-    @property
-    def every(self) -> Floats:
-        """All in one vector."""
-        return np.concatenate((self.fast, self.state, self.law))
-
-    def times(self, factor: float, more: float = LEAST) -> Peaks:
-        """So many times as large, and some more."""
-        return Peaks(*(part * factor + more for part in (self.fast, self.state, self.law)))
-
-    def within(self, other: Peaks) -> bool:
-        """True where no element is larger than another's."""
-        return bool((self.every <= other.every).all())
-
-
-@dataclass(frozen=True)
-class Tube:
-    """A closed box: ``position`` [m], ``heading`` [rad], and the condition that is used most.
-
-    ``position_late`` [m]: what the position comes down to in the long run.  ``settling`` [s]: the
-    time before which limits may act, 0: none does.
-    """
-
-    peaks: Peaks
-    position: float
-    position_late: float
-    heading: float
-    binding: str
-    share: float
-    settling: float = 0.0
 
 
 class Certifier:
@@ -261,26 +223,12 @@ class Certifier:
         )
 
     def _reckoned(self, inputs: Inputs, peaks: Peaks) -> Inputs:
-        """With the errors of a pose that is reckoned for as many samples as none comes.
-
-        Over one sample a reckoned pose moves off a robot that it began with by ``off``, and one
-        that is turned by b against it by its way times b more (ledger: corridor.reckoning).
-        """
+        """With the errors of a pose that is reckoned for as many samples as none comes."""
         if not inputs.missing:
             return inputs
-        curve, clock = self.loop.reckoning, self.loop.setup.scenario.clock
         sizes = peaks.fast[:ROBOT] + np.array([0.0, 0.0, 0.0, *inputs.velocity])
-        left = curve.remainders(np.outer(sizes, sizes) * UP).sum(axis=(1, 2))
-        rest = np.array([upper(item) for item in curve.value()])
-        rest[:2] += reference_gap(curve.at[3:], clock.control)
-        off = (peaks.fast[-3:] + left + rest) * UP
-        away, v = self.position(peaks), abs(float(curve.at[3])) + float(sizes[3])
-        each = float(np.hypot(off[0], off[1]) + off[2] * away) * UP
-        pose, turn = inputs.pose, 0.0
-        for _ in range(inputs.missing):
-            pose = (pose + each + clock.control * v * turn) * UP
-            turn = (turn + float(off[2])) * UP
-        return replace(inputs, pose=(pose + turn * away) * UP, turn=turn)
+        away = self.position(peaks)
+        return reckoned_inputs(self.loop, inputs, (sizes, peaks.fast[-3:]), away)
 
     def _changes(self, inputs: Inputs, peaks: Peaks) -> Floats:
         """Largest changes (2) from one command that acts to the next."""
@@ -400,8 +348,3 @@ def _counted(setup: Setup, overlap: Overlap) -> Floats:
     free = Certifier(setup, overlap, NOTHING)
     most = np.abs(free.loop.remains[:COMMAND]) + free.linear(free.inputs).law[:COMMAND]
     return sizes_counted(setup, most)
-
-
-def reference_gap(v_d: Floats, step: float) -> float:
-    """Distance [m] between a circle's arc of one plant step and its sum by Simpson's rule."""
-    return abs(float(v_d[0])) * float(v_d[1]) ** 4 * step**5 / 1000

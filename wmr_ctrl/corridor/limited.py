@@ -22,9 +22,10 @@ from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.affine import ROUNDING, SUMS, AffineGraph, Form, boxes, number
-from wmr_ctrl.corridor.certificate import Certifier, reference_gap
+from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.limits import AskedForce, ForceLimits
+from wmr_ctrl.corridor.peaks import reference_gap
 from wmr_ctrl.corridor.zonotopes import (
     COARSE,
     Ends,

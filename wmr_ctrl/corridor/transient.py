@@ -16,9 +16,10 @@ from flint import arb_mat, ctx
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.corridor.certificate import Certifier, Tube
+from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.limited import LimitedLoop, StartCells, V
+from wmr_ctrl.corridor.peaks import Tube
 from wmr_ctrl.corridor.sample import SampleMatrices, doubles
 from wmr_ctrl.corridor.settling import BITS, Settling
 from wmr_ctrl.corridor.zonotopes import COARSE
