@@ -87,6 +87,7 @@ def test_obstacles_survive_toml_and_a_run_that_touches_one_says_so(tmp_path):
         ([[1.0, 2.0, -1.0]], "r >= 0"),
         ([[[0.0, 0.0], [1.0], [1.0, 1.0]]], "a pair [x, y]"),
         (3.0, "an array of circles"),
+        ([[[0, 0], [1, 1], [1, 0], [0, 1]]], "as those after corners 1 and 3 do"),
         ([[0.0, 0.0, math.nan]], "a finite number"),
     ],
 )

@@ -9,6 +9,8 @@ import pytest
 from matplotlib.axes import Axes
 
 from tests.results.conftest import build
+from wmr_ctrl.api import simulate
+from wmr_ctrl.corridor import run_corridor
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import style
 from wmr_ctrl.report.course import course_of
@@ -17,8 +19,10 @@ from wmr_ctrl.report.plot_run import plot_run
 from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.report.stage import frames
+from wmr_ctrl.report.tube import course_of_tube
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.scenario import load_scenario, override, to_toml
+from wmr_ctrl.world.references import sample
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
@@ -117,3 +121,25 @@ def test_runs_over_each_other_are_drawn(tmp_path):
     plot_runs([build(duration=1.0), build(duration=1.0, v1=9.0)], path)
 
     assert path.read_bytes().startswith(MAGIC[".png"])
+
+
+def test_a_corridor_that_varies_is_drawn_as_wide_as_it_is_in_each_sample():
+    """It holds the errors of a run from a start on the path, past a change."""
+    told = {"reference.kind": "lemniscate", "clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60}]}
+    scenario = override(load_scenario("safe-simulation"), told)
+    run = simulate(on_its_path(scenario), "prox")
+
+    position, heading = course_of_tube(run)
+
+    whole = run_corridor(scenario, "prox")
+    assert len(position) == run.rows
+    assert position[:300].max() == whole.position
+    assert heading[:300].max() == whole.heading
+    assert position[:20].max() < 0.8 * whole.position
+    assert (np.hypot(run["e[1]"], run["e[2]"]) <= position).all()
+    assert (np.abs(run["e[3]"]) <= heading).all()
+
+
+def on_its_path(scenario):
+    pose, velocity = (sample(scenario, [0.0])[0, part].tolist() for part in (slice(3), slice(3, 5)))
+    return override(scenario, {"initial.pose": pose, "initial.velocity": velocity})

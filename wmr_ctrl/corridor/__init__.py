@@ -36,6 +36,17 @@ def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corri
     return _of(settle(scenario, law), whole)
 
 
+def run_corridor(scenario: Scenario, law: str) -> Corridor:
+    """The Corridor of the scenario's whole run, with its ``course``; where there is none, at once.
+
+    That takes some seconds.
+    """
+    setup = settle(scenario, law)
+    if find_spec("flint") is None:
+        return Corridor(law, refused=NOT_CHECKED)
+    return _of_run(setup)
+
+
 def corridor_monitor(scenario: Scenario, law: str) -> System:
     """The monitor of a law's corridor, for what a robot measures; to be stepped at every sample.
 
@@ -63,6 +74,13 @@ def left_corridor(run: Run) -> CorridorLeft | None:
     from wmr_ctrl.corridor.latch import left_by
 
     return left_by(run, scenario)
+
+
+@lru_cache(maxsize=16)
+def _of_run(setup: Setup) -> Corridor:
+    from wmr_ctrl.corridor.whole import certified_run
+
+    return certified_run(setup, closing=False)
 
 
 @lru_cache(maxsize=256)

@@ -6,8 +6,9 @@ Worked out by `wmr_ctrl.corridor.masses`, which takes python-flint.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.clearance import Clearance, length, rounded
 
 
@@ -33,7 +34,8 @@ class Corridor:
     ``anew``: a change of the robot leads from any of these masses to any other.
     ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
     ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
-    ``clearance``: what is left to the scenario's obstacles, None without any.
+    ``clearance``: what is left to the scenario's obstacles, None without any.  ``course`` (2, n):
+    of a run, position and heading in each sample.
     """
 
     law: str
@@ -59,6 +61,7 @@ class Corridor:
     anew: bool = False
     missing: int = 0
     whole: Corridor | None = None
+    course: Floats | None = field(default=None, compare=False, repr=False)
 
     @property
     def merit(self) -> tuple[bool, float]:

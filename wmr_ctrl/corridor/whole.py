@@ -70,8 +70,10 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
     along, passage = max(result, key=lambda item: float(item[1].share.max()))
     worst = int(passage.share.argmax())
     every = [item for _, item in result]
+    courses = np.array([[item.position, item.heading] for item in every]).max(axis=0)
     return replace(
         known,
+        course=courses,
         position=_most(item.position for item in every),
         position_late=_most(item.position[len(item.position) // 2 :] for item in every),
         linear=_most(item.linear for item in every),

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import combinations, islice
 from numbers import Real
 from typing import Any, TypeVar
 
@@ -224,7 +224,15 @@ class Quantity:
             rule = "a circle [x, y, r] or a polygon of at least three corners [x, y]"
             raise self.refuse(value, path, rule)
         if as_list(parts[0]) is not None:
-            return self._points(parts, path)
+            corners = self._points(parts, path)
+            if sides := _crossing(corners):
+                first, second = sides
+                rule = (
+                    f"a polygon whose sides do not cross, as those after corners {first} and "
+                    f"{second} do: list its corners in order, or write several polygons"
+                )
+                raise self.refuse(value, path, rule)
+            return corners
         circle = tuple(self._number(item, f"{path}[{i}]") for i, item in enumerate(parts, start=1))
         if len(circle) != 3 or circle[2] < 0:
             raise self.refuse(value, path, "a circle [x, y, r] with r >= 0")
@@ -238,6 +246,19 @@ class Quantity:
     def _numbers(self, value: object, path: str) -> Mapping[str, float]:
         table = self._mapping(value, path)
         return Frozen({name: self._number(item, f"{path}.{name}") for name, item in table.items()})
+
+
+def _crossing(corners: Sequence[tuple[float, float]]) -> tuple[int, int] | None:
+    """Numbers, from 1, of two corners after which sides of a polygon cross; None without any."""
+
+    def turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    sides = list(enumerate(zip(corners, (*corners[1:], corners[0]), strict=True), start=1))
+    for (i, (a, b)), (k, (c, d)) in combinations(sides, 2):
+        if turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0:
+            return i, k
+    return None
 
 
 def as_list(value: object) -> list[object] | None:

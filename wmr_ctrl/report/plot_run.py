@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FuncFormatter
 
-from wmr_ctrl.corridor import Corridor
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report import drawing
 from wmr_ctrl.report.course import course_of, scenario_behind, switch_time
@@ -28,7 +27,7 @@ from wmr_ctrl.report.style import (
     shown,
     verbatim,
 )
-from wmr_ctrl.report.tube import FAINT, band, tube_of
+from wmr_ctrl.report.tube import FAINT, band, course_of_tube
 from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -81,7 +80,7 @@ def _draw(figure: Figure, run: Run) -> None:
     note += ", a rigid body on tyres" if run.monitor.rigid else ""
     switch = switch_time(run)
     note += "" if switch is None else f"; the robot changes at {switch:g} s (vertical line)"
-    tube = tube_of(run)
+    tube = course_of_tube(run)
     note += "" if tube is None else "; errors, dotted: certified from a start on the path"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
     rest = (_SIZE[1] - _HEAD) / 4.4
@@ -98,7 +97,11 @@ def _draw(figure: Figure, run: Run) -> None:
     _barrier(parts[7], run)
 
 
-def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
+BAND = 800
+"""Most points of a band."""
+
+
+def _path(part: SubFigure, run: Run, tube: FloatArray | None) -> None:
     """The robot's path on top of the desired one, with start, waypoints and goal."""
     axes = drawing.one_axes(part, MARGINS)
     if tube is not None:
@@ -109,11 +112,11 @@ def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     drawing.finish_path(axes, ["dots: reference, ring: start", *course_of(run).draw(axes)])
 
 
-def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
-    """Band about the desired path, as wide as the corridor, until the robot changes."""
-    rows = slice(0, None if tube.until is None else run.settings.index(tube.until))
-    path = np.array(drawing.thin_path(run["x_d"][rows], run["y_d"][rows], 400))
-    edges = band(path, tube.position or 0.0)
+def _draw_tube(axes: Axes, run: Run, tube: FloatArray) -> None:
+    """Band about the desired path, as wide as the corridor is there, as long as there is one."""
+    held = np.flatnonzero(np.isfinite(tube[0]))
+    rows = held[np.unique(np.linspace(0, len(held) - 1, BAND).astype(int))]
+    edges = band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
     axes.fill(*edges, color=look(run.law).colour, alpha=FAINT, lw=0, zorder=1.4)
 
 
@@ -166,7 +169,7 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
 
 
 def _errors(
-    part: SubFigure, run: Run, title: str, columns: dict[str, str], tube: Corridor | None
+    part: SubFigure, run: Run, title: str, columns: dict[str, str], tube: FloatArray | None
 ) -> None:
     """Errors over time, so that the start and what is left at the end are seen.
 
@@ -180,9 +183,9 @@ def _errors(
     axes = _time_axes(part, run, f"{title} [{unit}]")
     _plot_pair(axes, run, rows)
     if tube is not None:
-        most = scale * float((tube.heading if len(columns) == 1 else tube.position) or 0.0)
-        end = run.time[-1] if tube.until is None else min(tube.until, run.time[-1])
-        axes.hlines((-most, most), 0, end, color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
+        most = scale * tube[1 if len(columns) == 1 else 0]
+        for row in (-most, most):
+            axes.plot(*drawing.thin(run.time, row), color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
     if farthest > SMALL:
         narrow = scale * NARROW
         axes.set_yscale("symlog", linthresh=narrow)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmr_ctrl.corridor import Corridor, find_corridor
+from wmr_ctrl.corridor import Corridor, find_corridor, run_corridor
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report.course import scenario_behind
 from wmr_ctrl.results import FloatArray, Run
@@ -24,6 +24,30 @@ def tube_of(run: Run) -> Corridor | None:
     return corridor_behind(run)
 
 
+def course_of_tube(run: Run) -> FloatArray | None:
+    """Certified distance [m] and heading [rad] (2, rows) over the run's time; None without.
+
+    Where one corridor does not hold for all of the run, each sample has its own.
+    """
+    scenario = None if run.monitor.rigid else scenario_behind(run)
+    if scenario is None or run.law not in LAWS:
+        return None
+    known = tube_of(run)
+    if known is not None and known.until is None:
+        return np.tile([[known.position or 0.0], [known.heading or 0.0]], run.rows)
+    whole = run_corridor(override(scenario, {"guard.enabled": run.guard}), run.law)
+    if whole.course is None:
+        if known is None:
+            return None
+        course = np.full((2, run.rows), np.nan)
+        course[:, : run.settings.index(known.until or 0.0)] = [
+            [known.position or 0.0],
+            [known.heading or 0.0],
+        ]
+        return course
+    return whole.course[:, np.minimum(np.arange(run.rows), whole.course.shape[1] - 1)]
+
+
 def corridor_behind(run: Run) -> Corridor | None:
     """The same, whichever plant the run had."""
     scenario = scenario_behind(run)
@@ -34,8 +58,8 @@ def corridor_behind(run: Run) -> Corridor | None:
     return tube if tube.position is not None else None
 
 
-def band(path: FloatArray, width: float) -> FloatArray:
-    """Corners (2, 2n) of the band within ``width`` [m] of a path (2, n)."""
+def band(path: FloatArray, width: float | FloatArray) -> FloatArray:
+    """Corners (2, 2n) of the band within ``width`` [m], also (n), of a path (2, n)."""
     ahead = np.gradient(path, axis=1)
     side = width * np.array((-ahead[1], ahead[0])) / np.hypot(*ahead)
     return np.hstack([path + side, (path - side)[:, ::-1]])
