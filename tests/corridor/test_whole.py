@@ -11,6 +11,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.inputs import bounded_inputs
+from wmr_ctrl.corridor.masses import certified, mass_courses
 from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.corridor.whole import certified_run
 from wmr_ctrl.scenario import load_scenario, override
@@ -175,7 +176,39 @@ def test_a_change_leads_from_any_mass_of_the_cells_to_any_other():
     within = max(reached(light, heavy), reached(heavy, light))
 
     assert tube.position / 1.6 < within <= tube.position < reached(light, (76.8, 8.3))
-    assert "I from 6.2 to 6.9 kg m2, after each change anew" in tube.sentence
+    assert "I from 6.2 to 6.9 kg m2, after each change of mass or inertia anew" in tube.sentence
+
+
+@pytest.mark.parametrize("named", [{"m": 62.0}, {"I": 6.6}], ids=str)
+def test_with_cells_a_change_of_mass_or_inertia_is_one_of_both(named):
+    """A body whose inertia changes has another mass, too, within what the guard counts on."""
+    told = {"corridor.cells": 2, "changes": [{"t": 1.0, "mu": 0.03}, {"t": 3.0, **named}]}
+    setup = settle(override(load_scenario("safe-simulation"), {**LOADED, **told}), "prox")
+    courses = [
+        [(robot.m, robot.I) for robot in (cell.scenario.robot, *cell.scenario.changes)]
+        for cell, _ in mass_courses(setup)
+    ]
+
+    assert len(courses) == 16
+    assert {course[1] for course in courses} == {(None, None)}
+    for moved in (0, 1):
+        assert len({course[2][moved] for course in courses}) == 2
+    assert len({(course[0], course[2]) for course in courses}) == 16
+
+
+@pytest.mark.parametrize(
+    "told",
+    [{"robot.m": 120.0}, {"changes": [{"t": 3.0, "m": 62.0, "I": 12.6}]}],
+    ids=["robot", "change"],
+)
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_robot_outside_the_masses_that_are_counted_has_no_corridor(told, whole):
+    given = {**LOADED, "corridor.cells": 1, "guard.trust": False, **told}
+    scenario = override(load_scenario("safe-simulation"), given)
+    refused = (certified_run if whole else certified)(settle(scenario, "prox")).refused
+
+    assert "which is not within" in refused
+    assert "set cells = 0" in refused
 
 
 def test_more_courses_of_masses_than_are_followed_are_refused():
@@ -184,7 +217,7 @@ def test_more_courses_of_masses_than_are_followed_are_refused():
         settle(override(load_scenario("safe-simulation"), told), "prox")
     ).refused
 
-    assert "corridor.cells = 3 with changes makes 243 courses" in refused
+    assert "corridor.cells = 3 with changes makes 729 courses" in refused
 
 
 def test_what_stays_free_counts_on_the_corridor_that_there_is():

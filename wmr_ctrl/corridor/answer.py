@@ -31,7 +31,7 @@ class Corridor:
     ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
     ``late``: what drives, or the base's own loop, hold at the start, in words; empty if nothing.
     ``missing``: samples in a row at most to which no pose comes.
-    ``anew``: a change of the robot leads from any of these masses to any other.
+    ``anew``: a change of mass or inertia leads from any of these masses to any other.
     ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
     ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
     ``clearance``: what is left to the scenario's obstacles, None without any.  ``course`` (2, n):
@@ -137,7 +137,7 @@ class Corridor:
         if self.masses is None:
             return f"M = {self.mass:g} kg"
         (low, high), (least, most) = self.masses
-        also = ", after each change anew" if self.anew else ""
+        also = ", after each change of mass or inertia anew" if self.anew else ""
         return (
             f"M is anything from {low:g} to {high:g} kg, I from {least:g} to {most:g} kg m2{also}"
         )

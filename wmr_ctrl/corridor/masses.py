@@ -45,9 +45,12 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         mass=setup.scenario.robot.m,
         late=at_first(setup, run=False),
     )
-    tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
+    tubes, linear, cells = list[Tube](), 0.0, list[tuple[Setup, Floats]]()
+    here = ""
     try:
+        cells = mass_cells(setup)
         for cell, widths in cells:
+            here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
             with refused_open("the undisturbed loop cannot be enclosed"):
                 certifier = Certifier(cell)
             inputs = replace(certifier.inputs, body=widths)
@@ -56,7 +59,6 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
             known = replace(known, linear=linear)
             tubes.append(_certified_tube(certifier, inputs, closing))
     except NoCorridorError as error:
-        here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
         return replace(known, refused=f"{here}{error}", closes=error.closes)
     worst = max(tubes, key=lambda tube: tube.share)
     return replace(
@@ -104,6 +106,7 @@ def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
     scenario, count = setup.scenario, setup.scenario.corridor.cells
     if not count or not scenario.guard.enabled:
         return [(setup, np.zeros(COMMAND))]
+    check_within(setup)
     middles, widths = _cells(setup, count)
     pairs = product(*middles.tolist())
     return [(_with_robots(setup, [(m, I)]), widths) for m, I in pairs]
@@ -118,40 +121,50 @@ def _cells(setup: Setup, count: int) -> tuple[Floats, Floats]:
 
 
 def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
-    """The same for a whole run: each change of mass or inertia leads from any cell to any other.
+    """The same for a whole run: a change of mass or inertia leads from any cell to any other.
 
     NoCorridorError for more courses than are followed.
     """
     count, changes = setup.scenario.corridor.cells, setup.scenario.changes
-    moved = [sum(getattr(item, name) is not None for item in changes) for name in ("m", "I")]
     if not count or not setup.scenario.guard.enabled or not changes:
         return mass_cells(setup)
-    total = count ** (len(moved) + sum(moved))
+    check_within(setup)
+    moves = 1 + sum(map(changes_body, changes))
+    total = count ** (2 * moves)
     if total > MOST_COURSES:
         raise NoCorridorError(
             f"corridor.cells = {count} with changes makes {total} courses of mass and inertia, "
             f"and {MOST_COURSES} are followed at most"
         )
     middles, widths = _cells(setup, count)
-    numbers = [
-        product(row.tolist(), repeat=1 + many) for row, many in zip(middles, moved, strict=True)
-    ]
-    return [
-        (_with_robots(setup, _course(changes, masses, inertias)), widths)
-        for masses, inertias in product(*numbers)
-    ]
+    courses = product(product(*middles.tolist()), repeat=moves)
+    return [(_with_robots(setup, _course(changes, bodies)), widths) for bodies in courses]
 
 
-def _course(
-    changes: Sequence[Change], masses: Sequence[float], inertias: Sequence[float]
-) -> list[Body]:
-    """Mass and inertia at first and after each change, None where it changes something else."""
-    first, second = iter(masses), iter(inertias)
-    bodies: list[Body] = [(next(first), next(second))]
-    for item in changes:
-        mass = None if item.m is None else next(first)
-        bodies.append((mass, None if item.I is None else next(second)))
-    return bodies
+def changes_body(change: Change) -> bool:
+    """Whether a change is one of mass or inertia: with cells it is one of both."""
+    return change.m is not None or change.I is not None
+
+
+def check_within(setup: Setup) -> None:
+    """NoCorridorError where the scenario's robot has a mass that the guard does not count on."""
+    scenario = setup.scenario
+    robots = [scenario.robot, *scenario.changes]
+    for name, (low, high) in zip(("m", "I"), mass_ranges(setup), strict=True):
+        for size in (getattr(robot, name) for robot in robots):
+            if size is not None and not low <= size <= high:
+                raise NoCorridorError(
+                    f"the robot has {name} = {size:g} at some time, which is not within {low:g} to "
+                    f"{high:g}, all that guard and corridor.cells count on: widen the guard's "
+                    "masses, or set cells = 0"
+                )
+
+
+def _course(changes: Sequence[Change], bodies: Sequence[Body]) -> list[Body]:
+    """Mass and inertia at first and after each change, None where it changes neither."""
+    first, *later = bodies
+    left = iter(later)
+    return [first, *(next(left) if changes_body(item) else (None, None) for item in changes)]
 
 
 def _with_robots(setup: Setup, robots: Sequence[Body]) -> Setup:

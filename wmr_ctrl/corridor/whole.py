@@ -20,7 +20,13 @@ from wmr_ctrl.corridor.inputs import (
 )
 from wmr_ctrl.corridor.instant import RunBounds
 from wmr_ctrl.corridor.late_guard import counts_late
-from wmr_ctrl.corridor.masses import mass_courses, mass_ranges, refused_open, with_inputs
+from wmr_ctrl.corridor.masses import (
+    changes_body,
+    mass_courses,
+    mass_ranges,
+    refused_open,
+    with_inputs,
+)
 from wmr_ctrl.corridor.overlap import ramps
 from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.world.references.kind import reference
@@ -82,7 +88,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         binding=along.loop.conditions[passage.binding[worst]].name,
         share=float(passage.share[worst]),
         masses=mass_ranges(setup) if cells[0][1].any() else None,
-        anew=any(item.m is not None or item.I is not None for item in scenario.changes),
+        anew=any(map(changes_body, scenario.changes)),
     )
 
 
