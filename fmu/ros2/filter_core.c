@@ -91,14 +91,14 @@ int64_t wmr_filter_core_overdue(const wmr_filter_core *core, const wmr_moment *n
     return !core->before || now->steady - core->before >= WMR_PERIOD + late;
 }
 
-/* Time since the last tick [s], for a command that is answered or a timer; 0: the period. */
+/* Time since the last tick [s], for a command that is answered or a timer; 0: the period; negative: time stood still. */
 static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now)
 {
     const int64_t stamped = now->simulated && core->answered && core->stamp && stamp;
     const int64_t time = stamped ? stamp - core->stamp : now->steady - core->before;
     const int64_t off = time - WMR_PERIOD;
 
-    return !core->before || (-EXACT <= off && off <= EXACT) ? 0.0 : (double)time * 1e-9;
+    return !core->before || (-EXACT <= off && off <= EXACT) ? 0.0 : time ? (double)time * 1e-9 : -1.0;
 }
 
 /* Age of odometry [s], negative: there is none.  A base that is simulated moves in simulated time, in which a command's

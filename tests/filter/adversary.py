@@ -80,10 +80,10 @@ def fastest(
         old, seen = _recorded(past_t, past_v, now - rng.choice([0.0, base.age], trials))
         y = seen - base.error * np.where(style == 2, rng.uniform(-1, 1, trials), way)
         there = np.full(trials, base.heard) & ((style < 2) | (rng.random(trials) < 0.5))
-        u = np.zeros((6 if governs else 2, trials))
-        u[0] = loud
+        u = np.zeros((6 if governs else 3, trials))
+        u[0], u[-1] = loud, dt
         if governs:
-            u[2], u[4], u[5] = y, np.where(there, now - old, -1.0), dt
+            u[2], u[4] = y, np.where(there, now - old, -1.0)
         command = send(u)[0]
         drop = (rng.random(trials) < 0.5) & (lost < base.losses)
         lost = np.where(drop, lost + 1, 0)

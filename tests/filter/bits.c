@@ -37,9 +37,9 @@ int main(void)
         in.v_odometry[0] = (wmr_real)odd(draw(0.3), k % 89);
         in.v_odometry[1] = (wmr_real)draw(0.3);
         in.odometry_age = (wmr_real)odd(k % 7 ? 0.0 : -1.0, k % 83);
+#endif
         /* late, early, or back in time */
         in.elapsed = (wmr_real)odd(k % 61 ? 0.0 : draw(0.2), k % 79);
-#endif
         if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
         if (!put(&out, sizeof out) || !put(&memory, sizeof memory)) return 1;
     }

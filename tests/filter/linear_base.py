@@ -66,7 +66,7 @@ def driven(
     given = np.zeros((count, 4, 4))
     given[:, :2, :2], given[:, :2, 2], given[:, :2, 3] = A, b, e
     both = expm(given * (T / parts))
-    x, worst, u = np.zeros((count, 4)), np.zeros(count), np.zeros((2, count))
+    x, worst, u = np.zeros((count, 4)), np.zeros(count), np.zeros((3, count))
     for k in range(samples):
         u[0] = asked[:, k]
         x[:, 2] = send(u)[0]

@@ -199,8 +199,8 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
     ("stated", "words"),
     [
         ({"loop": "first-order"}, "for loops that overshoot"),
-        ({"losses": 1}, "filter.losses: .*exactly one period after"),
-        ({"jitter": 0.01}, "filter.jitter"),
+        ({"losses": 1}, "filter.losses: .*a constant delay after"),
+        ({"jitter": 0.013}, "at most a quarter of"),
         ({"hold": 0.5}, "filter.hold"),
         ({"delay": (0.0, 0.02)}, "filter.delay"),
         ({"odometry": (0.1, 0.1)}, "from its own commands"),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+import warnings
 
 import numpy as np
 import pytest
@@ -250,3 +252,31 @@ def test_parameters_that_nothing_can_keep_stop_the_base_and_are_told(name):
 def test_a_run_says_that_no_filter_acts_in_it():
     with pytest.raises(ScenarioError, match="takes torques"):
         wmr_ctrl.simulate(scenario("clip"), "mb")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"filter.tau": (200.0, 300.0)}, r"filter.tau\[1\] = 200 .*0.2 s"),
+        ({"filter.age": 80.0, "clock.control": 50.0}, "0.08 s"),
+        ({"limits.v_u1": (1000.0, 1.0)}, "1 m/s"),
+    ],
+)
+def test_numbers_in_another_unit_are_asked_about(changes, words):
+    """Also where they are refused."""
+    stated = STATED | {"filter.kind": "governor", "clock.duration": 1000.0} | changes
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        try:
+            wmr_ctrl.command_filter(load_scenario("paper-simulation", stated))
+            said = " ".join(str(item.message) for item in heard)
+            assert {item.filename for item in heard} == {__file__}
+        except ScenarioError as error:
+            said = str(error)
+    assert re.search(words, said), said
+
+
+def test_usual_numbers_are_not():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        wmr_ctrl.command_filter(scenario())

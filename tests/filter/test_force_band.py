@@ -194,6 +194,6 @@ def test_a_step_takes_no_more_of_weak_motors_than_the_proof_of_rounding_counts_o
     numbers = {item.signal.name: item.value for item in banded(60.0, push).system.params}
     for i, name in enumerate(("v", "omega")):
         c, f = (1, 1)[i] * 1.0, numbers["filter.force_room"][i]
-        sizes = (numbers[f"filter.{end}_force_{name}"] for end in ("least", "most"))
+        sizes = (numbers[f"filter.{end}_force_{name}"] for end in ("above", "below"))
         assert max(abs(np.asarray(size)).max() for size in sizes) * c <= 2.0**8 * f
         assert numbers["filter.drag"][i] * c <= f

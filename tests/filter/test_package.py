@@ -69,6 +69,26 @@ WRONG = {
     "band of weak motors": ("filter_force_room[1] = (wmr_real)NAN", "filter_drag[0] = -1.0f"),
 }
 """Parameters that no filter can keep, for each form of one."""
+TIMED = (
+    MEMORY
+    + """    const wmr_real T = (wmr_real)0.05;
+    const long long now[10] = {7000000000, 7050000000, 7050000000, 7040000000, 7090000000,
+                               7140000000, 7150000000, 7400000000, 7450000000, 7500000000};
+    wmr_filter_clock clock;
+    memset(&clock, 0, sizeof clock);
+    for (int k = 0; k < 14; ++k) {
+        in.v_asked[0] = k % 2 ? (wmr_real)-5.0 : (wmr_real)5.0;
+        in.elapsed = k < 10 ? wmr_filter_elapsed(&clock, now[k]) : k == 10 ? (wmr_real)NAN
+                   : k == 11 ? (wmr_real)INFINITY : k == 12 ? -(wmr_real)INFINITY : T;
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+        printf("%.17g %.17g %d\\n", (double)in.elapsed, (double)out.v_sent[0],
+               (int)out.filter_flags);
+    }
+    return 0;
+}
+"""
+)
+"""Steps by a clock that stands still, goes back, and is late; then by what is no time."""
 CHANGED = (
     MEMORY
     + """    in.v_asked[0] = 5.0;
@@ -127,6 +147,35 @@ def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
         sent, turn, flags = line.split()
         assert (float(sent), float(turn)) == pytest.approx(made.command, rel=1e-14)
         assert int(flags) == sum(bits[flag] for flag in made.flags)
+
+
+@pytest.mark.parametrize("float32", [False, True])
+@pytest.mark.parametrize("name", ["clip", "governor", "band", "clip of slow commands"])
+def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_path: Path) -> None:
+    """A clock's readings come from whole nanoseconds, to the bit of a double."""
+    needs("gcc")
+    key = "band of 50 commands" if name == "band" else name
+    stated = {**FILTERS[key], "clock.control": 0.05}
+    stated |= {"filter.jitter": 1e-6} if name != "clip of slow commands" else {}
+    settings = load_scenario("paper-simulation", stated)
+    for file, text in package_files("filter", settings, float32=float32).items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    (tmp_path / "main.c").write_text(TIMED, encoding="utf-8")
+    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off"]
+    run([*command, "main.c", "wmr_filter.c", "-lm", "-o", "main"], tmp_path)
+    stepped, late = command_filter(settings), []
+    bits = {name: bit for bit, name in FLAG_NAMES.items()}
+    for k, line in enumerate(run(["./main"], tmp_path).splitlines()):
+        since, sent, flags = line.split()
+        told = float(since)
+        odometry = ((0.0, 0.0),) if name == "governor" else ()
+        made = stepped.step((-5.0 if k % 2 else 5.0, 0.0), *odometry, dt=told or None)
+        close = {"rel": 2e-3, "abs": 1e-5} if float32 else {"rel": 1e-12, "abs": 1e-15}
+        assert float(sent) == pytest.approx(made.command[0], **close)
+        assert int(flags) == sum(bits[flag] for flag in made.flags)
+        late.append("late" in made.flags)
+    assert late == [False, False, True, True, False, False, True, True, *[False] * 2,
+                    True, True, True, False]  # fmt: skip
 
 
 @pytest.mark.parametrize("float32", [False, True])

@@ -51,7 +51,10 @@ def tables_of(system: System, V: float, samples: int) -> Tables:
         item.signal.name: np.ravel(np.array(item.value, dtype=float)) for item in system.params
     }
     left, fading = known["filter.left_v"][0], known["filter.fading_v"][0]
-    low, high = known["filter.low_v"], known["filter.high_v"]
+    low, high = (
+        1 + way * np.append(known[f"filter.{name}_v"], left)
+        for name, way in (("below", -1), ("above", 1))
+    )
     last = len(low) - 1
     behind = left * fading ** (np.arange(PIECES * samples + 1) // PIECES)
     after = slice(None, last - PIECES)  # the last piece holds for ever, and what leads to it

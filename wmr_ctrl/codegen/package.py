@@ -190,13 +190,27 @@ def _context(
         "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
         "watches": law == CORRIDOR,
         "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
-        "governs": len(system.inputs) > 1, "first_order": scenario.filter.loop == "first-order",
+        "governs": law == FILTER and scenario.filter.kind == "governor",
+        "first_order": scenario.filter.loop == "first-order",
         "made_of": made_of, "prepared": prepared,
-        "tables": TABLE,
+        "tables": TABLE, "untimely": UNTIMELY.get(_form(scenario), ""),
         "derived": [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else [],
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
     }  # fmt: skip
+
+
+UNTIMELY = {
+    "clip": "The limit is kept all the same.",
+    "slew": "The limit is kept all the same; commands change by no more than that time allows.",
+    "governor": "There the memoryless clip acts, until no other command may still act.",
+    "band": "The limit is kept all the same; a stop may then take a ramp.",
+}
+"""What a filter does with a call that is not in time, by its form."""
+
+
+def _form(scenario: Scenario) -> str:
+    return "slew" if scenario.filter.slew is not None else scenario.filter.kind
 
 
 def _margin(law: str, scenario: Scenario) -> float:

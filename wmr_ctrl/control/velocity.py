@@ -20,7 +20,7 @@ import casadi as ca
 
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, has_bit, usable_command
+from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, has_bit, usable_command, within
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import ODOMETRY
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
@@ -39,6 +39,9 @@ from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
 from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS
+
+NEAR = 1e-6
+"""Share by which a velocity may differ from what was asked for, and yet be the same."""
 
 
 class SentVelocity:
@@ -127,7 +130,7 @@ class SentVelocity:
             law,
             inputs=(*law.inputs, *self.age),
             state=(*self.core.state, *memory, *held),
-            update=ca.vertcat(self.core.update, *following, filtering),
+            update=ca.vertcat(self._learnt(sent), *following, filtering),
             outputs=outputs(COMMAND, sent),
             diagnostics=(
                 *self.core.diagnostics, *(Output(*item) for item in watched), *shown,
@@ -141,15 +144,27 @@ class SentVelocity:
         what is no number.  To the bit it is what `system` remembers.
         """
         sent, asked = port(SENT), self.asked
-        memory, following = self._remembering(ca.vertcat(*usable_command(sent.sym)[0]))
+        usable = ca.vertcat(*usable_command(sent.sym)[0])
+        memory, following = self._remembering(usable)
         law = self._law(memory)
         return replace(
             law,
             inputs=(*law.inputs, sent),
             state=(*self.core.state, *memory),
-            update=ca.vertcat(self.core.update, *following),
+            update=ca.vertcat(self._learnt(usable), *following),
             outputs=(Output(ASKED, asked),),
         )
+
+    def _learnt(self, sent: ca.SX) -> ca.SX:
+        """The law's next memory: estimates stay while another velocity is sent than it asks for.
+
+        What is left of the error then is not that of the estimates.
+        """
+        if not self.setup.control_law.traits.integrates:
+            return self.core.update
+        near = [NEAR * (1 + ca.fabs(self.asked[i])) for i in (0, 1)]
+        passed = ca.logic_and(*(within(sent[i] - self.asked[i], near[i]) for i in (0, 1)))
+        return ca.if_else(passed, self.core.update, self.core.x)
 
     def _remembering(self, sent: ca.SX) -> tuple[list[Port], list[ca.SX]]:
         """State behind the law for the velocity that is sent (2,), and its next values."""

@@ -18,9 +18,9 @@ moves all of this in time, for every command alike.  Motors that give only so mu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -29,138 +29,46 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.channels import (
     AXES,
     DELTA,
+    ELAPSED,
     FLAGS,
+    LATE,
     SENT,
     TINY,
     UNSOUND,
     channels_of,
     limited,
+    passed,
     scaled,
     sound,
     usable_command,
+    within,
 )
-from wmr_ctrl.filter.governor import largest_command
+from wmr_ctrl.filter.forecast import (
+    HELD,
+    PIECES,
+    Fading,
+    Forecast,
+    ResponseTable,
+    bounds_after,
+    inverse_slopes,
+    stays_of,
+)
+from wmr_ctrl.filter.governor import NEAR, largest_command
 from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains, pi_loop
 from wmr_ctrl.filter.step_response import Band, band, pi_cells, second_order_cells
 from wmr_ctrl.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import ASKED, LARGEST, Signal
 
-PIECES = 2
-"""Pieces of the tables in a period."""
 MOST_COMMANDS = 128
 LARGEST_LEFT = 0.2
 """Largest deviation behind the tables: a family that leaves more is too slow for its period."""
-FLATTEST = 2.0**-30
-"""Smallest slope of a condition; by this share of c the bound may be passed, a sixteenth of what is
-kept back against rounding."""
-
-
-@dataclass(frozen=True)
-class ResponseTable:
-    """Bounds of the step response on each piece, the last one for ever, and how the tail fades.
-
-    ``rest``: where the response ends.
-    """
-
-    low: ca.SX
-    high: ca.SX
-    left: ca.SX
-    fading: ca.SX
-    rest: int = 1
-
-
-@dataclass(frozen=True)
-class Forecast:
-    """Bounds of v - u and of -v + u on each piece, if the command stays u; the tail's; u itself."""
-
-    over: ca.SX
-    under: ca.SX
-    tail: ca.SX
-    u: ca.SX
-
-    def changed(self, to: ca.SX, table: ResponseTable) -> Forecast:
-        """The same with another command from now on."""
-        up, down = ca.fmax(to - self.u, 0), ca.fmax(self.u - to, 0)
-        high, low = table.high[:-1] - table.rest, table.rest - table.low[:-1]
-        return Forecast(
-            self.over + up * high + down * low,
-            self.under + up * low + down * high,
-            self.tail + (up + down) * table.left,
-            to,
-        )
-
-    def later(self, table: ResponseTable) -> Forecast:
-        """The same as seen a period later."""
-        new = ca.repmat(self.tail, PIECES, 1)
-        over, under = (ca.vertcat(item[PIECES:], new) for item in (self.over, self.under))
-        return Forecast(over, under, self.tail * table.fading, self.u)
-
-    def mirrored(self, way: ca.SX) -> Forecast:
-        """The forecast of way v, way being 1 or -1."""
-        ahead = way > 0
-        over = ca.if_else(ahead, self.over, self.under)
-        under = ca.if_else(ahead, self.under, self.over)
-        return Forecast(over, under, self.tail, way * self.u)
-
-    def largest(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> ca.SX:
-        """Largest u >= 0 with v <= c and -v <= c from now on, also if 0 follows a period later.
-
-        Each condition is a line in u on each side of the old command, g + slope u <= c, so that the
-        set is what all lines leave; ``inverse`` as `inverse_slopes` gives them.  Where 0 follows,
-        they aim at c (1 + FLATTEST).
-        """
-        held, *stopped = self.lines(c, table, inverse)
-        later = reduce(ca.fmin, (held[PIECES:], *stopped))  # piece by piece: a loop in C
-        first, last = ca.vertsplit(held[:PIECES]), later[-1]
-        return ca.fmax(reduce(ca.fmin, (least_of(later[:-1]), last, *first)), 0)
-
-    def lines(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> list[ca.SX]:
-        """Largest u of each condition: for v held, then for v and -v where 0 follows, twice."""
-        over, under = (ca.vertcat(item, self.tail) for item in (self.over, self.under))
-        later, spare, pairs = slice(PIECES, None), FLATTEST * c, iter(inverse)
-        room = c - (self.u + over)
-        most = [self.u + ca.fmin(room * next(pairs), room * next(pairs))]
-        ahead, back = room[later] + spare, c - (under - self.u)[later] + spare
-        for response in (table.high[later], table.low[later]):
-            old = self.u * response
-            most += [(ahead + old) * next(pairs), (back - old) * next(pairs)]
-        return most
-
-
-def inverse_slopes(low: ca.SX, high: ca.SX) -> list[ca.SX]:
-    """1 over the slopes of all conditions: for v held by high and low, then where 0 follows.
-
-    Slopes are at least FLATTEST: a line that is flat leaves every u that the others do.
-    """
-    after_high, after_low = _younger(high, ca.fmax), _younger(low, ca.fmin)
-    slopes = [high, low]
-    for response in (high[PIECES:], low[PIECES:]):
-        slopes += [response - after_low, after_high - response]
-    return [1 / ca.fmax(slope, FLATTEST) for slope in slopes]
-
-
-def _younger(values: ca.SX, worse: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:
-    """Bounds a period before each piece from the second period on; the last holds for ever."""
-    last = [values[k] for k in range(-PIECES - 1, 0)]
-    return ca.vertcat(values[: -PIECES - 1], reduce(worse, last))
-
-
-def least_of(values: ca.SX) -> ca.SX:
-    """The least element, by halves, which are loops in C."""
-    while values.numel() > 1:
-        half = (values.numel() + 1) // 2
-        values = ca.fmin(values[:half], values[values.numel() - half :])
-    return values
 
 
 CONDITIONS = {
-    "held_high": "for v held, by the largest response",
-    "held_low": "for v held, by the least response",
-    "stop_high": "for v where 0 follows, by the largest response",
-    "stop_high_back": "for -v where 0 follows, by the largest response",
-    "stop_low": "for v where 0 follows, by the least response",
-    "stop_low_back": "for -v where 0 follows, by the least response",
+    "held": "1 over the slope for a command held",
+    "stop_rise": "1 over the slope where 0 follows a rise",
+    "stop_fall": "1 over the slope where 0 follows a fall",
 }
 
 
@@ -174,104 +82,152 @@ class BandGovernor:
 
     def __init__(self, scenario: Scenario, further: tuple[Port, ...] = ()) -> None:
         """Take the ports, and enclose the family's step responses."""
-        self.scenario, self.asked = scenario, port(ASKED)
-        pushes = [item.push for item in peak_gains(scenario)]
-        tables = [enclosed(scenario, axis) for axis in AXES]
-        self.state = [_forecast(axis, len(tables[axis].low)) for axis in AXES]
-        self.last = port(LAST)
-        known = [_table(axis, tables[axis], scenario.clock.control) for axis in AXES]
-        delta, slopes = port(DELTA, pushes), [self._slopes(axis, *known[axis][:2]) for axis in AXES]
-        ports = (
-            delta,
-            *(item for own in known for item in own),
-            *(s for own in slopes for s in own),
-            *further,
-        )
-        self.p = Parameters(scenario, ports)
-        gain = self.p.take("filter.gain")
-        self.tables = [
-            ResponseTable(low.sym, high.sym, left.sym, fading.sym)
-            for low, high, left, fading in known
+        self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
+        self.jitter = scenario.filter.jitter
+        self.last, self.behind = port(LAST), port(BEHIND, self.jitter)
+        T, bands = scenario.clock.control, [enclosed(scenario, axis) for axis in AXES]
+        self.state = [_forecast(axis, len(bands[axis].low)) for axis in AXES]
+        self.far = [faded_ports(NAMES[axis], UNITS[axis]) for axis in AXES]
+        known = [_table(axis, bands[axis], T, self.jitter) for axis in AXES]
+        slopes = [self._slopes(axis, bands[axis]) for axis in AXES]
+        delta = port(DELTA, [item.push for item in peak_gains(scenario)])
+        ports = (item for own in (*known, *slopes) for item in own)
+        self.p = Parameters(scenario, (delta, *ports, *further))
+        gain, self.T = self.p.take("filter.gain"), self.p.take("clock.control")
+        symbols = [
+            (
+                (own[0].sym, own[1].sym, own[2].sym, own[3].sym, own[4].sym),
+                [item.sym for item in own[5:]],
+            )
+            for own in known
         ]
+        self.tables = [ResponseTable(*own) for own, _ in symbols]
+        self.fading = [own for _, own in symbols]
         self.inverse = [[item.sym for item in own] for own in slopes]
         numbers = ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), delta.sym
         self.channels = channels_of(scenario, self.p, numbers, ca.SX(0))
         self.sound = sound(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
 
-    def _slopes(self, axis: int, low: Port, high: Port) -> list[Port]:
+    def _slopes(self, axis: int, known: Band) -> list[Port]:
         """Divisors of the conditions, worked out once: divisions take most of a step's time."""
-        inverse = ca.Function("inverse", [low.sym, high.sym], inverse_slopes(low.sym, high.sym))
-        values = [item.full().ravel() for item in inverse(low.value, high.value)]
+        slopes = zip(CONDITIONS.items(), rounded_slopes(response_table(known)), strict=True)
         return [
-            port(
-                Signal(f"filter.{name}_{NAMES[axis]}", "1", f"1 over the slope {what}", len(own)),
-                own,
-            )
-            for (name, what), own in zip(CONDITIONS.items(), values, strict=True)
+            port(Signal(f"filter.{name}_{NAMES[axis]}", "1", what, len(own)), own)
+            for (name, what), own in slopes
             if name in self.conditions
         ]
 
-    @property
+    @cached_property
+    def on_beat(self) -> ca.SX:
+        """Time of the sample behind its beat, as far as anybody tells."""
+        return self.behind.sym + (passed(self.elapsed.sym, self.T) - self.T)
+
+    @cached_property
+    def came(self) -> ca.SX:
+        """1 where the sample came on its beat, but for the jitter."""
+        return within(self.on_beat - self.jitter, self.jitter + NEAR * self.T)
+
+    @cached_property
+    def faded(self) -> list[Fading]:
+        """What of each channel's past is left at the sample."""
+        time, rows = passed(self.elapsed.sym, self.T), []
+        for number, (reach, past, held) in enumerate(self.far):
+            (_, rate, soonest), last = self.fading[number], self.last.sym[number % len(AXES)]
+            known = Fading(reach.sym, past.sym, held.sym)
+            rows.append(known.aged(self.came, last, stays_of(rate, time), soonest))
+        return rows
+
+    @cached_property
     def forecasts(self) -> list[Forecast]:
         """Forecast of each channel at the sample."""
-        return [
-            Forecast(over.sym, under.sym, tail.sym, self.last.sym[number % len(AXES)])
-            for number, (over, under, tail) in enumerate(self.state)
-        ]
+        share = ca.fmax(ca.if_else(self.came, 1, 0), 0)  # a factor, no choice: loops in C
+        rows = []
+        for number, (over, under, tail) in enumerate(self.state):
+            table, last = self.tables[number], self.last.sym[number % len(AXES)]
+            past = self.faded[number].bounds(self.most[number] * HELD, table.rest)
+            known = Forecast(over.sym, under.sym, tail.sym, last, *past)
+            rows.append(known.later(table).kept(share))
+        return rows
+
+    @cached_property
+    def most(self) -> list[ca.SX]:
+        """What each channel must not exceed, here the largest commands that may be held."""
+        bounds = (self.channels[axis].bounds for axis in AXES)
+        return [largest_command(b.V, b) for b in bounds]
+
+    @cached_property
+    def ends(self) -> list[tuple[ca.SX, ca.SX]]:
+        """Least and largest command of each axis that may be held from now on."""
+        both = []
+        for i in AXES:
+            known = self.forecasts[i]
+            rise, fall = known.steps(self.most[i] * HELD, self.inverse[i][0])
+            both.append((known.u - fall, known.u + rise))
+        return both
 
     @cached_property
     def limits(self) -> list[ca.SX]:
         """Largest size of a command that is safe in the direction that is asked for."""
-        return [
-            self.forecasts[i]
-            .mirrored(ca.if_else(self.command[i] >= 0, 1, -1))
-            .largest(
-                largest_command(self.channels[i].bounds.V, self.channels[i].bounds),
-                self.tables[i],
-                self.inverse[i],
-            )
-            for i in AXES
-        ]
+        rows = []
+        for i, (least, most) in enumerate(self.ends):
+            ahead = self.command[i] >= 0
+            known = self.forecasts[i].mirrored(ca.if_else(ahead, 1, -1))
+            stopped = known.largest(self.most[i], self.tables[i], self.inverse[i][1:])
+            rows.append(ca.fmax(ca.fmin(stopped, ca.if_else(ahead, most, -least)), 0))
+        return rows
 
     @cached_property
     def sent(self) -> ca.SX:
-        """The safe command (2,); 0 where the parameters are unsound.
-
-        There 0 is asked for, whose share is 1 within any limits: no branch holds up the loops of C.
-        """
+        """The safe command (2,): within its limits, and where it may be held from now on."""
         asked = [ca.if_else(self.sound, r, 0) for r in self.command]
         room = [ca.fmin(ca.fmax(limit, TINY), LARGEST) for limit in self.limits]
         back, scale = [-most for most in room], self.scenario.filter.scale
         safe = scaled(asked, self.channels, back, room, scale)
-        return ca.vertcat(*(ca.fmin(ca.fmax(safe[i], -most), most)
-                            for i, most in enumerate(self.limits)))  # fmt: skip
+        limited = (ca.fmin(ca.fmax(safe[i], -most), most) for i, most in enumerate(self.limits))
+        return self.held(list(limited))
+
+    def held(self, safe: Sequence[ca.SX]) -> ca.SX:
+        """The nearest command (2,) that may be held; 0 where the parameters are unsound."""
+        within = (ca.fmin(ca.fmax(safe[i], ends[0]), ends[1]) for i, ends in enumerate(self.ends))
+        return ca.if_else(self.sound, ca.vertcat(*within), 0)
 
     @property
     def system(self) -> System:
         """The sampled System."""
         pairs = zip(self.forecasts, self.tables, strict=True)
         after = [
-            was.changed(self.sent[number % len(AXES)], table).later(table)
+            was.changed(self.sent[number % len(AXES)], table)
             for number, (was, table) in enumerate(pairs)
         ]
-        flags = ca.if_else(self.sound, limited(self.sent, self.command) + self.refused, UNSOUND)
+        flags = limited(self.sent, self.command) + self.refused + ca.if_else(self.came, 0, LATE)
+        flags = ca.if_else(self.sound, flags, UNSOUND)
+        behind = ca.if_else(self.came, self.on_beat, self.jitter)
         parts = [part for f in after for part in (f.over, f.under, f.tail)]
+        for number, known in enumerate(self.faded):
+            axis = number % len(AXES)
+            change = ca.fabs(self.sent[axis] - self.last.sym[axis])
+            parts += [known.reach + change * self.fading[number][0], known.past, known.held]
         return System(
-            "filter", "command filter (band)", inputs=(self.asked,),
-            state=(*(item for ports in self.state for item in ports), self.last),
-            params=self.p.ports, update=ca.vertcat(*parts, self.sent),
+            "filter", "command filter (band)", inputs=(self.asked, self.elapsed),
+            state=(*(item for ports in (*self.state, *self.far) for item in ports), self.last,
+                   self.behind),
+            params=self.p.ports, update=ca.vertcat(*parts, self.sent, behind),
             outputs=(Output(SENT, self.sent), Output(FLAGS, flags)),
             period=self.scenario.clock.control,
         )  # fmt: skip
 
 
 LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
+BEHIND = Signal("behind", "s", "time of the last sample behind its beat")
 NAMES = ("v", "omega")
 
 
-def _forecast(axis: int, size: int) -> tuple[Port, Port, Port]:
-    name, unit = NAMES[axis], ("m/s", "rad/s")[axis]
+UNITS = ("m/s", "rad/s")
+
+
+def _forecast(axis: int, size: int) -> tuple[Port, ...]:
+    name, unit = NAMES[axis], UNITS[axis]
     return (
         port(Signal(f"over_{name}", unit, f"bound of {name} over its command, ahead", size)),
         port(Signal(f"under_{name}", unit, f"bound of {name} under its command, ahead", size)),
@@ -279,25 +235,70 @@ def _forecast(axis: int, size: int) -> tuple[Port, Port, Port]:
     )
 
 
-def _table(axis: int, known: Band, T: float) -> tuple[Port, Port, Port, Port]:
-    name, size = NAMES[axis], len(known.low) + 1
-    low, high = np.append(known.low, 1 - known.left), np.append(known.high, 1 + known.left)
-    fading = float(np.exp(-known.rate * T) * (1 + 2.0**-40))
+def faded_ports(name: str, unit: str) -> tuple[Port, ...]:
+    """Ports of a Fading, in the order of its fields."""
     return (
-        port(Signal(f"filter.low_{name}", "1", f"least step response of {name}", size), low),
-        port(Signal(f"filter.high_{name}", "1", f"largest step response of {name}", size), high),
-        port(Signal(f"filter.left_{name}", "1", f"{name} from its command, behind"), known.left),
-        port(Signal(f"filter.fading_{name}", "1", "what stays of that in a period"), fading),
+        port(Signal(f"reach_{name}", unit, f"bound of {name} from its end, at the sample")),
+        port(Signal(f"past_{name}", unit, "the same before the last untimely sample")),
+        port(Signal(f"held_{name}", "m/s, rad/s", "command at that sample")),
+    )
+
+
+def response_table(known: Band) -> ResponseTable:
+    """A Band as the numbers of a ResponseTable, of which nothing fades."""
+    above, below = (np.nextafter(item, np.inf) for item in (known.high - 1, 1 - known.low))
+    none, left = ca.SX(0, 1), ca.SX(known.left)
+    table = ResponseTable(ca.SX(ca.DM(above)), ca.SX(ca.DM(below)), none, left, ca.SX(0))
+    return replace(table, after=bounds_after(table.high))
+
+
+def rounded_slopes(table: ResponseTable) -> list[np.ndarray]:
+    """`inverse_slopes`, rounded so that none of them admits more."""
+    held, rise, fall = (np.array(numbers_of(item)) for item in inverse_slopes(table))
+    wider = 2.0**-50
+    return [1 / (1 / held + wider), 1 / (1 / rise + wider), 1 / (1 / fall - wider)]
+
+
+def numbers_of(values: ca.SX) -> list[float]:
+    """The numbers of a column without symbols."""
+    return [float(item) for item in ca.DM(values).full().ravel()]
+
+
+def _table(axis: int, known: Band, T: float, jitter: float) -> tuple[Port, ...]:
+    """Ports of a ResponseTable, in the order of its fields; then what it fades from, and how."""
+    name, table = NAMES[axis], response_table(known)
+    fading, soonest = np.exp(-known.rate * np.array([T, T - 2 * jitter])) * (1 + 2.0**-40)
+    own = (
+        ("above", "1", "largest step response of {}, less 1", numbers_of(table.above)),
+        ("below", "1", "1 less the least step response of {}", numbers_of(table.below)),
+        ("after", "1", "largest step response of {}, a period later", numbers_of(table.after)),
+        ("left", "1", "{} from its command, behind", [known.left]),
+        ("fading", "1", "what stays of that in a period", [fading]),
+        ("reach", "1", "{} from its command, at most", [known.reach]),
+        ("rate", "1/s", "rate at which that fades", [known.rate]),
+        ("soonest", "1", "what stays of it in the shortest period", [soonest]),
+    )
+    return tuple(
+        port(Signal(f"filter.{key}_{name}", unit, meaning.format(name), len(values)), values)
+        for key, unit, meaning, values in own
     )
 
 
 def enclosed(scenario: Scenario, axis: int) -> Band:
     """Tables of an axis' family.  ScenarioError where it is too slow for the control period."""
     settings, T = scenario.filter, scenario.clock.control
+    if settings.jitter > T / 4:
+        raise ScenarioError(
+            f'filter.jitter = {settings.jitter:g} s: with filter.kind = "band" samples may be off '
+            f"their beat by at most a quarter of clock.control = {T:g} s, that is {T / 4:g} s. "
+            "State that much, and give each step the time since the last one (elapsed): what is "
+            "later or earlier is then told from it."
+        )
     if settings.loop == "pi":
-        known = _pi_band(pi_loop(scenario, axis), T)
+        known = _pi_band(pi_loop(scenario, axis), T, settings.jitter)
     else:
-        known = _second_order_band(settings.interval("frequency"), settings.interval("damping"), T)
+        family = settings.interval("frequency"), settings.interval("damping")
+        known = _second_order_band(*family, T, settings.jitter)
     if not known.left <= LARGEST_LEFT:
         raise ScenarioError(
             f"filter: after {MOST_COMMANDS} periods of clock.control = {T:g} s the step response "
@@ -309,12 +310,12 @@ def enclosed(scenario: Scenario, axis: int) -> Band:
 
 
 @lru_cache(maxsize=8)
-def _pi_band(loop: PiLoop, T: float) -> Band:
-    return band(pi_cells(loop), T, PIECES, MOST_COMMANDS)
+def _pi_band(loop: PiLoop, T: float, jitter: float) -> Band:
+    return band(pi_cells(loop), T, PIECES, MOST_COMMANDS, jitter)
 
 
 @lru_cache(maxsize=8)
 def _second_order_band(
-    frequency: tuple[float, float], damping: tuple[float, float], T: float
+    frequency: tuple[float, float], damping: tuple[float, float], T: float, jitter: float
 ) -> Band:
-    return band(second_order_cells(frequency, damping), T, PIECES, MOST_COMMANDS)
+    return band(second_order_cells(frequency, damping), T, PIECES, MOST_COMMANDS, jitter)

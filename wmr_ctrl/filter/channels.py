@@ -17,7 +17,7 @@ from functools import reduce
 
 import casadi as ca
 
-from wmr_ctrl.filter.governor import FirstOrder, admitted
+from wmr_ctrl.filter.governor import NEAR, FirstOrder, admitted
 from wmr_ctrl.model.system import Parameters
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import LARGEST, Signal
@@ -32,6 +32,7 @@ that are taken for the same (1e-9 of a period), are far below it."""
 TINY = 1e-30
 """Room of a limit that is used up [m/s], so that no share is 0/0."""
 
+ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
 SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
 DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
 FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
@@ -146,6 +147,16 @@ def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:
 def within(value: ca.SX, size: ca.SX | float) -> ca.SX:
     """1 where |value| <= size; 0 else, and for what is no number."""
     return ca.logic_and(value >= -size, value <= size)
+
+
+def passed(elapsed: ca.SX, T: ca.SX) -> ca.SX:
+    """Time since the previous sample, the period where nobody tells it."""
+    return ca.if_else(elapsed == 0, T, elapsed)
+
+
+def punctual(elapsed: ca.SX, T: ca.SX, jitter: float) -> ca.SX:
+    """1 where a sample came within its jitter [periods]; 0 else, and for what is no number."""
+    return within(passed(elapsed, T) - T, (jitter + NEAR) * T)
 
 
 def has_bit(flags: ca.SX, bit: int) -> ca.SX:

@@ -16,19 +16,23 @@ and |u| <= c = (V - delta - a (K L + N H/2))/K is admitted (`filter.slew`).
 
 from __future__ import annotations
 
-from functools import lru_cache, reduce
+from functools import cached_property, lru_cache, reduce
 
 import casadi as ca
 
 from wmr_ctrl.filter.channels import (
     AXES,
     DELTA,
+    ELAPSED,
     FLAGS,
+    LATE,
     SENT,
     UNSOUND,
     Channel,
     channels_of,
     limited,
+    passed,
+    punctual,
     scaled,
     sound,
     usable_command,
@@ -46,12 +50,16 @@ REACH = Signal("filter.slew_reach", "s", "speed beyond a command that changes by
 PEAK_GAIN = Signal("filter.peak_gain", "1", "largest speed that commands of at most 1 lead to", 2)
 
 
+UNTOLD = 0.25
+"""Share of a period by which a step may be off without the flag "late": no limit hangs on it."""
+
+
 class Clip:
     """The graph of a clip: its channels, their limits and the command that is sent."""
 
     def __init__(self, scenario: Scenario) -> None:
         """Take the ports; the peak gain of a linear loop is computed here, and is a parameter."""
-        self.scenario, self.asked = scenario, port(ASKED)
+        self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
         if scenario.filter.loop == "first-order":
             self.p = Parameters(scenario)
             numbers = stated(self.p)
@@ -68,6 +76,7 @@ class Clip:
                 least, most, _ = stated(self.p)
                 numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
         self.channels: list[Channel] = channels_of(scenario, self.p, numbers, ca.SX(0))
+        self.T = self.p.take("clock.control")
         self.limits = [largest_command(c.bounds.V, c.bounds) for c in self.channels]
         self.command, self.refused = usable_command(self.asked.sym)
         self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
@@ -81,27 +90,33 @@ class Clip:
         if not self.last:
             return []
         slew, reach = self.p.take("filter.slew"), self.p.take(REACH.name)
-        T = self.p.take("clock.control")
         axes = (test for i in AXES for test in (slew[i] > 0, reach[i] >= 0))
-        return [*axes, T > 0, T <= LARGEST]
+        return [*axes, self.T > 0, self.T <= LARGEST]
+
+    @cached_property
+    def time(self) -> ca.SX:
+        """Time in which the command may change: since the last sample, a period at most."""
+        since = passed(self.elapsed.sym, self.T)
+        return ca.if_else(since >= self.T, self.T, ca.if_else(since >= 0, since, 0))
 
     def _slowly(self, wanted: ca.SX) -> ca.SX:
-        """The command (2,) on the way to ``wanted`` that the slew leads to in a period."""
-        most = self.p.take("filter.slew") * self.p.take("clock.control")
-        last = self.last[0].sym
+        """The command (2,) on the way to ``wanted`` that the slew leads to in the time there is."""
+        most, last = self.p.take("filter.slew") * self.time, self.last[0].sym
         shares = ramp_shares(last, wanted, most)
         if self.scenario.filter.scale != "axes":
             shares = [reduce(ca.fmin, shares)] * len(shares)
-        return moved(last, wanted, ca.vertcat(*shares))
+        return ca.if_else(self.time > 0, moved(last, wanted, ca.vertcat(*shares)), last)
 
     @property
     def system(self) -> System:
-        """The sampled System, which has no state."""
-        flags = limited(self.sent, self.command) + self.refused
+        """The sampled System, whose state is what was sent last where that counts."""
+        jitter = self.scenario.filter.jitter / self.scenario.clock.control
+        came = punctual(self.elapsed.sym, self.T, max(jitter, UNTOLD))
+        flags = limited(self.sent, self.command) + self.refused + ca.if_else(came, 0, LATE)
         flagged = ca.if_else(self.sound, flags, UNSOUND)
         return System(
-            "filter", "command filter (clip)", inputs=(self.asked,), params=self.p.ports,
-            state=self.last, update=self.sent if self.last else ca.SX(0, 1),
+            "filter", "command filter (clip)", inputs=(self.asked, self.elapsed),
+            params=self.p.ports, state=self.last, update=self.sent if self.last else ca.SX(0, 1),
             outputs=(Output(SENT, self.sent), Output(FLAGS, flagged)),
             period=self.scenario.clock.control,
         )  # fmt: skip

@@ -7,6 +7,7 @@ both axes scaled by one factor, so that the path keeps its curvature, or each by
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -25,6 +26,7 @@ from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
 from wmr_ctrl.model.system import System, stack, values
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.scenario.command_filter import Filter
+from wmr_ctrl.scenario.units import asking_about_units, unit_questions
 from wmr_ctrl.signals import Signal
 
 
@@ -47,7 +49,8 @@ def check_filter(scenario: Scenario) -> None:
         )
     peaks = peak_gains(scenario) if settings.loop != "first-order" else None
     reached = [item.push for item in peaks] if peaks else settings.d
-    name, stated = ("push", settings.push) if settings.loop == "pi" else ("d", settings.d)
+    pushes = settings.loop == "pi" and any(settings.push)
+    name, stated = ("push", settings.push) if pushes else ("d", settings.d)
     for i in AXES:
         if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]:
             raise ScenarioError(
@@ -103,6 +106,10 @@ LARGEST_PEAK = 100.0
 SHRUNK = 1 - 1e-12
 """Share of a limit within which a command passes, roundings of the filter's own sums included."""
 SIDES = ("v", "omega", "the right wheel", "the left wheel")
+UNITS_COUNT = ("filter.", "limits.", "clock.")
+"""Keys by which a filter's numbers come."""
+STANDING = -1.0
+"""Time since the last step by a clock that did not go on: 0 would say that nobody tells it."""
 
 BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
     "clip": Clip,
@@ -199,18 +206,19 @@ class CommandFilter:
         """The safe command (v [m/s], omega [rad/s]) nearest to ``command``, and flags.
 
         ``measured``: the odometry's velocities, ``age`` [s] old, if there are any.  ``dt`` [s]:
-        time since the last step, by default the clock's period.  A command that is not a number
-        counts as (0, 0), with the flag "refused"; further flags are "limited", "unused" (odometry
-        was not used), "bounds-left" (it contradicts the stated bounds: one of them is wrong),
-        "late" (the step came outside its jitter) and "unsound" (parameters that no filter can
-        satisfy, such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong
-        lengths.
+        time since the last step, by default the clock's period; 0 or less says that the clock
+        stood still or was set back.  A command that is not a number counts as (0, 0), with the
+        flag "refused"; further flags are "limited", "unused" (odometry was not used),
+        "bounds-left" (it contradicts the stated bounds: one of them is wrong), "late" (the step
+        came outside its jitter) and "unsound" (parameters that no filter can satisfy, such as a
+        push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong lengths.
         """
         asked = _pair(command, "command")
         u = list(asked)
         if self.governs:
             seen = (0.0, 0.0) if measured is None else _pair(measured, "measured")
-            u += [*seen, -1.0 if measured is None else age, 0.0 if dt is None else dt]
+            u += [*seen, -1.0 if measured is None else age]
+        u.append(0.0 if dt is None else dt or STANDING)
         self._x, y = self._step(ca.DM(u), self._x, self._p)
         sent = y.full().ravel().tolist()
         names = tuple(name for bit, name in FLAG_NAMES.items() if int(sent[2]) & bit)
@@ -221,9 +229,16 @@ class CommandFilter:
 def command_filter(scenario: Scenario | str) -> CommandFilter:
     """The command filter of a scenario with a section [filter], as an object with memory.
 
+    Warns of numbers that look like another unit, such as milliseconds, as `check` does.
     Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
-    return CommandFilter(load_scenario(scenario) if isinstance(scenario, str) else scenario)
+    settings = load_scenario(scenario) if isinstance(scenario, str) else scenario
+    with asking_about_units(settings):
+        built = CommandFilter(settings)
+    for key, question in unit_questions(settings):
+        if key.startswith(UNITS_COUNT):
+            warnings.warn(question, stacklevel=3)
+    return built
 
 
 def _pair(values: Sequence[float], name: str) -> tuple[float, float]:

@@ -25,17 +25,21 @@ import numpy as np
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.band import (
-    FLATTEST,
     MOST_COMMANDS,
     NAMES,
-    PIECES,
     BandGovernor,
-    Forecast,
-    ResponseTable,
-    least_of,
+    faded_ports,
+    numbers_of,
+    response_table,
 )
 from wmr_ctrl.filter.channels import AXES, ROUNDING, TINY, scaled
-from wmr_ctrl.filter.governor import largest_command
+from wmr_ctrl.filter.forecast import (
+    FLATTEST,
+    PIECES,
+    Forecast,
+    ResponseTable,
+    at_most,
+)
 from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains, pi_loop
 from wmr_ctrl.filter.step_response import Band, force_band, pi_cells
 from wmr_ctrl.model.system import Port, port
@@ -74,38 +78,36 @@ def largest_drag(scenario: Scenario) -> tuple[float, float]:
     return c, c * scenario.robot.l**2 * (1 + 2.0**-50)
 
 
-def force_table(scenario: Scenario, axis: int) -> tuple[Port, Port, Port]:
-    """Tables of M S' of an axis, the last entry for ever, and what is left behind them."""
-    known, arm = _tables(pi_loop(scenario, axis), scenario.clock.control), scenario.robot.l**2
-    share = (1.0, arm)[axis] * (1 + 2.0**-50)  # the loop's numbers are at the rim
-    low, high = np.append(known.low, -known.left), np.append(known.high, known.left)
+def force_table(scenario: Scenario, axis: int) -> tuple[Port, ...]:
+    """Tables of M S' of an axis, in the order of a ResponseTable; and how far it reaches."""
+    known = _tables(pi_loop(scenario, axis), scenario.clock.control, scenario.filter.jitter)
+    share = (1.0, scenario.robot.l**2)[axis] * (1 + 2.0**-50)  # the loop's numbers are at the rim
+    above, below = (_wider(item, share) for item in (known.high, -known.low))
+    left, reach = known.left * share, known.reach * share
     name, unit = NAMES[axis], ("N.s/m", "N.m.s")[axis]
     own = (
-        (f"filter.least_force_{name}", f"least force behind a step of {name}", _wider(low, share)),
-        (
-            f"filter.most_force_{name}",
-            f"largest force behind a step of {name}",
-            -_wider(-high, share),
-        ),
-        (f"filter.left_force_{name}", f"force behind the tables of {name}", [known.left * share]),
+        ("above_force", "largest force behind a step of {}", above),
+        ("below_force", "largest force against a step of {}", below),
+        ("left_force", "force behind the tables of {}", [left]),
+        ("reach_force", "force behind a step of {} at most, which fades", [reach]),
     )
-    least, most, left = (
-        port(Signal(key, unit, meaning, len(values)), values) for key, meaning, values in own
+    return tuple(
+        port(Signal(f"filter.{key}_{name}", unit, meaning.format(name), len(values)), values)
+        for key, meaning, values in own
     )
-    return least, most, left
 
 
-def _wider(low: np.ndarray, share: float) -> np.ndarray:
-    """Lower bounds times ``share``, rounded down."""
-    return np.asarray(low * share - 2.0**-49 * np.abs(low * share))
+def _wider(high: np.ndarray, share: float) -> np.ndarray:
+    """Upper bounds times ``share``, rounded up."""
+    return np.asarray(high * share + 2.0**-49 * np.abs(high * share))
 
 
 @lru_cache(maxsize=8)
-def _tables(loop: PiLoop, T: float) -> Band:
-    return force_band(pi_cells(loop), T, PIECES, MOST_COMMANDS)
+def _tables(loop: PiLoop, T: float, jitter: float) -> Band:
+    return force_band(pi_cells(loop), T, PIECES, MOST_COMMANDS, jitter)
 
 
-def force_forecast(axis: int, size: int) -> tuple[Port, Port, Port]:
+def force_forecast(axis: int, size: int) -> tuple[Port, ...]:
     """Forecast of an axis' force: bounds of it and of its negative, piece by piece and beyond."""
     name, unit = NAMES[axis], UNITS[axis]
     return (
@@ -115,53 +117,42 @@ def force_forecast(axis: int, size: int) -> tuple[Port, Port, Port]:
     )
 
 
-def inverse_force_slopes(table: ResponseTable) -> tuple[ca.SX, ca.SX]:
+def inverse_force_slopes(low: ca.SX, high: ca.SX) -> tuple[ca.SX, ca.SX]:
     """1 over high and over -low where they are positive, else -1: there a change takes no force."""
-    least = FLATTEST * table.high[0]
-    return _inverse(table.high, least), _inverse(-table.low, least)
+    least = FLATTEST * high[0]
+    return _inverse(high, least), _inverse(-low, least)
 
 
 def _inverse(slope: ca.SX, least: ca.SX) -> ca.SX:
     return ca.if_else(slope > 0, 1 / ca.fmax(slope, least), -1)
 
 
-def speed_steps(known: Forecast, c: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Largest rise and fall of the command that keep v and -v within c; ``inverse``: 1/high."""
-    above, below = rooms(known, c, known.u)
-    return _most(above * inverse), _most(below * inverse)
-
-
 def with_drag(force: Forecast, speed: Forecast, drag: ca.SX) -> Forecast:
     """Forecast of a force and of ``drag`` times the speed together, over drag times u."""
-    return Forecast(
-        force.over + drag * speed.over,
-        force.under + drag * speed.under,
-        force.tail + drag * speed.tail,
-        drag * speed.u,
-    )
+    names = ("over", "under", "tail", "past_over", "past_under")
+    sums = {name: getattr(force, name) + drag * getattr(speed, name) for name in names}
+    return Forecast(u=drag * speed.u, **sums)
 
 
-def dragging(force: ResponseTable, speed: ResponseTable, drag: ca.SX) -> ResponseTable:
-    """Tables of a force behind a step, with ``drag`` times the speed; what fades is the force's."""
-    low, high = (a + drag * b for a, b in ((force.low, speed.low), (force.high, speed.high)))
-    return ResponseTable(low, high, force.left, force.fading, rest=0)
+def dragging(force: ResponseTable, speed: ResponseTable, drag: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Least and largest force behind a step with ``drag`` times the speed."""
+    return force.low + drag * speed.low, force.high + drag * speed.high
+
+
+def force_response(above: ca.SX, below: ca.SX, left: ca.SX, fading: ca.SX) -> ResponseTable:
+    """Tables of the force behind a step, which ends at 0."""
+    return ResponseTable(above, below, ca.SX(0, 1), left, fading, rest=0)
 
 
 def force_steps(
     known: Forecast, f: ca.SX, inverse: tuple[ca.SX, ca.SX], held: ca.SX | None = None
 ) -> tuple[ca.SX, ca.SX]:
     """The same for the force and its negative, within f; ``held``: where it ends, by default 0."""
-    above, below = rooms(known, f, ca.SX(0) if held is None else held)
+    above, below = known.rooms(f, ca.SX(0) if held is None else held)
     up, down = inverse
     rise = ca.fmin(line(above, up), line(below, down))
     fall = ca.fmin(line(above, down), line(below, up))
-    return _most(rise), _most(fall)
-
-
-def rooms(known: Forecast, most: ca.SX, held: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Room left below ``most`` on each piece and beyond them, above and below."""
-    over, under = (ca.vertcat(item, known.tail) for item in (known.over, known.under))
-    return most - (over + held), most - (under - held)
+    return at_most(rise), at_most(fall)
 
 
 def line(room: ca.SX, inverse: ca.SX) -> ca.SX:
@@ -175,15 +166,10 @@ def reached(u: ca.SX, steps: Sequence[tuple[ca.SX, ca.SX]]) -> tuple[ca.SX, ca.S
     return u - fall, u + rise
 
 
-def _most(lines: ca.SX) -> ca.SX:
-    """The least of all lines, by halves, and at least 0: holding on is always admitted."""
-    return ca.fmax(least_of(lines), 0)
-
-
 class ForceBand(BandGovernor):
     """The graph of the step; its state is the forecast of both speeds, then of both forces."""
 
-    conditions = ("held_high",)
+    conditions = ("held",)
 
     def __init__(self, scenario: Scenario) -> None:
         """Take the ports, and enclose the family's step responses and what force they take."""
@@ -191,27 +177,26 @@ class ForceBand(BandGovernor):
         self.force_tables = [force_table(scenario, axis) for axis in AXES]
         further = (item for own in self.force_tables for item in own)
         super().__init__(scenario, (self.room, self.drag, *further))
-        for axis, (least, most, left) in enumerate(self.force_tables):
-            fading = self.tables[axis].fading
-            self.tables.append(ResponseTable(least.sym, most.sym, left.sym, fading, rest=0))
-            self.state.append(force_forecast(axis, least.signal.size - 1))
+        for axis, own in enumerate(self.force_tables):
+            above, below, left, reach = (item.sym for item in own)
+            self.tables.append(force_response(above, below, left, self.tables[axis].fading))
+            self.fading.append([reach, *self.fading[axis][1:]])
+            self.state.append(force_forecast(axis, above.numel()))
+            self.far.append(faded_ports(f"force_{NAMES[axis]}", UNITS[axis]))
+        self.most += ca.vertsplit(self.room.sym)
         f, drag = self.room.sym, self.drag.sym
         tests = ((f[i] > 0, f[i] <= LARGEST, drag[i] >= 0, drag[i] <= LARGEST) for i in AXES)
         self.sound = reduce(ca.logic_and, chain.from_iterable(tests), self.sound)
 
-    def _slopes(self, axis: int, low: Port, high: Port) -> list[Port]:
+    def _slopes(self, axis: int, known: Band) -> list[Port]:
         """Those of the speed, then of the force alone and of the force with friction."""
-        least, most, left = self.force_tables[axis]
-        force = ResponseTable(least.sym, most.sym, left.sym, ca.SX(0), rest=0)
-        speed = ResponseTable(low.sym, high.sym, ca.SX(0), ca.SX(0))
-        known, name = (least, most, left, low, high, self.drag), NAMES[axis]
-        slopes = super()._slopes(axis, low, high)
-        both = (force, "force"), (dragging(force, speed, self.drag.sym[axis]), "drag")
-        for table, what in both:
-            inverse = ca.Function("inverse", [i.sym for i in known], inverse_force_slopes(table))
-            columns = (item.full().ravel() for item in inverse(*(i.value for i in known)))
-            for way, values in zip(("up", "down"), columns, strict=True):
-                meaning = f"1 over the {what} of a change {way}"
+        above, below, left, _ = (ca.SX(ca.DM(item.value)) for item in self.force_tables[axis])
+        force = force_response(above, below, left, ca.SX(0))
+        dragged = dragging(force, response_table(known), ca.SX(self.drag.value[axis]))
+        slopes, name = super()._slopes(axis, known), NAMES[axis]
+        for what, pair in (("force", (force.low, force.high)), ("drag", dragged)):
+            for way, own in zip(("up", "down"), inverse_force_slopes(*pair), strict=True):
+                meaning, values = f"1 over the {what} of a change {way}", numbers_of(own)
                 signal = Signal(f"filter.{what}_{way}_{name}", "1", meaning, len(values))
                 slopes.append(port(signal, values))
         return slopes
@@ -221,12 +206,12 @@ class ForceBand(BandGovernor):
         """Least and largest command of each axis that are admitted."""
         both = []
         for i in AXES:
-            bounds, speed, force = self.channels[i].bounds, *self.forecasts[i :: len(AXES)]
+            speed, force = self.forecasts[i :: len(AXES)]
             held, *inverse = self.inverse[i]
-            c, f = largest_command(bounds.V, bounds), self.room.sym[i]
+            c, f = self.most[i :: len(AXES)]
             dragged = with_drag(force, speed, self.drag.sym[i])
             steps = (
-                speed_steps(speed, c, held),
+                speed.steps(c, held),
                 force_steps(force, f, (inverse[0], inverse[1])),
                 force_steps(dragged, f, (inverse[2], inverse[3]), dragged.u),
             )
@@ -240,5 +225,4 @@ class ForceBand(BandGovernor):
         room = [ca.fmin(ca.fmax(most, TINY), LARGEST) for _, most in self.ends]
         asked = [ca.if_else(self.sound, r, 0) for r in self.command]
         safe = scaled(asked, self.channels, back, room, self.scenario.filter.scale)
-        within = (ca.fmin(ca.fmax(safe[i], ends[0]), ends[1]) for i, ends in enumerate(self.ends))
-        return ca.if_else(self.sound, ca.vertcat(*within), 0)
+        return self.held(ca.vertsplit(safe))

@@ -14,6 +14,7 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.channels import (
     AXES,
     BOUNDS_LEFT,
+    ELAPSED,
     FLAGS,
     LATE,
     SENT,
@@ -22,6 +23,7 @@ from wmr_ctrl.filter.channels import (
     WAYS,
     channels_of,
     limited,
+    punctual,
     scaled,
     sound,
     usable_command,
@@ -38,7 +40,7 @@ Sides: TypeAlias = list[list[ca.SX]]
 """A number of every channel, of its speed first, then of the speed's negative."""
 
 ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
-ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
+IN_TIME = Signal("in_time", "1", "samples that came in time since one that did not")
 
 
 SIDES = (("v_above", "bound of the velocity"), ("v_below", "bound of the velocity's negative"))
@@ -84,7 +86,9 @@ class Governor:
         self.scenario, self.plan, self.p = scenario, schedule(scenario), Parameters(scenario)
         self.asked, self.odometry = port(ASKED), port(ODOMETRY)
         self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
-        self.before = [port(_sent(number)) for number in range(1, self.plan.oldest + 1)]
+        oldest = self.plan.oldest
+        self.before = [port(_sent(number)) for number in range(1, oldest + 1)]
+        self.counted = (port(IN_TIME, oldest),) if oldest > 1 else ()
         self.T, tau = self.p.take("clock.control"), self.p.take("filter.tau")
         kappa = 1 / ca.expm1(self.plan.longest * self.T / tau[0])
         self.channels = channels_of(scenario, self.p, stated(self.p), kappa)
@@ -106,10 +110,20 @@ class Governor:
         return reduce(ca.logic_and, [young, *(within(self.odometry.sym[i], LARGEST) for i in AXES)])
 
     @cached_property
-    def punctual(self) -> ca.SX:
+    def came(self) -> ca.SX:
         """1 where the sample came within its jitter."""
-        elapsed = ca.if_else(self.elapsed.sym == 0, self.T, self.elapsed.sym)
-        return within(elapsed - self.T, (self.plan.jitter + NEAR) * self.T)
+        return punctual(self.elapsed.sym, self.T, self.plan.jitter)
+
+    @cached_property
+    def in_time(self) -> list[ca.SX]:
+        """Samples that came in time since one that did not, none where just one command may act."""
+        most = self.plan.oldest
+        return [ca.if_else(self.came, ca.fmin(n.sym + 1, most), 0) for n in self.counted]
+
+    @cached_property
+    def punctual(self) -> ca.SX:
+        """1 where all commands that may still act were sent in time."""
+        return self.in_time[0] >= self.plan.oldest if self.counted else self.came
 
     @cached_property
     def now(self) -> Sides:
@@ -193,9 +207,9 @@ class Governor:
             "filter",
             "command filter (governor)",
             inputs=(self.asked, self.odometry, self.age, self.elapsed),
-            state=(*self.known, *self.before),
+            state=(*self.known, *self.before, *self.counted),
             params=self.p.ports,
-            update=ca.vertcat(known, self.sent, *older),
+            update=ca.vertcat(known, self.sent, *older, *self.in_time),
             outputs=(
                 Output(SENT, self.sent),
                 Output(FLAGS, ca.if_else(self.sound, flags, UNSOUND)),

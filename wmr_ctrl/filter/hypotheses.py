@@ -120,11 +120,18 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 f"together), and filter.push[{axis + 1}] = {stated.push[axis]:g} {unit} is less. "
                 "Raise it to that."
             )
-    if any(bound.command):
+    if stated.force is not None and any(bound.command):
         yield (
-            "base.quantum rounds the command, which a filter for PI loops does not allow for. Set "
-            "it to 0."
+            "base.quantum rounds the command, which may ask the motors for more force than "
+            "filter.force counts. Set it to 0, or leave out filter.force."
         )
+        return
+    for axis, error in enumerate(bound.command):
+        if error > stated.d[axis] * (1 + ROUNDING):
+            yield (
+                f"The command that acts may be off by {error:.4g} {UNITS[axis]} (base.quantum); "
+                f"filter.d[{axis + 1}] = {stated.d[axis]:g} {UNITS[axis]} is less. Raise it to it."
+            )
 
 
 def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
@@ -161,7 +168,8 @@ def _of_the_band(bound: Bound) -> Iterator[str]:
     if bound.losses or soonest != latest:
         yield (
             "Commands may be lost, or delayed by varying times, and the band relies on each one "
-            'taking effect one period after the one before it. Use filter.kind = "clip".'
+            "taking effect, a constant delay after it was sent. Use "
+            'filter.kind = "clip".'
         )
 
 

@@ -19,7 +19,7 @@ No corner is taken for the worst; `filter.peak-worst` says which one is.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -187,7 +187,15 @@ def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
         return v, omega
     force, moment = settings.push
     at_rim = over_square((0.0, moment), scenario.robot.l)[1] if moment else 0.0
-    return pi_loop(scenario, 0).peak(force), pi_loop(scenario, 1).peak(at_rim)
+    peaks = pi_loop(scenario, 0).peak(force), pi_loop(scenario, 1).peak(at_rim)
+    v, omega = (_with_error(*pair) for pair in zip(peaks, settings.d, strict=True))
+    return v, omega
+
+
+def _with_error(peak: PeakGain, error: float) -> PeakGain:
+    """The same where the command that acts is off by an error, which adds its peak gain times."""
+    pushed = (peak.push + peak.gain * error) * (1 + 2.0**-50)
+    return replace(peak, push=pushed) if error else peak
 
 
 def pi_loop(scenario: Scenario, axis: int) -> PiLoop:

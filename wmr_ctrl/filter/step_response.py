@@ -54,12 +54,17 @@ class Cells:
 
 @dataclass(frozen=True)
 class Band:
-    """low <= S <= high on each piece of time; |S - 1| <= left exp(-rate (t - end)) behind them."""
+    """low <= S <= high on each piece of time; |S - 1| <= left exp(-rate (t - end)) behind them.
+
+    Everywhere |S - 1| <= reach exp(-rate t).  On pieces and behind them t may be late by twice a
+    jitter.
+    """
 
     low: Floats
     high: Floats
     left: float
     rate: float
+    reach: float
 
 
 def pi_cells(loop: PiLoop) -> Cells:
@@ -144,28 +149,31 @@ def _swing_of(cells: Cells, t: Span) -> tuple[Span, Span, Span]:
     return exp(-0.5 * cells.a * t), cosine(x), t * sine_over(x)
 
 
-def band(cells: Cells, T: float, pieces: int, most: int) -> Band:
+def band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) -> Band:
     """Bounds of the family's step responses; ``pieces`` a period, ``most`` periods at most."""
-    rate, times = _slowest(cells), _times(cells, T, pieces, most)
-    low, high = np.full(len(times) - 1, np.inf), np.full(len(times) - 1, -np.inf)
-    left = 0.0
-    for part, e, speed in _responses(cells, times):
+    rate, grid = _slowest(cells), _times(cells, T, pieces, most, jitter)
+    low, high = np.full(len(grid.times) - 1, np.inf), np.full(len(grid.times) - 1, -np.inf)
+    left, reach = 0.0, 0.0
+    for part, e, speed in _responses(cells, grid.times):
         lower, upper = _between(e, _bent(part, e, speed, T / pieces).hi)
         low = np.minimum(low, _down(1 - np.max(upper, axis=0)))
         high = np.maximum(high, _up(1 - np.min(lower, axis=0)))
-        left = max(left, float(_left(part, e, speed, rate).max()))
-    return Band(np.maximum(low, 0.0), high, left, rate)
+        left = max(left, float(_left(part, e, speed, rate, grid.last).max()))
+        reach = max(reach, float(_left(part, e, speed, rate, 0).max()))
+    low, high = grid.joined(low, np.minimum), grid.joined(high, np.maximum)
+    return Band(np.maximum(low, 0.0), high, left, rate, reach)
 
 
-def force_band(cells: Cells, T: float, pieces: int, most: int) -> Band:
+def force_band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) -> Band:
     """The same for M S', the force that speeds a base with a PI loop up behind a step.
 
     It ends at 0.  e' fulfils the equation of e, so that its pieces are bounded alike, and at their
     ends M S' is kp and ki times what a, b and time alone make.
     """
-    rate, times = _slowest(cells), _times(cells, T, pieces, most)
+    rate, grid = _slowest(cells), _times(cells, T, pieces, most, jitter)
+    times = grid.times
     low, high = np.full(len(times) - 1, np.inf), np.full(len(times) - 1, -np.inf)
-    left = 0.0
+    left, reach = 0.0, 0.0
     for part, e, speed in _responses(cells, times):
         bend = -(part.a * speed) - part.b * e
         pulled, pushed = _modes(
@@ -177,13 +185,36 @@ def force_band(cells: Cells, T: float, pieces: int, most: int) -> Band:
                      np.maximum(ends.hi[:, :-1], ends.hi[:, 1:]))  # fmt: skip
         force = Span((force - bent).lo, (force + bent).hi)
         low, high = np.minimum(low, force.lo.min(axis=0)), np.maximum(high, force.hi.max(axis=0))
-        left = max(left, float((part.mass * _left(part, speed, bend, rate)).hi.max()))
-    return Band(low, high, left, rate)
+        left = max(left, float((part.mass * _left(part, speed, bend, rate, grid.last)).hi.max()))
+        reach = max(reach, float((part.mass * _left(part, speed, bend, rate, 0)).hi.max()))
+    low, high = grid.joined(low, np.minimum), grid.joined(high, np.maximum)
+    low[0] = min(low[0], 0.0)  # as it is before the step
+    return Band(low, high, left, rate, reach)
 
 
-def _times(cells: Cells, T: float, pieces: int, most: int) -> Floats:
+@dataclass(frozen=True)
+class _Grid:
+    """Times at which pieces begin and end, and what is late by twice the jitter; the last such."""
+
+    times: Floats
+    last: int
+    parts: int
+
+    def joined(self, values: Floats, worse: np.ufunc) -> Floats:
+        """Of every piece the worst of its parts, and of what came twice a jitter before it."""
+        if self.parts == 1:
+            return values
+        before = np.concatenate([values[:1], values[1:-1:2]])  # from t - 2 jitter to t
+        return np.asarray(worse.reduce([before, values[::2], values[1::2]]))
+
+
+def _times(cells: Cells, T: float, pieces: int, most: int, jitter: float) -> _Grid:
     periods = int(np.clip(np.ceil(SWINGS / (_slowest(cells) * T)), 4, most))
-    return np.asarray(np.arange(periods * pieces + 1) * (T / pieces))
+    begins: Floats = np.asarray(np.arange(periods * pieces + 1) * (T / pieces))
+    if jitter == 0:
+        return _Grid(begins, len(begins) - 1, 1)
+    early = np.stack([begins[:-1], begins[1:] - 2 * jitter], axis=1).ravel()
+    return _Grid(np.concatenate([early, begins[-1:]]), len(early) - 1, 2)
 
 
 def _responses(cells: Cells, times: Floats) -> Iterator[tuple[Cells, Span, Span]]:
@@ -225,7 +256,7 @@ def swing(cells: Cells) -> float:
         size, bent = e.magnitude, _bent(part, e, speed, longest)
         mean = 0.5 * (size[..., :-1] + size[..., 1:]) + bent
         rises = np.logical_and.accumulate(_between(e, bent.hi)[0] > 0, axis=1)
-        behind = Span.of(_left(part, e, speed, rate)) / rate
+        behind = Span.of(_left(part, e, speed, rate, -1)) / rate
         total = np.sum(np.where(rises, 0.0, mean.hi), axis=1, keepdims=True)
         total = total * (1 + SWING_PIECES * 2.0**-52)
         most = max(most, float((Span.of(total) * longest + behind).hi.max()))
@@ -239,9 +270,10 @@ def _slowest(cells: Cells) -> float:
     return 0.9 * float(np.min(half - under))
 
 
-def _left(cells: Cells, e: Span, speed: Span, rate: float) -> Floats:
-    """Largest |e| exp(rate (t - end)) of each cell from the last time on, ``end``."""
-    last = [item[:, -1:] for item in (e, speed)]
+def _left(cells: Cells, e: Span, speed: Span, rate: float, at: int) -> Floats:
+    """Largest |e| exp(rate (t - start)) of each cell from a time on, ``start``, of this number."""
+    count = e.lo.shape[1]
+    last = [item[:, at % count : at % count + 1] for item in (e, speed)]
     stiff = cells.b - rate * cells.a + rate * rate
     if not (np.all(stiff.lo > 0) and np.all(cells.a.lo > 2 * rate)):
         return np.full((len(cells.a.lo), 1), np.inf)

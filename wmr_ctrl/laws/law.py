@@ -26,8 +26,9 @@ class Traits:
     ``auxiliary``: Eq. (7) is its outer loop.  ``barrier``: it evaluates the barrier function.
     ``model``: it assumes a mass and a friction.  ``theorem``: the paper's theorem about it, 0 for
     none.  ``estimates``: its memory holds an estimate that is learnt during the run, so statements
-    about the start need not hold later.  ``observer``: its memory holds a disturbance observer,
-    which is linear and part of every linear statement about the loop.
+    about the start need not hold later.  ``integrates``: nothing lets go of these estimates, so
+    that behind a command filter they wait where it sends something else.  ``observer``: its memory
+    holds a disturbance observer, which is linear and part of every linear statement about the loop.
     """
 
     auxiliary: bool = False
@@ -35,6 +36,7 @@ class Traits:
     model: bool = False
     theorem: int = 0
     estimates: bool = False
+    integrates: bool = False
     observer: bool = False
 
 

@@ -53,5 +53,5 @@ def build(context: LawContext) -> System:
     )
 
 
-TRAITS = Traits(auxiliary=True, estimates=True)
+TRAITS = Traits(auxiliary=True, estimates=True, integrates=True)
 LAW = Law("smc", SmcGains, build, TRAITS, __doc__, tuned=("K", "eta"))

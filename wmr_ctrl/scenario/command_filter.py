@@ -31,7 +31,10 @@ class Filter(Section, key="filter"):
         (1.0, 1.0), "1", "bounds of the steady-state speed divided by the command", above=0
     )
     d: tuple[float, float] = quantity(
-        (0.0, 0.0), "m/s, rad/s", "steady speed that a push alone would cause", minimum=0
+        (0.0, 0.0),
+        "m/s, rad/s",
+        "steady speed that a push, or an error of the command, alone would cause",
+        minimum=0,
     )
     odometry: tuple[float, float] | None = quantity(
         None, "m/s, rad/s", "bound of the odometry's error; left out: no odometry is used",
@@ -44,7 +47,10 @@ class Filter(Section, key="filter"):
     )  # fmt: skip
     losses: int = quantity(0, "1", "largest number of consecutive lost commands", minimum=0)
     jitter: float = quantity(
-        0.0, "s", "largest deviation of a sample from the clock's period", minimum=0
+        0.0,
+        "s",
+        "largest deviation of a sample from the clock's period; of a band's from its beat",
+        minimum=0,
     )
     hold: float = quantity(
         0.0, "s", "time for which the base keeps its last command before it stops",
@@ -164,10 +170,16 @@ class Filter(Section, key="filter"):
                 "relies on a speed that responds at once, which a loop with an internal state does "
                 'not. Set filter.kind = "clip" or "band".'
             )
-        if self.loop == "pi" and (any(self.d) or self.gain != (1.0, 1.0)):
+        if self.loop == "pi" and self.gain != (1.0, 1.0):
             raise ScenarioError(
-                'filter.loop = "pi" reaches its command at rest: leave out filter.gain and '
-                "filter.d, and state the largest push as push = [N, N.m]."
+                'filter.loop = "pi" reaches its command at rest: leave out filter.gain. State the '
+                "largest push as push = [N, N.m], and as filter.d the largest error of the command "
+                "that acts, such as half a quantum."
+            )
+        if self.force is not None and any(self.d):
+            raise ScenarioError(
+                "filter.d: with filter.force an error of the command would ask the motors for more "
+                "force than is counted. Leave out filter.d, or filter.force."
             )
         if self.loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
@@ -207,16 +219,13 @@ class Filter(Section, key="filter"):
                 "filter.frequency is missing: the band relies on bounds of the natural frequency. "
                 'Give frequency = [low, high] [rad/s], or use filter.kind = "clip".'
             )
-        late = {
-            "losses": self.losses, "jitter": self.jitter, "hold": self.hold,
-            "delay": self.delay[1] - self.delay[0],
-        }  # fmt: skip
+        late = {"losses": self.losses, "hold": self.hold, "delay": self.delay[1] - self.delay[0]}
         for name, size in late.items():
             if size > 0:
                 raise ScenarioError(
-                    f'filter.{name}: filter.kind = "band" relies on each command taking effect '
-                    "exactly one period after the one before it. A constant delay is allowed. Use "
-                    'filter.kind = "clip", which holds for losses, jitter, hold and varying delays.'
+                    f'filter.{name}: filter.kind = "band" relies on each command taking effect, a '
+                    "constant delay after it was sent. Use "
+                    'filter.kind = "clip", which holds for losses, hold and varying delays.'
                 )
         if self.odometry is not None or self.channels == "wheels" or self.wheel_speed:
             raise ScenarioError(

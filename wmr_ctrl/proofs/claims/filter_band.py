@@ -8,20 +8,25 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.filter.band import (
+from wmr_ctrl.filter.forecast import (
     FLATTEST,
+    HELD,
     PIECES,
-    BandGovernor,
     Forecast,
     ResponseTable,
     inverse_slopes,
 )
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, stacked, symbols, within
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    stacked,
+    symbols,
+)
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
 claim = Claims(by=Z3(effort=100))
@@ -37,9 +42,10 @@ class BandAxis:
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """Every number by name."""
-        numbers, parts = range(1, self.size + 1), ("low", "high", "over", "under")
+        numbers, parts = range(1, self.size + 1), ("above", "below", "over", "under")
         names = " ".join(f"{part}{i}" for part in parts for i in numbers)
-        return symbols(f"{names} left fading tail u to c v S")
+        names += "".join(f" after{i}" for i in range(1, self.size + 2 - PIECES))
+        return symbols(f"{names} left fading tail past_over past_under u to c v S")
 
     def column(self, name: str) -> ca.SX:
         """Numbers of all pieces."""
@@ -48,25 +54,34 @@ class BandAxis:
     @cached_property
     def table(self) -> ResponseTable:
         """Tables as the filter's graph reads them."""
-        s = self.symbols
-        low, high = ca.vertcat(self.column("low"), 1 - s["left"]), 1 + s["left"]
-        return ResponseTable(low, ca.vertcat(self.column("high"), high), s["left"], s["fading"])
+        s, after = self.symbols, stacked(self.symbols, "after", self.size + 1 - PIECES)
+        return ResponseTable(
+            self.column("above"), self.column("below"), after, s["left"], s["fading"]
+        )
 
     @cached_property
     def forecast(self) -> Forecast:
         """Forecast at the sample."""
         s = self.symbols
-        return Forecast(self.column("over"), self.column("under"), s["tail"], s["u"])
+        past = s["past_over"], s["past_under"]
+        return Forecast(self.column("over"), self.column("under"), s["tail"], s["u"], *past)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """0 <= low <= high; left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
-        s, low, high = self.symbols, self.column("low"), self.column("high")
+        s, low, high = self.symbols, self.table.low, self.table.high
         order = [part for i in range(self.size)
                  for part in (at_least(low[i]), at_least(high[i], low[i]))]  # fmt: skip
         shares = [part for name in ("left", "fading")
                   for part in (at_least(s[name]), at_least(ca.SX(1), s[name]))]  # fmt: skip
         return (*order, *shares, at_least(s["tail"]), above(s["c"]))
+
+
+def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
+    """Bound of v - u (way 1) or of u - v on one part: a piece, or -1 for the tail."""
+    pieces = forecast.over if way > 0 else forecast.under
+    past = forecast.past_over if way > 0 else forecast.past_under
+    return past + (forecast.tail if part < 0 else pieces[part])
 
 
 @claim(
@@ -81,15 +96,15 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     """
     a = BandAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols["to"], a.table)
-    known = {"over": a.forecast.over, "under": a.forecast.under}[word]
-    given = [*a.stated, at_least(way * s["u"] + known, way * s["v"])]
+    given = [*a.stated, at_least(way * s["u"] + bound_of(a.forecast, way), way * s["v"])]
     given += [
         at_least(s["S"], mutation(1, 0.9) * a.table.low[0]),
         at_least(a.table.high[0], s["S"]),
     ]
-    bound = {"over": changed.over, "under": changed.under}[word]
-    goal = at_least(way * s["to"] + bound, way * (s["v"] + (s["to"] - s["u"]) * s["S"]))
-    return Statement(s, (goal,), tuple(given))
+    most = way * s["to"] + bound_of(changed, way)
+    return Statement(
+        s, (at_least(most, way * (s["v"] + (s["to"] - s["u"]) * s["S"])),), given=tuple(given)
+    )
 
 
 @claim("filter.band.mirrored", given=f"{TABLES}")
@@ -102,17 +117,16 @@ def mirrored(mutation: Mutation) -> Statement:
     s = a.symbols
     there = a.forecast.mirrored(ca.SX(-1)).changed(-mutation(1, 1.1) * s["to"], a.table)
     here = a.forecast.changed(s["to"], a.table).mirrored(ca.SX(-1))
-    goals = [at_least(x - y) for one, other in ((there, here), (here, there))
-             for x, y in ((one.over, other.over), (one.under, other.under))]  # fmt: skip
+    goals = [at_least(bound_of(x, way) - bound_of(y, way))
+             for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
     return Statement(s, tuple(goals), a.stated)
 
 
 PARTS = ({"part": "piece", "told": "a piece of the tables"},
          {"part": "tail", "told": "behind the tables"})  # fmt: skip
 EACH = tuple(way | part for way in WAYS for part in PARTS)
-INSIDE = (
-    "before it u + over, -u + under <= c', and over, under <= c' once 0 is sent, c' = c (1 + 2^-30)"
-)
+WITHIN = "u + over, -u + under <= c'', c'' = c (1 + 2^-30 + 2^-46)"
+INSIDE = f"before it {WITHIN}, and under <= c' = c (1 + 2^-30) once 0 is sent"
 
 
 @dataclass(frozen=True)
@@ -121,131 +135,169 @@ class BandStep(BandAxis):
 
     size: int = PIECES + 1
 
+    @property
+    def everywhere(self) -> tuple[int, ...]:
+        """All pieces and what is behind them."""
+        return (*range(self.size), -1)
+
     @cached_property
-    def lines(self) -> list[ca.SX]:
-        """Largest command of each condition, as the filter's graph reckons it."""
-        inverse = inverse_slopes(self.table.low, self.table.high)
-        return self.forecast.lines(self.symbols["c"], self.table, inverse)
+    def inverse(self) -> list[ca.SX]:
+        """1 over the slopes of all conditions, for a command held, and where 0 follows."""
+        return inverse_slopes(self.table)
 
     @property
-    def most(self) -> ca.SX:
-        """c (1 + FLATTEST)."""
-        return self.symbols["c"] * (1 + FLATTEST)
+    def stated(self) -> tuple[Relation, ...]:
+        """The same; ``after`` bounds what is a period younger, and is high at most, or steep."""
+        own, high = self.table.after, self.table.high
+        over = [own[i] - high[PIECES + i] for i in range(own.numel())]
+        last = [high[k] for k in range(own.numel() - 1, high.numel())]
+        younger = [at_least(own[i], high[i]) for i in range(own.numel() - 1)]
+        younger += [at_least(own[-1], item) for item in last]
+        steep = [at_least(item * (item - FLATTEST)) for item in over]
+        return (*super().stated, *younger, *steep)
 
-    def within(self, forecast: Forecast, part: int, way: int) -> Relation:
+    @cached_property
+    def steps(self) -> tuple[ca.SX, ca.SX]:
+        """Largest rise and fall of a command that is held, as the filter's graph reckons them."""
+        return self.forecast.steps(self.most(True), self.inverse[0])
+
+    @cached_property
+    def stopped(self) -> ca.SX:
+        """Largest change of each condition where 0 follows, as the filter's graph reckons it."""
+        return self.forecast.stopped(self.symbols["c"], self.table, self.inverse[1:])
+
+    def most(self, held: bool) -> ca.SX:
+        """c'' where a command is held, c' where 0 follows."""
+        return self.symbols["c"] * (HELD if held else 1 + FLATTEST)
+
+    def within(self, forecast: Forecast, part: int, way: int, *, held: bool = True) -> Relation:
         """The forecast keeps v (or -v) within `most` on one part: a piece, or -1 for the tail."""
-        bounds = forecast.over if way > 0 else forecast.under
-        return at_least(self.most, way * forecast.u + (forecast.tail if part < 0 else bounds[part]))
+        return at_least(self.most(held), way * forecast.u + bound_of(forecast, way, part))
+
+    def held(self, *parts: int) -> tuple[Relation, ...]:
+        """Bounds of these parts before the step, with the command held."""
+        return tuple(self.within(self.forecast, part, way) for part in parts for way in (1, -1))
 
     def inside(self, *parts: int) -> tuple[Relation, ...]:
-        """Bounds of these parts before the step: with the command held, and with 0 sent."""
-        kept = self.forecast, self.forecast.changed(ca.SX(0), self.table)
-        return tuple(self.within(f, part, way) for f in kept for part in parts for way in (1, -1))
+        """The same, and that of -v with 0 sent."""
+        stop = self.forecast.changed(ca.SX(0), self.table)
+        return (*self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts))
 
 
 @claim("filter.band.least", given="any tables, forecast and command")
 def least(mutation: Mutation) -> Statement:
-    """the largest command is 0, or at most what each of the conditions admits.
+    """the largest command is 0, or at most what each of the conditions admits where 0 follows.
 
     None of the conditions is left out.
     """
     a = BandStep()
-    cuts = {f"line {i} {k}": line[k] for i, line in enumerate(a.lines)
-            for k in range(line.numel())}  # fmt: skip
-    inverse = inverse_slopes(a.table.low, a.table.high)
-    largest = mutation(1, 1.1) * a.forecast.largest(a.symbols["c"], a.table, inverse)
-    goals = tuple(at_least(ca.fmax(line, 0), largest) for line in cuts.values())
+    lines = a.stopped
+    cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
+    largest = a.forecast.largest(a.symbols["c"], a.table, a.inverse[1:])
+    goals = tuple(
+        at_least(ca.fmax(a.symbols["u"] + line, 0), mutation(1, 1.1) * largest)
+        for line in cuts.values()
+    )
     return Statement(a.symbols, goals, (), cuts)
 
 
 @claim(
-    "filter.band.held-{word}-{part}",
-    given=f"{TABLES}; 0 <= to <= what the condition admits; {INSIDE}",
-    over=EACH,
+    "filter.band.held-{turn}",
+    given=f"{TABLES}; {WITHIN}, on every piece and behind; {{how}}",
+    over=(
+        {"turn": "rise", "rises": True, "how": "u <= to <= u + rise, what a rise is admitted"},
+        {"turn": "fall", "rises": False, "how": "u - fall <= to <= u, what a fall is admitted"},
+    ),
 )
-def held(mutation: Mutation, word: str, way: int, part: str) -> Statement:
-    """{sign}to + {word} of the changed forecast <= c', on {told}.
+def held(mutation: Mutation, rises: bool) -> Statement:
+    """to + over, -to + under of the changed forecast <= c'', on every piece and behind.
 
-    A command that is admitted, and then held, keeps the forecast within the limit.
+    A command that is admitted and held keeps the forecast within the limit, for ever.
     """
     a = BandStep()
-    k, to = (-1 if part == "tail" else 0), a.symbols["to"]
-    admitted = at_least(a.lines[0][k], to) if way > 0 else at_least(to)
-    known = tuple(item for item in a.inside(k))
-    changed = a.forecast.changed(mutation(1, 1.5 * way) * to, a.table)
-    given = (*a.stated, at_least(to), admitted, *known)
-    return Statement(a.symbols, (a.within(changed, k, way),), given)
+    s, (rise, fall) = a.symbols, a.steps
+    to, u = s["to"], s["u"]
+    if rises:
+        turn = at_least(to, u), at_least(u + mutation(1, 1.2) * rise, to)
+    else:
+        turn = at_least(u, to), at_least(to, u - mutation(1, 1.2) * fall)
+    after = a.forecast.changed(to, a.table)
+    goals = tuple(a.within(after, part, way) for part in a.everywhere for way in (1, -1))
+    return Statement(s, goals, (*a.stated, *a.held(*a.everywhere), *turn))
 
 
 @claim(
     "filter.band.stop-{word}-{part}",
-    given=f"{TABLES}; 0 <= to <= what the conditions admit; {INSIDE}",
-    over=EACH,
+    given=f"{TABLES}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted",
+    over=tuple(item | {"most": "c''" if item["way"] == 1 else "c'"} for item in EACH),
 )
 def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
-    """{word} of the forecast <= c' if 0 follows a period behind the admitted command, from {told}.
+    """{word} of the forecast <= {most} if 0 follows a period behind what is admitted, from {told}.
 
     A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
     """
     a = BandStep()
     line, to = (-1 if part == "tail" else 0), a.symbols["to"]
-    admitted = tuple(at_least(limit[line], to) for limit in a.lines[1:])
-    changed = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
-    after = changed.changed(ca.SX(0), a.table)
+    known = a.forecast.changed(to, a.table)
+    behind = -1 if part == "tail" else PIECES
+    admitted = (
+        (a.within(known, behind, 1),)
+        if way > 0
+        else (at_least(a.symbols["u"] + a.stopped[line], to),)
+    )
+    after = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
+    after = after.changed(ca.SX(0), a.table)
     parts = (*range(1, a.size), -1) if part == "tail" else (0,)
-    goals = tuple(a.within(after, k, way) for k in parts)
-    return Statement(a.symbols, goals, (*a.stated, at_least(to), *admitted))
+    goals = tuple(a.within(after, k, way, held=way > 0) for k in parts)
+    return Statement(a.symbols, goals, (*a.stated, *a.inside(behind), at_least(to), *admitted))
 
 
-@claim("filter.band.zero", given=f"{TABLES}; {INSIDE}")
+@claim("filter.band.zero", given=f"{TABLES}; u >= 0; {INSIDE}")
 def zero(mutation: Mutation) -> Statement:
-    """0 keeps the forecast within c', held or sent again a period later.
+    """0 keeps over <= c'' and under <= c' of the forecast, held or sent again a period later.
 
     A stop is always admitted, whatever the conditions say.
     """
     a = BandStep()
-    everywhere = (*range(a.size), -1)
     now = a.forecast.changed(ca.SX(0), a.table)
     after = now.later(a.table).changed(mutation(0, 1) * a.symbols["c"], a.table)
-    goals = [a.within(f, part, way) for f in (now, after) for part in everywhere for way in (1, -1)]
-    return Statement(a.symbols, tuple(goals), (*a.stated, *a.inside(*everywhere)))
-
-
-BANDED = {
-    "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
-    "filter.frequency": (4.0, 5.0), "clock.control": 0.1,
-}  # fmt: skip
-"""Settings for the structure of the band's graph; its numbers are symbols."""
+    goals = [
+        a.within(f, part, way, held=way > 0)
+        for f in (now, after)
+        for part in a.everywhere
+        for way in (1, -1)
+    ]
+    given = (*a.stated, at_least(a.symbols["u"]), *a.inside(*a.everywhere))
+    return Statement(a.symbols, tuple(goals), given)
 
 
 @claim(
-    "filter.band.sent-{id}",
-    given="every command (NaN included), any parameters",
-    over=({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1}),
+    "filter.band.zero-held",
+    given=f"{TABLES}; 2^-30 <= high on every piece; u >= 0; {INSIDE}, on every piece and behind",
 )
-def sent(mutation: Mutation, axis: int) -> Statement:
-    """|u| <= the largest command, u what the whole band sends on the {id} axis, and u never turns
-    against what was asked for.
+def zero_held(mutation: Mutation) -> Statement:
+    """u - fall <= 0 <= u + rise.
 
-    Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
+    While steps come in time, the band never holds back a stop.
     """
-    graph = BandGovernor(load_scenario("paper-simulation", BANDED))
-    limits, u = graph.limits, mutation(1, 1.1) * graph.sent[axis]
-    named = elements_of(*graph.system.inputs)
-    cuts = {f"limit {i}": limit for i, limit in enumerate(limits)} | {"sound": graph.sound}
-    goals = (*within(u, limits[axis]), at_least(u * graph.command[axis]))
-    return Statement(named, goals, tuple(at_least(limit) for limit in limits), cuts)
+    a = BandStep()
+    s, (rise, fall) = a.symbols, a.steps
+    known = tuple(at_least(a.table.high[i], ca.SX(FLATTEST)) for i in range(a.size))
+    goals = at_least(mutation(1, 0.9) * fall, s["u"]), at_least(s["u"] + rise)
+    return Statement(s, goals, (*a.stated, *known, at_least(s["u"]), *a.inside(*a.everywhere)))
 
 
 @claim(
     "filter.band.superposition",
     given="a linear loop of the family that reaches its command at rest, its numbers constant, at "
-    "rest at the start; commands take over one period after the other; |d| <= dbar",
+    "rest at the start; commands take over when they are sent or later by a constant delay, each "
+    "within its jitter of a beat; |d| <= dbar",
     by=HAND,
     premises="filter.band.over filter.band.under filter.peak-gain",
 )
 def superposition() -> None:
-    """v(t) = sum of Delta_j S(age_j) + the response to pushes, which is at most delta.
+    """v(t) = sum of Delta_j S(age_j) + the response to pushes, which is at most delta; each |S - 1|
+    <= reach exp(-rate age).
 
     Forecasts that bound the sum bound the speed, at every instant of every member of the family.
     """
@@ -253,18 +305,17 @@ def superposition() -> None:
 
 @claim(
     "filter.band.induction",
-    given="a linear loop of the family, its numbers constant, at rest at the start; commands take "
-    "over one period after the other, by a delay that is constant; |d| <= dbar",
+    given="as in filter.band.superposition; 2^-30 <= high on every piece",
     by=HAND,
-    premises="filter.band.superposition filter.band.least filter.band.held-over-piece "
-    "filter.band.held-over-tail filter.band.held-under-piece filter.band.held-under-tail "
-    "filter.band.stop-over-piece filter.band.stop-over-tail filter.band.stop-under-piece "
-    "filter.band.stop-under-tail filter.band.zero filter.band.mirrored filter.band.sent-linear "
-    "filter.band.sent-angular",
+    premises="filter.band.superposition filter.band.least filter.band.held-rise "
+    "filter.band.held-fall filter.band.stop-over-piece filter.band.stop-over-tail "
+    "filter.band.stop-under-piece filter.band.stop-under-tail filter.band.zero "
+    "filter.band.zero-held filter.band.mirrored filter.band.sent-linear filter.band.sent-angular "
+    "filter.band.sent-stop-linear filter.band.sent-stop-angular",
 )
 def induction() -> None:
-    """|v| <= K_max c (1 + 2^-30) + delta <= V at every instant: forecasts that are within c' stay
-    so from sample to sample, whatever is asked for.
+    """|v| <= K_max c'' + delta <= V at every instant, and 0 is admitted at every sample: forecasts
+    that are within c'' stay so from sample to sample, whatever is asked for.
 
     The band keeps a loop that overshoots within its limit.
     """

@@ -320,7 +320,8 @@ def slew_step(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.slew",
-    given="the hypotheses of filter.slew; a T >= 2^-20 of the largest command, on both axes; "
+    given="the hypotheses of filter.slew; a t = 0 or >= 2^-20 of the largest command on each axis, "
+    "t the time since the sample before, T at most; "
     "limits of at least 2^-40 where one axis goes first; no overflow and no underflow",
     by=HAND,
     premises="filter.slew filter.rounding.slew-limit filter.rounding.slew-kept "

@@ -10,18 +10,18 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.filter.band import Forecast, ResponseTable, inverse_slopes
 from wmr_ctrl.filter.force_band import (
     ForceBand,
     dragging,
+    force_response,
     force_steps,
     inverse_force_slopes,
-    speed_steps,
     with_drag,
 )
+from wmr_ctrl.filter.forecast import Forecast, ResponseTable
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
-from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis
+from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
@@ -38,27 +38,32 @@ class ForceAxis:
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """Every number by name; f is the force that is left to change the speed."""
-        return symbols("low high over under left fading tail u to f F W")
+        return symbols("above below over under past_over past_under left fading tail u to f F W")
 
     @cached_property
     def table(self) -> ResponseTable:
         """Tables as the filter's graph reads them."""
         s = self.symbols
-        low, high = ca.vertcat(s["low"], -s["left"]), ca.vertcat(s["high"], s["left"])
-        return ResponseTable(low, high, s["left"], s["fading"], rest=0)
+        return force_response(s["above"], s["below"], s["left"], s["fading"])
 
     @cached_property
     def forecast(self) -> Forecast:
         """Forecast at the sample."""
         s = self.symbols
-        return Forecast(s["over"], s["under"], s["tail"], s["u"])
+        past = s["past_over"], s["past_under"]
+        return Forecast(s["over"], s["under"], s["tail"], s["u"], *past)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """low <= high, 0 < high; left and tail are not negative; f > 0."""
         s = self.symbols
         shares = at_least(s["fading"]), at_least(ca.SX(1), s["fading"]), at_least(s["left"])
-        signs = above(s["high"]), at_least(s["high"], s["low"]), at_least(s["tail"]), above(s["f"])
+        signs = (
+            above(s["above"]),
+            at_least(s["above"], -s["below"]),
+            at_least(s["tail"]),
+            above(s["f"]),
+        )
         return (*shares, *signs)
 
 
@@ -74,35 +79,13 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     """
     a = ForceAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols["to"], a.table)
-    known = {"over": a.forecast.over, "under": a.forecast.under}[word]
     given = (
-        *a.stated, at_least(known, way * s["F"]), at_least(s["W"], a.table.low[0]),
+        *a.stated, at_least(bound_of(a.forecast, way), way * s["F"]),
+        at_least(s["W"], a.table.low[0]),
         at_least(mutation(1, 1.1) * a.table.high[0], s["W"]),
     )  # fmt: skip
-    bound = {"over": changed.over, "under": changed.under}[word]
-    return Statement(s, (at_least(bound, way * (s["F"] + (s["to"] - s["u"]) * s["W"])),), given)
-
-
-@claim(
-    "filter.band.ramp-speed",
-    given="0 <= low <= high on every piece, left in [0, 1]; v and -v within c before, on every "
-    "piece and behind; to between what a fall and a rise are admitted",
-)
-def ramped_speed(mutation: Mutation) -> Statement:
-    """to + over, -to + under of the changed forecast <= c, on the piece and behind.
-
-    A command that is admitted and held keeps the speed's forecast within the limit.
-    """
-    a = BandAxis()
-    s, c, to, u = a.symbols, a.symbols["c"], a.symbols["to"], a.symbols["u"]
-    inverse = inverse_slopes(_longer(a.table.low), _longer(a.table.high))[0][-2:]
-    rise, fall = speed_steps(a.forecast, c, inverse)
-    before, after = (_parts(f) for f in (a.forecast, a.forecast.changed(to, a.table)))
-    given = (
-        *a.stated, *(at_least(c, part + way * u) for part, way in before),
-        at_least(u + mutation(1, 1.2) * rise, to), at_least(to, u - fall),
-    )  # fmt: skip
-    return Statement(s, tuple(at_least(c, part + way * to) for part, way in after), given)
+    goal = at_least(bound_of(changed, way), way * (s["F"] + (s["to"] - s["u"]) * s["W"]))
+    return Statement(s, (goal,), given)
 
 
 @claim(
@@ -117,7 +100,7 @@ def ramped_force(mutation: Mutation) -> Statement:
     """
     a = ForceAxis()
     s, f, to, u = a.symbols, a.symbols["f"], a.symbols["to"], a.symbols["u"]
-    rise, fall = force_steps(a.forecast, f, inverse_force_slopes(a.table))
+    rise, fall = force_steps(a.forecast, f, inverse_force_slopes(a.table.low, a.table.high))
     before, after = (_parts(item) for item in (a.forecast, a.forecast.changed(to, a.table)))
     given = (
         *a.stated, *(at_least(f, part) for part, _ in before),
@@ -177,7 +160,7 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
     a = DraggedAxis.fresh()
     force, speed = a.forecasts
     s, both = a.symbols, with_drag(force, speed, a.symbols["drag"])
-    bounds = [f.over if way > 0 else f.under for f in (force, speed, both)]
+    bounds = [bound_of(f, way) for f in (force, speed, both)]
     given = (
         at_least(bounds[0], way * s["F"]), at_least(bounds[1] + way * s["u"], way * s["v of v"]),
         at_least(s["friction"]), at_least(mutation(1, 1.1) * s["drag"], s["friction"]),
@@ -201,11 +184,11 @@ def drag_changed(mutation: Mutation, way: int) -> Statement:
     s, (force, speed) = a.symbols, a.forecasts
     drag, to, u = s["drag"], s["to"], s["u"]
     before, after = with_drag(force, speed, drag), a.after(to)
-    table = dragging(a.force.table, a.speed.table, drag)
+    low, high = dragging(a.force.table, a.speed.table, drag)
     ahead, back = ca.fmax(way * (to - u), 0), ca.fmax(way * (u - to), 0)
     goals = []
     for k, (old, new) in enumerate(zip(_bounds(before, way), _bounds(after, way), strict=True)):
-        added = ahead * table.high[k] - back * table.low[k]
+        added = ahead * high[k] - back * low[k]
         changed = new + way * drag * to - (old + way * mutation(1, 1.1) * drag * u)
         goals += [at_least(changed, added), at_least(added, changed)]
     return Statement(s, tuple(goals), a.stated)
@@ -233,11 +216,11 @@ def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> State
     A command that is admitted and held keeps the force, friction included, within what the motors
     have left.
     """
-    s = symbols("low high low_behind high_behind over under tail u held to f")
+    s = symbols("low high low_behind high_behind over under tail past_over past_under u held to f")
     low, high = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("low", "high"))
-    table = ResponseTable(low, high, ca.SX(0), ca.SX(0), rest=0)
-    known, f, change = Forecast(s["over"], s["under"], s["tail"], s["u"]), s["f"], s["to"] - s["u"]
-    rise, fall = force_steps(known, f, inverse_force_slopes(table), s["held"])
+    past, f, change = (s["past_over"], s["past_under"]), s["f"], s["to"] - s["u"]
+    known = Forecast(s["over"], s["under"], s["tail"], s["u"], *past)
+    rise, fall = force_steps(known, f, inverse_force_slopes(low, high), s["held"])
     before = _bounds(known, way)[behind] + way * s["held"]
     given = (
         above(s["high"]), above(f), at_least(high[behind], low[behind]), at_least(f, before),
@@ -250,17 +233,12 @@ def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> State
 
 def _bounds(known: Forecast, way: int) -> tuple[ca.SX, ca.SX]:
     """Bounds of a quantity (way 1) or of its negative, on the piece and behind it."""
-    return (known.over if way > 0 else known.under), known.tail
-
-
-def _longer(values: ca.SX) -> ca.SX:
-    """Tables of as many pieces as conditions on a stop ask for; the first ones are not used."""
-    return ca.vertcat(values[0], values[0], values)
+    return bound_of(known, way), bound_of(known, way, -1)
 
 
 def _parts(known: Forecast) -> list[tuple[ca.SX, int]]:
     """Bounds on the piece and behind it, of the quantity (1) and of its negative (-1)."""
-    return [(known.over, 1), (known.tail, 1), (known.under, -1), (known.tail, -1)]
+    return [(bound, way) for way in (1, -1) for bound in _bounds(known, way)]
 
 
 WEAK = {
@@ -295,14 +273,14 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 @claim(
     "filter.band.force",
     given="a PI loop of the family, its numbers constant, at rest at the start, whose motors give "
-    "what it asks for; commands take over one period after the other; |d| <= dbar",
+    "what it asks for; commands take over within their jitter of a beat; |d| <= dbar",
     by=HAND,
     premises="filter.band.force-over filter.band.force-under filter.band.drag-over "
     "filter.band.drag-under filter.peak-gain",
 )
 def force() -> None:
     """F = sum of Delta_j M S'(age_j) + c v_u + the response to pushes, at most N dbar, with v_u the
-    speed due to commands alone.
+    speed due to commands alone; each |M S'| <= reach exp(-rate age).
 
     Forecasts that bound the sum, and the sum with c_max v_u, by f = F_max - N dbar bound what the
     loop asks for.
@@ -312,9 +290,11 @@ def force() -> None:
 @claim(
     "filter.band.ramp",
     given="a PI loop of the family, its numbers constant, at rest at the start; motors that give "
-    "F_max; commands take over one period after the other, by a constant delay; |d| <= dbar",
+    "F_max; commands take over a constant delay after they were sent, at any time that the filter "
+    "is told; |d| <= dbar",
     by=HAND,
-    premises="filter.band.superposition filter.band.force filter.band.ramp-speed "
+    premises="filter.band.superposition filter.band.force filter.band.held-rise "
+    "filter.band.held-fall filter.band.fading filter.band.past-over filter.band.past-under "
     "filter.band.ramp-force filter.band.ramp-drag-over-piece-rise "
     "filter.band.ramp-drag-over-piece-fall filter.band.ramp-drag-over-tail-rise "
     "filter.band.ramp-drag-over-tail-fall filter.band.ramp-drag-under-piece-rise "
@@ -324,8 +304,8 @@ def force() -> None:
     "filter.band.ramp-sent-angular",
 )
 def ramp() -> None:
-    """|v| <= c + delta <= V and |F| <= F_max at every instant: forecasts that are within c and f
-    stay so from sample to sample, and the command before may always be held.
+    """|v| <= c + delta <= V and |F| <= F_max at every instant: the command before may be held for
+    ever, and one that takes its place may, too, since its forecasts are within c and f.
 
     The band keeps a loop that overshoots within its limit, however weak its motors are.
     """

@@ -7,19 +7,18 @@ quantity changes by where the command moves by 1.
 
 import casadi as ca
 
-from wmr_ctrl.filter.band import Forecast, ResponseTable, inverse_slopes
 from wmr_ctrl.filter.force_band import (
     dragging,
+    force_response,
     force_steps,
     inverse_force_slopes,
     line,
     reached,
-    rooms,
-    speed_steps,
     with_drag,
 )
+from wmr_ctrl.filter.forecast import Forecast
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis
+from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import (
@@ -73,9 +72,9 @@ def room(mutation: Mutation) -> Statement:
     """
     s = symbols("force speed drag u f c above below")
     f, c, u = s["f"], s["c"], s["u"]
-    force, speed = (Forecast(NONE, NONE, s[name], u) for name in ("force", "speed"))
+    force, speed = (Forecast(NONE, NONE, s[name], u, ZERO, ZERO) for name in ("force", "speed"))
     both = with_drag(force, speed, s["drag"])
-    left = rooms(both, f, both.u)
+    left = both.rooms(f, both.u)
     given = (
         above(f), above(c), at_least(s["drag"]), at_least(f, s["drag"] * c), *within(u, 2 * c),
         *within(s["force"], 4 * f), *within(s["speed"], 4 * c),
@@ -98,15 +97,16 @@ def slope(mutation: Mutation) -> Statement:
     What a change takes of the motors, friction included, is computed well enough.
     """
     s = symbols("low high low_speed high_speed drag A least most")
-    force = ResponseTable(s["low"], s["high"], ZERO, ZERO, rest=0)
-    both = dragging(force, ResponseTable(s["low_speed"], s["high_speed"], ZERO, ZERO), s["drag"])
+    pairs = (s["high"], -s["low"]), (s["high_speed"], -s["low_speed"])
+    force, speed = (force_response(*pair, ZERO, ZERO) for pair in pairs)
+    low, high = dragging(force, speed, s["drag"])
     given, goals = [at_least(s["drag"])], list[Relation]()
     spare = mutation(1, 2.0**-3) * 4 * UNIT * (s["A"] + 5 * s["drag"])
     for name, made in (("low", "least"), ("high", "most")):
-        speed = s[f"{name}_speed"]
-        given += [*within(s[name], s["A"]), *within(speed, 5)]
-        goals += within(s[made] - (s[name] + s["drag"] * speed), spare)
-    computed = {"least": both.low, "most": both.high}
+        own = s[f"{name}_speed"]
+        given += [*within(s[name], s["A"]), *within(own, 5)]
+        goals += within(s[made] - (s[name] + s["drag"] * own), spare)
+    computed = {"least": low[0], "most": high[0]}
     return Statement(s, tuple(goals), tuple(given), computed=computed)
 
 
@@ -124,8 +124,8 @@ def lined(mutation: Mutation, sign: int) -> Statement:
     """
     s = symbols("first slope room f c A d line")
     rising = s["slope"] if sign > 0 else -s["slope"]
-    table = ResponseTable(ca.vertcat(0, rising), ca.vertcat(s["first"], rising), ZERO, ZERO, rest=0)
-    inverse = inverse_force_slopes(table)[0 if sign > 0 else 1][1]
+    low, high = ca.vertcat(0, rising), ca.vertcat(s["first"], rising)
+    inverse = inverse_force_slopes(low, high)[0 if sign > 0 else 1][1]
     given = (
         *_strong(s, 2 * STRONGEST), above(s["first"]), *within(s["slope"], s["A"]),
         *within(s["room"], 16 * s["f"]), *_moved(s, s["line"]),
@@ -149,8 +149,9 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     A change of the command leaves a computed forecast of the force too low by at most 2^-40 of f.
     """
     s = symbols("low high over under u to f c A F W e made")
-    table = ResponseTable(ca.vertcat(s["low"], 0), ca.vertcat(s["high"], 0), ZERO, ZERO, rest=0)
-    changed = Forecast(s["over"], s["under"], ZERO, s["u"]).changed(s["to"], table)
+    table = force_response(s["high"], -s["low"], ZERO, ZERO)
+    known = Forecast(s["over"], s["under"], ZERO, s["u"], ZERO, ZERO)
+    changed = known.changed(s["to"], table)
     given = [*_strong(s), at_least(s["e"]), at_least(s["W"], s["low"]), at_least(s["high"], s["W"])]
     sizes = {"low": s["A"], "high": s["A"], "u": 2 * s["c"], "to": 2 * s["c"]}
     for name, most in (sizes | dict.fromkeys(("over", "under"), 4 * s["f"])).items():
@@ -191,8 +192,9 @@ def end(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.force-speed-{turn}",
-    given="0 <= low <= high <= 5 on the piece, 0 <= left <= 1/5; |over|, |under| <= 4 c, 0 <= tail "
-    f"<= 4 c, |u| <= 2 c; 0 <= d <= the {{turn}} of the text and 2^-50 c; {ROUNDED}",
+    given="0 <= low <= high <= 5 on the piece, 0 <= left <= 1/5; |over|, |under| <= 4 c, -c <= "
+    "past <= 4 c, 0 <= tail <= 4 c, |u| <= 2 c; inverse high <= 1, inverse >= 1/16; 0 <= d <= the "
+    f"{{turn}} of the text and 2^-50 c; {ROUNDED}",
     premises="assumption.libm",
     over=TURNS,
 )
@@ -203,21 +205,26 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     A command that is admitted by roundings keeps the speed's forecast within c but for roundings.
     """
     a = BandAxis()
-    s, c, way = a.symbols | symbols("d turn"), a.symbols["c"], 1 if rises else -1
+    s, c = a.symbols | symbols("d turn inverse inverse_behind"), a.symbols["c"]
+    way = 1 if rises else -1
     d = s["d"]
-    longer = (ca.vertcat(values[0], values[0], values) for values in (a.table.low, a.table.high))
-    steps = speed_steps(a.forecast, c, inverse_slopes(*longer)[0][-2:])
-    known = a.forecast.over if rises else a.forecast.under
-    given = (
-        *a.stated, at_least(5, s["high1"]), at_least(0.2, s["left"]), at_least(4 * c, s["tail"]),
-        *within(s["over1"], 4 * c), *within(s["under1"], 4 * c), *within(s["u"], 2 * c),
+    inverse = ca.vertcat(s["inverse"], s["inverse_behind"])
+    steps = a.forecast.steps(c, inverse)
+    given = [
+        *a.stated, at_least(5, a.table.high[0]), at_least(0.2, s["left"]),
+        at_least(4 * c, s["tail"]), *within(s["u"], 2 * c),
+        *within(s["over1"], 4 * c), *within(s["under1"], 4 * c),
         at_least(d), at_least(s["turn"] + ENDED * c, d),
-    )  # fmt: skip
+    ]  # fmt: skip
+    for word in ("over", "under"):
+        given += [at_least(4 * c, s[f"past_{word}"]), at_least(s[f"past_{word}"], -c)]
+    for item, high in zip(ca.vertsplit(inverse), ca.vertsplit(a.table.high), strict=True):
+        given += [at_least(1, item * high), at_least(16 * item, ca.SX(1))]
     spare, goals = mutation(1, 2.0**-8) * SPEED * c, [at_least(6 * c, d)]
-    for bound, high in zip((known[0], s["tail"]), ca.vertsplit(a.table.high), strict=True):
-        before = bound + way * s["u"]
+    for part, high in zip((0, -1), ca.vertsplit(a.table.high), strict=True):
+        before = bound_of(a.forecast, way, part) + way * s["u"]
         goals.append(at_least(ca.fmax(before, c) + spare, before + d * high))
-    return Statement(s, tuple(goals), given, computed={"turn": steps[0 if rises else 1]})
+    return Statement(s, tuple(goals), tuple(given), computed={"turn": steps[0 if rises else 1]})
 
 
 @claim(
@@ -231,13 +238,13 @@ def least(mutation: Mutation, rises: bool) -> Statement:
     The text compares each room with what the change takes of it, up or down.
     """
     s = symbols("over under tail u f held up down up_behind down_behind")
-    known, f = Forecast(s["over"], s["under"], s["tail"], s["u"]), s["f"]
+    known, f = Forecast(s["over"], s["under"], s["tail"], s["u"], ZERO, ZERO), s["f"]
     up, down = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("up", "down"))
     inverse = up, down
     most = force_steps(known, f, inverse, s["held"])[0 if rises else 1]
     lines = [
         line(left, inverse[(way > 0) != rises])
-        for left, way in zip(rooms(known, f, s["held"]), (1, -1), strict=True)
+        for left, way in zip(known.rooms(f, s["held"]), (1, -1), strict=True)
     ]
     each = {f"line{i}": item for i, item in enumerate(ca.vertsplit(ca.vertcat(*lines)))}
     goals = [at_least(ca.fmax(item, 0), mutation(1, 1.1) * most) for item in each.values()]

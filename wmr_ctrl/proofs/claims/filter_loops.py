@@ -45,27 +45,28 @@ def inside(clip: Clip) -> Iterator[Relation]:
 
 @claim(
     "filter.slew-sent-{id}",
-    given="every command (NaN included); K_max > 0, 0 <= delta + a reach < V, a T > 0; the command "
-    "before within the same limit",
+    given="every command (NaN included), at any time; K_max > 0, 0 <= delta + a reach < V, a > 0, "
+    "T > 0; the command before within the same limit",
     over=AXES,
 )
 def slew_sent(mutation: Mutation, axis: int) -> Statement:
-    """K_max |u| + delta + a reach <= V (1 - 2^-26) and |u - u_before| <= a T, u what the whole clip
-    sends on the {id} axis.
+    """K_max |u| + delta + a reach <= V (1 - 2^-26) and |u - u_before| <= a t, 0 <= t <= T the time
+    since the sample before, u what the whole clip sends on the {id} axis.
 
     Commands stay within their limit and change no faster than stated, whatever is asked for.
     """
     clip = Clip(load_scenario("paper-simulation", SLOW))
-    named = elements_of(clip.asked, *clip.last, *clip.p.ports)
-    (before,) = clip.last
-    steps = clip.p.take("filter.slew") * clip.p.take("clock.control")
-    given = [*(above(steps[i]) for i in (0, 1)), *inside(clip)]
+    named = elements_of(clip.asked, clip.elapsed, *clip.last, *clip.p.ports)
+    (before,), slew = clip.last, clip.p.take("filter.slew")
+    steps = slew * clip.time
+    given = [*(above(slew[i]) for i in (0, 1)), above(clip.T), *inside(clip)]
     given += within(before.sym[axis], clip.limits[axis])
     b, u, sound = clip.channels[axis].bounds, clip.sent[axis], equal(clip.sound, 1)
     goals = (
         at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar),
-        *within(u - before.sym[axis], steps[axis]),
-    )
+        *within(u - before.sym[axis], steps[axis]), at_least(clip.time),
+        at_least(clip.T, clip.time),
+    )  # fmt: skip
     return Statement(named, goals, (*given, sound), {"numbers are sound": clip.sound})
 
 
@@ -116,18 +117,36 @@ def peak_gain() -> None:
 
 
 @claim(
+    "filter.command-error",
+    given="as in filter.peak-gain, but what acts is off what was sent by at most d, a measurable "
+    "function of time; delta + N d in place of delta",
+    by=HAND,
+    premises="filter.peak-gain",
+)
+def command_error() -> None:
+    """|v| <= V at every instant, behind a clip, a clip of slow commands and a band alike: the loop
+    is linear, so that the error adds a response of at most N d to that of what was sent.
+
+    A base that rounds its commands keeps its limit for the price of N times half a step.
+    """
+
+
+@claim(
     "filter.slew",
-    given="a linear loop of the family, its numbers constant, at rest at the start; what acts at t "
-    "was sent at most H before, |u| <= c, changes of at most a T from sample to sample, samples "
-    "T - jitter apart or more; |d| <= dbar; L as `swing` encloses it",
+    given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= c; u "
+    "changes by at most a times the time since the sample before, a T at most, or, where that is "
+    "not told, by a T at samples T - jitter apart or more; commands take over in order, delays "
+    "differ by at most s, at most n are lost in a row, H = (1 + n) (T + jitter) + s; |d| <= dbar; "
+    "L as `swing` encloses it",
     by=HAND,
     premises="filter.peak-gain filter.slew-sent-linear filter.slew-sent-angular",
 )
 def slew() -> None:
     """|v| <= K c + a' (K L + N H/2) + delta <= V, a' = a T/(T - jitter), L the integral of |1 - S|
-    from when S first reaches 1 on: r, the line through what was sent, later by the least delay and
-    H/2, has |r| <= c, |r'| <= a' and |u - r| <= a' H/2; before that instant r leads to at most K c,
-    since S only rises there; after it, by parts, to at most K L a'.
+    from when S first reaches 1 on: what acts at two instants differs by at most a' (the time from
+    one to the other + H), late or not, so that there is r with |r| <= c, |r'| <= a' and |u - r| <=
+    a' H/2; before that instant r leads to at most K c, since S only rises there; after it, by
+    parts, to at most K L a'.
 
     When commands change slowly, a linear loop overshoots by less than its peak gain allows for.
     """

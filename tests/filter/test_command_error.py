@@ -1,0 +1,60 @@
+"""Commands that act are off what was sent: rounded by the base, or worse, by an adversary."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.filter.linear_base import held, pi_base
+from tests.filter.test_band import CORNERS
+from tests.filter.test_peak_gain import scenario
+from wmr_ctrl import command_filter
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.hypotheses import broken_hypotheses
+from wmr_ctrl.scenario import override
+from wmr_ctrl.world.effect import Bound
+
+T, COUNT = 0.05, 140
+ERROR = 0.04
+
+
+def fastest(kind: str, error: float, quantum: float = 0.0) -> float:
+    """Largest |v| of some corners, behind a filter that is told of ERROR."""
+    limit, worst = command_filter(scenario(kind=kind, d=(ERROR, 0.0), push=(0.0, 0.0))), 0.0
+    for base in (*CORNERS[::5], pi_base(65, 135, 330, 0)):
+        ahead = np.sign(base.impulse(base.b, (np.arange(COUNT) + 0.5) * T))[::-1]
+        for wish in (ahead, np.ones(COUNT)):
+            limit.start()
+            A, B = held(base.A, base.b[:, None], T)
+            x = np.zeros(2)
+            for k in range(COUNT):
+                u = limit.step((9.0 * wish[k], 0.0)).command[0]
+                acts = quantum * np.round(u / quantum) if quantum else u + error * ahead[k]
+                x = A @ x + B[:, 0] * acts
+                worst = max(worst, abs(x[0]))
+    return worst
+
+
+@pytest.mark.parametrize("kind", ["clip", "band"])
+def test_an_error_that_is_stated_breaks_nothing(kind):
+    assert 0.94 < fastest(kind, ERROR) <= 1.0
+    assert fastest(kind, 0.0, quantum=2 * ERROR) <= 1.0
+
+
+@pytest.mark.parametrize("kind", ["clip", "band"])
+def test_one_that_is_not_does(kind):
+    assert fastest(kind, 2 * ERROR) > 1.0
+
+
+def test_a_quantum_must_be_stated():
+    stated = scenario(kind="band", d=(0.01, 0.0), push=(0.0, 0.0))
+    base = override(stated, {"base.kind": "velocity", "base.loop": "pi", "robot.mu": 0.0,
+                             "robot.m": 60.0, "robot.I": 60 / 16, "changes": []})  # fmt: skip
+    assert not broken_hypotheses(base, Bound(command=(0.01, 0.0)))
+    (sentence,) = broken_hypotheses(base, Bound(command=(0.02, 0.0)))
+    assert "filter.d[1] = 0.01 m/s is less" in sentence
+
+
+def test_an_error_behind_weak_motors_is_refused():
+    with pytest.raises(ScenarioError, match=r"filter\.d: with filter\.force"):
+        command_filter(scenario(kind="band", d=(0.01, 0.0), force=(120.0, 40.0)))

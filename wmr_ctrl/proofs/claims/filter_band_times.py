@@ -1,0 +1,141 @@
+"""The band of the command filter as a whole: what it sends, in time and at any time."""
+
+import casadi as ca
+
+from wmr_ctrl.filter.band import BandGovernor
+from wmr_ctrl.filter.forecast import Fading, stays_of
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.common import elements_of
+from wmr_ctrl.proofs.claims.filter_band import WAYS
+from wmr_ctrl.proofs.ledger import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols, within
+from wmr_ctrl.scenario import load_scenario
+
+claim = Claims(by=Z3(effort=100))
+BANDED = {
+    "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+    "filter.frequency": (4.0, 5.0), "clock.control": 0.1,
+}  # fmt: skip
+"""Settings for the structure of the band's graph; its numbers are symbols."""
+
+
+AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
+
+
+def _whole(axis: int) -> tuple[BandGovernor, dict[str, ca.SX], dict[str, ca.SX]]:
+    """The band's graph, its inputs by name, and its ends and limits as cuts."""
+    graph = BandGovernor(load_scenario("paper-simulation", BANDED))
+    cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
+    cuts |= {f"limit {i}": limit for i, limit in enumerate(graph.limits)} | {"sound": graph.sound}
+    return graph, elements_of(*graph.system.inputs), cuts
+
+
+@claim(
+    "filter.band.sent-{id}",
+    given="every command (NaN included), at any time, parameters that are sound; 0 <= what a fall "
+    "and a rise are admitted",
+    over=AXES,
+)
+def sent(mutation: Mutation, axis: int) -> Statement:
+    """u_before - fall <= u <= u_before + rise, u what the whole band sends on the {id} axis.
+
+    Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
+    """
+    graph, named, cuts = _whole(axis)
+    (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
+    ordered = tuple(at_least(most, least) for least, most in graph.ends)
+    limits = tuple(at_least(limit) for limit in graph.limits)
+    return Statement(
+        named,
+        (at_least(high, u), at_least(u, low)),
+        (*ordered, *limits, equal(graph.sound, 1)),
+        cuts,
+    )
+
+
+@claim(
+    "filter.band.sent-stop-{id}",
+    given="every command (NaN included), any parameters; 0 is between what a fall and a rise are "
+    "admitted",
+    over=AXES,
+)
+def sent_stop(mutation: Mutation, axis: int) -> Statement:
+    """|u| <= the largest command, u what the whole band sends on the {id} axis, and u never turns
+    against what was asked for.
+
+    Behind every command that is sent in time 0 may follow.
+    """
+    graph, named, cuts = _whole(axis)
+    u = mutation(1, 1.1) * graph.sent[axis]
+    around = tuple(part for low, high in graph.ends for part in (at_least(high), at_least(-low)))
+    limits = tuple(at_least(limit) for limit in graph.limits)
+    goals = (*within(u, graph.limits[axis]), at_least(u * graph.command[axis]))
+    return Statement(named, goals, (*around, *limits), cuts)
+
+
+@claim(
+    "filter.band.fading",
+    given="r <= reach, p <= past; what stays of both is g >= 0, with g (1 + x + x^2/2) <= 1, x the "
+    "rate times the time since the last sample, and g <= soonest where that came on its beat",
+)
+def fading(mutation: Mutation) -> Statement:
+    """r g and p g, or r g alone where the sample is untimely, <= what is kept of them.
+
+    How far the base is from its command is known whenever the next command comes.
+    """
+    s = symbols("reach past held u came rate time soonest r p g")
+    came, x = s["came"], s["rate"] * s["time"]
+    known = Fading(s["reach"], s["past"], s["held"])
+    after = known.aged(came, s["u"], stays_of(s["rate"], s["time"]), s["soonest"])
+    stays = at_least(1, s["g"] * (1 + x + 0.5 * x * x)), at_least(s["soonest"], came * s["g"])
+    given = (
+        *stays, at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s["g"]),
+        at_least(s["rate"]), at_least(s["time"]), at_least(s["r"]), at_least(s["p"]),
+        at_least(s["soonest"]), at_least(s["reach"], s["r"]), at_least(s["past"], s["p"]),
+    )  # fmt: skip
+    left = came * s["p"] + (1 - came) * s["r"]
+    goals = (
+        at_least(after.reach, mutation(1, 1.1) * s["r"] * s["g"]),
+        at_least(after.past, left * s["g"]),
+    )
+    return Statement(s, goals, given)
+
+
+@claim(
+    "filter.band.past-{word}",
+    given="{sign}(v - held) <= past; {sign}v <= most, as long as the command stays held",
+    over=WAYS,
+)
+def past(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(v - held) <= what is known of what was sent before, {word} its command.
+
+    Behind an untimely sample nothing is lost of what is certain in any case.
+    """
+    s = symbols("past held most v")
+    bound = Fading(ca.SX(0), s["past"], s["held"]).bounds(s["most"], 1)[0 if way > 0 else 1]
+    v = way * (s["v"] - s["held"])
+    given = (
+        at_least(s["past"], mutation(1, 0.9) * v),
+        at_least(s["most"], way * s["v"]),
+        at_least(v),
+    )
+    return Statement(s, (at_least(bound, v),), given)
+
+
+@claim(
+    "filter.band.untimely",
+    given="as in filter.band.superposition, but commands are sent at any time, late, early, at "
+    "once or by a clock that is set back, and the filter is told the time since the last one",
+    by=HAND,
+    premises="filter.band.superposition filter.band.held-rise filter.band.held-fall "
+    "filter.band.fading filter.band.past-over filter.band.past-under filter.band.sent-linear "
+    "filter.band.sent-angular",
+)
+def untimely() -> None:
+    """|v| <= K_max c'' + delta <= V at every instant: the command before may be held for ever, and
+    one that takes its place may, too; at an untimely sample the beat begins anew, and what was sent
+    before is bounded by what it would lead to if held, and by what has not faded yet.
+
+    The band keeps its limit whenever it is called; a stop may take a ramp then.
+    """
