@@ -74,6 +74,7 @@ OTHER: Mapping[str, Any] = {
     "metrics.split": 0.1,
     "body.radius": 0.3,
     "corridor.cells": 2,
+    "corridor.losses": 2,
     "reference.points": [*TINY, [0.010, 0.012]],
     "reference.v_max": 0.015,
     "reference.tolerance": 0.001,

@@ -44,6 +44,7 @@ WITHOUT_EFFECT = {
     "metrics.tolerance",
     "corridor.start",
     "corridor.cells",
+    "corridor.losses",
     "guard.trust",
     *(f"body.{name}" for name, _ in quantities(Body)),
 }
