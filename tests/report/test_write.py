@@ -31,10 +31,10 @@ FIGURES = [
     *(f"fig{number}{p.letter}_{p.key}" for number in (3, 5) for p in PANELS),
     "fig3_sheet", "fig5_sheet", *EVIDENCE, *PAST,
 ]  # fmt: skip
-ALIKE = ("fig3d", "fig3f", "fig3g", "fig3h", "fig3j", "fig3l", "fig5")
+ALIKE = ("fig3d", "fig3f", "fig3g", "fig3h", "fig3j", "fig3l", "fig5", *PAST[1:])
 SHOWN = [name for name in FIGURES if not name.startswith(ALIKE) and not name.endswith("_sheet")]
 """Figures that are drawn by default: those of Fig. 5 are drawn as those of Fig. 3 are, and so are
-omega as v1, errors as that of x, one wheel as the other.
+omega as v1, errors as that of x, one wheel as the other, and figures past the paper as their first.
 """
 FACTS = Facts(
     titles={"nn": "Adaptive <network>"},
