@@ -85,7 +85,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         "wmr_ctrl/", EMITTED,
         ("model/graph.py", "(*one.operands[:2], other.operands[1])",
          "(one.operands[0], other.operands[1], one.operands[1])"),
-        ("model/graph.py", "[CHANGING, STEADY]:", "[STEADY, CHANGING]:"),
+        ("model/graph.py", "[CHANGING, STEADY]", "[STEADY, CHANGING]"),
         ("model/graph.py", "if node.op == ca.OP_DIV and", "if node.op == ca.OP_INV and"),
         ("codegen/dialect.py", '"wmr_min({0}, {1})"', '"wmr_max({0}, {1})"'),
         ("codegen/dialect.py", '"{0} <= {1}"', '"{0} < {1}"'),
