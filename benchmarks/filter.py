@@ -51,7 +51,7 @@ def candidates() -> dict[str, Candidate]:
         library.filter_begin(state.ctypes.data_as(ctypes.c_void_p))
         rows = np.zeros((64, width))
         rows[:, :2] = np.repeat(draw.uniform(-2, 2, (16, 2)), 4, axis=0)
-        if width > 2:
+        if width > 3:
             rows[:, 2:4] = draw.uniform(-0.3, 0.3, (64, 2))
         if not found:
             run = in_place(library.hand_step, rows, state, system.y.numel())
