@@ -60,10 +60,9 @@ class Attacked(_Loop):
             ahead, left, turn = self.jump
             c, s = math.cos(theta), math.sin(theta)
             self.state = (x + c * left + s * ahead, y + s * left - c * ahead, theta + turn, *rest)
-        acting = super()._plant_step(n, torque, noise)
+        super()._plant_step(n, torque, noise)
         target = self.reference((n + 1) * self.clock.plant)
         self.errors.append(tracking_error(target, self.state[:3]))
-        return acting
 
 
 def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, changing=False):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,8 @@ class _Loop:
         self.reference = reference_of(scenario.reference)
         self.sensor = Sensors(scenario.sensor, clock, key)
         self.actuator = Drives(scenario.actuator, clock, key)
+        told = replace(scenario.actuator, unmodelled_delay=0.0, lag_spread=0.0)
+        self.told = Drives(told, clock, key)
         self.applied: Pair = (0.0, 0.0)
         self.sent: deque[Pair] = deque(maxlen=REMEMBERED)
         self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
@@ -117,11 +120,12 @@ class _Loop:
         self.sent.appendleft(torque)
         right, left = self._disturbance(k)
         self.log.write(self._row(k, target, sight, torque, (right, left)))
-        acted = []
+        told = []
         for j in range(self.clock.substeps):
             if not self.ended:
-                acted.append(self._plant_step(k * self.clock.substeps + j, torque, (right, left)))
-        self.applied = _mean(acted)
+                told.append(self.told.advance(torque))
+                self._plant_step(k * self.clock.substeps + j, torque, (right, left))
+        self.applied = _mean(told)
 
     def _disturbance(self, k: int) -> Pair:
         """Noise of sample ``k`` (right, left) [N m], and a push on in each axis' direction."""
@@ -160,18 +164,14 @@ class _Loop:
             v, v_c0, rate, (first, second), target, e, pose, self.k, self.applied, share, self.sent
         )  # fmt: skip
 
-    def _plant_step(self, n: int, torque: Pair, noise: Pair) -> Pair:
-        """The plant's step number ``n`` with the parameters of the time at which it starts.
-
-        Returns the torque that acted, without noise.
-        """
+    def _plant_step(self, n: int, torque: Pair, noise: Pair) -> None:
+        """The plant's step number ``n`` with the parameters of the time at which it starts."""
         while len(self.plants) > 1 and self.plants[1][0] <= n:
             self.plants.pop(0)
         acting = self.actuator.advance(torque)
         total = (acting[0] + noise[0], acting[1] + noise[1])
         self.state = self.plants[0][1].step(self.state, total, self.clock.plant)
         self.ended = self.watch.see((n + 1) * self.clock.plant, self.state)
-        return acting
 
     def _row(
         self, k: int, target: DesiredState, sight: Sight, torque: Pair, noise: Pair

@@ -89,6 +89,20 @@ def test_every_option_means_what_the_oracle_takes_it_for(
     assert native.monitor.violations == slow.monitor.violations == numpy.monitor.violations
 
 
+@pytest.mark.parametrize("law", ["prox", "kanayama"])
+@pytest.mark.parametrize("untold", ["unmodelled_delay", "lag_spread"])
+def test_an_observer_counts_on_the_drives_that_it_was_told_of(law, untold) -> None:
+    drives = {"unmodelled_delay": 0.004} if untold == "unmodelled_delay" else {"lag_spread": 0.3}
+    given = {f"actuator.{name}": value for name, value in {**drives, "lag": 0.01}.items()}
+    given |= {"clock.duration": 1.0, "changes": [], "guard.enabled": False}
+    native, slow = (
+        run("safe-simulation", law, seed=2, overrides=given) for run in (simulate, oracle.simulate)
+    )
+
+    seen = [name for name in slow.columns if name != "d_least"]  # a guard's that is not told
+    assert max(np.abs(native[name] - slow[name]).max() for name in seen) < 1e-8
+
+
 @pytest.mark.parametrize(("scenario", "law"), turns(preset_names(), headed("nn", NAMES)))
 def test_every_preset_ends_with_an_outcome(scenario: str, law: str) -> None:
     run = simulate(scenario, law)
