@@ -284,8 +284,8 @@ def _table(axis: int, known: Band, T: float, jitter: float) -> tuple[Port, ...]:
     )
 
 
-def enclosed(scenario: Scenario, axis: int) -> Band:
-    """Tables of an axis' family.  ScenarioError where it is too slow for the control period."""
+def check_beat(scenario: Scenario) -> None:
+    """Raise ScenarioError where samples may be too far off their beat."""
     settings, T = scenario.filter, scenario.clock.control
     if settings.jitter > T / 4:
         raise ScenarioError(
@@ -294,6 +294,11 @@ def enclosed(scenario: Scenario, axis: int) -> Band:
             "State that much, and give each step the time since the last one (elapsed): what is "
             "later or earlier is then told from it."
         )
+
+
+def enclosed(scenario: Scenario, axis: int) -> Band:
+    """Tables of an axis' family.  ScenarioError where it is too slow for the control period."""
+    settings, T = scenario.filter, scenario.clock.control
     if settings.loop == "pi":
         known = _pi_band(pi_loop(scenario, axis), T, settings.jitter)
     else:

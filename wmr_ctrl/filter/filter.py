@@ -16,7 +16,7 @@ import casadi as ca
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.filter.band import BandGovernor
+from wmr_ctrl.filter.band import BandGovernor, check_beat
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
 from wmr_ctrl.filter.force_band import ForceBand
@@ -66,6 +66,8 @@ def check_filter(scenario: Scenario) -> None:
                 f"which must be below limits.v_u1[{i + 1}] = {limits[i]:g}: no command is safe. "
                 f"State a push below {least}, or a limit above {reached[i]:.3g}."
             )
+    if settings.kind == "band":
+        check_beat(scenario)
     if settings.slew is not None:
         _check_slew(scenario, settings.slew)
     rim, apart = reached[0] + scenario.robot.l * reached[1], settings.channels == "wheels"

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.band import check_beat
 from wmr_ctrl.filter.filter import worthwhile_slew
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.velocity_loop import VelocityLoopGains
@@ -90,7 +91,10 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
     for way, own in _filters(scenario):
         changes = {**bare, **own}
         try:
-            settle(override(scenario, changes), law)
+            changed = override(scenario, changes)
+            settle(changed, law)
+            if changed.filter.kind == "band":
+                check_beat(changed)
         except ScenarioError:
             if way == _own_way(scenario):
                 raise
