@@ -79,8 +79,8 @@ EIGHT = {**RUN, "reference.kind": "lemniscate", "disturbance.std": 0.5}
 HEAVIER = {**RUN, "changes": [{"t": 4.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 BELIEVED = {key: HEAVY[key] for key in ("model.m", "model.I", "model.mu")}
 MASSES = {
-    **BELIEVED, "guard.M_min": [60.0, 6.0], "guard.M_max": [65.0, 7.0], "corridor.cells": 4,
-    "disturbance.std": 0.05,
+    **BELIEVED, "robot.m": 62.5, "robot.I": 6.5, "guard.M_min": [60.0, 6.0],
+    "guard.M_max": [65.0, 7.0], "corridor.cells": 4, "disturbance.std": 0.05,
 }  # fmt: skip
 FILTERED = {"guard.enabled": False, "disturbance.std": 0.06, "sensor.pose_noise": 0.0}
 QUICK = {

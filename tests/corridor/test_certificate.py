@@ -202,6 +202,7 @@ def test_a_robot_that_is_displaced_within_the_start_stays_within_the_corridor():
 
 def test_of_masses_in_an_interval_each_keeps_within_one_corridor():
     told = {"guard.M_min": [48.0, 5.2], "guard.M_max": [52.0, 5.6], "corridor.cells": 2}
+    told |= {"changes": []}
     scenario = override(load_scenario("safe-simulation"), told)
     tube, alone = (
         find_corridor(scenario, "prox"),
