@@ -7,11 +7,13 @@ import pytest
 
 from tests.control.bases import VELOCITY, based
 from tests.corridor.sending import course, farthest, farthest_on_the_way
+from wmr_ctrl import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import corridor_monitor, find_corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.filter import CommandFilter, passing_commands
+from wmr_ctrl.report.tube import course_of_tube, tube_of
 from wmr_ctrl.scenario import load_scenario, override
 
 PUSHED = {"disturbance.std": 1e-4, "disturbance.truncate": 3.0, "clock.plant": 0.005}
@@ -160,3 +162,17 @@ def test_a_filter_passes_the_commands_within_its_sizes_whatever_came_before(kind
 def test_a_base_that_takes_velocities_has_no_monitor():
     with pytest.raises(ScenarioError, match="bases that take velocities"):
         corridor_monitor(burger(PUSHED), "kanayama")
+
+
+def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_run():
+    """The corridor for good begins with commands of the reference's speed, which no run has."""
+    scenario = override(load_scenario("turtlebot3-burger"), {"clock.duration": 4.0})
+    run = simulate(scenario, "kanayama")
+    tube, known = tube_of(run), find_corridor(scenario, "kanayama", whole=True)
+
+    assert known.late == "commands of that speed under way"
+    assert known.figures["late"] == known.late
+    assert tube.run == 4.0
+    assert known.position < 1e-9 < known.whole.position == tube.position
+    assert "within 1e-06 mm and 1e-09 rad" in known.sentence
+    assert course_of_tube(run).max() == pytest.approx(max(tube.position, tube.heading))

@@ -30,7 +30,8 @@ def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corri
     """The Corridor of ``law`` on ``scenario``; raises what `settle` raises.
 
     On a circle or a line it holds for good, or until the robot changes.  ``whole``: also of the
-    scenario's whole run, along any path and with all changes, which takes some seconds.  Without
+    scenario's whole run, along any path, with all changes and with drives and commands as a run
+    finds them, which takes some seconds.  Without
     python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
     return _of(settle(scenario, law), whole)
@@ -93,7 +94,8 @@ def _of(setup: Setup, whole: bool) -> Corridor:
 
         steady = is_steady(setup)
         tube = certified(setup) if steady or not whole else certified_run(setup)
-        if whole and steady and tube.position is not None and tube.until is not None:
+        ends = tube.until is not None or bool(tube.late)
+        if whole and steady and tube.position is not None and ends:
             tube = replace(tube, whole=certified_run(setup))
     position = tube.position
     if tube.whole is not None and tube.whole.position is not None:

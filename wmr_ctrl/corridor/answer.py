@@ -33,7 +33,8 @@ class Corridor:
     ``missing``: samples in a row at most to which no pose comes.
     ``anew``: a change of mass or inertia leads from any of these masses to any other.
     ``run`` [s]: it is of a run that lasts so long, with all that changes in it, and not for good.
-    ``whole``: where it ends with a change of the robot, that of the whole run, if it was asked for.
+    ``whole``: where it ends with a change of the robot, or drives and commands hold something at
+    the start, that of the whole run, if it was asked for.
     ``clearance``: what is left to the scenario's obstacles, None without any.  ``course`` (2, n):
     of a run, position and heading in each sample.
     """
@@ -90,7 +91,7 @@ class Corridor:
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
         lasts += "" if self.run is None else f", in a run of {self.run:g} s"
         return (
-            f"corridor: within {length(self.position)} and {self._turned} rad of its place "
+            f"corridor: within {self._off} and {self._turned} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
             f"{self._mass}{lasts}; {self._free} (most used: "
             f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
@@ -103,14 +104,18 @@ class Corridor:
             return f"; over the whole run {self._promise}"
         idle = f"with {self.late} at first, " if self.late else ""
         return (
-            f"; {idle}within {length(self.position)} and {self._turned} rad over the whole "
+            f"; {idle}within {self._off} and {self._turned} rad over the whole "
             f"run of {self.run:g} s, where no limit and no guard acts either (most used: "
             f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
         )
 
     @property
+    def _off(self) -> str:
+        return length(_counted(self.position))
+
+    @property
     def _turned(self) -> str:
-        return rounded(self.heading or 0.0, 2)
+        return rounded(_counted(self.heading), 2)
 
     @property
     def _free(self) -> str:
@@ -126,7 +131,7 @@ class Corridor:
         ahead, aside, turn = self.start
         far = f"{length(ahead, up=False)} ahead, {length(aside, up=False)} aside"
         moved = f"{far} and {turn:g} rad"
-        late, begun = length(self.position_late or 0.0), length(self.position or 0.0)
+        late, begun = (length(_counted(x)) for x in (self.position_late, self.position))
         when = "in the long run" if self.run is None else "in its second half"
         counted = any(self.start) or (late != begun and self.run is None)
         more = f" ({when} within {late})" if counted else ""
@@ -160,7 +165,7 @@ class Corridor:
             }  # fmt: skip
         return {
             "position": self.position, "heading": self.heading,
-            "start": list(self.start), "position_late": self.position_late,
+            "start": list(self.start), "late": self.late, "position_late": self.position_late,
             "settling": self.settling,
             "binding": self.binding, "share": self.share, "linear": self.linear,
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
@@ -168,6 +173,11 @@ class Corridor:
             "until": self.until, "clearance": clearance,
             "run": self.run, "whole": None if self.whole is None else self.whole.figures,
         }  # fmt: skip
+
+
+def _counted(size: float | None) -> float:
+    """A distance [m] or angle [rad] as it is told, as rounding in the loop is not counted."""
+    return max(size or 0.0, 1e-9)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,8 @@ FAINT = 0.25
 def tube_of(run: Run) -> Corridor | None:
     """The certified corridor of the run's scenario and law, where there is one.
 
-    None on the rigid body too: the certificate is about the plane model.
+    None on the rigid body too: the certificate is about the plane model.  Where it is of drives and
+    commands that hold something at the start, which runs do not, it is that of the whole run.
     """
     if run.monitor.rigid:
         return None
@@ -33,11 +34,11 @@ def course_of_tube(run: Run) -> FloatArray | None:
     if scenario is None or run.law not in LAWS:
         return None
     known = tube_of(run)
-    if known is not None and known.until is None:
+    if known is not None and known.until is None and known.run is None:
         return np.tile([[known.position or 0.0], [known.heading or 0.0]], run.rows)
     whole = run_corridor(override(scenario, {"guard.enabled": run.guard}), run.law)
     if whole.course is None:
-        if known is None:
+        if known is None or known.run is not None:
             return None
         course = np.full((2, run.rows), np.nan)
         course[:, : run.settings.index(known.until or 0.0)] = [
@@ -55,6 +56,8 @@ def corridor_behind(run: Run) -> Corridor | None:
         return None
     guarded = override(scenario, {"guard.enabled": run.guard})
     tube = find_corridor(guarded, run.law)
+    if tube.position is not None and tube.late:
+        tube = run_corridor(guarded, run.law)
     return tube if tube.position is not None else None
 
 
