@@ -4,7 +4,7 @@
 
 #include "gate.h"
 
-/* Off the period by this much is on it. */
+/* Off the period by this much [ns] is on it; no bound counts that. */
 #define EXACT 1000
 
 int64_t wmr_filter_core_size(void)
@@ -91,7 +91,8 @@ int64_t wmr_filter_core_overdue(const wmr_filter_core *core, const wmr_moment *n
     return !core->before || now->steady - core->before >= WMR_PERIOD + late;
 }
 
-/* Time since the last tick [s], for a command that is answered or a timer; 0: the period; negative: time stood still. */
+/* Time since the last tick [s], for a command that is answered or a timer; 0: the period; negative: time stood still.  By the
+   steady clock, but between stamps on simulated time: a clock that jumps forward would break a band's limit. */
 static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now)
 {
     const int64_t stamped = now->simulated && core->answered && core->stamp && stamp;

@@ -193,7 +193,9 @@ def _context(
         "governs": law == FILTER and scenario.filter.kind == "governor",
         "first_order": scenario.filter.loop == "first-order",
         "made_of": made_of, "prepared": prepared,
-        "tables": TABLE, "untimely": UNTIMELY.get(_form(scenario), ""),
+        "tables": TABLE, "form": (form := _form(scenario)),
+        "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
+        "idle": ["filter_d"] if form == "slew" else [],
         "derived": [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else [],
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
@@ -204,9 +206,16 @@ UNTIMELY = {
     "clip": "The limit is kept all the same.",
     "slew": "The limit is kept all the same; commands change by no more than that time allows.",
     "governor": "There the memoryless clip acts, until no other command may still act.",
-    "band": "The limit is kept all the same; a stop may then take a ramp.",
+    "band": "The limit is kept all the same; commands brake then, and a stop may take a ramp.",
 }
 """What a filter does with a call that is not in time, by its form."""
+STARTED = {
+    "clip": "Start where the base rests or followed this clip. A restart changes nothing.",
+    "slew": "Start where the base rests at the command 0: there the ramp begins.",
+    "governor": "Start where no earlier command acts any more, unless delay, losses and age are 0.",
+    "band": "Start where the base rests at the command 0: started in motion it breaks the limit.",
+}
+"""When a filter may be started, by its form."""
 
 
 def _form(scenario: Scenario) -> str:

@@ -12,7 +12,8 @@ behind the tables left exp(-rate t) for both brackets.  A change D to the comman
 - D^- low(s) to the first and D^- high(s) - D^+ low(s) to the second.  It is admitted where both
 stay within c = (V - delta)/K for all s, and also if the command 0 follows a period later: so 0 is
 always admitted, and the admitted commands are an interval around it.  A delay that is constant
-moves all of this in time, for every command alike.  Motors that give only so much force:
+moves all of this in time, for every command alike.  It starts at rest, and what it is told as time
+since the last sample must not be more than has passed.  Motors that give only so much force:
 `force_band`.
 """
 

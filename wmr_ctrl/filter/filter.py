@@ -194,7 +194,12 @@ class CommandFilter:
         self.start()
 
     def start(self) -> None:
-        """Restart: the base may have any speed within its limits, and no command is active."""
+        """Restart: what was sent before counts as 0.
+
+        A band and a clip with slew are started where the base rests; in motion a band breaks its
+        limit.  A governor's base may have any speed within its limits, but commands before must
+        have ceased to act, unless delay, losses and age are 0.  A clip has no memory.
+        """
         self._x = ca.DM(self.system.x0)
 
     @checks_arguments
@@ -208,12 +213,14 @@ class CommandFilter:
         """The safe command (v [m/s], omega [rad/s]) nearest to ``command``, and flags.
 
         ``measured``: the odometry's velocities, ``age`` [s] old, if there are any.  ``dt`` [s]:
-        time since the last step, by default the clock's period; 0 or less says that the clock
-        stood still or was set back.  A command that is not a number counts as (0, 0), with the
-        flag "refused"; further flags are "limited", "unused" (odometry was not used),
-        "bounds-left" (it contradicts the stated bounds: one of them is wrong), "late" (the step
-        came outside its jitter) and "unsound" (parameters that no filter can satisfy, such as a
-        push beyond the limit: (0, 0) is sent).  Raises ArgumentError for wrong lengths.
+        time since the last step by a steady clock (`time.monotonic`), by default the clock's
+        period, on whose beat a band's steps must then come; 0 or less says that the clock stood
+        still or was set back, and more than has passed breaks a band's limit.  A command that is
+        not a number counts as (0, 0), with the flag "refused"; further flags are "limited",
+        "unused" (odometry was not used), "bounds-left" (it contradicts the stated bounds: one of
+        them is wrong), "late" (the step came outside its jitter) and "unsound" (parameters that no
+        filter can satisfy, such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError
+        for wrong lengths.
         """
         asked = _pair(command, "command")
         u = list(asked)
