@@ -176,3 +176,15 @@ def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_
     assert known.position < 1e-9 < known.whole.position == tube.position
     assert "within 1e-06 mm and 1e-09 rad" in known.sentence
     assert course_of_tube(run).max() == pytest.approx(max(tube.position, tube.heading))
+
+
+def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_known():
+    told = {"reference.keep_out": [[0.0, -0.3, 0.1]], "body.radius": 0.1, "base.accel": [2.0, 12.0],
+            "disturbance.std": 2e-6, "disturbance.truncate": 3.0, "filter.kind": "clip"}  # fmt: skip
+    scenario = override(load_scenario("turtlebot3-burger"), told)
+    tube = find_corridor(scenario, "kanayama", whole=True)
+
+    assert tube.position is not None
+    assert tube.whole.position is None
+    assert tube.clearance.free is None
+    assert "without a corridor of the run nothing is promised" in tube.sentence

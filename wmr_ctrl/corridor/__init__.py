@@ -97,7 +97,7 @@ def _of(setup: Setup, whole: bool) -> Corridor:
         ends = tube.until is not None or bool(tube.late)
         if whole and steady and tube.position is not None and ends:
             tube = replace(tube, whole=certified_run(setup))
-    position = tube.position
-    if tube.whole is not None and tube.whole.position is not None:
-        position = tube.whole.position
-    return replace(tube, clearance=find_clearance(setup.scenario, position))
+    of_run = None if tube.whole is None else tube.whole.position
+    position = None if tube.late and tube.run is None else tube.position  # no run begins like that
+    width = position if of_run is None else of_run
+    return replace(tube, clearance=find_clearance(setup.scenario, width))

@@ -25,7 +25,8 @@ class Clearance:
     """Distance ``path`` [m] of a path from its nearest obstacle, and what stays free of it.
 
     Obstacle number ``obstacle``, from 1, is nearest at ``time`` [s].  ``free`` [m]: what the body
-    (``radius`` [m] about the axle's midpoint) and the law's corridor leave, None without corridor;
+    (``radius`` [m] about the axle's midpoint) and the law's corridor leave, None without one that
+    holds from a run's first commands on;
     below 0 the obstacle may be touched.
     """
 
@@ -48,7 +49,7 @@ class Clearance:
         if self.path < self.radius:
             return f"{near}, more than there is: a robot that never left its path would touch it"
         if self.free is None:
-            return f"{near}; without a corridor nothing is promised of the rest"
+            return f"{near}; without a corridor of the run nothing is promised of the rest"
         if self.free < 0:
             return f"{near}, the corridor all of the rest: pushes may bring the body there"
         free = length(self.free, up=False)
