@@ -179,8 +179,9 @@ def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_
 
 
 def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_known():
-    told = {"reference.keep_out": [[0.0, -0.3, 0.1]], "body.radius": 0.1, "base.accel": [2.0, 12.0],
-            "disturbance.std": 2e-6, "disturbance.truncate": 3.0, "filter.kind": "clip"}  # fmt: skip
+    told = {"reference.keep_out": [[0.0, -0.3, 0.1]], "body.radius": 0.1,
+            "base.accel": [2.0, 12.0], "disturbance.std": 2e-6, "disturbance.truncate": 3.0,
+            "filter.kind": "clip"}  # fmt: skip
     scenario = override(load_scenario("turtlebot3-burger"), told)
     tube = find_corridor(scenario, "kanayama", whole=True)
 
@@ -188,3 +189,12 @@ def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_kn
     assert tube.whole.position is None
     assert tube.clearance.free is None
     assert "without a corridor of the run nothing is promised" in tube.sentence
+
+
+def test_a_ramp_behind_a_small_dead_band_has_a_corridor():
+    """The change that a ramp may leave has room for what the dead band adds to it."""
+    told = {"base.accel": [2.0, 12.0], "base.deadband": [0.005, 0.01], "filter.kind": "clip",
+            "disturbance.std": 3e-5, "disturbance.truncate": 3.0}  # fmt: skip
+    scenario = override(load_scenario("turtlebot3-burger"), told)
+
+    assert find_corridor(scenario, "kanayama").position is not None

@@ -27,7 +27,7 @@ from wmr_ctrl.guard.delay import largest_force
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.lateness import Counting
 
-ROOM = 1.2
+ROOM = 1.6
 """Of the linear loop's largest forces, up to which commands under way are counted."""
 
 

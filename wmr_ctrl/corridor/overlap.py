@@ -64,9 +64,9 @@ def ramp_overlap(scenario: Scenario, changes: Floats) -> Overlap:
     for i in range(COMMAND):
         if not math.isfinite(reach[i]):
             continue
-        count = min(1 + math.ceil(ROOM * changes[i] / reach[i]), clock.substeps - 1)
-        off[:count, i] = 1 - np.arange(count) / count
         heard = base.quantum[i] + 2 * base.deadband[i]
+        count = min(1 + math.ceil((ROOM * changes[i] + heard) / reach[i]), clock.substeps - 1)
+        off[:count, i] = 1 - np.arange(count) / count
         most[i] = max(count * reach[i] - heard, 0.0) * (1 - 1e-12)
     steps = int(np.count_nonzero(off.any(axis=1)))
     return Overlap(np.zeros(steps), off[:steps] * (1 + 1e-15), most)
