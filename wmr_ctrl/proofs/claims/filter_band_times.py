@@ -126,7 +126,8 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
 @claim(
     "filter.band.untimely",
     given="as in filter.band.superposition, but commands are sent at any time, late, early, at "
-    "once or by a clock that is set back, and the filter is told the time since the last one",
+    "once or by a clock that is set back, and the filter is told the time since the last one, never "
+    "more",
     by=HAND,
     premises="filter.band.superposition filter.band.held-rise filter.band.held-fall "
     "filter.band.fading filter.band.past-over filter.band.past-under filter.band.sent-linear "
@@ -137,5 +138,5 @@ def untimely() -> None:
     one that takes its place may, too; at an untimely sample the beat begins anew, and what was sent
     before is bounded by what it would lead to if held, and by what has not faded yet.
 
-    The band keeps its limit whenever it is called; a stop may take a ramp then.
+    The band keeps its limit whenever it is called and told when; a stop may take a ramp then.
     """
