@@ -133,13 +133,16 @@ class Passing(Following):
             return None
         pending = self.pending = self._rest((self.pending + off) * HELD + UNSURE)
         self.carried, self.law_bend, self.step_bend = standing, None, None
+        sent = np.tile(self.commands.max(axis=0), (len(self.commands), 1)) * HELD + UNSURE
+        self.commands = sent
         reach = self._reach()
         try:
             _, items = self._follow(now, reach)
             off = self._beside(standing.older(count))
         except NoCorridorError:
             off = None
-        if off is None or not (self._rest(self.pending + off) <= pending).all():
+        inside = off is not None and (self._rest(self.pending + off) <= pending).all()
+        if not inside or (self.commands > sent).any():
             vars(self).update(before)
             return None
         self.carried, self.pending = standing.older(many * count), pending
