@@ -22,7 +22,7 @@ def test_a_mass_a_fifth_beyond_its_interval_leaves_it_and_none_within():
     """Pushes are small, so that what the law believes of the mass is what counts."""
     told = {
         "guard.M_min": [60.0, 6.0], "guard.M_max": [65.0, 7.0], "corridor.cells": 2,
-        "disturbance.std": 0.05, "changes": [],
+        "disturbance.std": 0.05, "changes": [], "robot.m": 62.0, "robot.I": 6.5,
         "model.m": 50.0, "model.I": 5.4, "model.mu": 0.08,
     }  # fmt: skip
     scenario = override(load_scenario("safe-simulation"), told)
