@@ -91,7 +91,7 @@ def varied(runs: int) -> float:
     base, rng = scenario_of("safe-simulation"), np.random.default_rng(0)
     loops = [
         runnable_batch(scenario_of(base, {"robot.m": m, "robot.mu": mu}), "prox", "gpu")
-        for m, mu in rng.uniform((2.8, 0.02), (3.2, 0.06), (2048, 2))
+        for m, mu in rng.uniform((45.0, 0.06), (55.0, 0.1), (2048, 2))
     ]
     run_tasks([Task(loop, 0) for loop in loops])
     tasks = [Task(loops[k % 2048], k) for k in range(runs)]
