@@ -101,6 +101,41 @@ def test_jitter_that_is_stated_costs_little_and_breaks_nothing(family, told):
     assert {flag for made in sent[1:] for flag in made.flags} == {"limited"}
 
 
+def sent_at(limit: CommandFilter, since: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Commands for steps that ask for all, told ``since`` [s] the one before; which are late."""
+    limit.start()
+    made = [limit.step((9.0, 0.0), dt=time) for time in since]
+    return np.array([m.command[0] for m in made]), np.array(["late" in m.flags for m in made])
+
+
+def test_steps_within_their_jitter_are_in_time_wherever_the_first_was():
+    J, rng = T / 4, np.random.default_rng(1)
+    limit = command_filter(scenario(kind="band", jitter=J, push=(0.0, 0.0)))
+    off = rng.uniform(-J, J, COUNT + 1)
+    off[:6] = J, -J, 0.0, J, J, -J
+    sent, late = sent_at(limit, T + np.diff(off))
+    assert not late.any()
+    assert sent[150:].min() > 0.99
+    for way in (1, -1):  # drift: within any beat's jitter for so long, and no longer
+        sent, late = sent_at(limit, np.full(200, T + way * 0.019 * J))
+        assert np.flatnonzero(late)[0] == 2 * J // (0.019 * J)
+
+
+@pytest.mark.parametrize("at", [5, 10])
+@pytest.mark.parametrize("caught_up", [False, True])
+def test_a_late_step_brakes_nobody_who_wants_as_much(at, caught_up):
+    limit = command_filter(scenario(kind="band", push=(0.0, 0.0)))
+    since = np.full(120, T)
+    since[at] = 1.5 * T
+    if caught_up:
+        since[at + 1] = 0.5 * T
+    sent, late = sent_at(limit, since)
+    assert late.sum() == 1 + caught_up
+    assert sent[at] >= sent[at - 1] > 0.7
+    assert (np.diff(sent) >= 0).all()
+    assert sent[-1] > 0.97
+
+
 @pytest.mark.parametrize("share", quick([0.02, 0.9, 1.1, 3.0], 0.9))
 def test_a_stop_comes_however_wrong_the_period_is(share):
     stated, _ = FAMILIES["pi"]

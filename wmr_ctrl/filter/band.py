@@ -52,6 +52,7 @@ from wmr_ctrl.filter.forecast import (
     ResponseTable,
     bounds_after,
     inverse_slopes,
+    spread_of,
     stays_of,
 )
 from wmr_ctrl.filter.governor import NEAR, largest_command
@@ -85,7 +86,7 @@ class BandGovernor:
         """Take the ports, and enclose the family's step responses."""
         self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
         self.jitter = scenario.filter.jitter
-        self.last, self.behind = port(LAST), port(BEHIND, self.jitter)
+        self.last, self.spread = port(LAST), port(SPREAD)
         T, bands = scenario.clock.control, [enclosed(scenario, axis) for axis in AXES]
         self.state = [_forecast(axis, len(bands[axis].low)) for axis in AXES]
         self.far = [faded_ports(NAMES[axis], UNITS[axis]) for axis in AXES]
@@ -120,14 +121,20 @@ class BandGovernor:
         ]
 
     @cached_property
-    def on_beat(self) -> ca.SX:
-        """Time of the sample behind its beat, as far as anybody tells."""
-        return self.behind.sym + (passed(self.elapsed.sym, self.T) - self.T)
+    def off(self) -> ca.SX:
+        """How much later than a period after the one before the sample came."""
+        return passed(self.elapsed.sym, self.T) - self.T
+
+    @cached_property
+    def apart(self) -> ca.SX:
+        """How far the samples on its beat were before it and behind it (2,), itself among them."""
+        return spread_of(self.spread.sym, self.off)
 
     @cached_property
     def came(self) -> ca.SX:
-        """1 where the sample came on its beat, but for the jitter."""
-        return within(self.on_beat - self.jitter, self.jitter + NEAR * self.T)
+        """1 where some beat has the sample and all since the last untimely one in its jitter."""
+        most = 2 * self.jitter + NEAR * self.T
+        return ca.logic_and(within(self.off, most), ca.sum1(self.apart) <= most)
 
     @cached_property
     def faded(self) -> list[Fading]:
@@ -168,14 +175,27 @@ class BandGovernor:
         return both
 
     @cached_property
-    def limits(self) -> list[ca.SX]:
-        """Largest size of a command that is safe in the direction that is asked for."""
+    def stopping(self) -> list[ca.SX]:
+        """Largest size of a command behind which 0 may follow, in the direction asked for."""
         rows = []
         for i, (least, most) in enumerate(self.ends):
             ahead = self.command[i] >= 0
             known = self.forecasts[i].mirrored(ca.if_else(ahead, 1, -1))
             stopped = known.largest(self.most[i], self.tables[i], self.inverse[i][1:])
             rows.append(ca.fmax(ca.fmin(stopped, ca.if_else(ahead, most, -least)), 0))
+        return rows
+
+    @cached_property
+    def limits(self) -> list[ca.SX]:
+        """Largest size of a command that is sent in the direction that is asked for.
+
+        Where 0 is not admitted, behind an untimely sample, the last command may stay.
+        """
+        rows = []
+        for i, (least, most) in enumerate(self.ends):
+            turned = ca.if_else(self.command[i] >= 0, least, -most) > 0
+            stays = ca.if_else(turned, ca.fabs(self.last.sym[i]), 0)
+            rows.append(ca.fmax(self.stopping[i], stays))
         return rows
 
     @cached_property
@@ -203,7 +223,7 @@ class BandGovernor:
         ]
         flags = limited(self.sent, self.command) + self.refused + ca.if_else(self.came, 0, LATE)
         flags = ca.if_else(self.sound, flags, UNSOUND)
-        behind = ca.if_else(self.came, self.on_beat, self.jitter)
+        apart = ca.if_else(self.came, self.apart, 0)
         parts = [part for f in after for part in (f.over, f.under, f.tail)]
         for number, known in enumerate(self.faded):
             axis = number % len(AXES)
@@ -212,15 +232,15 @@ class BandGovernor:
         return System(
             "filter", "command filter (band)", inputs=(self.asked, self.elapsed),
             state=(*(item for ports in (*self.state, *self.far) for item in ports), self.last,
-                   self.behind),
-            params=self.p.ports, update=ca.vertcat(*parts, self.sent, behind),
+                   self.spread),
+            params=self.p.ports, update=ca.vertcat(*parts, self.sent, apart),
             outputs=(Output(SENT, self.sent), Output(FLAGS, flags)),
             period=self.scenario.clock.control,
         )  # fmt: skip
 
 
 LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
-BEHIND = Signal("behind", "s", "time of the last sample behind its beat")
+SPREAD = Signal("spread", "s", "how far samples on its beat were before the last and behind it", 2)
 NAMES = ("v", "omega")
 
 

@@ -199,3 +199,11 @@ def stays_of(rate: ca.SX, time: ca.SX) -> ca.SX:
     """At least exp(-rate time); 1 for a time that is negative or no number."""
     x = rate * ca.if_else(time >= 0, time, 0)
     return 1 / (1 + x + 0.5 * x * x)
+
+
+def spread_of(apart: ca.SX, off: ca.SX) -> ca.SX:
+    """How far samples were before the one at hand and behind it, itself among them (2,).
+
+    ``apart``: the same of the sample before it, since which a period and ``off`` have passed.
+    """
+    return ca.vertcat(ca.fmax(apart[0] + off, 0), ca.fmax(apart[1] - off, 0))

@@ -3,7 +3,7 @@
 import casadi as ca
 
 from wmr_ctrl.filter.band import BandGovernor
-from wmr_ctrl.filter.forecast import Fading, stays_of
+from wmr_ctrl.filter.forecast import Fading, spread_of, stays_of
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS
@@ -24,11 +24,11 @@ AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
 
 
 def _whole(axis: int) -> tuple[BandGovernor, dict[str, ca.SX], dict[str, ca.SX]]:
-    """The band's graph, its inputs by name, and its ends and limits as cuts."""
+    """The band's graph, its inputs by name, and its ends and what a stop leaves as cuts."""
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
-    cuts |= {f"limit {i}": limit for i, limit in enumerate(graph.limits)} | {"sound": graph.sound}
-    return graph, elements_of(*graph.system.inputs), cuts
+    cuts |= {f"stop {i}": most for i, most in enumerate(graph.stopping)} | {"sound": graph.sound}
+    return graph, elements_of(*graph.system.inputs, graph.last), cuts
 
 
 @claim(
@@ -45,11 +45,11 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
     ordered = tuple(at_least(most, least) for least, most in graph.ends)
-    limits = tuple(at_least(limit) for limit in graph.limits)
+    stops = tuple(at_least(most) for most in graph.stopping)
     return Statement(
         named,
         (at_least(high, u), at_least(u, low)),
-        (*ordered, *limits, equal(graph.sound, 1)),
+        (*ordered, *stops, equal(graph.sound, 1)),
         cuts,
     )
 
@@ -61,17 +61,38 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     over=AXES,
 )
 def sent_stop(mutation: Mutation, axis: int) -> Statement:
-    """|u| <= the largest command, u what the whole band sends on the {id} axis, and u never turns
-    against what was asked for.
+    """|u| <= the largest command behind which 0 may follow, u what the whole band sends on the {id}
+    axis, and u never turns against what was asked for.
 
     Behind every command that is sent in time 0 may follow.
     """
     graph, named, cuts = _whole(axis)
     u = mutation(1, 1.1) * graph.sent[axis]
     around = tuple(part for low, high in graph.ends for part in (at_least(high), at_least(-low)))
-    limits = tuple(at_least(limit) for limit in graph.limits)
-    goals = (*within(u, graph.limits[axis]), at_least(u * graph.command[axis]))
-    return Statement(named, goals, (*around, *limits), cuts)
+    stops = tuple(at_least(most) for most in graph.stopping)
+    goals = (*within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
+    return Statement(named, goals, (*around, *stops), cuts)
+
+
+@claim(
+    "filter.band.beat",
+    given="-before <= p, q <= behind, the times at which two samples came, less whole periods, "
+    "after the last one; before, behind >= 0; the next one comes a period and ``off`` after that",
+)
+def beat(mutation: Mutation) -> Statement:
+    """-before' <= p', q', 0 <= behind' and p' - q' <= before' + behind', the same after the next.
+
+    Samples whose spread is within twice the jitter have one beat in common, whichever it is.
+    """
+    s = symbols("before behind off p q")
+    after = spread_of(ca.vertcat(s["before"], s["behind"]), s["off"])
+    p, q = (s[name] - mutation(1, 0.9) * s["off"] for name in ("p", "q"))
+    given = [at_least(s["before"]), at_least(s["behind"])]
+    goals = [at_least(after[0]), at_least(after[1]), at_least(ca.sum1(after), p - q)]
+    for name, own in (("p", p), ("q", q)):
+        given += [at_least(s[name], -s["before"]), at_least(s["behind"], s[name])]
+        goals += [at_least(own, -after[0]), at_least(after[1], own)]
+    return Statement(s, tuple(goals), tuple(given))
 
 
 @claim(
@@ -130,8 +151,8 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     "never more",
     by=HAND,
     premises="filter.band.superposition filter.band.held-rise filter.band.held-fall "
-    "filter.band.fading filter.band.past-over filter.band.past-under filter.band.sent-linear "
-    "filter.band.sent-angular",
+    "filter.band.beat filter.band.fading filter.band.past-over filter.band.past-under "
+    "filter.band.sent-linear filter.band.sent-angular",
 )
 def untimely() -> None:
     """|v| <= K_max c'' + delta <= V at every instant: the command before may be held for ever, and
