@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.cache import cache_dir
 from wmr_ctrl.codegen.compiler import WINDOWS, WITHOUT_MINGW
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.page.module import LINKING

@@ -62,7 +62,7 @@ def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None
     from wmr_ctrl.engines import runnable_plantless
     from wmr_ctrl.physics.film import moments_of
     from wmr_ctrl.report.animate import MOST_MOMENTS, check_film, write_moments
-    from wmr_ctrl.report.tube import corridor_behind
+    from wmr_ctrl.report.course import corridor_behind
     from wmr_ctrl.scenario import loads_scenario
 
     check_film(path, run.settings.plant_kind)

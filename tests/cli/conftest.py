@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import wmr_ctrl
-from wmr_ctrl.cli import progress, root
+from wmr_ctrl.cli import console, root
 
 CODE = """
 import signal
@@ -34,7 +34,7 @@ def wmr(monkeypatch) -> Callable[..., Result]:
     How long a job takes is not told on stderr, which would hang on what else the machine does.
     """
     monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.setattr(progress, "FIRST", math.inf)
+    monkeypatch.setattr(console, "FIRST", math.inf)
 
     def call(*args: object) -> Result:
         return CliRunner().invoke(root, [str(arg) for arg in args])

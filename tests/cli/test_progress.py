@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from wmr_ctrl import api
-from wmr_ctrl.cli import progress as module
-from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.cli import console as module
+from wmr_ctrl.cli.console import Progress
 from wmr_ctrl.cli.root import root
 
 

@@ -10,9 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl.codegen import cache, cache_folder
-from wmr_ctrl.codegen.cache import build_cached, content_key, is_complete
-from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen import cache
+from wmr_ctrl.codegen.cache import build_cached, cache_dir, content_key, is_complete
 from wmr_ctrl.codegen.compiler import compile_object
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.errors import CacheError, CompilerError
@@ -23,10 +22,10 @@ SOURCES = {"a.c": "int a;", "inner/b.h": b"int b;"}
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "cache"))
-    cache_folder._usable.cache_clear()
+    cache._usable.cache_clear()
     cache._checked.clear()
     yield tmp_path / "cache"
-    cache_folder._usable.cache_clear()
+    cache._usable.cache_clear()
 
 
 class Compiler:
@@ -254,7 +253,7 @@ def test_without_locks_leftovers_go_after_a_day(folder, monkeypatch):
 def test_unwritable_folder_is_replaced_with_a_warning(tmp_path, monkeypatch, caplog):
     (tmp_path / "file").write_text("in place of a folder")
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "file"))
-    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path))
 
     chosen = cache_dir()
 
@@ -268,15 +267,15 @@ def test_unwritable_folder_is_replaced_with_a_warning(tmp_path, monkeypatch, cap
 
 
 def test_read_only_folder_is_replaced(tmp_path, monkeypatch, folder):
-    real = cache_folder.tempfile.mkdtemp
+    real = cache.tempfile.mkdtemp
 
     def mkdtemp(*args: object, **keywords: object) -> str:
         if keywords.get("dir") == folder:
             raise OSError(errno.EROFS, "Read-only file system")
         return real(*args, **keywords)
 
-    monkeypatch.setattr(cache_folder.tempfile, "mkdtemp", mkdtemp)
-    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(cache.tempfile, "mkdtemp", mkdtemp)
+    monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path))
 
     assert cache_dir() != folder
 
@@ -288,7 +287,7 @@ def test_temporary_folder_that_others_may_write_is_not_used(tmp_path, monkeypatc
     prepared.chmod(0o777)
     (tmp_path / "file").touch()
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "file"))
-    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path))
 
     assert cache_dir() != prepared
     assert cache_dir().stat().st_mode & 0o077 == 0
@@ -304,7 +303,7 @@ rights = pytest.mark.skipif(os.name == "nt", reason="rights of POSIX")
 def test_a_cache_that_everybody_may_write_is_refused(folder, part, built_before):
     if built_before:
         build_cached(SOURCES, Compiler())
-        cache_folder._usable.cache_clear()
+        cache._usable.cache_clear()
     (folder / part).mkdir(parents=True, exist_ok=True)
     (folder / part).chmod(0o1777)
     compiler = Compiler()
@@ -320,7 +319,7 @@ def test_a_cache_that_everybody_may_write_is_refused(folder, part, built_before)
 def test_a_cache_below_a_folder_that_everybody_may_write_is_refused(folder):
     compiler = Compiler()
     build_cached(SOURCES, compiler)
-    cache_folder._usable.cache_clear()
+    cache._usable.cache_clear()
     folder.parent.chmod(0o777)
 
     with pytest.raises(CacheError, match=r"lies in .*writable for everybody.*chmod o-w"):

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 
-from wmr_ctrl.codegen.cache import build_cached
-from wmr_ctrl.codegen.cache_folder import VARIABLE
+from wmr_ctrl.codegen.cache import VARIABLE, build_cached
 
 SOURCES = {"a.c": "int a(void) { return 1; }\n"}
 KILLED = """

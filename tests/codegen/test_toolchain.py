@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl.codegen import cache_folder, compiler, toolchain
+from wmr_ctrl.codegen import cache as build_cache
+from wmr_ctrl.codegen import compiler, toolchain
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags, library_suffix
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
@@ -67,7 +68,7 @@ def fake(tmp_path):
 
 
 def forget() -> None:
-    cache_folder._usable.cache_clear()
+    build_cache._usable.cache_clear()
     toolchain._find.cache_clear()
 
 

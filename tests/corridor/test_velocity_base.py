@@ -13,7 +13,7 @@ from wmr_ctrl.corridor import corridor_monitor, find_corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.filter import CommandFilter, passing_commands
-from wmr_ctrl.report.tube import course_of_tube, tube_of
+from wmr_ctrl.report.course import course_of_tube, tube_of
 from wmr_ctrl.scenario import load_scenario, override
 
 PUSHED = {"disturbance.std": 1e-4, "disturbance.truncate": 3.0, "clock.plant": 0.005}

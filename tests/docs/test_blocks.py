@@ -19,7 +19,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.docs.pages import ROOT, Page, written_pages
-from wmr_ctrl.cli import progress
+from wmr_ctrl.cli import console
 from wmr_ctrl.cli.root import root
 
 PAGES = written_pages()
@@ -138,7 +138,7 @@ def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
     """All blocks of a page in order, in a folder of their own with the tables beside the page."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.setattr(progress, "FIRST", math.inf)  # how long a command takes is no page's matter
+    monkeypatch.setattr(console, "FIRST", math.inf)  # how long a command takes is no page's matter
     if any("wmr-ctrl identify" in block.text for block in page.blocks):
         monkeypatch.setenv("WMR_CTRL_OPTIMIZE", "1")  # a fit takes longer than its compiler
     for table in page.path.parent.glob("*.csv"):

@@ -10,7 +10,7 @@ import pytest
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter.gate import GateSettings, gate_system
-from wmr_ctrl.ros2.compiled_gate import Gate
+from wmr_ctrl.ros2.compiled_system import Gate
 from wmr_ctrl.scenario import load_scenario
 
 STATED = {"limits.v_u1": [1.0, 2.0], "clock.control": 0.02, "filter.gain": [0.9, 1.1],

@@ -26,7 +26,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.export import export_fmu, model_of
-from wmr_ctrl.fmi.sources import sources_of
+from wmr_ctrl.fmi.files import sources_of
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run

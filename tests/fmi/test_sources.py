@@ -19,7 +19,7 @@ from tests.languages import LANGUAGES, STRICT, compile_all
 from tests.matrix import turns
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.fmi.export import model_of, scenario_given
-from wmr_ctrl.fmi.sources import sources_of
+from wmr_ctrl.fmi.files import sources_of
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -9,7 +9,7 @@ import pytest
 
 import wmr_ctrl
 from tests.page.test_numbers import assert_same_bits, from_page
-from wmr_ctrl.page.members import members_of
+from wmr_ctrl.page.scenes import members_of
 from wmr_ctrl.scenario import load_scenario
 
 STRONG = {"base.gain": [1.04, 1.04]}

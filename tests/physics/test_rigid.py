@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.physics.description import description
-from wmr_ctrl.physics.rigid import RigidBody
+from wmr_ctrl.physics.rigid import RigidBody, description
 from wmr_ctrl.scenario import Change, Scenario, load_scenario
 
 REST = {"initial.pose": [0.0, 0.0, 0.0], "initial.velocity": [0.0, 0.0]}

@@ -13,10 +13,9 @@ from typing import Any
 
 import z3
 
-from wmr_ctrl.proofs.graph import ProvedGraph
+from wmr_ctrl.proofs.graph import ProvedGraph, UndecidedError, Walk, paths
 from wmr_ctrl.proofs.methods.smt import OUTSIDE, TermArithmetic, relation
 from wmr_ctrl.proofs.statement import EQUAL, Statement
-from wmr_ctrl.proofs.walk import UndecidedError, Walk, paths
 
 Ask = Callable[[Hashable], bool]
 MOST = 256

@@ -10,12 +10,12 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.proofs.cancelled import cancelled_operations, positive_sums, uncancelled, undefined
-from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.check import check
 from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import LEMMA, OPEN, PROVED, load
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
+from wmr_ctrl.proofs.regions import POSITIVE, Case
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
 pytest.importorskip("z3")

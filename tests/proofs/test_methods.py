@@ -7,8 +7,8 @@ from fractions import Fraction
 import casadi as ca
 import pytest
 
-from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
+from wmr_ctrl.proofs.regions import POSITIVE, Case, at
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 import casadi as ca
 import pytest
 
-from wmr_ctrl.proofs.case import NONNEGATIVE, Case, at
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring, Table
+from wmr_ctrl.proofs.regions import NONNEGATIVE, Case, at
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 UNIT = {name: (Fraction(0), Fraction(1)) for name in ("x", "y")}

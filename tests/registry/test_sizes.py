@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.errors import ScenarioError, WmrError
-from wmr_ctrl.fields import limits
+from wmr_ctrl.fields import values
 from wmr_ctrl.fmi.cosim.slave import FmuFile
 from wmr_ctrl.results import load_run
 from wmr_ctrl.scenario import load_scenario
@@ -52,8 +52,8 @@ BOMBS: dict[str, tuple[Callable[[], bytes], Callable[[Path], object], str]] = {
 @pytest.mark.parametrize("name", BOMBS)
 def test_packed_files_that_are_far_larger_unpacked(tmp_path, monkeypatch, name):
     make, read, reason = BOMBS[name]
-    monkeypatch.setattr(limits, "MOST_UNPACKED", MOST)
-    monkeypatch.setattr(limits, "RATIO", 1)
+    monkeypatch.setattr(values, "MOST_UNPACKED", MOST)
+    monkeypatch.setattr(values, "RATIO", 1)
     file = tmp_path / name
     file.write_bytes(make())
     assert file.stat().st_size < MOST
@@ -67,7 +67,7 @@ def test_a_path_with_more_values_than_it_has_letters(tmp_path, text):
     pytest.importorskip("yaml")
     (tmp_path / "way.yaml").write_text(text)
 
-    with pytest.raises(ScenarioError, match=f"more than {limits.MOST_NODES} values"):
+    with pytest.raises(ScenarioError, match=f"more than {values.MOST_NODES} values"):
         read_poses(tmp_path / "way.yaml")
 
 

@@ -18,7 +18,7 @@ from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.scene import BODY, outline, scene_of, with_tubes
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.scenario.toml_write import to_toml
+from wmr_ctrl.scenario.toml_io import to_toml
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
 

@@ -13,13 +13,12 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.corridor import run_corridor
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import style
-from wmr_ctrl.report.course import course_of
+from wmr_ctrl.report.course import course_of, course_of_tube
 from wmr_ctrl.report.drawing import FAR
 from wmr_ctrl.report.plot_run import plot_run
 from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.report.stage import frames
-from wmr_ctrl.report.tube import course_of_tube
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.scenario import load_scenario, override, to_toml
 from wmr_ctrl.world.references import sample

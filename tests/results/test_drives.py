@@ -18,7 +18,7 @@ from wmr_ctrl import RecordedDrive, compare, identify, load_drive, load_run
 from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError, ResultFileError, UnknownNameError, WmrError
 from wmr_ctrl.logs.log import read_log
-from wmr_ctrl.report.plot_drive import page_of
+from wmr_ctrl.report.plot_runs import page_of
 from wmr_ctrl.report.scene import scene_of_drives
 from wmr_ctrl.results.bag_topics import read_topics
 from wmr_ctrl.results.drive import UNITS, drive_of

@@ -9,7 +9,7 @@ import pytest
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.scenario import Change, Robot, load_scenario, override, parse_assignments
-from wmr_ctrl.scenario.overrides import parse_key, parse_value
+from wmr_ctrl.scenario.raw import parse_key, parse_value
 from wmr_ctrl.world.references import Circle, Line, Waypoints
 
 

@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.world.references.corners import simplified
 from wmr_ctrl.world.references.point_files import read_points
+from wmr_ctrl.world.references.spline import simplified
 from wmr_ctrl.world.references.waypoints import Waypoints, waypoint_path
 
 GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))

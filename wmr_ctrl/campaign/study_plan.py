@@ -11,10 +11,9 @@ from wmr_ctrl.campaign.intervals import StopRule
 from wmr_ctrl.campaign.plan import CORRIDOR, LATIN, SOBOL, UNIFORM, SamplePlan, Study
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
-from wmr_ctrl.fields.limits import SEED_END
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, build, quantities, quantity
-from wmr_ctrl.fields.values import Frozen
+from wmr_ctrl.fields.values import SEED_END, Frozen
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
 from wmr_ctrl.scenario import Scenario, load_scenario, override

@@ -89,8 +89,7 @@ def study(
     chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
     check_device(device, chosen.plant, here=executor == THREADS)
     if chosen.plant == "mujoco":
-        from wmr_ctrl.physics.description import description
-        from wmr_ctrl.physics.rigid import mujoco
+        from wmr_ctrl.physics.rigid import description, mujoco
 
         mujoco()
         description(chosen.loaded)  # refuses what no rigid body is

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from wmr_ctrl.cli import check_sentences
-from wmr_ctrl.cli.console import print_json, say, table, wrapped
+from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
 from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
-from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.errors import ArgumentError, CompilerError
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import DIFFERENCE, print_json, say, table, wrapped
-from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, say, table, wrapped
 from wmr_ctrl.cli.runs import RUNS, animate_option, check_outputs, plot_option
 from wmr_ctrl.errors import ArgumentError
 
@@ -95,7 +94,7 @@ def compare(
         loaded = _loaded(sources, opt.roles(topics))
         runs = {name: one for name, one in loaded.items() if isinstance(one, Run)}
         if len(runs) < len(loaded):
-            from wmr_ctrl.cli.drives import compare_sources
+            from wmr_ctrl.cli.summary import compare_sources
 
             if not compare_sources(loaded, tolerance, plot, animate, as_json):
                 ctx.exit(DIFFERENCE)

@@ -5,8 +5,7 @@ from pathlib import Path
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import DIFFERENCE, json_text, print_json, say, width
-from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.cli.console import DIFFERENCE, Progress, json_text, print_json, say, width
 
 SEEDS, QUICK = 20, 3
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, cast
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import say
-from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.cli.console import Progress, say
 
 if TYPE_CHECKING:
     from wmr_ctrl.api_types import ExportOptions

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.cli.console import print_json, say, table, wrapped
+from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
 from wmr_ctrl.cli.options import (
     check_output,
     debug_option,
@@ -16,7 +16,6 @@ from wmr_ctrl.cli.options import (
     set_option,
     topics_option,
 )
-from wmr_ctrl.cli.progress import Progress
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification

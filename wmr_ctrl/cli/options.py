@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.limits import SEED_END
+from wmr_ctrl.fields.values import SEED_END
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

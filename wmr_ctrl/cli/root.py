@@ -12,15 +12,13 @@ import click
 from wmr_ctrl import __version__
 from wmr_ctrl.cli.check import check
 from wmr_ctrl.cli.compare import compare
-from wmr_ctrl.cli.console import BROKEN_PIPE, explain
-from wmr_ctrl.cli.cosim import cosim
+from wmr_ctrl.cli.console import BROKEN_PIPE, Silence, explain
 from wmr_ctrl.cli.evidence import bench, linearize, prove, reproduce
 from wmr_ctrl.cli.exports import codegen, export, page
 from wmr_ctrl.cli.identify import identify
 from wmr_ctrl.cli.lists import laws, scenarios
 from wmr_ctrl.cli.options import debug_option
-from wmr_ctrl.cli.progress import Silence
-from wmr_ctrl.cli.runs import run, show_saved
+from wmr_ctrl.cli.runs import cosim, run, show_saved
 from wmr_ctrl.cli.studies import study, tune
 from wmr_ctrl.errors import UnknownNameError
 

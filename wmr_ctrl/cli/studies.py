@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import DIFFERENCE, print_json, resumable, say, wrapped
-from wmr_ctrl.cli.progress import Progress
-from wmr_ctrl.fields.limits import SEED_END
+from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, resumable, say, wrapped
+from wmr_ctrl.fields.values import SEED_END
 
 if TYPE_CHECKING:
     from wmr_ctrl.tuning import Tuning

@@ -22,8 +22,7 @@ from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from wmr_ctrl.codegen.cache import Sources, build_cached
-from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.cache import Sources, build_cached, cache_dir
 from wmr_ctrl.codegen.compiler import (
     LEVEL,
     TIMEOUT,
@@ -35,8 +34,8 @@ from wmr_ctrl.codegen.compiler import (
     environment,
     is_zig,
     library_suffix,
+    run_command,
 )
-from wmr_ctrl.codegen.process import run_command
 from wmr_ctrl.errors import CacheError, CompilerError
 
 _INSTALL = (

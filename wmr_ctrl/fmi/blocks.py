@@ -20,8 +20,16 @@ from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.ranges import Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor import corridor_monitor
-from wmr_ctrl.fmi import variables
-from wmr_ctrl.fmi.model import FmuModel
+from wmr_ctrl.fmi.model import (
+    TIME,
+    FmuModel,
+    Variable,
+    input_rows,
+    output_rows,
+    parameter_rows,
+    rate_rows,
+    state_rows,
+)
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import POSE, REFERENCE, VELOCITY
@@ -119,7 +127,7 @@ def _model(
 
 def _sections(
     scenario: Scenario, block: Block, tunable: tuple[str, ...], fixed: Mapping[str, Range]
-) -> Mapping[str, list[variables.Variable]]:
+) -> Mapping[str, list[Variable]]:
     """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
     system, discrete = block.system, block.system.period is not None
     results = [item.signal for item in block.results]
@@ -129,19 +137,19 @@ def _sections(
     shown = {item.name for item in results}
     published = {item.signal.name for item in system.outputs} - shown
     taken = {port.signal.name for port in (*system.inputs, *system.params)} | shown
-    states = list(variables.state_rows(system.state, published, taken, discrete=discrete))
+    states = list(state_rows(system.state, published, taken, discrete=discrete))
     timed = _follows_time(system)
     # Pose, velocity and reference inputs start as they are at t = 0.
     given = (signal.name for signal in (*REFERENCE, *POSE, *VELOCITY))
     desired, start = sample(scenario, np.zeros(1))[0].tolist(), scenario.initial
     starts = dict(zip(given, (*desired, *start.pose, *start.velocity), strict=True))
     return {
-        "time": [variables.TIME],
-        "U": [] if timed else list(variables.input_rows(system.inputs, starts)),
-        "P": list(variables.parameter_rows(system.params, ranges, tunable)),
+        "time": [TIME],
+        "U": [] if timed else list(input_rows(system.inputs, starts)),
+        "P": list(parameter_rows(system.params, ranges, tunable)),
         "X": states,
-        "rates": [] if discrete else list(variables.rate_rows(states)),
-        "results": list(variables.output_rows(results, discrete=discrete and not timed)),
+        "rates": [] if discrete else list(rate_rows(states)),
+        "results": list(output_rows(results, discrete=discrete and not timed)),
     }
 
 
@@ -150,7 +158,7 @@ def _follows_time(system: System) -> bool:
     return [port.signal.name for port in system.inputs] == [SECONDS.name]
 
 
-def _layout(sections: Mapping[str, list[variables.Variable]], system: System) -> dict[str, int]:
+def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str, int]:
     """Begin and length of each section."""
     count = {name: len(rows) for name, rows in sections.items()}
     first_input = 0 if _follows_time(system) else 1

@@ -11,8 +11,7 @@ from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.ranges import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
-from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.variables import TIME, Role, Variable, finite, output_rows, parameter_rows
+from wmr_ctrl.fmi.model import TIME, FmuModel, Role, Variable, finite, output_rows, parameter_rows
 from wmr_ctrl.model.system import Output, Parameters, Port, port, stack
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.scenario.scenario import SECTIONS

@@ -22,9 +22,8 @@ from wmr_ctrl.fmi.blocks import (
     reference_model,
 )
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.files import render, write_archive
+from wmr_ctrl.fmi.files import render, sources_of, write_archive
 from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.sources import sources_of
 from wmr_ctrl.fmi.targets import TARGETS, PartlyBuiltError, Target, build_for, host, targets_of
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario, load_scenario, to_toml

@@ -16,8 +16,7 @@ from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.filter import filter_system
 from wmr_ctrl.fmi.files import render, write_archive
-from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.variables import Role
+from wmr_ctrl.fmi.model import FmuModel, Role
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.signals import Signal

@@ -27,10 +27,9 @@ from wmr_ctrl.fmi.cosim.mapping import (
 from wmr_ctrl.fmi.cosim.slave import FmuFile
 from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, versions_of, write_fmu
 from wmr_ctrl.fmi.files import render, write_archive
-from wmr_ctrl.fmi.model import FmuModel
+from wmr_ctrl.fmi.model import FmuModel, Role
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.units import units_of
-from wmr_ctrl.fmi.variables import Role
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import (
     BODY_FORCE,

@@ -16,7 +16,7 @@ from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags
 from wmr_ctrl.errors import CompilerError, UnknownNameError
-from wmr_ctrl.fmi.sources import Sources
+from wmr_ctrl.fmi.files import Sources
 
 VARIABLE = "WMR_CTRL_FMU_CC"
 """Environment variable that names the C compiler of FMUs for this machine."""

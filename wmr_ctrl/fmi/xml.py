@@ -9,11 +9,9 @@ from wmr_ctrl.codegen.package import FILTER
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter.channels import SENT
 from wmr_ctrl.filter.governor_step import ODOMETRY
-from wmr_ctrl.fmi.files import render
-from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.sources import Sources, row_size
+from wmr_ctrl.fmi.files import Sources, render, row_size
+from wmr_ctrl.fmi.model import FmuModel, Role, Variable
 from wmr_ctrl.fmi.units import NamedUnit, unit_of, units_of
-from wmr_ctrl.fmi.variables import Role, Variable
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.signals import ASKED, POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
 

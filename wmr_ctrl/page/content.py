@@ -14,9 +14,8 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
-from wmr_ctrl.page.members import PageMember, members_of
 from wmr_ctrl.page.module import PageLoop, PageLoops, Room
-from wmr_ctrl.page.scenes import PageScene, SettledVariant, settled_variants
+from wmr_ctrl.page.scenes import PageMember, PageScene, SettledVariant, members_of, settled_variants
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import unit_text
 from wmr_ctrl.scenario import Scenario

@@ -10,9 +10,8 @@ from pathlib import Path
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.content import Content, content_of
-from wmr_ctrl.page.members import SENDING
 from wmr_ctrl.page.module import build_module, toolchain
-from wmr_ctrl.page.scenes import scenes
+from wmr_ctrl.page.scenes import SENDING, scenes
 from wmr_ctrl.report.style import page_environment
 from wmr_ctrl.results.files import atomic_text, check_writable
 from wmr_ctrl.scenario import Scenario

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, WmrError
-from wmr_ctrl.physics.description import CHASSIS, description
-from wmr_ctrl.physics.rigid import Floats, mujoco
+from wmr_ctrl.physics.rigid import CHASSIS, Floats, description, mujoco
 from wmr_ctrl.physics.run import Coupling
 from wmr_ctrl.physics.workers import Worker
 from wmr_ctrl.results import Run

@@ -19,15 +19,14 @@ import casadi as ca
 import z3
 from z3 import z3util
 
-from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import forget
-from wmr_ctrl.proofs.graph import ProvedGraph
+from wmr_ctrl.proofs.graph import ProvedGraph, UndecidedError
 from wmr_ctrl.proofs.methods.portfolio import ask
 from wmr_ctrl.proofs.methods.smt import Problem, posed
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring, described
+from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.walk import UndecidedError
 
 SOON = Z3(effort=20, seconds=30)
 AT_ONCE = Z3(effort=2, seconds=4)

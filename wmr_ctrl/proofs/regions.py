@@ -1,16 +1,64 @@
-"""Charts of one axis of the barrier: where v_c0 lies (7 or 11 ways) times where v lies (5 or 7).
+"""Regions of a claim: a `Case` is one; and the charts of one axis of the barrier.
 
-u2 > 0 and the width b = u1 - u2 > 0 are free, so every case holds for all 0 < v_u2 < v_u1.  Each
-interval is the image of a positive number n under n/(1 + n); beyond u2 + 1/b the target is written
-by the gap d = u1 - |v_c1|, which makes every root rational: v_c0 = u1 - d + 1/d (less 1/b for the
-smooth barrier).
+A case is given as a chart of free positive numbers onto the region: ``values`` maps the chart's
+numbers to the inputs that it fixes, in any arithmetic (rationals, z3, fraction fields), so that the
+cover of a domain by its cases can itself be proved.
+
+On an axis v_c0 lies in one of 7 or 11 places, v in one of 5 or 7.  u2 > 0 and the width
+b = u1 - u2 > 0 are free, so every case holds for all 0 < v_u2 < v_u1.  Each interval is the image
+of a positive number n under n/(1 + n); beyond u2 + 1/b the target is written by the gap
+d = u1 - |v_c1|, which makes every root rational: v_c0 = u1 - d + 1/d (less 1/b for the smooth
+barrier).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from wmr_ctrl.proofs.case import POSITIVE, Case
+POSITIVE, NONNEGATIVE, NONZERO, FREE = "> 0", ">= 0", "!= 0", "any"
+_SAMPLES = tuple(map(Fraction, ("1/2", "3/5", "7/4", "2/7", "5/3", "11/13")))
+
+
+@dataclass(frozen=True)
+class Case:
+    """Numbers of the chart with their domains, and the inputs as functions of them."""
+
+    label: str
+    numbers: Mapping[str, str] = field(default_factory=dict)
+    values: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda _: {}
+    declared: Mapping[str, str] = field(default_factory=dict)
+
+    def sample(self, names: tuple[str, ...], shift: int) -> dict[str, Fraction]:
+        """A rational point of the case: one value for each input in ``names``."""
+        chart = {name: _sample(k + shift) for k, name in enumerate(self.numbers)}
+        fixed = dict(self.values(chart))
+        point = {name: Fraction(fixed[name]) for name in names if name in fixed}
+        for k, name in enumerate(n for n in names if n not in fixed):
+            signed = self.declared.get(name, FREE) in (FREE, NONZERO)
+            sign = -1 if signed and not (k + shift) % 3 else 1
+            point[name] = sign * _sample(3 * k + 5 * shift + 1)
+        return point
+
+    def described(self) -> list[Any]:
+        """Fingerprint for records: numbers and domains, and the chart at two exact points.
+
+        Charts are quotients of polynomials, so others than this one have other values there.
+        """
+        charts = [{name: _sample(3 * k + s) for k, name in enumerate(self.numbers)} for s in (1, 2)]
+        points = [sorted((n, str(x)) for n, x in self.values(chart).items()) for chart in charts]
+        return [self.label, dict(self.numbers), dict(self.declared), points]
+
+
+def _sample(k: int) -> Fraction:
+    return _SAMPLES[k % len(_SAMPLES)] + Fraction(k % 7, 3 * (1 + k % 5))
+
+
+def at(**coordinates: str | int) -> dict[str, Fraction]:
+    """An exact point: whole numbers, or text such as ``4/5`` or ``0.8``."""
+    return {name: Fraction(value) for name, value in coordinates.items()}
+
 
 TARGETS = ("far-", "middle-", "near-", "zero", "near+", "middle+", "far+")
 TARGET_EDGES = ("edge-", "corner-", "corner+", "edge+")
@@ -71,25 +119,38 @@ def side_value(side: str, u2: Any, b: Any, i: Any) -> Any:
     return -size if side.endswith("-") else size
 
 
+def tangent_case(y_side: str, v_side: str) -> Case:
+    """Inputs y and v, each on one of its sides."""
+    names = {"u2": POSITIVE, "b": POSITIVE}
+    names |= {n: POSITIVE for n, s in (("k", y_side), ("i", v_side)) if s[:-1] in CHARTED}
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b = n["u2"], n["b"]
+        y, v = (side_value(side, u2, b, n.get(k, 0)) for side, k in ((y_side, "k"), (v_side, "i")))
+        return {"u1": u2 + b, "u2": u2, "y": y, "v": v}
+
+    return Case(f"y {y_side}, v {v_side}", names, values)
+
+
 def open_cases(suffix: str = "") -> tuple[Case, ...]:
     """The 35 open regions, where everything is differentiable."""
     return tuple(axis_case(suffix, t, s) for t in TARGETS for s in SIDES)
 
 
-def all_cases(suffix: str = "") -> tuple[Case, ...]:
+def all_cases() -> tuple[Case, ...]:
     """All regions with their boundaries, and the order of |v| and |v_c1| where they share one."""
     return tuple(
-        axis_case(suffix, t, s, order)
+        axis_case("", t, s, order)
         for t in (*TARGETS, *TARGET_EDGES)
         for s in (*SIDES, *SIDE_EDGES)
         for order in (("<", "=", ">") if _shared(t, s) else ("",))
     )
 
 
-def off_target_cases(suffix: str = "") -> tuple[Case, ...]:
+def off_target_cases() -> tuple[Case, ...]:
     """The open regions without v = v_c1, where A is 0."""
     return tuple(
-        axis_case(suffix, t, s, order)
+        axis_case("", t, s, order)
         for t in TARGETS
         for s in SIDES
         for order in (("<", ">") if _shared(t, s) else ("",))
@@ -97,20 +158,20 @@ def off_target_cases(suffix: str = "") -> tuple[Case, ...]:
     )
 
 
-def smooth_cases(suffix: str = "", sides: Iterable[str] = SIDES + SIDE_EDGES) -> tuple[Case, ...]:
+def smooth_cases(sides: Iterable[str] = SIDES + SIDE_EDGES) -> tuple[Case, ...]:
     """All regions of the smooth barrier; ordered also where v and v_c1 have opposite signs."""
     cases = []
     for t, s in product(SMOOTH_TARGETS, sides):
         ordered = _shared(t, s) or (t[:-1], s[:-1]) == ("beyond", "out")
         orders = ("<", "=", ">") if ordered else ("",)
-        cases += [axis_case(suffix, t, s, order) for order in orders]
+        cases += [axis_case("", t, s, order) for order in orders]
     return tuple(cases)
 
 
-def target_cases(suffix: str = "", edges: bool = True) -> tuple[Case, ...]:
+def target_cases(edges: bool = True) -> tuple[Case, ...]:
     """Regions of v_c0 alone (v at 0)."""
     targets = TARGETS + TARGET_EDGES if edges else TARGETS
-    return tuple(axis_case(suffix, t, "zero") for t in targets)
+    return tuple(axis_case("", t, "zero") for t in targets)
 
 
 def _shared(target: str, side: str) -> bool:

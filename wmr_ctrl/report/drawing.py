@@ -14,16 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.report.style import (
-    INK,
-    LIMIT,
-    MUTED,
-    RULE_LINE,
-    Dash,
-    house_style,
-    look,
-    shown,
-)
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
 from wmr_ctrl.results import FloatArray, atomic_path, check_writable
 
 SUFFIXES = (".svg", ".png")

@@ -13,7 +13,14 @@ from matplotlib.ticker import FuncFormatter
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report import drawing
-from wmr_ctrl.report.course import course_of, scenario_behind, switch_time
+from wmr_ctrl.report.course import (
+    FAINT,
+    band,
+    course_of,
+    course_of_tube,
+    scenario_behind,
+    switch_time,
+)
 from wmr_ctrl.report.style import (
     DASHED,
     DOTTED,
@@ -27,7 +34,6 @@ from wmr_ctrl.report.style import (
     shown,
     verbatim,
 )
-from wmr_ctrl.report.tube import FAINT, band, course_of_tube
 from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
 
 SUFFIXES = (".png", ".svg", ".pdf")

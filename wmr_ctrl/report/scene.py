@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
-from wmr_ctrl.report.course import Course, course_of
+from wmr_ctrl.report.course import Course, course_of, tube_of
 from wmr_ctrl.report.style import colours_of, driver
-from wmr_ctrl.report.tube import tube_of
 from wmr_ctrl.results import FloatArray, Run
 from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
 

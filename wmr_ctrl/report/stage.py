@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
+from wmr_ctrl.report.course import FAINT, band
 from wmr_ctrl.report.drawing import line_handle
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Actor, Scene, outline
 from wmr_ctrl.report.style import DASHES, DOTTED, INK, LIMIT, MUTED, Dash, house_style, verbatim
-from wmr_ctrl.report.tube import FAINT, band
 
 _DPI = 100
 _SIZE = (5.6, 6.2)

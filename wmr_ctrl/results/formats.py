@@ -21,7 +21,7 @@ import numpy as np
 
 from wmr_ctrl.errors import MissingExtraError, ResultFileError, WmrError
 from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.limits import may_unpack
+from wmr_ctrl.fields.values import may_unpack
 from wmr_ctrl.results.bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
 from wmr_ctrl.results.drive import NEVER
 from wmr_ctrl.results.files import atomic_write

@@ -16,7 +16,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError, WmrError
 from wmr_ctrl.filter.gate import Gated, GateSettings
 from wmr_ctrl.ros2.clocks import BACK, Clocks, Moment, longest_pause
-from wmr_ctrl.ros2.compiled_gate import NONE, PAIR, Gate
+from wmr_ctrl.ros2.compiled_system import NONE, PAIR, Gate
 from wmr_ctrl.ros2.drive_law import DesiredMotion, DriveLaw, check_follows, path_motion
 from wmr_ctrl.ros2.intake import Intake, Pace, is_rotation
 from wmr_ctrl.ros2.native import NS, in_ns

@@ -19,8 +19,7 @@ from wmr_ctrl.fields.orientation import theta_of
 from wmr_ctrl.filter.channels import SENT
 from wmr_ctrl.model.kinematics import tracking_error
 from wmr_ctrl.model.system import Output, System, port, stack
-from wmr_ctrl.ros2.compiled_gate import PAIR
-from wmr_ctrl.ros2.compiled_system import CompiledSystem
+from wmr_ctrl.ros2.compiled_system import PAIR, CompiledSystem
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.signals import (
     POSE,

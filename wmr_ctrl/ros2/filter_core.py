@@ -18,8 +18,7 @@ from wmr_ctrl.codegen.toolchain import build_library
 from wmr_ctrl.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
 from wmr_ctrl.results.bag_topics import UNIT
 from wmr_ctrl.ros2.clocks import Clocks, Moment, longest_pause, named_happenings
-from wmr_ctrl.ros2.compiled_gate import PAIR
-from wmr_ctrl.ros2.compiled_system import VISIBLE
+from wmr_ctrl.ros2.compiled_system import PAIR, VISIBLE
 from wmr_ctrl.ros2.intake import IntakeCounts, fits
 from wmr_ctrl.ros2.native import (
     NODE_CORE,

@@ -5,9 +5,9 @@ This layer knows nothing of control laws or symbolic expressions; gains are kept
 
 from wmr_ctrl.fields.section import Section as Section
 from wmr_ctrl.fields.section import quantities as quantities
-from wmr_ctrl.scenario.overrides import override as override
-from wmr_ctrl.scenario.overrides import parse_assignments as parse_assignments
 from wmr_ctrl.scenario.raw import from_dict as from_dict
+from wmr_ctrl.scenario.raw import override as override
+from wmr_ctrl.scenario.raw import parse_assignments as parse_assignments
 from wmr_ctrl.scenario.raw import scenario_dict as scenario_dict
 from wmr_ctrl.scenario.scenario import Scenario as Scenario
 from wmr_ctrl.scenario.sections import Change as Change
@@ -19,7 +19,7 @@ from wmr_ctrl.scenario.toml_io import load_scenario as load_scenario
 from wmr_ctrl.scenario.toml_io import loads_scenario as loads_scenario
 from wmr_ctrl.scenario.toml_io import preset_names as preset_names
 from wmr_ctrl.scenario.toml_io import preset_titles as preset_titles
-from wmr_ctrl.scenario.toml_write import to_toml as to_toml
+from wmr_ctrl.scenario.toml_io import to_toml as to_toml
 from wmr_ctrl.world.references import Circle as Circle
 from wmr_ctrl.world.references import Lemniscate as Lemniscate
 from wmr_ctrl.world.references import Line as Line

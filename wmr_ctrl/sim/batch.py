@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.limits import MOST_JOBS
 from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.values import MOST_JOBS
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put

@@ -8,9 +8,9 @@ from typing import SupportsIndex, TypeVar
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.limits import MOST_SEEDS, SEED_END
 from wmr_ctrl.fields.orientation import inward
 from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.values import MOST_SEEDS, SEED_END
 from wmr_ctrl.results import Monitor, Run, split_columns
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.table import RunTable, table_of_rows

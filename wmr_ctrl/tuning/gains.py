@@ -35,7 +35,7 @@ from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.scenario.toml_write import to_toml
+from wmr_ctrl.scenario.toml_io import to_toml
 from wmr_ctrl.sim.many import checked_seeds
 from wmr_ctrl.tuning.plan import CORRIDOR, MEASURED, TRACKING, TuningPlan
 from wmr_ctrl.tuning.search import Cost, Search, Trials, digest_of

@@ -13,8 +13,7 @@ import pytest
 
 from tests.compilers import compile_in, where
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.physics.description import description
-from wmr_ctrl.physics.rigid import RigidBody
+from wmr_ctrl.physics.rigid import RigidBody, description
 from wmr_ctrl.scenario import Scenario
 
 INPUTS = {"motor_right": "N.m", "motor_left": "N.m", "force": "N", "moment": "N.m"}

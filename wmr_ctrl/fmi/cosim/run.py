@@ -29,9 +29,8 @@ from wmr_ctrl.fmi.cosim.parts import (
 )
 from wmr_ctrl.fmi.cosim.slave import FmuError, Slave
 from wmr_ctrl.fmi.export import model_of, scenario_given, write_fmu
-from wmr_ctrl.fmi.model import FmuModel
+from wmr_ctrl.fmi.model import FmuModel, Role
 from wmr_ctrl.fmi.targets import targets_of
-from wmr_ctrl.fmi.variables import Role
 from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.model.kinematics import tracking_error
 from wmr_ctrl.results import Run

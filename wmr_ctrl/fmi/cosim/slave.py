@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
-from wmr_ctrl.fields.limits import may_unpack
+from wmr_ctrl.fields.values import may_unpack
 from wmr_ctrl.fmi.units import BASE, NamedUnit
 from wmr_ctrl.results.frames import library
 

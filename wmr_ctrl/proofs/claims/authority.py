@@ -7,13 +7,12 @@ import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import authority_limit
-from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims import authority_table as table
 from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Ball, Ring, Table
-from wmr_ctrl.proofs.regions import axis_case, off_target_cases, open_cases
+from wmr_ctrl.proofs.regions import at, axis_case, off_target_cases, open_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 LIMIT_BOX = {"s": (Fraction("1e-300"), Fraction("0.99"))}

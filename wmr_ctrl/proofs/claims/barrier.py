@@ -4,11 +4,10 @@ import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import total_barrier
-from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Refute, Ring
-from wmr_ctrl.proofs.regions import all_cases, open_cases, paired_cases, target_cases
+from wmr_ctrl.proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal
 
 ONE, TWO = "1", "2"

@@ -4,11 +4,11 @@ import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
-from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute
+from wmr_ctrl.proofs.regions import at
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
 
 PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}

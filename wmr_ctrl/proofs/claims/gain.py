@@ -19,7 +19,6 @@ import casadi as ca
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.stable import Axis, SmoothAxis, smooth_barrier
 from wmr_ctrl.model.dynamics import acceleration
-from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.authority_table import AXES, Numbers
 from wmr_ctrl.proofs.claims.common import (
@@ -35,9 +34,12 @@ from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Point, Ring, Table
 from wmr_ctrl.proofs.regions import (
     CHARTED,
+    NONNEGATIVE,
+    POSITIVE,
     SMOOTH_TARGETS,
     TARGET_EDGES,
     TARGETS,
+    Case,
     all_cases,
     smooth_cases,
     target_value,

@@ -12,10 +12,10 @@ from wmr_ctrl.model.kinematics import (
     tracking_error,
     velocity_map,
 )
-from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.methods.spec import Ring
+from wmr_ctrl.proofs.regions import POSITIVE, Case
 from wmr_ctrl.proofs.statement import Statement, column, equal, every, stacked, symbols
 from wmr_ctrl.scenario import load_scenario
 

@@ -7,12 +7,12 @@ import casadi as ca
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import target_rate, total_barrier
 from wmr_ctrl.model.dynamics import acceleration
-from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES, BarrierAxis, LawGraph
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
 from wmr_ctrl.proofs.regions import (
+    at,
     law_cases,
     off_target_cases,
     open_cases,

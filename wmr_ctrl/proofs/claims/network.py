@@ -6,7 +6,6 @@ import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.laws import nn
-from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.network_axis import (
@@ -20,7 +19,7 @@ from wmr_ctrl.proofs.claims.network_axis import (
     vanishing_chart,
 )
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.regions import axis_case
+from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
 from wmr_ctrl.proofs.statement import (
     Statement,
     above,

@@ -6,11 +6,11 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.proofs.case import FREE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES
 from wmr_ctrl.proofs.claims.prox_push import AXES, Sampled
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
+from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 

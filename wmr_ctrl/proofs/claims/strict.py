@@ -7,11 +7,11 @@ import casadi as ca
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
-from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring
+from wmr_ctrl.proofs.regions import POSITIVE, Case, at
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
 

@@ -3,11 +3,11 @@
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
+from wmr_ctrl.proofs.regions import POSITIVE, Case, at
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, positive, symbols
 
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.theorem1 import conditions
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
+from wmr_ctrl.proofs.regions import POSITIVE, Case, at
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, positive, symbols
 
 BARELY_PAST = tuple(

@@ -6,9 +6,9 @@ import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
-from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
+from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.statement import (
     Relation,
     Statement,

@@ -9,19 +9,11 @@ import casadi as ca
 
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import Parameters, System
-from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    equal,
-    symbols,
-    within,
-)
+from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, within
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels

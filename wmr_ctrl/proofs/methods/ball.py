@@ -10,13 +10,13 @@ from typing import Any
 
 from flint import arb
 
+from wmr_ctrl.proofs.graph import Arithmetic, UndecidedError, Walk, paths
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods import interval as iv
 from wmr_ctrl.proofs.methods.interval import Interval
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.spec import Ball, Finding
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import Arithmetic, UndecidedError, Walk, paths
 
 
 class EmptyWayError(Exception):

@@ -14,8 +14,8 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE
-from wmr_ctrl.proofs.walk import UndecidedError
+from wmr_ctrl.proofs.graph import UndecidedError
+from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE
 
 Exponents = tuple[int, ...]
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from flint import arb, ctx, fmpq
 
+from wmr_ctrl.proofs.graph import ARITHMETIC, Arithmetic, UndecidedError, Walk
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Finding, Point, Refute, Table
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import ARITHMETIC, Arithmetic, UndecidedError, Walk
 
 BITS = 300
 

@@ -8,14 +8,14 @@ from fractions import Fraction
 from math import lcm
 from typing import Any
 
-from wmr_ctrl.proofs.case import Case
+from wmr_ctrl.proofs.graph import UndecidedError, Walk, paths
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.field import Algebra, Exponents, Quotient
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.ring_arithmetic import RingArithmetic
 from wmr_ctrl.proofs.methods.spec import Finding, Point, Ring
+from wmr_ctrl.proofs.regions import Case
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import UndecidedError, Walk, paths
 
 SAMPLES = 8
 

@@ -7,9 +7,9 @@ from typing import Any
 from flint import fmpq
 from flint.utils.flint_exceptions import DomainError
 
-from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.graph import ARITHMETIC, Arithmetic, UndecidedError
 from wmr_ctrl.proofs.methods.field import Algebra
-from wmr_ctrl.proofs.walk import ARITHMETIC, Arithmetic, UndecidedError
+from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
 
 HUGE = 1e100
 """A bound on targets beyond this is taken as not reached (stated with the claims that use it)."""

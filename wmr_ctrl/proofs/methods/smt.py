@@ -16,12 +16,12 @@ from typing import Any
 
 import z3
 
+from wmr_ctrl.proofs.graph import ARITHMETIC, Arithmetic, UndecidedError, Walk
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
 from wmr_ctrl.proofs.methods.spec import Z3, Finding, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement, behind
-from wmr_ctrl.proofs.walk import ARITHMETIC, Arithmetic, UndecidedError, Walk
 
 
 class TermArithmetic(Arithmetic):

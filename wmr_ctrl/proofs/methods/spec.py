@@ -8,8 +8,8 @@ from importlib import import_module
 from importlib.metadata import packages_distributions, version
 from typing import Any, ClassVar
 
-from wmr_ctrl.proofs.case import Case
 from wmr_ctrl.proofs.ledger import OPEN, REFUTED
+from wmr_ctrl.proofs.regions import Case
 from wmr_ctrl.proofs.statement import Statement
 
 Point = Mapping[str, Any]

@@ -20,8 +20,8 @@ from typing import Any
 
 from wmr_ctrl.errors import MissingExtraError, ScenarioError
 from wmr_ctrl.fields.files import read_text
-from wmr_ctrl.fields.limits import MOST_NODES
 from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.values import MOST_NODES
 
 Point = tuple[float, float]
 SUFFIXES = (".csv", ".tsv", ".txt", ".yaml", ".yml")

@@ -23,7 +23,6 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.references.corners import rounded, simplified
 from wmr_ctrl.world.references.kind import Numbers, Raw, Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.point_files import SAME, read_points, read_poses
 from wmr_ctrl.world.references.speed_profile import PathLimits, SpeedProfile, fastest
@@ -35,6 +34,8 @@ from wmr_ctrl.world.references.spline import (
     headings,
     on_path,
     path_numbers,
+    rounded,
+    simplified,
 )
 
 MOST_POINTS = 400
