@@ -7,8 +7,8 @@ import pytest
 import wmr_ctrl
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.clearance import length
-from wmr_ctrl.page.scenes import PageScene, story
 from wmr_ctrl.page.content import content_of
+from wmr_ctrl.page.scenes import PageScene, story
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario, override
 
