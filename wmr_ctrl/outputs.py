@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -62,14 +61,12 @@ def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None
     from wmr_ctrl.engines import runnable_plantless
     from wmr_ctrl.physics.film import moments_of
     from wmr_ctrl.report.animate import MOST_MOMENTS, check_film, write_moments
-    from wmr_ctrl.report.course import corridor_behind
+    from wmr_ctrl.report.course import course_behind
     from wmr_ctrl.scenario import loads_scenario
 
     check_film(path, run.settings.plant_kind)
     loop = runnable_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
     moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
-    tube = corridor_behind(run)
-    if tube is not None and tube.position is not None:
-        held = run.time[moments.rows] < (math.inf if tube.until is None else tube.until)
-        moments = replace(moments, tube=tube.position, certified=int(held.sum()))
-    write_moments(run, moments, path, progress)
+    course = course_behind(run)
+    tube = None if course is None else course[0, moments.rows]
+    write_moments(run, replace(moments, tube=tube), path, progress)

@@ -105,7 +105,7 @@ def test_every_stand_of_every_scene_drives_on(shown: Browser) -> None:
 def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown: Browser) -> None:
     tubes = "wmr.page.fleet.scene.tubes"
     kept = shown.value(f"JSON.stringify({tubes})")
-    shown.value(f"{tubes} = {{mb: {{most: 10, shown: '10 m', until: 5}}}}")
+    shown.value(f"{tubes} = {{mb: {{widths: [10, 20], every: 2, shown: '20 m', until: 5}}}}")
     text = "(wmr.page.board(), wmr.page.draw(), document.getElementById('certified'))"
     drawn = f"{text}.hidden ? '' : document.getElementById('certified').textContent"
 
@@ -118,7 +118,7 @@ def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown: Br
         shown.value(
             "wmr.page.fleet.replace({}), wmr.page.restart(), wmr.page.fleet.advance(1, 1e9)"
         )
-        assert "MB within 10 m" in shown.value(drawn)
+        assert "MB within 20 m" in shown.value(drawn)
         shown.value(f"{what}, 1")
         assert shown.value(drawn) == "", what
     shown.value(f"{tubes} = {kept}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor import run_corridor
 from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.page.content import content_of
 from wmr_ctrl.page.scenes import PageScene, story
@@ -72,10 +72,15 @@ def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> 
 
     tubes = content_of([scene], ("prox", "pid"), 0, lambda share: None).data["scenes"][0]["tubes"]
 
-    tube = find_corridor(scenario, "prox")
-    assert tubes == {
-        "prox": {"most": tube.position, "shown": length(tube.position or 0.0), "until": 40.0}
-    }
+    course = run_corridor(scenario, "prox").course
+    assert course is not None
+    assert list(tubes) == ["prox"]
+    assert len(tubes["prox"]["widths"]) == 800
+    assert tubes["prox"]["widths"] == [max(course[0, k : k + 10]) for k in range(0, 8000, 10)]
+    shown = length(course[0].max())
+    assert {**tubes["prox"], "widths": 0} == {
+        "widths": 0, "every": pytest.approx(0.1), "shown": shown, "until": 80.0,
+    }  # fmt: skip
 
 
 def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -79,8 +79,8 @@ def test_the_film_shows_the_certified_corridor(tmp_path):
     loop = runnable_plantless(load_scenario("safe-simulation", near), "prox")
     moments = moments_of(loop, run, 2)
     bare, wide = (
-        list(pictures(replace(moments, tube=width, certified=len(moments.rows))))[-1].astype(int)
-        for width in (0.0, 0.5)
+        list(pictures(replace(moments, tube=tube)))[-1].astype(int)
+        for tube in (None, np.full(len(moments.rows), 0.5))
     )
     reddened = (wide[..., 0] - wide[..., 2]) - (bare[..., 0] - bare[..., 2])
     assert (reddened > 20).sum() > 100

@@ -11,13 +11,14 @@ import pytest
 from PIL import Image
 
 from tests.results.conftest import build
-from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor import run_corridor
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.report import animate
 from wmr_ctrl.report.animate import animate_runs
+from wmr_ctrl.report.course import band
 from wmr_ctrl.report.scene import BODY, outline, scene_of, with_tubes
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.scenario import load_scenario, override
 from wmr_ctrl.scenario.toml_io import to_toml
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
@@ -160,8 +161,16 @@ def test_places_that_cannot_be_written_are_refused(run, tmp_path, name):
     assert not list(tmp_path.iterdir())
 
 
+def shown_of(path):
+    page = path.read_text(encoding="utf-8")
+    return page, json.loads(
+        re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail
+    )
+
+
 @pytest.mark.parametrize("off", [0.004, 0.01])
 def test_a_certified_corridor_is_a_band_and_a_gauge(tmp_path, off):
+    """Past a change of the robot it is that of the whole run."""
     scenario = load_scenario("safe-simulation", {"changes": [{"t": 0.5, "m": 60.0}]})
     away = np.zeros(100)
     away[30:] = off
@@ -169,22 +178,45 @@ def test_a_certified_corridor_is_a_band_and_a_gauge(tmp_path, off):
         labels={"law": "prox", "guard": True}, duration=1.0, y=away, x_d=np.linspace(0, 1, 100),
         x=np.linspace(0, 1, 100), y_d=0.0, provenance={"scenario_toml": to_toml(scenario)},
     )  # fmt: skip
-    scene = with_tubes(scene_of([run], 100), [run])
-    most = find_corridor(scenario, "prox").position
+    scene = with_tubes(scene_of([run], 50), [run])
+    most = run_corridor(override(scenario, {"guard.enabled": True}), "prox").course[0, :100:2]
     (shown,) = scene.off_path.T
 
-    assert scene.gauges[2].shares[:, 0] == pytest.approx(shown, nan_ok=True)
-    assert shown[:30] == pytest.approx(0.0)
-    assert shown[30:50] == pytest.approx(off / most)
-    assert np.isnan(shown[50:]).all()  # the robot has changed
+    assert scene.gauges[2].shares[:, 0] == pytest.approx(shown)
+    assert shown[:15] == pytest.approx(0.0)
+    assert shown[15:50] == pytest.approx(off / most[15:50])
+    assert most[40] > 1.05 * most[24], "wider after the change"
     animate_runs([run], tmp_path / "run.html")
-    page = (tmp_path / "run.html").read_text(encoding="utf-8")
-    data = json.loads(re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail)
-    assert data["certified"] == [50]
-    assert data["used"][40] == [pytest.approx(off / most, abs=1e-4)]
+    page, data = shown_of(tmp_path / "run.html")
+    assert data["used"][40] == [pytest.approx(off / most[20], abs=1e-4)]
+    above = [y for _, y in data["bands"][0][:100:2]]
+    assert above == pytest.approx(most, abs=1e-4)
+    assert "the certified corridor from a start on it, up to" in page
+
+
+def test_a_corridor_that_ends_is_drawn_until_then(tmp_path):
+    """Rare poses are counted for good alone, and not past a change."""
+    told = {"changes": [{"t": 0.5, "m": 60.0}], "disturbance.std": 0.1, "sensor.pose_period": 0.02}
+    scenario = load_scenario("safe-simulation", told)
+    run = build(
+        labels={"law": "prox", "guard": True}, duration=1.0, x_d=np.linspace(0, 1, 100),
+        provenance={"scenario_toml": to_toml(scenario)},
+    )  # fmt: skip
+    animate_runs([run], tmp_path / "run.html")
+    page, data = shown_of(tmp_path / "run.html")
+
+    assert len(data["bands"][0]) == 2 * 50
     assert data["used"][60] == [None]
-    assert "certified corridor" in page
-    assert "until 0.5 s" in page
+    assert "from a start on it, until 0.5 s, " in page
+
+
+def test_a_band_is_as_wide_as_the_corridor_and_stops_where_the_path_does():
+    path = np.array([[0.0, 1.0, 1.0, 1.0, 2.0, 3.0], np.zeros(6)])
+    edges = band(path, np.array([0.1, 0.2, 0.4, 0.3, 0.5, np.nan]))
+
+    corners = [(0, 0.1), (1, 0.4), (2, 0.5), (2, -0.5), (1, -0.4), (0, -0.1)]
+    np.testing.assert_allclose(edges.T, corners, atol=1e-12)
+    assert band(np.ones((2, 5)), np.ones(5)).size == 0
 
 
 def test_a_run_without_a_corridor_has_two_gauges(run):

@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import lru_cache
 from importlib.util import find_spec
 
+import numpy as np
+
 from wmr_ctrl.checks.outlook import scenario_of_run
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor as Corridor
@@ -48,6 +50,17 @@ def run_corridor(scenario: Scenario, law: str) -> Corridor:
     return _of_run(setup)
 
 
+def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corridor | None:
+    """The Corridor that runs of the scenario are in, with its ``course``; None without one.
+
+    The course (2, n) has one column that holds ``until`` the robot changes, or for good; or, where
+    one corridor does not hold for all of a run that begins on its path, one a sample of that run,
+    which takes some seconds, and is left out without ``whole``.
+    """
+    setup = settle(scenario, law)
+    return None if find_spec("flint") is None else _course_of(setup, whole)
+
+
 def corridor_monitor(scenario: Scenario, law: str) -> System:
     """The monitor of a law's corridor, for what a robot measures; to be stepped at every sample.
 
@@ -82,6 +95,21 @@ def _of_run(setup: Setup) -> Corridor:
     from wmr_ctrl.corridor.whole import certified_run
 
     return certified_run(setup, closing=False)
+
+
+@lru_cache(maxsize=16)
+def _course_of(setup: Setup, whole: bool) -> Corridor | None:
+    from wmr_ctrl.corridor.masses import certified
+
+    tube = certified(setup, closing=False)
+    begun = tube.position is not None and not tube.late  # no run begins with what is late
+    if whole and (not begun or tube.until is not None):
+        run = _of_run(setup)
+        if run.course is not None:
+            return run
+    if not begun:
+        return None
+    return replace(tube, course=np.array([[tube.position], [tube.heading]], dtype=float))
 
 
 @lru_cache(maxsize=256)

@@ -311,7 +311,8 @@ class Along:
         row, i, j = curve.bends.T
         inside = (row < nz) & (i < ROBOT) & (j < ROBOT)
         row, i, j, bends = row[inside], i[inside], j[inside], bends[inside]
-        worst = (bends * reach[i] * reach[j] / reach[row]).argmax()
+        least = np.finfo(float).tiny  # of what is not off at all
+        worst = (bends * reach[i] * reach[j] / np.maximum(reach[row], least)).argmax()
         a, b = sorted((i[worst], j[worst]))
         term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
         why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""

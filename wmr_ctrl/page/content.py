@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from importlib.util import find_spec
 from typing import Any
 
 from wmr_ctrl import __version__
@@ -11,6 +10,7 @@ from wmr_ctrl.codegen.build import numbers_of, phases_of
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.ranges import fields_of
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor import corridor_course
 from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
@@ -29,6 +29,8 @@ DARK = (0x12, 0x16, 0x1C)
 CONTRAST = (5.0, 10.0)
 """Contrast with it of the lightest and the darkest colours, more than the 4.5 that guidelines
 ask of text: those that were dark on white are light on black."""
+EVERY = 0.1
+"""Time [s] for which a corridor that varies has one width, its largest there."""
 LIGHT = 0.2
 """Luminance of the lightest."""
 
@@ -61,7 +63,7 @@ def content_of(
             actuator, base = setup.scenario.actuator, setup.scenario.base
             late = actuator.delay + actuator.unmodelled_delay + base.delay
             steps = max(steps, round(late / setup.scenario.clock.plant))
-        scenery.append(_scene(scene, variants, loops))
+        scenery.append(_scene(scene, variants, loops, len(scenes) == 1))
         progress(len(scenery) / len(scenes))
     numbers = {item.name: item for loop in loops for item in loop.layout.parameters}
     for scene, plain in zip(scenes, scenery, strict=True):
@@ -99,7 +101,9 @@ def _loop(loop: PageLoop) -> Plain:
     }
 
 
-def _scene(scene: PageScene, variants: list[SettledVariant], loops: PageLoops) -> Plain:
+def _scene(
+    scene: PageScene, variants: list[SettledVariant], loops: PageLoops, whole: bool
+) -> Plain:
     scenario, setups = scene.scenario, variants[0].setups
     base = {law: _rows(setup, loops.of(setup))[0] for law, setup in setups.items()}
     ports = [item for setup in setups.values() for item in loops.of(setup).layout.parameters]
@@ -114,23 +118,32 @@ def _scene(scene: PageScene, variants: list[SettledVariant], loops: PageLoops) -
         "duration": scenario.clock.duration,
         "start": [*scenario.initial.pose, *scenario.initial.velocity],
         "base": {law: _spelled(row) for law, row in base.items()},
-        "tubes": {law: tube for law, setup in setups.items() if (tube := _tube(setup))},
+        "tubes": {law: tube for law, setup in setups.items() if (tube := _tube(setup, whole))},
         "stands": [_variant(item, base, loops) for item in variants],
         "controls": [_control(item) for item in controls_of(scenario, ports, values)],
     }
 
 
-def _tube(setup: Setup) -> Plain | None:
-    """Certified distance from the path [m], and until when [s]; None where there is none."""
-    if find_spec("flint") is None:
-        return None
-    from wmr_ctrl.corridor.masses import certified
+def _tube(setup: Setup, whole: bool) -> Plain | None:
+    """Certified distance from the path, each for some time, and until when; None without one.
 
-    tube = certified(setup, closing=False)
-    if tube.position is None:
+    Only with ``whole`` that of a run past its changes: a story of many runs would take a minute.
+    ``widths`` [m], each for ``every`` seconds, the last from there on; ``until`` [s].
+    """
+    tube = corridor_course(setup.scenario, setup.name, whole=whole)
+    if tube is None or tube.course is None:
         return None
-    until = math.inf if tube.until is None else tube.until
-    return {"most": tube.position, "shown": length(tube.position), "until": _number(until)}
+    until = tube.until if tube.run is None else tube.run
+    period = setup.scenario.clock.control
+    count = max(1, round(EVERY / period))
+    row = tube.course[0].tolist()
+    widths = [max(row[k : k + count]) for k in range(0, len(row), count)]
+    return {
+        "widths": widths,
+        "every": count * period,
+        "shown": length(max(widths)),
+        "until": _number(math.inf if until is None else until),
+    }
 
 
 def _admitted(scenario: Scenario, parameters: Iterable[Signal]) -> Plain:

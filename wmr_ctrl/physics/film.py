@@ -44,7 +44,7 @@ class Moments:
 
     ``model``: the robot as MJCF; ``rows`` (n,) of the log; ``positions`` (n, 9): MuJoCo's, the
     body's and the wheels'; ``target`` (n, 2): the desired position [m]; ``slip_max`` [m/s]: from
-    where on a tread slides; ``tube`` [m]: corridor about the path, of its first ``certified`` rows.
+    where on a tread slides; ``tube`` (n,) [m]: corridor about the path, nan where there is none.
     """
 
     model: str
@@ -52,8 +52,7 @@ class Moments:
     positions: NDArray[np.float64]
     target: NDArray[np.float64]
     slip_max: float
-    tube: float = 0.0
-    certified: int = 0
+    tube: NDArray[np.float64] | None = None
 
 
 def moments_of(loop: RunnableLoop, run: Run, most: int) -> Moments:
@@ -89,10 +88,8 @@ def pictures(moments: Moments) -> Iterator[Picture]:
         for first in range(0, len(moments.rows), _AT_A_TIME):
             seen = slice(first, first + _AT_A_TIME)
             ways = (moments.positions[:, :2], moments.target)
-            tube = moments.tube, moments.certified
-            yield from worker.ask(
-                paint, (moments.model, moments.positions[seen], *ways, first, tube)
-            )
+            shown = (moments.model, moments.positions[seen], *ways, first, moments.tube)
+            yield from worker.ask(paint, shown)
     finally:
         worker.end()
 
@@ -128,11 +125,11 @@ def paint(
     driven: Floats,
     target: Floats,
     first: int,
-    tube: tuple[float, int] = (0.0, 0),
+    tube: Floats | None = None,
 ) -> list[Picture]:
     """Pictures of some moments, numbered from ``first``; what the process that paints does."""
     stage, numbered = _scenery(model), enumerate(positions, first + 1)
-    stage.lay(target[: tube[1]], tube[0])
+    stage.lay(target, np.full(len(target), np.nan) if tube is None else tube)
     return [stage.picture(position, driven[:k], target[:k]) for k, position in numbered]
 
 
@@ -155,13 +152,13 @@ class _Scenery:
         self._camera.elevation = _ELEVATION
         self._slabs: list[tuple[Floats, Floats, Floats]] = []
 
-    def lay(self, path: Floats, width: float) -> None:
-        """A band within ``width`` [m] of a path (n, 2) on the ground, from now on."""
-        self._slabs = []
-        for one, other in pairwise(path):
+    def lay(self, path: Floats, widths: Floats) -> None:
+        """A band within ``widths`` (n) [m] of a path (n, 2) on the ground, from now on."""
+        self._slabs, most = [], np.maximum(widths[:-1], widths[1:])
+        for (one, other), width in zip(pairwise(path), most, strict=True):
             ahead = other - one
             long = float(np.hypot(*ahead))
-            if width and long:
+            if width > 0 and long:
                 a, b = ahead / long
                 turned = np.array([a, -b, 0.0, b, a, 0.0, 0.0, 0.0, 1.0])
                 size = np.array([long / 2, width, 0.001])

@@ -158,8 +158,8 @@ def _json(scene: Scene) -> str:
         "view": [round(edge, 4) for edge in scene.view],
         "scales": [float(f"{scale:.4g}") for scale in scene.scales],
         "limited": scene.limited,
-        "tubes": [one.tube for one in scene.actors],
-        "certified": [int((scene.t < one.certified).sum()) for one in scene.actors],
+        "tubes": scene.tubes,
+        "bands": [np.round(scene.band(one).T, 4).tolist() for one in scene.actors],
         "off": scene.tube_words.split("\n"),
         "used": [[_share(value) for value in row] for row in scene.off_path.tolist()],
         "body": [scene.size * part for part in BODY],
@@ -261,7 +261,8 @@ def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
     font = ImageFont.load_default(15)
     name = style.driver(run.law, run.guard)
     title = f"{name}, {run.scenario}, seed {run.seed}, on tyres; orange: desired"
-    for row, picture in zip(moments.rows.tolist(), pictures(moments), strict=True):
+    for place, picture in enumerate(pictures(moments)):
+        row = int(moments.rows[place])
         whole = Image.new("RGB", (WIDTH, _height(moments)), "white")
         whole.paste(Image.fromarray(picture))
         draw = ImageDraw.Draw(whole)
@@ -269,21 +270,20 @@ def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
         draw.text((WIDTH - 100, HEIGHT + 8), f"t = {run.time[row]:.2f} s", style.INK, font)
         for left, (text, bad) in zip(_LEFT, _texts(run, row, moments.slip_max), strict=True):
             draw.text((left, HEIGHT + 32), text, style.LIMIT if bad else style.INK, font)
-        if moments.tube:
-            line = _off_path(run, row, moments)
+        if moments.tube is not None:
+            line = _off_path(run, row, moments.tube[place])
             draw.text((10, HEIGHT + 32 + _LINE), line, style.INK, font)
         yield np.asarray(whole)
 
 
 def _height(moments: Moments) -> int:
-    return HEIGHT + _STRIP + _LINE * bool(moments.tube)
+    return HEIGHT + _STRIP + _LINE * (moments.tube is not None)
 
 
-def _off_path(run: Run, row: int, moments: Moments) -> str:
-    """How far off its place on the path, beside the corridor, which knows no tyres."""
+def _off_path(run: Run, row: int, width: float) -> str:
+    """How far off its place on the path, beside the corridor [m], which knows no tyres."""
     off = math.hypot(run["x"][row] - run["x_d"][row], run["y"][row] - run["y_d"][row])
-    ends = moments.certified < len(moments.rows) and row >= moments.rows[moments.certified]
-    most = "" if ends else f"; band: certified {length(moments.tube)}, without slip"
+    most = "" if math.isnan(width) else f"; band: certified {length(width)}, without slip"
     return f"{length(off)} off its place on the path{most}"
 
 

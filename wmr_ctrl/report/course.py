@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle as CirclePatch
 from matplotlib.patches import Patch, Polygon
 
-from wmr_ctrl.corridor import Corridor, find_corridor, run_corridor
+from wmr_ctrl.corridor import corridor_course
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report.style import GRID, INK, LIMIT, MUTED
 from wmr_ctrl.results import FloatArray, Run
@@ -88,55 +88,46 @@ FAINT = 0.25
 """Opacity of a band."""
 
 
-def tube_of(run: Run) -> Corridor | None:
-    """The certified corridor of the run's scenario and law, where there is one.
-
-    None on the rigid body too: the certificate is about the plane model.  Where it is of drives and
-    commands that hold something at the start, which runs do not, it is that of the whole run.
-    """
-    if run.monitor.rigid:
-        return None
-    return corridor_behind(run)
-
-
 def course_of_tube(run: Run) -> FloatArray | None:
     """Certified distance [m] and heading [rad] (2, rows) over the run's time; None without.
 
-    Where one corridor does not hold for all of the run, each sample has its own.
+    None on the rigid body too: the certificate is about the plane model.
     """
-    scenario = None if run.monitor.rigid else scenario_behind(run)
-    if scenario is None or run.law not in LAWS:
-        return None
-    known = tube_of(run)
-    if known is not None and known.until is None and known.run is None:
-        return np.tile([[known.position or 0.0], [known.heading or 0.0]], run.rows)
-    whole = run_corridor(override(scenario, {"guard.enabled": run.guard}), run.law)
-    if whole.course is None:
-        if known is None or known.run is not None:
-            return None
-        course = np.full((2, run.rows), np.nan)
-        course[:, : run.settings.index(known.until or 0.0)] = [
-            [known.position or 0.0],
-            [known.heading or 0.0],
-        ]
-        return course
-    return whole.course[:, np.minimum(np.arange(run.rows), whole.course.shape[1] - 1)]
+    return None if run.monitor.rigid else course_behind(run)
 
 
-def corridor_behind(run: Run) -> Corridor | None:
-    """The same, whichever plant the run had."""
+def course_behind(run: Run) -> FloatArray | None:
+    """The same, whichever plant the run had; nan from where on nothing is certified.
+
+    Where one corridor does not hold for all of the run, as past a change of the robot, each sample
+    has its own, that of the whole run.
+    """
     scenario = scenario_behind(run)
     if scenario is None or run.law not in LAWS:
         return None
-    guarded = override(scenario, {"guard.enabled": run.guard})
-    tube = find_corridor(guarded, run.law)
-    if tube.position is not None and tube.late:
-        tube = run_corridor(guarded, run.law)
-    return tube if tube.position is not None else None
+    tube = corridor_course(override(scenario, {"guard.enabled": run.guard}), run.law)
+    if tube is None or tube.course is None:
+        return None
+    course = tube.course[:, np.minimum(np.arange(run.rows), tube.course.shape[1] - 1)]
+    if tube.until is not None:
+        course[:, run.settings.index(tube.until) :] = np.nan
+    return course
 
 
-def band(path: FloatArray, width: float | FloatArray) -> FloatArray:
-    """Corners (2, 2n) of the band within ``width`` [m], also (n), of a path (2, n)."""
+def band(path: FloatArray, width: FloatArray) -> FloatArray:
+    """Corners (2, 2m) of the band within ``width`` [m] (n) of a path (2, n), as far as that is one.
+
+    Where the path stands still, its widest counts.
+    """
+    held = np.isfinite(width)
+    path, width = path[:, held], width[held]
+    moved = np.flatnonzero(np.any(np.diff(path, axis=1), axis=0)) + 1
+    if not moved.size:
+        return np.empty((2, 0))
+    begun = np.append(0, moved)
+    path, width = path[:, begun], np.maximum.reduceat(width, begun)
     ahead = np.gradient(path, axis=1)
-    side = width * np.array((-ahead[1], ahead[0])) / np.hypot(*ahead)
+    side = (
+        width * np.array((-ahead[1], ahead[0])) / np.maximum(np.hypot(*ahead), np.finfo(float).tiny)
+    )
     return np.hstack([path + side, (path - side)[:, ::-1]])

@@ -120,8 +120,7 @@ def _path(part: SubFigure, run: Run, tube: FloatArray | None) -> None:
 
 def _draw_tube(axes: Axes, run: Run, tube: FloatArray) -> None:
     """Band about the desired path, as wide as the corridor is there, as long as there is one."""
-    held = np.flatnonzero(np.isfinite(tube[0]))
-    rows = held[np.unique(np.linspace(0, len(held) - 1, BAND).astype(int))]
+    rows = np.unique(np.linspace(0, run.rows - 1, BAND).astype(int))
     edges = band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
     axes.fill(*edges, color=look(run.law).colour, alpha=FAINT, lw=0, zorder=1.4)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
-from wmr_ctrl.report.course import Course, course_of, tube_of
+from wmr_ctrl.report.course import Course, band, course_of, course_of_tube
 from wmr_ctrl.report.style import colours_of, driver
 from wmr_ctrl.results import FloatArray, Run
 from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
@@ -24,6 +24,8 @@ WHEEL = (0.2, 0.05)
 TRACK = 0.25
 """Axle's midpoint to a wheel [m]."""
 _POSE, _TARGET, _V = ("x", "y", "theta"), ("x_d", "y_d", "theta_d"), ("v1", "omega")
+_LEAST = 1e-9
+"""Least width [m] that a distance is divided by: a run on its path begins with a corridor of 0."""
 _SAME = 1e-6
 """References this near [m, rad] are one: runs of other periods sample them at other times."""
 
@@ -33,15 +35,22 @@ class Actor:
     """A robot of an animation: its name, colour, and poses and velocities at the frames.
 
     ``pose`` (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames, 2): v1 [m/s], omega [rad/s].
-    ``tube`` [m]: its certified corridor until ``certified`` [s], 0 without one.
+    ``tube`` (frames,) [m]: its certified corridor, nan from ``certified`` [s] on; None without.
+    ``widest`` [m]: the largest of it, also between frames.
     """
 
     label: str
     colour: str
     pose: FloatArray
     velocity: FloatArray
-    tube: float = 0.0
+    tube: FloatArray | None = None
     certified: float = math.inf
+    widest: float = 0.0
+
+    @property
+    def has_one_width(self) -> bool:
+        """True where the corridor is as wide everywhere."""
+        return self.tube is not None and float(np.nanmin(self.tube)) == self.widest
 
 
 @dataclass(frozen=True)
@@ -99,7 +108,7 @@ class Scene:
     @property
     def tubes(self) -> bool:
         """True where a robot has a certified corridor."""
-        return any(one.tube for one in self.actors)
+        return any(one.tube is not None for one in self.actors)
 
     @property
     def off_path(self) -> FloatArray:
@@ -109,24 +118,38 @@ class Scene:
     @property
     def tube_words(self) -> str:
         """Label of the gauge of the certified corridors."""
-        widths = {length(one.tube) for one in self.actors if one.tube}
-        most = f"certified {widths.pop()}" if len(widths) == 1 else "over what is certified"
-        return f"off its place,\n{most}"
+        known = [one for one in self.actors if one.tube is not None]
+        widths = {length(one.widest) for one in known}
+        same = len(widths) == 1 and all(one.has_one_width for one in known)
+        return (
+            f"off its place,\n{f'certified {widths.pop()}' if same else 'over what is certified'}"
+        )
 
     @property
     def tube_sentence(self) -> str:
         """Caption of the bands about the path, "" without any."""
-        ends = sorted({one.certified for one in self.actors if one.tube})
+        known = [one for one in self.actors if one.tube is not None]
+        ends = sorted(one.certified for one in known)
         until = f", until {ends[0]:g} s" if ends and math.isfinite(ends[0]) else ""
-        widths = ", ".join(f"{length(one.tube)} ({one.label})" for one in self.actors if one.tube)
-        band = f"Shaded about the path: the certified corridor from a start on it{until}, {widths}."
-        return band if self.tubes else ""
+        widths = ", ".join(
+            f"{'' if one.has_one_width else 'up to '}{length(one.widest)} ({one.label})"
+            for one in known
+        )
+        words = (
+            f"Shaded about the path: the certified corridor from a start on it{until}, {widths}."
+        )
+        return words if known else ""
+
+    def band(self, one: Actor) -> FloatArray:
+        """Corners (2, m) of a robot's corridor about the path; none without one."""
+        if self.target is None or one.tube is None:
+            return np.empty((2, 0))
+        return band(self.target[:, :2].T, one.tube)
 
     def _off(self, one: Actor) -> FloatArray:
-        if self.target is None or not one.tube:
+        if self.target is None or one.tube is None:
             return np.full(len(self.t), math.nan)
-        away = np.hypot(*(one.pose - self.target)[:, :2].T) / one.tube
-        return np.where(self.t < one.certified, away, math.nan)
+        return np.hypot(*(one.pose - self.target)[:, :2].T) / np.maximum(one.tube, _LEAST)
 
 
 def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Scene:
@@ -145,8 +168,7 @@ def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Sc
     actors = []
     colours = colours_of([run.law for run in runs])
     for run, label, colour in zip(runs, labels or names_of(runs), colours, strict=True):
-        held = np.searchsorted(run.time, t + 1e-9, side="right") - 1
-        shared = t <= run.time[-1]
+        held, shared = _held(run, t), t <= run.time[-1]
         near = np.isclose(_columns(run, held, *_TARGET), target, rtol=0, atol=_SAME)
         if run.settings.v_u1 != longest.settings.v_u1 or not near[shared].all():
             raise ArgumentError(
@@ -162,14 +184,22 @@ def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Sc
     return Scene(title, tuple(actors), t, target, limits, view, course=course)
 
 
+def _held(run: Run, t: FloatArray) -> NDArray[np.intp]:
+    """Rows that a run shows at times [s]."""
+    return np.searchsorted(run.time, t + 1e-9, side="right") - 1
+
+
 def with_tubes(scene: Scene, runs: Sequence[Run]) -> Scene:
     """The scene of runs with the certified corridor of each that has one."""
     actors = []
     for one, run in zip(scene.actors, runs, strict=True):
-        tube = tube_of(run)
-        if tube is not None and tube.position is not None:
-            until = math.inf if tube.until is None else tube.until
-            one = replace(one, tube=tube.position, certified=until)
+        course = course_of_tube(run)
+        if course is not None:
+            ends = np.flatnonzero(np.isnan(course[0]))
+            tube = np.where(scene.t <= run.time[-1], course[0, _held(run, scene.t)], math.nan)
+            until = float(run.time[ends[0]]) if ends.size else math.inf
+            most = float(np.nanmax(course[0]))
+            one = replace(one, tube=tube, certified=until, widest=most)
         actors.append(one)
     return replace(scene, actors=tuple(actors))
 

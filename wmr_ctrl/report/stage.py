@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
-from wmr_ctrl.report.course import FAINT, band
+from wmr_ctrl.report.course import FAINT
 from wmr_ctrl.report.drawing import line_handle
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Actor, Scene, outline
 from wmr_ctrl.report.style import DASHES, DOTTED, INK, LIMIT, MUTED, Dash, house_style, verbatim
@@ -77,10 +77,7 @@ class _Stage:
         axes.set_aspect("equal", adjustable="box")
         if scene.target is not None:
             for one in scene.actors:
-                path = scene.target[scene.t < one.certified, :2].T
-                if one.tube and path.shape[1] > 1:
-                    edges = band(path, one.tube)
-                    axes.fill(*edges, color=one.colour, alpha=FAINT, lw=0, zorder=1.4)
+                axes.fill(*scene.band(one), color=one.colour, alpha=FAINT, lw=0, zorder=1.4)
             axes.plot(*scene.target[:, :2].T, color=MUTED, ls=DOTTED, lw=1.2)
         scene.course.draw(axes)
         self._figure.text(0.1, 0.992, verbatim(scene.title), va="top", size=8.5, weight="bold")

@@ -42,7 +42,7 @@ class Sheet {
   }
 }
 
-// `what`: column, marks (limits and thresholds) of the fleet; most (of the marks) and share (of the rows) that
+// `what`: column, marks of the fleet (limits, thresholds, and what varies: `at` a time); most (of the marks) and share (of the rows) that
 // are shown, floor, ceiling and least top of the range; times: what a number is written as, over what it is.
 class Chart extends Sheet {
   constructor(canvas, what) {
@@ -57,7 +57,7 @@ class Chart extends Sheet {
     const X = (t) => frame.left + ((t - from) / (to - from)) * (frame.right - frame.left);
     const Y = (value) => frame.low - ((value - bottom) / (top - bottom)) * (frame.low - frame.top);
     pen.clearRect(0, 0, this.width, this.height);
-    this.shade(look, frame, Y, marks, bottom, top);
+    this.shade(look, frame, X, Y, marks, bottom, top, from, to);
     this.axes(look, frame, X, Y, bottom, top, from, to);
     pen.save();
     pen.beginPath();
@@ -92,11 +92,11 @@ class Chart extends Sheet {
   }
 
   // What is beyond a limit, and the limits' edges.
-  shade(look, frame, Y, marks, bottom, top) {
+  shade(look, frame, X, Y, marks, bottom, top, from, to) {
     const { pen } = this, width = frame.right - frame.left;
     pen.fillStyle = look.beyond;
     pen.lineWidth = 1.2;
-    for (const { value, beyond, dotted, law } of marks) {
+    for (const { value, beyond, dotted, law, at } of marks) {
       if (value <= bottom || value >= top) continue;
       const edge = Y(value);
       pen.strokeStyle = law ? look.laws[law].colour : look.limit;
@@ -104,8 +104,8 @@ class Chart extends Sheet {
       if (beyond < 0) pen.fillRect(frame.left, edge, width, Math.max(frame.low - edge, 0));
       pen.setLineDash(dotted ? [1.5, 3] : []);
       pen.beginPath();
-      pen.moveTo(frame.left, edge);
-      pen.lineTo(frame.right, edge);
+      const level = (t) => (at ? Y(at(Math.max(t, 0))) : edge), parts = at ? 200 : 1;
+      for (let i = 0; i <= parts; ++i) { const t = from + ((to - from) * i) / parts; pen.lineTo(X(t), level(t)); }
       pen.stroke();
     }
     pen.setLineDash([]);

@@ -47,15 +47,16 @@ class Member {
     this.robot = null;
   }
 
-  begin(plan, seed) {
+  begin(plan, seed, tube) {
     this.free();
+    this.tube = tube;
     this.robot = this.engine.robot(plan.loop).begin(plan, seed);
     this.void = plan.void;
     this.step0 = plan.rows[0]["clock.plant"];
     this.history = new History();
     this.carried = { violations: 0, samples: 0, clipped: [0, 0], most: [0, 0], least: [0, 0], first: null, feasible: 1 };
     this.jumped = 0;
-    this.nearest = Infinity;
+    this.within = false;
     this.touched = false;
     return this;
   }
@@ -86,7 +87,7 @@ class Member {
     this.watch(robot);
     const torque = Math.max(Math.abs(robot.column("tau_right")), Math.abs(robot.column("tau_left")));
     const off = Math.hypot(robot.column("x") - robot.column("x_d"), robot.column("y") - robot.column("y_d"));
-    this.nearest = Math.min(this.nearest, off);
+    this.within = this.within || (this.tube !== undefined && off <= widthOf(this.tube, robot.column("t")));
     this.history.add([
       robot.column("t"), robot.column("x"), robot.column("y"), robot.column("theta"), robot.column("v1"),
       robot.column("omega"), torque, robot.column("V1"), robot.column("margin"), off,
@@ -130,6 +131,9 @@ class Member {
   }
 }
 
+// Width [m] of a certified corridor at a time [s].
+function widthOf(tube, t) { return tube.widths[Math.min(Math.floor(t / tube.every + 1e-6), tube.widths.length - 1)]; }
+
 class Fleet {
   constructor(engine) {
     this.engine = engine;
@@ -148,9 +152,9 @@ class Fleet {
 
   // The certified corridor of a robot that is in it, as long as it has met nothing but the scene.
   tube(member) {
-    const tube = this.scene.tubes[member.law];
+    const { tube } = member;
     const own = !this.touched && this.stand === this.scene.stands[0] && !Object.keys(this.overrides).length;
-    return tube && own && !member.touched && this.time < Number(tube.until) && member.nearest <= tube.most ? tube : null;
+    return tube && own && !member.touched && this.time < Number(tube.until) && member.within ? tube : null;
   }
 
   plan(law) { return planOf(this.told, this.scene, this.stand, law, this.overrides); }
@@ -168,7 +172,7 @@ class Fleet {
     this.behind = 0;
     this.pushed = null;
     this.touched = Object.keys(this.overrides).length > 0;
-    for (const [law, member] of this.members) member.begin(this.plan(law), this.seed);
+    for (const [law, member] of this.members) member.begin(this.plan(law), this.seed, this.scene.tubes[law]);
     this.path = this.desiredPath();
   }
 
@@ -182,7 +186,7 @@ class Fleet {
   }
 
   arrived(law) {
-    const member = new Member(this.engine, law).begin(this.plan(law), this.seed);
+    const member = new Member(this.engine, law).begin(this.plan(law), this.seed, this.scene.tubes[law]);
     for (let k = 0; k < this.sampled && !member.ended; ++k) member.sample();
     return member;
   }
@@ -259,6 +263,7 @@ class Fleet {
       points.push([robot.column("x_d"), robot.column("y_d")]);
     }
     robot.free();
+    this.pathPeriod = slow.period;
     return points;
   }
 }

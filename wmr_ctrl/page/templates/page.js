@@ -25,7 +25,7 @@ function limitsOf(fleet, axis) {
 // Certified distances; beside them the chart may show less than without.
 function tubesOf(fleet) {
   const known = [...fleet.members.values()].map((member) => ({ member, tube: fleet.tube(member) })).filter(({ tube }) => tube);
-  return known.map(({ member, tube }) => ({ value: tube.most, dotted: true, law: member.law }));
+  return known.map(({ member, tube }) => ({ value: Math.max(...tube.widths), at: (t) => widthOf(tube, t), dotted: true, law: member.law }));
 }
 
 class Page {
@@ -336,7 +336,7 @@ class Page {
         cell(length(member.history.last("distance"))),
         cell(fleet.stand.guard || (this.told.filtered && share) ? `${shownNumber(share, 2)} %` : "–"));
     }));
-    const tubes = tubesOf(fleet).map(({ law }) => `${this.look.laws[law].label} within ${fleet.scene.tubes[law].shown}`);
+    const tubes = tubesOf(fleet).map(({ law }) => `${this.look.laws[law].label} within ${fleet.members.get(law).tube.shown}`);
     byId("certified").hidden = !tubes.length;
     byId("certified").textContent = `Certified from a start on the path: ${tubes.join(", ")} of the desired position. Band about the path, dotted in the chart of the distance; both go when anything acts beside the scene’s own numbers, such as a push.`;
     const notices = this.notices();

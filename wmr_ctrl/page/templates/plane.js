@@ -86,17 +86,32 @@ class Plane extends Sheet {
   tube(fleet, member, look) {
     const { pen } = this, tube = fleet.tube(member);
     if (!tube) return;
-    pen.strokeStyle = look.laws[member.law].colour;
+    const places = [], stride = this.stride(fleet);
+    fleet.path.forEach(([x, y], k) => {
+      const at = places[places.length - 1], width = widthOf(tube, k * fleet.pathPeriod);
+      if (k % stride || k * fleet.pathPeriod >= Number(tube.until)) return;
+      if (at && at.x === x && at.y === y) at.width = Math.max(at.width, width); // it stands still
+      else places.push({ x, y, width });
+    });
+    const edge = (side) => places.map(({ x, y, width }, k) => {
+      const before = places[Math.max(k - 1, 0)], after = places[Math.min(k + 1, places.length - 1)];
+      const [a, b] = [after.x - before.x, after.y - before.y], long = Math.hypot(a, b) || 1;
+      return [this.X(x - (side * width * b) / long), this.Y(y + (side * width * a) / long)];
+    });
+    pen.fillStyle = look.laws[member.law].colour;
     pen.globalAlpha = 0.25;
-    pen.lineWidth = (2 * tube.most) / this.view.scale;
-    pen.lineJoin = "round";
-    this.along(fleet);
+    pen.beginPath();
+    for (const [x, y] of [...edge(1), ...edge(-1).reverse()]) pen.lineTo(x, y);
+    pen.fill();
     pen.globalAlpha = 1;
   }
 
+  // One in so many points of the desired path is drawn.
+  stride(fleet) { return Math.max(1, Math.floor(fleet.path.length / 600)); }
+
   // The desired path, in as many points as are seen.
   along(fleet) {
-    const stride = Math.max(1, Math.floor(fleet.path.length / 600));
+    const stride = this.stride(fleet);
     this.stroke(fleet.path.filter((_, i) => i % stride === 0).map(([x, y]) => [this.X(x), this.Y(y)]));
   }
 
