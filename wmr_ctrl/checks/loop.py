@@ -147,7 +147,11 @@ class Loop:
         plant = self.around.plant(at.motion, period, drives=drives, robot=robot, sample=sample)
         upper = plant.moved + plant.forced @ law.d @ plant.measured, plant.forced @ law.c
         whole = np.block([[*upper], [law.b @ plant.measured, law.a]])
-        return _once(whole, plant.sent, np.arange(len(whole) - law.sent, len(whole)))
+        # A matrix without the elements ``first`` that are the leading ones of ``second`` too.
+        second = np.arange(len(whole) - law.sent, len(whole))
+        count = min(len(plant.sent), len(second))
+        whole[:, second[:count]] += whole[:, plant.sent[:count]]
+        return np.delete(np.delete(whole, plant.sent[:count], 0), plant.sent[:count], 1)
 
     def linear(
         self,
@@ -285,13 +289,6 @@ class Loop:
         """Values of the law's parameters with a control period [s]."""
         listed = ((port.signal.name, port.value) for port in self.core.params)
         return [n for name, own in listed for n in ((period,) if name == PERIOD else own)]
-
-
-def _once(whole: Floats, first: IntArray, second: IntArray) -> Floats:
-    """A matrix without the elements ``first`` that are the leading ones of ``second`` too."""
-    count = min(len(first), len(second))
-    whole[:, second[:count]] += whole[:, first[:count]]
-    return np.delete(np.delete(whole, first[:count], 0), first[:count], 1)
 
 
 @lru_cache(maxsize=128)

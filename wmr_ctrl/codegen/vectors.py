@@ -62,7 +62,9 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
     known = {item.signal for item in system.inputs}
     exact = _commands(system, limits) if ASKED in known else _inputs(np.array(limits.v_u1))
     if TORQUE[0] in known:
-        exact = _watched(exact, system.u.numel())
+        # Desired and measured pose, velocity, and torques: what a monitor is given in the place.
+        told = np.random.default_rng(7).uniform(-1, 1, (len(exact), system.u.numel() - 8))
+        exact = np.hstack([exact[:, :3], exact[:, 7:12], told])
     inputs: Floats = np.round(exact, 6)
     p, x = np.array(system.p0), np.array(system.x0)
     if any(item.signal == COUNTS for item in system.inputs):
@@ -104,12 +106,6 @@ def _commands(system: System, limits: Limits) -> Floats:
         age = 0.0 if k % 2 else -1.0
         rows.append(np.array([*asked, *measured, age, 0.0])[: system.u.numel()])
     return np.array(rows)
-
-
-def _watched(inputs: Floats, count: int) -> Floats:
-    """Desired and measured pose, velocity, and torques: what a monitor is given in the place."""
-    told = np.random.default_rng(7).uniform(-1, 1, (len(inputs), count - 8))
-    return np.hstack([inputs[:, :3], inputs[:, 7:12], told])
 
 
 def _with_counts(inputs: Floats, system: System) -> Floats:

@@ -258,13 +258,10 @@ class Quantity:
             raise self.refuse(value, path, "a circle [x, y, r] with r >= 0")
         return circle
 
-    def _mapping(self, value: object, path: str) -> Mapping[str, object]:
+    def _numbers(self, value: object, path: str) -> Mapping[str, float]:
         if not isinstance(value, Mapping):
             raise self.refuse(value, path, f"a table, written as [{path}]")
-        return Frozen(value)
-
-    def _numbers(self, value: object, path: str) -> Mapping[str, float]:
-        table = self._mapping(value, path)
+        table = Frozen(value)
         return Frozen({name: self._number(item, f"{path}.{name}") for name, item in table.items()})
 
 

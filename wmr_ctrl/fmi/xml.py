@@ -52,7 +52,22 @@ def description(
     arrays = arrays and version == 3
     rows = [(i, v) for i, v in enumerate(model.variables) if row_size(v, arrays)]
     variable = _fmi2_variable if version == 2 else partial(_fmi3_variable, arrays=arrays)
-    shown = _common(model, sources, tool, note)
+    clock = model.scenario.clock
+    shown = {
+        "identifier": model.identifier,
+        "token": sources.token,
+        "title": model.title + note,
+        "tool": tool,
+        "version": tool.rpartition(" ")[2],
+        "license": "BSD-3-Clause",
+        "units": sources.units,
+        "unit_definitions": [_unit(unit) for unit in _units(model.variables)],
+        "duration": repr(clock.duration),
+        "step": repr(clock.control),
+        "internal_step": repr(clock.plant if model.kind == "continuous" else clock.control),
+        "derivatives": bool(model.derivatives),
+        "model_exchange": bool(model.layout["HAS_ME"]),
+    }
     shown["structure"] = _structure(model, version, arrays)
     shown["variables"] = [variable(model, i, v) for i, v in rows]
     return render(f"fmi{version}.xml", m=shown)
@@ -85,25 +100,6 @@ def documentation(model: FmuModel, tool: str) -> str:
     packed = model.what in (*LAWS, FILTER)
     kinds = {"scenario": model.scenario.name, "kind": model.kind, "packed": packed}
     return render("index.html", m={**named, **kinds, "documented": rows})
-
-
-def _common(model: FmuModel, sources: Sources, tool: str, note: str) -> dict[str, Any]:
-    clock = model.scenario.clock
-    return {
-        "identifier": model.identifier,
-        "token": sources.token,
-        "title": model.title + note,
-        "tool": tool,
-        "version": tool.rpartition(" ")[2],
-        "license": "BSD-3-Clause",
-        "units": sources.units,
-        "unit_definitions": [_unit(unit) for unit in _units(model.variables)],
-        "duration": repr(clock.duration),
-        "step": repr(clock.control),
-        "internal_step": repr(clock.plant if model.kind == "continuous" else clock.control),
-        "derivatives": bool(model.derivatives),
-        "model_exchange": bool(model.layout["HAS_ME"]),
-    }
 
 
 def _units(variables: Iterable[Variable]) -> list[NamedUnit]:

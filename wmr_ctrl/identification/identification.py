@@ -204,11 +204,7 @@ def _samples(
 
 
 def _by_poses(
-    raw: Log,
-    scenario: Scenario,
-    missing: list[str],
-    remarks: list[str],
-    commands: tuple[str, ...],
+    raw: Log, scenario: Scenario, missing: list[str], remarks: list[str], commands: tuple[str, ...]
 ) -> Scenario:
     trial = override(scenario, {"robot.r": 1.0, "robot.l": 1.0})
     ratios = None
@@ -284,12 +280,8 @@ def _of_torques(
     )
 
 
-def _period(log: Samples) -> float:
-    return float(f"{log.period:.4g}")
-
-
 def _clocked(scenario: Scenario, log: Samples) -> Scenario:
-    T = _period(log)
+    T = float(f"{log.period:.4g}")
     count = max(1, round(scenario.clock.duration / T))
     clock = replace(scenario.clock, control=T, plant=plant_step(T), duration=count * T)
     bare = replace(
@@ -304,11 +296,7 @@ def _clocked(scenario: Scenario, log: Samples) -> Scenario:
 
 
 def _scenario(
-    name: str,
-    base: Scenario,
-    values: Mapping[str, float],
-    bounds: GuardBounds,
-    remarks: list[str],
+    name: str, base: Scenario, values: Mapping[str, float], bounds: GuardBounds, remarks: list[str]
 ) -> Scenario:
     """The scenario of the robot, whose guard is on where its numbers hold and can be met."""
     r, half_track, step = base.robot.r, base.robot.l, base.clock.plant

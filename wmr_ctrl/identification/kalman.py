@@ -54,11 +54,6 @@ class FilterGraph:
     noisy: int
     outputs: int
 
-    @property
-    def primal(self) -> int:
-        """Length of mean and covariance together."""
-        return self.state + self.noisy * (self.noisy + 1) // 2
-
 
 TORQUE_NAMES = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag", "q1", "q2", "s1", "s2", "time",
                 "n1", "n2")  # fmt: skip
@@ -305,11 +300,12 @@ class CompiledFilter:
 @cache
 def _library(graph: FilterGraph) -> str:
     """Path of the compiled filter."""
+    # Length of mean and covariance together.
     sizes = {
         "NAMES": len(graph.names),
         "KNOWN": len(graph.known),
         "STATE": graph.state,
-        "PRIMAL": graph.primal,
+        "PRIMAL": (graph.state + graph.noisy * (graph.noisy + 1) // 2),
         "OUTPUTS": graph.outputs,
         "DIRECTIONS": DIRECTIONS,
         "WIDE": max(graph.state, len(PIECE)),

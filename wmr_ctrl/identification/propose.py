@@ -145,7 +145,8 @@ def _fitted(
     for _ in range(TRIALS):
         # Kinematics alone choose among the draws; the corners judge the choice.
         wanted = shapes * most
-        strays = [_strays(item, t) for item in wanted]
+        # Largest distance from the start [m] of a drive that is followed exactly.
+        strays = [float(np.hypot(*_path(t, *item.T)[:, :2].T).max()) for item in wanted]
         wanted = wanted[int(np.argmin(strays))]
         if min(strays) <= floor / 2:
             seen = _simulated(result, t, wanted)
@@ -242,11 +243,6 @@ def _shapes(period: float) -> tuple[Floats, list[Floats]]:
     smooth = (fade**2 * (3 - 2 * fade))[None, :, None]
     drives = [waves * smooth for waves in (tones, steps)]
     return t, [item / np.abs(item).max(axis=1, keepdims=True) for item in drives]
-
-
-def _strays(wanted: Floats, t: Floats) -> float:
-    """Largest distance from the start [m] of a drive that is followed exactly."""
-    return float(np.hypot(*_path(t, *wanted.T)[:, :2].T).max())
 
 
 def _followed_drive(

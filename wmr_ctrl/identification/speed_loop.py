@@ -236,12 +236,7 @@ def finest(log: AxisLog) -> float:
 
 
 def fitted(
-    log: AxisLog,
-    loop: str,
-    names: tuple[str, ...],
-    theta: Floats,
-    passes: int,
-    plain: int = 0,
+    log: AxisLog, loop: str, names: tuple[str, ...], theta: Floats, passes: int, plain: int = 0
 ) -> LoopFit:
     """Scoring from ``theta``, damped until each step lowers minus the log-likelihood.
 

@@ -74,10 +74,13 @@ def content_of(
         for signal in known
         for name, unit in zip(signal.elements, signal.units, strict=True)
     }
+    # Size of the drawn robot [m], as wide as its wheels are apart.
+    scale = scenes[0].scenario.robot.l / TRACK
+    size, wheel = ([scale * part for part in item] for item in (BODY, WHEEL))
     data = {
         "version": __version__,
         "seed": seed,
-        "body": _body(scenes[0].scenario),
+        "body": {"size": size, "wheel": wheel, "track": scale * TRACK},
         "filtered": takes_velocity(scenes[0].scenario),
         "laws": [_look(member) for member in members],
         "names": names,
@@ -206,13 +209,6 @@ def _number(value: float) -> float | str:
 def _unit(unit: str) -> str:
     """A unit as readers write it: kg m² for kg.m2."""
     return unit_text(unit).replace(".", " ").translate(str.maketrans("23", "²³"))
-
-
-def _body(scenario: Scenario) -> Plain:
-    """Size of the drawn robot [m], as wide as its wheels are apart."""
-    scale = scenario.robot.l / TRACK
-    size, wheel = ([scale * part for part in item] for item in (BODY, WHEEL))
-    return {"size": size, "wheel": wheel, "track": scale * TRACK}
 
 
 def _look(member: PageMember) -> Plain:

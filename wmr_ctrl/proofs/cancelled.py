@@ -75,7 +75,14 @@ def uncancelled(claim: Claim) -> Statement:
     """The claim's statement, on graphs of which CasADi has simplified nothing."""
     assert claim.statement is not None
     with _nothing_simplified():
-        statement = _made_anew(claim.statement)(CLAIMED)
+        # The function with new copies of the objects that it is given: they keep what they built.
+        given = {name: item.default for name, item in signature(claim.statement).parameters.items()}
+        fresh = {
+            name: replace(value)
+            for name, value in given.items()
+            if is_dataclass(value) and (not isinstance(value, type))
+        }
+        statement = partial(claim.statement, **fresh)(CLAIMED)
         _ = statement.graph
     return statement
 
@@ -89,17 +96,6 @@ def _nothing_simplified() -> Iterator[None]:
     finally:
         ca.GlobalOptions.setSimplificationOnTheFly(True)
         forget()
-
-
-def _made_anew(build: Any) -> Any:
-    """The function with new copies of the objects that it is given: they keep what they built."""
-    given = {name: item.default for name, item in signature(build).parameters.items()}
-    fresh = {
-        name: replace(value)
-        for name, value in given.items()
-        if is_dataclass(value) and not isinstance(value, type)
-    }
-    return partial(build, **fresh)
 
 
 def derived_powers(graph: ProvedGraph) -> frozenset[int]:

@@ -131,7 +131,10 @@ def _bode(report: LinearReport, panels: Panels) -> None:
         size, angle = panels[:, axis]
         for name, colour, w, curve in _curves(report, axis):
             size.plot(w, 20 * np.log10(np.abs(curve)), color=colour, label=name)
-            angle.plot(w, _phase(curve), color=colour)
+            # Phase [deg] without jumps, between -315 and 45 where the size comes nearest to 1.
+            phase = np.degrees(np.unwrap(np.angle(curve)))
+            there = phase[np.argmin(np.abs(np.log(np.abs(curve))))]
+            angle.plot(w, (phase - 360 * np.ceil((there - 45) / 360)), color=colour)
         size.axhline(0, color=LIMIT, lw=0.8)
         angle.axhline(-180, color=LIMIT, lw=0.8)
         size.set_title(f"{_name(report)}: cut at the {_FORCES[axis]}")
@@ -141,13 +144,6 @@ def _bode(report: LinearReport, panels: Panels) -> None:
         _note_margins(angle, report, axis)
     panels[0, 0].set_ylabel("magnitude [dB]")
     panels[1, 0].set_ylabel("phase [deg]")
-
-
-def _phase(curve: Floats) -> Floats:
-    """Phase [deg] without jumps, between -315 and 45 where the size comes nearest to 1."""
-    phase = np.degrees(np.unwrap(np.angle(curve)))
-    there = phase[np.argmin(np.abs(np.log(np.abs(curve))))]
-    return phase - 360 * np.ceil((there - 45) / 360)
 
 
 def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:

@@ -63,10 +63,7 @@ class Filter(Section, key="filter"):
         options=SCALES,
     )
     channels: str = quantity(
-        "body",
-        "1",
-        "speeds with a loop of their own: v and omega, or each wheel",
-        options=CHANNELS,
+        "body", "1", "speeds with a loop of their own: v and omega, or each wheel", options=CHANNELS
     )
     wheel_speed: float | None = quantity(
         None, "m/s", "limit of each wheel's speed over the ground", above=0

@@ -240,10 +240,7 @@ _WAYS_TO_BE_LATE = [
     ],
 )
 def assembled(
-    mutation: Mutation,
-    assemble: Callable[[Setup], System],
-    kind: str,
-    stated: Mapping[str, float],
+    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, stated: Mapping[str, float]
 ) -> Statement:
     """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
     axis with its own bounds and what is counted of the commands under way: piece after piece, what

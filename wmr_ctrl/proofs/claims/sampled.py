@@ -21,14 +21,7 @@ from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import NO_SERIES, VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Refute, Ring
-from wmr_ctrl.proofs.regions import (
-    NONNEGATIVE,
-    SIDE_EDGES,
-    SIDES,
-    Case,
-    at,
-    tangent_case,
-)
+from wmr_ctrl.proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, positive, symbols
 
 
@@ -76,7 +69,9 @@ class Held:
         names = (self.velocity, "c", "cdot", "d")
         bounds = (self.level, self.target, self.rate, self.disturbance)
         sizes = {name: Fraction(float(Fraction(b))) for name, b in zip(names, bounds, strict=True)}
-        edges = _edges(self.axis)
+        # v_u2 and v_u2 + 1/(v_u1 - v_u2) of the preset.
+        u1, u2 = (Fraction(float(x)) for x in ((1.0, 0.8), (1.5, 1.3))[self.axis])
+        edges = (u2, Fraction(float(u2 + 1 / (u1 - u2))))
         cuts = {
             self.velocity: (-edges[0], Fraction(0), edges[0]),
             "c": (*(-e for e in edges), Fraction(0), *edges),
@@ -89,12 +84,6 @@ def numbers(law: LawGraph) -> dict[str, float]:
     """The preset's values of the law's parameters, friction set to 0."""
     names = [name for port in law.system.params for name in port.signal.elements]
     return dict(zip(names, law.system.p0, strict=True)) | {"model.mu": 0.0}
-
-
-def _edges(axis: int) -> tuple[Fraction, Fraction]:
-    """v_u2 and v_u2 + 1/(v_u1 - v_u2) of the preset."""
-    u1, u2 = (Fraction(float(x)) for x in ((1.0, 0.8), (1.5, 1.3))[axis])
-    return u2, Fraction(float(u2 + 1 / (u1 - u2)))
 
 
 SETTINGS = (
