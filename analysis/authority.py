@@ -15,8 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wmr_ctrl.linear import closed_loop
-from wmr_ctrl.linear.linearise import Floats, lowest
-from wmr_ctrl.linear.point import Point
+from wmr_ctrl.linear.linearise import Floats, Point, lowest
 from wmr_ctrl.linear.sampled import pull_of
 from wmr_ctrl.scenario import Scenario
 

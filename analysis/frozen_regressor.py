@@ -19,8 +19,7 @@ import numpy as np
 from wmr_ctrl.checks.network import axis_learning, largest_square, square_bound
 from wmr_ctrl.checks.radius import radius, supremum
 from wmr_ctrl.laws.nn import NetworkGains
-from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.point import law_loop
+from wmr_ctrl.linear.linearise import Floats, law_loop
 from wmr_ctrl.scenario import Scenario
 
 LAW = "nn"

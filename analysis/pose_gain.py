@@ -15,8 +15,7 @@ import math
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.linear.linearise import FORCES, Floats
-from wmr_ctrl.linear.point import on_reference
+from wmr_ctrl.linear.linearise import FORCES, Floats, on_reference
 from wmr_ctrl.linear.state_space import law_at, plant_at
 from wmr_ctrl.scenario import Scenario
 

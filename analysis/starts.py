@@ -13,8 +13,7 @@ import numpy as np
 
 from wmr_ctrl.barrier.lyapunov import position_lyapunov
 from wmr_ctrl.control.setup import kinematic_gains
-from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.point import reference_velocity
+from wmr_ctrl.linear.linearise import Floats, reference_velocity
 from wmr_ctrl.model.kinematics import error_rotation
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import Scenario

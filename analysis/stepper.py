@@ -22,8 +22,15 @@ from wmr_ctrl.checks.sampled_plant import steps_in
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.linearise import STATES, Floats
-from wmr_ctrl.linear.point import Point, law_loop, on_reference, resting_point, unguarded
+from wmr_ctrl.linear.linearise import (
+    STATES,
+    Floats,
+    Point,
+    law_loop,
+    on_reference,
+    resting_point,
+    unguarded,
+)
 from wmr_ctrl.linear.state_space import closed_loop, late
 from wmr_ctrl.scenario import Scenario
 

@@ -21,7 +21,7 @@ from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.prox import guide
 from wmr_ctrl.results import Run, percent, position_rms
 from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.tuning.plan import tunable
+from wmr_ctrl.tuning.search import tunable
 
 NAME = "velocity"
 """Of the part of the page that this writes."""

@@ -15,7 +15,7 @@ from wmr_ctrl.checks import filter_facts
 from wmr_ctrl.cli.check_sentences import filter_lines
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.linear.point import law_loop
+from wmr_ctrl.linear.linearise import law_loop
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.registry import EFFECTS

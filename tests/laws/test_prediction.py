@@ -14,8 +14,8 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import stability
+from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.laws.prox import guide

@@ -11,10 +11,10 @@ from tests.proofs import noticed, record
 from wmr_ctrl.proofs.check import check, graph_hash
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.command import provenance
 from wmr_ctrl.proofs.ledger import LEMMA, OPEN, PROVED, REFUTED, Entry, Ledger, load
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
 from wmr_ctrl.proofs.regions import NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.runner import provenance
 from wmr_ctrl.proofs.statement import Statement, above, at_least, symbols
 
 CLAIMED = {claim.id: claim for claim in all_claims()}

@@ -7,7 +7,7 @@ import pytest
 import wmr_ctrl
 from wmr_ctrl.codegen.package import write_package
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.proofs.command import run_export
+from wmr_ctrl.proofs.runner import run_export
 from wmr_ctrl.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation-nominal")

@@ -10,8 +10,8 @@ import pytest
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import Program, build_batch, numbers_of
 from wmr_ctrl.control.loop import LoopGraphs
+from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS

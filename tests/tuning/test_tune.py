@@ -23,8 +23,7 @@ from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.tuning import judged, tunable
 from wmr_ctrl.tuning.gains import _costs, _start
-from wmr_ctrl.tuning.plan import TuningPlan
-from wmr_ctrl.tuning.search import Cost, Search
+from wmr_ctrl.tuning.search import Cost, Search, TuningPlan
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
 FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}

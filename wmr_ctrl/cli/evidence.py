@@ -103,7 +103,7 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     and so are the functions that an entry names. The exit code is 1 if a verdict differs from the
     committed one, and 3 if a proving package is missing, so that some entries are NOT_CHECKED.
     """
-    from wmr_ctrl.proofs.command import run_export, run_prove
+    from wmr_ctrl.proofs.runner import run_export, run_prove
 
     if folder is not None:
         run_export(Path(folder), only)

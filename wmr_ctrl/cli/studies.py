@@ -228,7 +228,7 @@ def tune(
 def _corridors(better: Tuning) -> list[str]:
     """The certified corridors, where they were made small."""
     from wmr_ctrl.corridor.clearance import length
-    from wmr_ctrl.tuning.plan import CORRIDOR
+    from wmr_ctrl.tuning.search import CORRIDOR
 
     if better.plan.merit != CORRIDOR:
         return []

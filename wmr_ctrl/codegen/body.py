@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
 from wmr_ctrl.codegen.items import (
     ArrayLoop,
@@ -16,6 +15,7 @@ from wmr_ctrl.codegen.items import (
     ResultStore,
     SinCos,
     Slice,
+    branched,
     computed,
     replaced,
     statements,

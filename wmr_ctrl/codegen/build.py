@@ -24,8 +24,8 @@ from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
 from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout, elements
 from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, PlantlessGraphs
+from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.model.system import values
 from wmr_ctrl.signals import PLANT_STATE, Signal

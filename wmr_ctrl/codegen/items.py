@@ -1,9 +1,15 @@
-"""Statements of a C function: single lines, branches, loops; and how they are scheduled."""
+"""Statements of a C function: single lines, branches, loops; and how they are scheduled.
 
+A graph evaluates both sides of every choice.  Here all choices on one condition are collected with
+the operations that only one side needs; if those are worth a branch they move into
+``if (...) { } else { }``, and the same is done inside.  No value changes.
+"""
+
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from wmr_ctrl.model.graph import Graph, Store
+from wmr_ctrl.model.graph import SELECT, Graph, Store
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,3 +134,113 @@ def replaced(items: Iterable[Item], new: Sequence[Item]) -> list[Item]:
     gone = {number for item in new for number in item.defines}
     rest = (item for item in items if not (isinstance(item, Operation) and item.node in gone))
     return scheduled([*new, *rest])
+
+
+WORTH = 15
+"""Cost (see `Graph.cost`) of what a branch saves, from which on it is made."""
+
+
+def branched(
+    graph: Graph, items: Sequence[Item], needed: Iterable[int] = (), *, worth: int = WORTH
+) -> list[Item]:
+    """The items of one scope with branches where they pay; ``needed`` is read outside of it.
+
+    With ``worth`` 1 nothing is computed that is not asked for.
+    """
+    outside, items = frozenset(needed), list(items)
+    while _cost(items) >= worth:
+        scope = _Scope(graph, items, outside)
+        candidates = [_Branch(graph, scope, condition, worth) for condition in scope.choices]
+        best = max(candidates, key=lambda item: item.cost, default=None)
+        if best is None or best.cost < worth:
+            break
+        items = scheduled(best.contracted())
+    return items
+
+
+class _Scope:
+    """Items in order, who makes each value and how often it is read, the choices by conditions.
+
+    ``kept`` are the items that make a value which is read outside of it; ``uses`` counts each
+    reader of an item once for each value that it reads; ``choices`` stand as lines.
+    """
+
+    def __init__(self, graph: Graph, items: list[Item], outside: frozenset[int]) -> None:
+        self.items = items
+        self.position = {item: place for place, item in enumerate(items)}
+        self.maker = {number: item for item in items for number in item.defines}
+        self.kept = {item for number, item in self.maker.items() if number in outside}
+        self.uses = Counter(
+            self.maker[number] for item in items for number in item.reads if number in self.maker
+        )
+        self.choices: dict[int, list[Operation]] = {}
+        for item in items:
+            if isinstance(item, Operation) and graph.nodes[item.node].op == SELECT:
+                condition = graph.nodes[item.node].operands[0]
+                if not graph.nodes[condition].leaf:
+                    self.choices.setdefault(condition, []).append(item)
+
+
+class _Branch:
+    """The choices of one scope on one condition, and what only one side of them needs."""
+
+    def __init__(self, graph: Graph, scope: _Scope, condition: int, worth: int) -> None:
+        self.graph, self.scope, self.condition, self.worth = graph, scope, condition, worth
+        self.choices = self._independent_choices()
+        self.then, self.other = self._cone(1), self._cone(2)
+        self.cost = max(_cost(self.then), _cost(self.other))
+
+    def contracted(self) -> list[Item]:
+        """The scope with choices and cones replaced by one block."""
+        defines = tuple(item.node for item in self.choices)
+        operands = [self.graph.nodes[number].operands for number in defines]
+        arms = [computed(self.graph, [pair[side] for pair in operands]) for side in (1, 2)]
+        inner = [
+            tuple(branched(self.graph, cone, arm, worth=self.worth))
+            for cone, arm in zip((self.then, self.other), arms, strict=True)
+        ]
+        parts = [*self.then, *self.other]
+        made = {number for item in parts for number in item.defines}
+        reads = frozenset({self.condition}).union(*arms, *(item.reads for item in parts)) - made
+        block = IfElse(defines, reads, _cost(parts) + len(defines), self.condition, *inner)
+        gone = {*self.choices, *parts}
+        return [*(item for item in self.scope.items if item not in gone), block]
+
+    def _independent_choices(self) -> list[Operation]:
+        """Choices on the condition none of which depends on another."""
+        listed, position = self.scope.choices[self.condition], self.scope.position
+        first, last = position[listed[0]], position[listed[-1]]
+        own: set[Item] = set(listed)
+        dependent: set[Item] = set()
+        made: set[int] = set()  # by choices, and by what depends on them
+        for item in self.scope.items[first : last + 1]:
+            if not made.isdisjoint(item.reads):
+                dependent.add(item)
+            if item in own or item in dependent:
+                made.update(item.defines)
+        return [item for item in listed if item not in dependent]
+
+    def _cone(self, side: int) -> list[Item]:
+        """Items that nothing needs but this side of the choices, in order.
+
+        The search begins with what choices read on this side only, once for each choice.
+        An item is one of them with the last of its readers.
+        """
+        scope, left = self.scope, dict[Item, int]()
+        inside: list[Item] = []
+        choices = set(self.choices)
+        read = (self.graph.nodes[item.node].operands for item in self.choices)
+        waiting = [pair[side] for pair in read if pair.count(pair[side]) == 1]
+        while waiting:
+            item = scope.maker.get(waiting.pop())
+            if item is None or item in choices or item in scope.kept:
+                continue
+            left[item] = left.get(item, scope.uses[item]) - 1
+            if left[item] == 0:
+                inside.append(item)
+                waiting.extend(item.reads)
+        return sorted(inside, key=scope.position.__getitem__)
+
+
+def _cost(items: Iterable[Item]) -> int:
+    return sum(item.cost for item in items)

@@ -17,7 +17,7 @@ from wmr_ctrl.codegen.block import (
     reference_block,
 )
 from wmr_ctrl.codegen.kernels import sizes_of
-from wmr_ctrl.control.ranges import Range, clock_of, ranges_of
+from wmr_ctrl.control.numbers import Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor import corridor_monitor
 from wmr_ctrl.fmi.model import (

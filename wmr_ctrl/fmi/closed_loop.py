@@ -8,7 +8,7 @@ from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.codegen.kernels import FINDINGS, loop_constants, loop_kernels
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.loop import LoopGraphs
-from wmr_ctrl.control.ranges import SMALLEST, Range, clock_of, ranges_of
+from wmr_ctrl.control.numbers import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
 from wmr_ctrl.fmi.model import TIME, FmuModel, Role, Variable, finite, output_rows, parameter_rows

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from wmr_ctrl.codegen.emit import Kernel
-from wmr_ctrl.control.ranges import Range
+from wmr_ctrl.control.numbers import Range
 from wmr_ctrl.guard.bounds import MASS_KEYS
 from wmr_ctrl.model.system import Port
 from wmr_ctrl.scenario import Scenario

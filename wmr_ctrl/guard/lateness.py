@@ -21,7 +21,7 @@ from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 from functools import lru_cache
 
-from wmr_ctrl.guard.varying import Varying, less, ramp, varying
+from wmr_ctrl.guard.varying import Varying, less, number, ramp, varying
 
 Pair = tuple[float, float]
 DIGITS = 50
@@ -231,7 +231,7 @@ def _group(j: int, lo: Fraction, hi: Fraction, weight: Weight) -> tuple[Decimal,
 
 def _tail(entering: tuple[Decimal, Decimal], window: Fraction, lag: Fraction) -> Tail:
     decay = _exp(-1 / lag)
-    share = _number(lag / window) * (1 - _exp(-window / lag)) if window else Decimal(1)
+    share = number(lag / window) * (1 - _exp(-window / lag)) if window else Decimal(1)
     steady = (entering[0] + entering[1]) / (1 - decay)
     return Tail(float(decay), (float(entering[0]), float(entering[1])), float(share), float(steady))
 
@@ -244,27 +244,19 @@ def _rest_weight(oldest: Fraction, lag: Fraction) -> Weight:
 def _mean_weight(age: Fraction, window: Fraction, lag: Fraction) -> Weight:
     if not window:
         return _rest_weight(age, lag)
-    wide = _number(window)
+    wide = number(window)
     return lambda s: (_twice(s - age, lag) - _twice(s - age - window, lag)) / wide
 
 
 def _once(x: Fraction, lag: Fraction) -> Decimal:
     """Integral from x on of 1 for negative, exp(-x/lag) for positive arguments."""
     if x <= 0:
-        return _number(lag - x)
-    return _number(lag) * _exp(-x / lag) if lag else Decimal(0)
+        return number(lag - x)
+    return number(lag) * number(-x / lag).exp() if lag else Decimal(0)
 
 
 def _twice(x: Fraction, lag: Fraction) -> Decimal:
     """Integral of `_once` from 0 to x."""
     if x <= 0:
-        return _number(lag * x - x * x / 2)
-    return _number(lag * lag) * (1 - _exp(-x / lag)) if lag else Decimal(0)
-
-
-def _exp(x: Fraction) -> Decimal:
-    return _number(x).exp()
-
-
-def _number(x: Fraction) -> Decimal:
-    return Decimal(x.numerator) / Decimal(x.denominator)
+        return number(lag * x - x * x / 2)
+    return number(lag * lag) * (1 - number(-x / lag).exp()) if lag else Decimal(0)

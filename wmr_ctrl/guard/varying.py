@@ -76,7 +76,7 @@ def varying(
     listed = [item for j in range(count, 0, -1) for item in of(j)]
     joins = of(count + 1)
     one, two, three = (
-        float(_number(b - a) * (1 - _exp(time, a))) for time in (jitter, Fraction(1), 1 + jitter)
+        float(number(b - a) * (1 - _exp(time, a))) for time in (jitter, Fraction(1), 1 + jitter)
     )
     return Varying(
         _long(listed), _long(joins), float(b), (one, two, three), _staying(jitter, span)
@@ -111,9 +111,9 @@ def _linear(
     if low >= high or tau == 0:
         return Decimal(0)
     if tau is None:
-        return _number((high - low) * (line[0] + line[1] * (high + low) / 2))
+        return number((high - low) * (line[0] + line[1] * (high + low) / 2))
     upper, lower = (
-        _number(tau * (line[0] + line[1] * (s - tau))) * _exp(begin - s, tau) for s in (high, low)
+        number(tau * (line[0] + line[1] * (s - tau))) * _exp(begin - s, tau) for s in (high, low)
     )
     return upper - lower
 
@@ -126,7 +126,7 @@ def _exp(time: Fraction, tau: Fraction) -> Decimal:
     """exp(-time/tau), 0 for tau = 0 after any time."""
     if tau == 0:
         return Decimal(int(time == 0))
-    return _number(-time / tau).exp()
+    return number(-time / tau).exp()
 
 
 def _long(pieces: list[Passage]) -> tuple[Passage, ...]:
@@ -134,5 +134,6 @@ def _long(pieces: list[Passage]) -> tuple[Passage, ...]:
     return tuple(item for item in pieces if item.stays[0] < 1)
 
 
-def _number(x: Fraction) -> Decimal:
+def number(x: Fraction) -> Decimal:
+    """A fraction to the digits of the context."""
     return Decimal(x.numerator) / Decimal(x.denominator)

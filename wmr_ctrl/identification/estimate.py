@@ -240,6 +240,22 @@ def plant_step(period: float) -> float:
     return period / math.ceil(period / 1e-3 - 1e-9)
 
 
+def bare_scenario(scenario: Scenario, log: Samples) -> Scenario:
+    """What is known, on the log's clock and without what the identified numbers replace."""
+    period = float(f"{log.period:.4g}")
+    count = max(1, round(scenario.clock.duration / period))
+    return replace(
+        scenario,
+        clock=replace(
+            scenario.clock, control=period, plant=plant_step(period), duration=count * period
+        ),
+        changes=(),
+        model=type(scenario.model)(),
+        actuator=type(scenario.actuator)(),
+        effects={k: v for k, v in scenario.effects.items() if k not in AFFECTED},
+    )
+
+
 def cut_of(log: Samples) -> float:
     """Time from which on a log's last third is held out [s]."""
     return float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))

@@ -28,13 +28,12 @@ from wmr_ctrl.identification.bounds import (
     verdict,
 )
 from wmr_ctrl.identification.estimate import (
-    AFFECTED,
     FREE_RUN,
+    bare_scenario,
     coloured_if_likelier,
     distrusting_low_speeds,
     free_runs,
     intervals_of,
-    plant_step,
     score_of,
     surest,
     white_fit,
@@ -265,7 +264,8 @@ def _of_torques(
             "speed of each wheel, at different times."
         )
     unknown = all(estimates[key].verdict == UNDETERMINED for key in ("m", "I"))
-    clocked = _clocked(scenario, log)
+    bare = bare_scenario(scenario, log)
+    clocked = replace(bare, actuator=replace(bare.actuator, tau_max=scenario.actuator.tau_max))
     bounds = guard_bounds(white, widths, clocked, colour)
     end = held_out(white, fit, clocked, colour, tell)
     bounds = replace(explaining(white, bounds), refuted=end.refuted, wide=bounds.wide or unknown)
@@ -278,21 +278,6 @@ def _of_torques(
     return Identification(
         name, estimates, bounds, tuple(remarks), score, identified, fit, white, end.trained
     )
-
-
-def _clocked(scenario: Scenario, log: Samples) -> Scenario:
-    T = float(f"{log.period:.4g}")
-    count = max(1, round(scenario.clock.duration / T))
-    clock = replace(scenario.clock, control=T, plant=plant_step(T), duration=count * T)
-    bare = replace(
-        scenario,
-        clock=clock,
-        changes=(),
-        model=type(scenario.model)(),
-        actuator=replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max),
-        effects={k: v for k, v in scenario.effects.items() if k not in AFFECTED},
-    )
-    return bare
 
 
 def _scenario(

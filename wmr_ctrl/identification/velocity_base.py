@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -23,11 +23,10 @@ from wmr_ctrl.identification.bounds import (
     loop_remarks,
 )
 from wmr_ctrl.identification.estimate import (
-    AFFECTED,
-    HELD_OUT,
+    bare_scenario,
+    cut_of,
     loop_estimates,
     loop_score,
-    plant_step,
 )
 from wmr_ctrl.identification.speed_loop import (
     AXES,
@@ -136,7 +135,7 @@ def of_velocities(
         )
     remarks += loop_remarks(fits, estimates)
     bounds, identified = _scenario(name, scenario, log, fits, estimates, remarks)
-    cut = float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
+    cut = cut_of(log)
     first, second = (
         fit and fitted(fit.log.until(cut), fit.loop, fit.names, fit.theta, TRAINED) for fit in fits
     )
@@ -155,17 +154,8 @@ def _scenario(
     remarks: list[str],
 ) -> tuple[FilterBounds, Scenario]:
     """The scenario of the base, whose filter is on where its numbers can be met."""
-    T = float(f"{log.period:.4g}")
-    step, count = plant_step(T), max(1, round(scenario.clock.duration / T))
-    clock = replace(scenario.clock, control=T, plant=step, duration=count * T)
-    base = replace(
-        scenario,
-        clock=clock,
-        changes=(),
-        model=type(scenario.model)(),
-        actuator=type(scenario.actuator)(),
-        effects={k: v for k, v in scenario.effects.items() if k not in AFFECTED},
-    )
+    base = bare_scenario(scenario, log)
+    step = base.clock.plant
     seen = [fit for fit in fits if fit is not None]
     d1, d2 = (0.0 if fit is None else float(np.abs(fit.deviation()).max()) for fit in fits)
     both = [fit or seen[0] for fit in fits]

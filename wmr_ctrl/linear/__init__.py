@@ -4,7 +4,10 @@ Start with `report_linear` for figures, `closed_loop` for a `control.StateSpace`
 the nonlinear loop; the page docs/linear.md tells what is where.
 """
 
+from wmr_ctrl.linear.linearise import Point as Point
 from wmr_ctrl.linear.linearise import linearise as linearise
+from wmr_ctrl.linear.linearise import on_reference as on_reference
+from wmr_ctrl.linear.linearise import resting_point as resting_point
 from wmr_ctrl.linear.margins import Margins as Margins
 from wmr_ctrl.linear.margins import margins_at as margins_at
 from wmr_ctrl.linear.margins import open_loop as open_loop
@@ -15,9 +18,6 @@ from wmr_ctrl.linear.nonlinear import plant_nlsys as plant_nlsys
 from wmr_ctrl.linear.nonlinear import reference_nlsys as reference_nlsys
 from wmr_ctrl.linear.nonlinear import start_of as start_of
 from wmr_ctrl.linear.nonlinear import to_nlsys as to_nlsys
-from wmr_ctrl.linear.point import Point as Point
-from wmr_ctrl.linear.point import on_reference as on_reference
-from wmr_ctrl.linear.point import resting_point as resting_point
 from wmr_ctrl.linear.report import LinearReport as LinearReport
 from wmr_ctrl.linear.report import report_linear as report_linear
 from wmr_ctrl.linear.sampled import kink_periods as kink_periods

@@ -1,9 +1,11 @@
 """Exact linearisation of a System: gradients of its graph by CasADi, as a named StateSpace.
 
-Beside it the names of what is linearised, and numerical helpers that the other files share.
+The points to linearise at are on the reference, or where the loop really settles.  Beside them the
+names of what is linearised, and numerical helpers that the other files share.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import casadi as ca
 import control as ct
@@ -11,8 +13,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
+from wmr_ctrl.checks.loop import Loop, loop_of
+from wmr_ctrl.checks.sampled_plant import Point as Point
+from wmr_ctrl.checks.surroundings import surroundings
+from wmr_ctrl.control.applied import remembered
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.outside import check_takes_torques
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.model.system import System
-from wmr_ctrl.signals import FORCE, TRACKING_ERROR, VELOCITY, Signal
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS, TRACKING_ERROR, VELOCITY, Signal
+from wmr_ctrl.world.references import sample
 
 Floats = NDArray[np.float64]
 MARGINAL = 1e-7
@@ -88,3 +100,139 @@ def gradients(system: System) -> ca.Function:
     u, x, update, y = system.u, system.x, system.update, system.y
     parts = [ca.jacobian(graph, symbol) for graph in (update, y) for symbol in (x, u)]
     return system.function("gradients", [ca.densify(part) for part in parts])
+
+
+INSTANTS = 257
+"""Times of a reference among which the fastest is looked for."""
+CLIP_ACTIVE = GUARD_DIAGNOSTICS[0]
+SAMPLES = 200
+"""Samples after which what guard and law remember of a point is taken as settled."""
+
+
+def law_loop(scenario: Scenario, law: str) -> Loop:
+    """``law`` on ``scenario`` as the checks see it, built once."""
+    check_takes_torques(scenario, "linear loops are made")
+    return loop_of(settle(scenario, law))
+
+
+def unguarded(scenario: Scenario) -> Scenario:
+    """The scenario with its guard off."""
+    return replace(scenario, guard=replace(scenario.guard, enabled=False))
+
+
+def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
+    """Desired velocity (2) and its rate (2) at time ``t`` [s]."""
+    desired = sample(scenario, np.array([t]))[0]
+    return desired[3:5], desired[5:7]
+
+
+def instant(scenario: Scenario, at: float | None) -> float:
+    """A time [s] of the reference: the one asked for, else that at which it drives fastest.
+
+    ArgumentError for one outside the run.
+    """
+    duration = scenario.clock.duration
+    if at is None:
+        times = np.linspace(0.0, min(duration, scenario.reference.cycle), INSTANTS)
+        return float(times[np.abs(sample(scenario, times)[:, 3].round(9)).argmax()])
+    if not 0 <= at <= duration:
+        raise ArgumentError(
+            f"the loop cannot be linearised at {at:g} s: the run lasts from 0 to {duration:g} s "
+            "(clock.duration). Choose a time within it."
+        )
+    return at
+
+
+def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
+    """The robot exactly on its reference at time ``t`` [s]: e = 0, v = v_d.
+
+    Estimates and weights have their start values; a remembered sample is that of the reference.
+    """
+    v_d, v_d_dot = reference_velocity(scenario, t)
+    loop = law_loop(scenario, law).over(0)
+    start = Point(np.zeros(3), v_d, v_d, v_d_dot, np.array(loop.core.x0), np.zeros(2))
+    there = loop.after_a_sample(start)
+    return replace(there, force=loop.after_a_sample(there).force)
+
+
+def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
+    """The loop's true resting point around its reference, desired velocities held: Newton's method.
+
+    Friction, a wrong model and the leak of the weights are in it.  Memory that has no rest there is
+    an error (ArgumentError).
+    """
+    start = on_reference(scenario, law, t)
+    unknown = np.concatenate((start.s, start.force, start.memory))
+    rest = _newton(_residual(scenario, law, start), unknown)
+    return replace(start, e=rest[:3], v=rest[3:5], force=rest[5:7], memory=rest[7:])
+
+
+def alone(scenario: Scenario) -> Scenario:
+    """The robot by itself: drives and sensors ideal, nothing on its way."""
+    drives = replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max)
+    return replace(scenario, actuator=drives, sensor=type(scenario.sensor)(), effects={})
+
+
+def _residual(scenario: Scenario, law: str, at: Point) -> ca.Function:
+    """(s, force, memory) -> (rate of s, force asked for less force, change of memory), and slope.
+
+    Of the robot by itself: at rest delay, lag and sensors change nothing.
+    """
+    loop, around = law_loop(scenario, law).over(0), surroundings(alone(scenario))
+    s, force, memory = ca.SX.sym("s", 5), ca.SX.sym("force", 2), ca.SX.sym("m", len(at.memory))
+    forces = ca.repmat(force, len(remembered(loop.core)), 1)
+    asked, following = loop.act(
+        s, ca.DM(at.v_d), ca.DM(at.v_d_dot), memory, forces, ca.DM(loop.core.p0)
+    )
+    rate = around.rate(s, force, at.motion.v_d)
+    unknown = ca.vertcat(s, force, memory)
+    residual = ca.vertcat(rate, asked - force, following - memory)
+    return ca.Function("residual", [unknown], [residual, ca.jacobian(residual, unknown)])
+
+
+def _newton(residual: ca.Function, start: Floats, steps: int = 200) -> Floats:
+    point = start.copy()
+    for _ in range(steps):
+        value, gradient = residual(point)
+        step = np.linalg.lstsq(np.asarray(gradient), column(value), rcond=None)[0]
+        point = point - step * min(1.0, 0.2 / max(1e-300, float(np.abs(step[:5]).max())))
+        if np.abs(column(residual(point)[0])).max() < 1e-12:
+            return point
+    raise ArgumentError(
+        f"the loop has no resting point near its reference ({FORCE.name} and friction cannot "
+        "balance there); linearise on the reference instead."
+    )
+
+
+def learned_point(scenario: Scenario, law: str, t: float = 0.0) -> Point | None:
+    """Equilibrium of an adaptive law, learning settled; None if it does not adapt."""
+    if not law_loop(scenario, law).traits.estimates:
+        return None
+    try:
+        return resting_point(scenario, law, t)
+    except ArgumentError:
+        return on_reference(scenario, law, t)
+
+
+def check_inactive(scenario: Scenario, law: str, t: float) -> None:
+    """Raise ArgumentError where the guard changes the force on the reference at time ``t`` [s].
+
+    The guard's own graph is asked, with the robot held there: its own refusals are raised too.
+    """
+    on = replace(scenario, guard=replace(scenario.guard, enabled=True))
+    system = controller(settle(on, law))
+    clipped = next(item.expr for item in system.diagnostics if item.signal == CLIP_ACTIVE)
+    graph = system.function("guarded", [system.update, clipped])
+    desired = sample(scenario, np.array([t]))[0]
+    given, state = np.concatenate((desired, desired[:5])), np.array(system.x0)
+    for _ in range(SAMPLES):
+        state, acts = (item.full().ravel() for item in graph(given, state, system.p0))
+    if acts.any():
+        axes = " and ".join(
+            name for name, act in zip(("thrust", "moment"), acts, strict=True) if act
+        )
+        raise ArgumentError(
+            f"the guard holds back the {axes} on the reference at {t:g} s: while it acts, the loop "
+            "is not that of the law. Choose another time (--at) or a slower reference, or drop "
+            "--guard."
+        )

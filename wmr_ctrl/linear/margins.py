@@ -15,8 +15,15 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wmr_ctrl.checks.sample_time import largest_stable_period
-from wmr_ctrl.linear.linearise import FORCES, STATES, Floats, is_stable
-from wmr_ctrl.linear.point import Point, on_reference, unguarded
+from wmr_ctrl.linear.linearise import (
+    FORCES,
+    STATES,
+    Floats,
+    Point,
+    is_stable,
+    on_reference,
+    unguarded,
+)
 from wmr_ctrl.linear.state_space import late, law_at, plant_at, with_inputs
 from wmr_ctrl.scenario import Model, Scenario
 

@@ -15,16 +15,17 @@ from wmr_ctrl.control.setup import settle, with_kinematics
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.linear.linearise import Floats, is_stable
-from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
-from wmr_ctrl.linear.point import (
+from wmr_ctrl.linear.linearise import (
+    Floats,
     Point,
     check_inactive,
     instant,
+    is_stable,
     law_loop,
     learned_point,
     on_reference,
 )
+from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
 from wmr_ctrl.linear.sampled import (
     kink_periods,
     largest_learning_period,

@@ -13,8 +13,7 @@ from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import from_pose_to_pose, radius, supremum
 from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
-from wmr_ctrl.linear.linearise import Floats, lowest
-from wmr_ctrl.linear.point import Point, law_loop, on_reference
+from wmr_ctrl.linear.linearise import Floats, Point, law_loop, lowest, on_reference
 from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.phases import Phase, drag

@@ -13,8 +13,19 @@ from wmr_ctrl.checks.radius import from_pose_to_pose
 from wmr_ctrl.checks.surroundings import DriveTimes, is_sampled, surroundings
 from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.linear.linearise import DISTURBANCES, FORCES, STATES, V_D, Floats, linearise
-from wmr_ctrl.linear.point import Point, law_loop, on_reference, reference_velocity, unguarded
+from wmr_ctrl.linear.linearise import (
+    DISTURBANCES,
+    FORCES,
+    STATES,
+    V_D,
+    Floats,
+    Point,
+    law_loop,
+    linearise,
+    on_reference,
+    reference_velocity,
+    unguarded,
+)
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmr_ctrl.checks.surroundings import lost_poses, rare_poses, rounded_effects
-from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.point import reference_velocity
+from wmr_ctrl.linear.linearise import Floats, reference_velocity
 
 if TYPE_CHECKING:
     from wmr_ctrl.linear.report import LinearReport

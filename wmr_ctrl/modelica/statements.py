@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS
 from wmr_ctrl.codegen.items import (
     ArrayLoop,
@@ -20,6 +19,7 @@ from wmr_ctrl.codegen.items import (
     Operation,
     ResultStore,
     Slice,
+    branched,
     statements,
 )
 from wmr_ctrl.codegen.reroll import reroll

@@ -8,7 +8,7 @@ from typing import Any
 from wmr_ctrl import __version__
 from wmr_ctrl.codegen.build import numbers_of, phases_of
 from wmr_ctrl.compiled import elements
-from wmr_ctrl.control.ranges import fields_of
+from wmr_ctrl.control.numbers import fields_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor import corridor_course
 from wmr_ctrl.corridor.clearance import length

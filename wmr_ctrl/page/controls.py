@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from wmr_ctrl.control.ranges import ranges_of
+from wmr_ctrl.control.numbers import ranges_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 

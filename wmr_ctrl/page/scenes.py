@@ -14,8 +14,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 
+from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.values import multiple
 from wmr_ctrl.filter.band import check_beat

@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.linear.linearise import Floats
+from wmr_ctrl.linear.linearise import Floats, law_loop, learned_point
 from wmr_ctrl.linear.margins import frequencies, open_loop
-from wmr_ctrl.linear.point import law_loop, learned_point
 from wmr_ctrl.linear.report import LinearReport
 from wmr_ctrl.linear.sampled import pull_curve, spectral_radius
 from wmr_ctrl.report.drawing import plain_ticks, save_figure, say_below

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.codegen.package import c_name, comment, package_files, packaged, text_engine
+from wmr_ctrl.control.numbers import ranges_of
 from wmr_ctrl.control.outside import check_plain_loop
-from wmr_ctrl.control.ranges import ranges_of
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.model.system import Port

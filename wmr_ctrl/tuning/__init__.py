@@ -3,4 +3,4 @@
 from wmr_ctrl.tuning.gains import Tuning as Tuning
 from wmr_ctrl.tuning.gains import judged as judged
 from wmr_ctrl.tuning.gains import tune as tune
-from wmr_ctrl.tuning.plan import tunable as tunable
+from wmr_ctrl.tuning.search import tunable as tunable

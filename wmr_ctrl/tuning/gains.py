@@ -37,8 +37,16 @@ from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_io import to_toml
 from wmr_ctrl.sim.many import checked_seeds
-from wmr_ctrl.tuning.plan import CORRIDOR, MEASURED, TRACKING, TuningPlan
-from wmr_ctrl.tuning.search import Cost, Search, Trials, digest_of
+from wmr_ctrl.tuning.search import (
+    CORRIDOR,
+    MEASURED,
+    TRACKING,
+    Cost,
+    Search,
+    Trials,
+    TuningPlan,
+    digest_of,
+)
 
 Progress = Callable[[float], None]
 

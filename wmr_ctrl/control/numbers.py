@@ -1,20 +1,28 @@
-"""Numbers of a setup that its graphs do not depend on: scenarios that differ in those share C.
+"""Numbers of a setup: which ones its graphs do not depend on, and their declared ranges.
 
 A graph reads numbers through its parameters.  What else decides its form is the kind of every part,
 texts and flags, how long vectors are, whether a number is 0 or infinite (an effect is there or
-not), and the clock where commands under way are counted in its steps.
+not), and the clock where commands under way are counted in its steps.  Scenarios that differ in no
+more than parameters share C.  Ranges are those of the scenario's fields and of the laws' gains.
 """
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from dataclasses import fields
 
-from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.fields.section import Section
+from wmr_ctrl.control.setup import KINEMATICS, Setup
+from wmr_ctrl.fields.section import Section, quantities
+from wmr_ctrl.fields.values import Range as Admitted
 from wmr_ctrl.guard.bounds import LATENESS
+from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.model.kinematics import KinematicGains
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.signals import LARGEST
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 
 def structure_of(setup: Setup) -> Hashable:
@@ -67,3 +75,51 @@ def _mask(value: object) -> Hashable:
     if not isinstance(value, float):
         return value if isinstance(value, Hashable) else repr(value)
     return "0" if value == 0 else "inf" if math.isinf(value) else "number"
+
+
+SMALLEST = 1e-12
+"""Stands for `above zero`, since FMI's ranges include their ends."""
+
+Range = tuple[float, float]
+
+
+def ranges_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Range]:
+    """Lowest and highest value of each key path that is a field of the scenario or a law's gain."""
+    ranges = {}
+    for key, bounds in fields_of(scenario, keys).items():
+        above, below = bounds.above, bounds.below
+        lows = (bounds.minimum, None if above is None else above + SMALLEST, -LARGEST)
+        highs = (bounds.maximum, None if below is None else below - SMALLEST, LARGEST)
+        low, high = (next(float(x) for x in ends if x is not None) for ends in (lows, highs))
+        ranges[key] = (low, high)
+    return ranges
+
+
+def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
+    """Bounds of each key path's field, open ends told apart from closed ones."""
+    admitted = {}
+    for key in keys:
+        holder = _holder(scenario, key)
+        fields = dict(quantities(holder)) if holder else {}
+        if (name := key.rpartition(".")[2]) in fields:
+            admitted[key] = fields[name].bounds
+    return admitted
+
+
+def clock_of(scenario: Scenario) -> dict[str, Range]:
+    """Ranges of the clock where the drives have lag or delay: the controller counts its steps.
+
+    So it does where it sends velocities, behind a filter or a delay.
+    """
+    if scenario.actuator.ideal and not takes_velocity(scenario):
+        return {}
+    return {f"clock.{key}": (getattr(scenario.clock, key),) * 2 for key in ("control", "plant")}
+
+
+def _holder(scenario: Scenario, key: str) -> type[Section] | None:
+    """The section that a key's field may stand in, or None."""
+    section, *rest = key.split(".")
+    if section == "gains" and rest:
+        law = rest[0]
+        return KinematicGains if law == KINEMATICS else LAWS[law].gains if law in LAWS else None
+    return type(scenario.table(section)) if section in sections() and len(rest) == 1 else None
