@@ -193,7 +193,7 @@ def _lateness(
     pieces = [(*_group(j, lo, hi, mean), *_group(j, lo, hi, rest)) for j in range(1, count + 2)]
     listed = pieces[:count]
     tail = _tail(pieces[count][2:], window, lag) if lag else None
-    lost = Decimal(1) - _exp(-1 / lag) if lag else Decimal(1)
+    lost = Decimal(1) - number(-1 / lag).exp() if lag else Decimal(1)
     mixed = sum((item[1] for item in listed), Decimal(0)) + (pieces[count][1] / lost if lag else 0)
     return Counting(
         mean=_pieces([(item[0], item[1]) for item in listed], bool(jitter)),
@@ -230,8 +230,8 @@ def _group(j: int, lo: Fraction, hi: Fraction, weight: Weight) -> tuple[Decimal,
 
 
 def _tail(entering: tuple[Decimal, Decimal], window: Fraction, lag: Fraction) -> Tail:
-    decay = _exp(-1 / lag)
-    share = number(lag / window) * (1 - _exp(-window / lag)) if window else Decimal(1)
+    decay = number(-1 / lag).exp()
+    share = number(lag / window) * (1 - number(-window / lag).exp()) if window else Decimal(1)
     steady = (entering[0] + entering[1]) / (1 - decay)
     return Tail(float(decay), (float(entering[0]), float(entering[1])), float(share), float(steady))
 
