@@ -258,10 +258,13 @@ class Quantity:
             raise self.refuse(value, path, "a circle [x, y, r] with r >= 0")
         return circle
 
-    def _numbers(self, value: object, path: str) -> Mapping[str, float]:
+    def _mapping(self, value: object, path: str) -> Mapping[str, object]:
         if not isinstance(value, Mapping):
             raise self.refuse(value, path, f"a table, written as [{path}]")
-        table = Frozen(value)
+        return Frozen(value)
+
+    def _numbers(self, value: object, path: str) -> Mapping[str, float]:
+        table = self._mapping(value, path)
         return Frozen({name: self._number(item, f"{path}.{name}") for name, item in table.items()})
 
 
