@@ -37,9 +37,9 @@ LOST = Monitor((math.inf, math.nan), 2, (0.001, 2), (0.05, 1), "non-finite")
 # The folder of a test is reused by all its examples, each of which writes its file anew.
 reusing_folder = settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-    max_examples=40,
+    max_examples=15,
 )
-short_reusing_folder = settings(reusing_folder, max_examples=25)
+short_reusing_folder = settings(reusing_folder, max_examples=15)
 
 
 def saved(run: Run, folder: Path, suffix: str) -> Path:
