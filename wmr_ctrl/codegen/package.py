@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -302,6 +303,7 @@ def footprint_key(law: str, float32: bool, guarded: bool = False) -> str:
     return f"{law}-{'float32' if float32 else 'double'}{'-guard' if guarded else ''}"
 
 
+@cache
 def text_engine(folder: Path) -> jinja2.Environment:
     """The templates of a folder, for text that is no markup: C, Modelica, MATLAB, Markdown.
 

@@ -10,7 +10,7 @@ frozen dataclass that takes keywords; its fields are made by :func:`quantity`::
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, ClassVar, TypeVar, dataclass_transform
+from typing import Any, ClassVar, TypeVar, cast, dataclass_transform
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.fields.problems import UnknownKeyError, show
@@ -98,11 +98,19 @@ class Section:
 
 
 S = TypeVar("S", bound=Section)
+_DEFAULTS: dict[type[Section], Section] = {}
 
 
 def quantities(cls: type[Section]) -> tuple[tuple[str, Quantity], ...]:
     """Name and :class:`Quantity` of each field of a section or gains dataclass."""
     return cls.QUANTITIES
+
+
+def default(cls: type[S]) -> S:
+    """The section in which all is as it is by default, made once."""
+    if cls not in _DEFAULTS:
+        _DEFAULTS[cls] = cls()
+    return cast("S", _DEFAULTS[cls])
 
 
 def build(cls: type[S], raw: object, path: str | None = None) -> S:
@@ -119,7 +127,7 @@ def build(cls: type[S], raw: object, path: str | None = None) -> S:
     for name, value in raw.items():
         if name not in known:
             raise UnknownKeyError(key(where, str(name)), known)
-        values[name] = known[name].clean(value, key(where, name))
+        values[name] = value if path is None else known[name].clean(value, key(where, name))
     for name, what in known.items():
         if what.default is REQUIRED and name not in values:
             raise ScenarioError(f"{key(where, name)} is missing: {what.doc} [{what.unit}].")

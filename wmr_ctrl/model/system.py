@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass, field
+from functools import cached_property
 from typing import Protocol, TypeVar
 
 from wmr_ctrl.signals import Signal
@@ -89,6 +90,14 @@ class System:
                 raise ValueError(
                     f"{self.name}: {item.signal.name} has {item.expr.numel()} elements"
                 )
+        try:
+            self.function("check", [self.update, self.y, self.d])
+        except RuntimeError:
+            self._check_names()
+            raise  # the symbol of another port of the same name
+
+    def _check_names(self) -> None:
+        """Raise ValueError for symbols of names that no port has."""
         free = {str(item) for item in ca.symvar(ca.vertcat(self.update, self.y, self.d))}
         owned = {str(item) for item in ca.symvar(ca.vertcat(self.u, self.x, self.p, self.w))}
         if free - owned:
@@ -96,34 +105,33 @@ class System:
                 f"{self.name}: {', '.join(sorted(free - owned))} belongs to no port. Take a "
                 "parameter before `ports` of its Parameters is read."
             )
-        self.function("check", [self.update, self.y, self.d])  # no symbol of another port either
 
-    @property
+    @cached_property
     def u(self) -> ca.SX:
         """Input vector."""
         return stack(port.sym for port in self.inputs)
 
-    @property
+    @cached_property
     def x(self) -> ca.SX:
         """State vector."""
         return stack(port.sym for port in self.state)
 
-    @property
+    @cached_property
     def p(self) -> ca.SX:
         """Parameter vector."""
         return stack(port.sym for port in self.params)
 
-    @property
+    @cached_property
     def w(self) -> ca.SX:
         """Vector of draws."""
         return stack(item.port.sym for item in self.draws)
 
-    @property
+    @cached_property
     def y(self) -> ca.SX:
         """Output vector."""
         return stack(item.expr for item in self.outputs)
 
-    @property
+    @cached_property
     def d(self) -> ca.SX:
         """Diagnostics vector."""
         return stack(item.expr for item in self.diagnostics)

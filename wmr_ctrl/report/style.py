@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -170,6 +171,7 @@ def shown(value: float | None, digits: int = 3) -> str:
     return f"{mantissa}·10{raised}".replace("-", "−")
 
 
+@cache
 def page_environment(package: str = "wmr_ctrl.report") -> Environment:
     """A package's templates; texts are escaped, and a name that is not given is an error."""
     return Environment(

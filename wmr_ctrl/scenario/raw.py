@@ -18,13 +18,14 @@ from wmr_ctrl.errors import ScenarioError, choices
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.orientation import PAPER, checked_frames, field_inward, field_outward
 from wmr_ctrl.fields.problems import UnknownKeyError, show
-from wmr_ctrl.fields.section import Section, build, quantities
+from wmr_ctrl.fields.section import Section, build, default, quantities
 from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.scenario import OTHER_KEYS, SECTIONS, Scenario, sections
 from wmr_ctrl.scenario.sections import Change
 from wmr_ctrl.world.references import REFERENCES, Reference, Waypoints
 
 Raw = dict[str, object]
+Step = str | int
 
 
 def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
@@ -40,7 +41,11 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
             raise UnknownKeyError(str(key), [*known, *OTHER_KEYS])
     frames, raw = frames_of(raw), in_frames(raw, PAPER)
     values: Mapping[str, Any] = raw
-    parts: dict[str, Any] = {key: build(known[key], raw[key]) for key in known if key in raw}
+    parts: dict[str, Any] = {
+        key: build(section, raw[key]) if key in raw else default(section)
+        for key, section in known.items()
+        if key in raw or key in SECTIONS
+    }
     effects = {key: parts.pop(key) for key in list(parts) if key not in SECTIONS}
     return Scenario(
         name=name,
@@ -127,6 +132,19 @@ def _plain(value: object) -> object:
     return [_plain(item) for item in value] if isinstance(value, tuple) else value
 
 
+def copied(raw: Mapping[str, object]) -> Raw:
+    """A copy of a raw table, of which nothing that can be changed is shared."""
+    return {key: _copied(value) for key, value in raw.items()}
+
+
+def _copied(value: object) -> object:
+    if isinstance(value, Mapping):
+        return copied(value)
+    if type(value) is list:
+        return [_copied(item) for item in value]
+    return value if type(value) in (str, int, float, bool) else deepcopy(value)
+
+
 def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
     """Return ``base`` with ``over`` put on top: tables key by key, everything else as a whole.
 
@@ -135,26 +153,26 @@ def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
     """
     result = _over(base, over)
     if "reference" in over and _kind(over, _kind(base)) != _kind(base):
-        result["reference"] = deepcopy(over["reference"])
+        result["reference"] = _copied(over["reference"])
     if "changes" not in over and "duration" in _table(over, "clock"):
         drop_unreached(result)
     return result
 
 
-def with_defaults(raw: Mapping[str, object]) -> Raw:
-    """Return ``raw`` with every field that has a default filled in, so that each can be indexed."""
-    defaults: Raw = {key: _section_dict(section()) for key, section in sections().items()}
-    kind = REFERENCES.get(str(_kind(raw)))
+def with_defaults(raw: Mapping[str, object], tables: Iterable[Step]) -> Raw:
+    """Return ``raw`` with the defaults of some tables filled in, so that each can be indexed."""
+    known, kind = sections(), REFERENCES.get(str(_kind(raw)))
     if kind is not None and kind.section is not Waypoints:  # points have no default
-        defaults["reference"] = _section_dict(kind.section())
+        known["reference"] = kind.section
+    defaults: Raw = {key: _section_dict(default(known[key])) for key in tables if key in known}
     return _over(in_frames(defaults, frames_of(raw)), raw)
 
 
 def _over(base: Mapping[str, Any], over: Mapping[str, Any]) -> Raw:
-    result = deepcopy(dict(base))
+    result: dict[str, Any] = copied(base)
     for key, value in over.items():
         both = isinstance(value, Mapping) and isinstance(result.get(key), Mapping)
-        result[key] = _over(result[key], value) if both else deepcopy(value)
+        result[key] = _over(result[key], value) if both else _copied(value)
     for name, other in (("file", "points"), ("points", "file")):
         if name in over:
             result.pop(other, None)
@@ -183,7 +201,6 @@ def _late(change: object, duration: Real) -> bool:
     return isinstance(time, Real) and time >= duration
 
 
-Step = str | int
 _PART = re.compile(r"([A-Za-z0-9_-]+)((?:\[[0-9]{1,6}\])*)")
 
 
@@ -237,16 +254,17 @@ def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
     relative ``reference.file`` is relative to the current directory.
     """
     if not overrides:
-        return deepcopy(dict(raw))
+        return copied(raw)
     values = {
-        key: parse_value(value) if isinstance(value, str) else deepcopy(value)
+        key: parse_value(value) if isinstance(value, str) else _copied(value)
         for key, value in overrides.items()
     }
-    result = in_frames(deepcopy(dict(raw)), values.get("frames", frames_of(raw)))
+    result = in_frames(copied(raw), values.get("frames", frames_of(raw)))
     result = _with_kind(result, values)
-    result = with_defaults(result)
+    places = {key: parse_key(key) for key in values}
+    result = with_defaults(result, {steps[0] for steps in places.values()})
     for key, value in values.items():
-        _assign(result, parse_key(key), value, key)
+        _assign(result, places[key], value, key)
     if "clock.duration" in values and not any(key.startswith("changes") for key in values):
         drop_unreached(result)
     return result

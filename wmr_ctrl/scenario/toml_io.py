@@ -7,7 +7,6 @@ import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from copy import deepcopy
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -27,6 +26,7 @@ from wmr_ctrl.scenario.raw import (
     Raw,
     absolute,
     apply,
+    copied,
     frames_of,
     from_dict,
     in_frames,
@@ -134,7 +134,7 @@ def _parse(text: str, what: str | Path) -> Raw:
 def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
     """Return the raw dictionary of a preset or file with everything that it extends."""
     if not is_path(source):
-        return _extended(deepcopy(_preset(source)), folder, (*seen, source))
+        return _extended(copied(_preset(source)), folder, (*seen, source))
     path = folder / source
     mark = os.path.abspath(path) if "\0" not in source else source
     if mark in seen:
