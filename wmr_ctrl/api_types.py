@@ -1,4 +1,4 @@
-"""Types of what `wmr_ctrl.api` is handed and hands back, for those who check their own code."""
+"""Types of the arguments and results of `wmr_ctrl.api`, for those who check their own code."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

@@ -46,7 +46,7 @@ def position_rate(e: ca.SX, v: ca.SX, v_d: ca.SX, k2: ca.SX) -> ca.SX:
 
 
 def position_rate_bound(e: ca.SX, z: ca.SX, k: ca.SX) -> ca.SX:
-    """The completed squares of Eq. (38), without what they leave over: see `square_rest`."""
+    """The completed squares of Eq. (38), without their remainder: see `square_rest`."""
     return (
         -k[0] * (e[0] + z[0] / (2 * k[0])) ** 2
         - k[2] / k[1] * (ca.sin(e[2]) + z[1] / (2 * k[2])) ** 2
@@ -131,7 +131,7 @@ def start_bound(l: ca.SX, k2: ca.SX, e2: ca.SX) -> ca.SX:
 
 
 def angle_bound(l: ca.SX, k3: ca.SX, v1dmin: ca.SX, v1dmax: ca.SX, E: ca.SX) -> ca.SX:
-    """E (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)): what |e3| stays below, Eq. (47)."""
+    """E (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)): upper bound of |e3|, Eq. (47)."""
     return E * (1 / l + 11 * v1dmax / (l * v1dmin) + k3 / (5 * l))
 
 

@@ -1,4 +1,4 @@
-"""V1, V1/A and q = (v - v_c1)/A without cancellation: what the generated C evaluates.
+"""V1, V1/A and q = (v - v_c1)/A without cancellation, as the generated C evaluates them.
 
 Why: V1 of Eq. (20) subtracts terms a hundred times its own size, and A of Eq. (10) vanishes at the
 target, so the printed law jitters by metres per second squared near v_c1.  Write x = v_c1,
@@ -253,7 +253,7 @@ def smooth_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:
 
 
 class SmoothAxis(Axis):
-    """One axis, mirrored to c >= 0; what differs from the paper's barrier."""
+    """One axis of the smooth barrier, mirrored to c >= 0: its differences from the paper's."""
 
     def __init__(self, c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> None:
         super().__init__(c, v, u1, u2)

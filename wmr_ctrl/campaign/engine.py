@@ -67,7 +67,7 @@ def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
 
 
 def scenario_of(case: PlannedCase) -> Scenario:
-    """The scenario with what the case changes.  Raises ScenarioError."""
+    """The scenario with the case's overrides.  Raises ScenarioError."""
     switch = {} if case.guard is None else {"guard.enabled": case.guard}
     base = load_scenario(case.scenario) if isinstance(case.scenario, str) else case.scenario
     changed = {**case.overrides, **switch}

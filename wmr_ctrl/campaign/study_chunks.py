@@ -1,4 +1,4 @@
-"""Chunks of a study: what a worker is sent and gives back, and where they run.
+"""Chunks of a study: a worker's task and its result, and the executors that run them.
 
 That is threads here, any `concurrent.futures` executor, or Dask.
 """
@@ -51,7 +51,7 @@ MOST_LOOPS = 16
 
 @dataclass(frozen=True)
 class StudyChunk:
-    """Some runs of a study, and the figures that are asked of them: what a worker is sent.
+    """A worker's task: some runs of a study, and the figures to take of them.
 
     ``loops``: that of each run, where the worker need not build them; ``device``: as in `study`.
     """

@@ -131,7 +131,7 @@ def run_study(
     progress: PhaseProgress | None = None,
     device: str = "cpu",
 ) -> StudyOutcome:
-    """Run what of ``plan`` the folder ``out`` does not have yet, and write the table.
+    """Make the runs of ``plan`` that the folder ``out`` lacks, and write the table.
 
     ``executor`` None: in this process on ``jobs`` threads; else ``make`` is sent to it, one thread
     a chunk.  The table's bytes depend on neither, nor on interruptions.  Raises ResultFileError,
@@ -233,7 +233,7 @@ def _sent(
     jobs: int | None,
     keep: Callable[[Path, list[int], Rows], None],
 ) -> None:
-    """Send chunks to an executor, few ahead of those that run, and keep what comes back."""
+    """Send chunks to an executor, few ahead of those that run, and keep the results."""
     ahead = IN_FLIGHT * (jobs or 4)
     waiting: dict[Future[Rows | WmrError], tuple[Path, list[int]]] = {}
     try:

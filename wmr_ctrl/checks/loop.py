@@ -191,7 +191,7 @@ class Loop:
         )  # fmt: skip
 
     def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
-        """The law on the reference at v_d (2): its start's memory, or what one sample there leaves.
+        """The law on the reference at v_d (2): its memory is its start's, or that after one sample.
 
         The forces that it knows of are those that friction takes, as it believes.  ``theta`` [rad]
         counts where something acts by it.

@@ -15,7 +15,7 @@ from wmr_ctrl.laws.nn import NetworkGains, corner_basis
 
 
 def network(loop: Loop) -> Iterator[Warning]:
-    """Yield what the network's width and the control period do to learning."""
+    """Yield instabilities of learning, by the network's width and by the control period."""
     if isinstance(loop.setup.gains, NetworkGains):
         yield from unstable_width(loop)
         yield from learning_too_fast(loop)

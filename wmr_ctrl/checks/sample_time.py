@@ -37,7 +37,7 @@ MOST_STEPS = 500
 
 
 def sample_time(loop: Loop) -> Iterator[Warning]:
-    """Yield what the control period breaks, each with its number."""
+    """Yield the limits that the control period exceeds, each with its number."""
     yield from _linear(loop)
     if loop.has_barrier and not loop.guarded:
         yield from _kink(loop)
@@ -162,7 +162,7 @@ class Stability:
 
     @property
     def mass_words(self) -> str:
-        """The ratios in words; what reaches as far as was tried is no limit."""
+        """The ratios in words; an end of the range that was tried is no limit."""
         low, high = self.masses or (math.nan, math.nan)
         less, more = " or less" * (low <= 1 / MASSES), " or more" * (high >= MASSES)
         return f"{low:.3g}{less} to {high:.3g}{more} times the believed one"

@@ -143,7 +143,7 @@ class Assembly:
         return np.asarray(graph(0, z, motion.theta, held, numbers, motion.v_d).full())
 
     def flow(self, time: float) -> tuple[Floats, Floats]:
-        """The fast state after a time [s] by that before, and by what is held."""
+        """The fast state after a time [s] by that before, and by the held inputs."""
         world, count = self.world, steps_in(time, self.step)
         whole = np.eye(world.size + world.held)
         whole[: world.size] = self._step(world.slopes, time / count)
@@ -151,7 +151,7 @@ class Assembly:
         return whole[: world.size, : world.size], whole[: world.size, world.size :]
 
     def sensed(self, sample: int) -> Floats:
-        """Slopes of what is measured, what disturbs, and what is remembered after a sample."""
+        """Slopes of measurements, disturbances and memory after a sample."""
         size, shown = self.world.size, ROBOT + HELD
         each = [(weight, self._of(world, sample)) for weight, world in self.worlds]
         seen = sum(weight * slopes[:shown, :size] for weight, slopes in each)

@@ -37,7 +37,7 @@ MANY = 16.0
 
 @dataclass(frozen=True)
 class DriveTimes:
-    """Time until a command takes over [s], and of it what the law knows; the lag that it knows."""
+    """Time until a command takes over [s], the part of it that the law knows, and the known lag."""
 
     delay: float
     known: float

@@ -1,4 +1,4 @@
-"""Torques: those of the first sample, of sensors' noise and of the reference, and what holds them.
+"""Torques: those of the first sample, of sensors' noise and of the reference, and their limits.
 
 The wheels' limit, what the motion needs, and where tyres spin or lift.
 """

@@ -1,4 +1,4 @@
-"""Bases that take velocities: which statement of the command filter holds, and what it leaves."""
+"""Bases that take velocities: the command filter's statement that holds, and its price."""
 
 import math
 from collections.abc import Callable, Iterator

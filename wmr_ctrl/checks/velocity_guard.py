@@ -1,4 +1,4 @@
-"""The velocity guard: what breaks its bounds, what it does not cover, leaves and shakes."""
+"""The velocity guard: contradictions of its bounds, gaps, price, and torque chatter."""
 
 import math
 from collections.abc import Iterator
@@ -25,14 +25,14 @@ SHAKEN = 0.25
 
 
 def contradicted(loop: Loop) -> Iterator[Warning]:
-    """Yield what the scenario breaks: stated bounds, and with the guard on what is believed."""
+    """Yield bounds that the scenario breaks: stated ones, and with the guard on believed ones."""
     setup = loop.setup
     for item in setup.broken if loop.guarded else contradictions(setup.scenario, setup.bound):
         yield Warning(item.key, item.sentence, PLACE)
 
 
 def guard_price(loop: Loop) -> Iterator[Warning]:
-    """Yield what voids the guarantee, an early start, and a reference that is too fast."""
+    """Yield reasons why the guarantee is void, an early start, and a reference that is too fast."""
     if not loop.guarded:
         return
     for effect in loop.setup.effects:

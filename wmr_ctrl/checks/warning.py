@@ -19,7 +19,7 @@ FORCE_UNITS = ("N", "N m")
 
 @dataclass(frozen=True, slots=True)
 class Warning:
-    """A sentence of what, by how much, and the remedy.
+    """A sentence that names the problem, its size and the remedy.
 
     ``key`` is the scenario's key (or ``law``) that the remedy starts from; ``equation`` names the
     place that the statement rests on: one of the paper, such as ``"Eq. (9)"``, or a limit.

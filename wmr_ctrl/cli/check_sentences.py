@@ -250,7 +250,7 @@ def _masses(known: Mapping[str, SourcedNumber]) -> str:
 
 
 def _differs(setup: Setup) -> str:
-    """Mass or inertia of the robot where the laws believe another, within what is counted."""
+    """True mass or inertia where the laws believe another one within the guard's interval."""
     texts = [
         f"{name} = {setup.value(f'robot.{name}')[0]:.4g} {unit}"
         for name, unit in (("m", "kg"), ("I", "kg m2"))

@@ -92,7 +92,7 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
 
 @contextmanager
 def resumable(record: Path) -> Iterator[None]:
-    """Long work with a ``record`` of what is done: who interrupts it is told that it goes on."""
+    """Long work with a ``record`` of progress: who interrupts it is told that it goes on."""
     try:
         yield
     except KeyboardInterrupt:
@@ -171,7 +171,7 @@ class Progress:
         return self
 
     def __exit__(self, *_error: object) -> None:
-        """Clear what was shown, also after an error."""
+        """Clear the bar, also after an error."""
         self._display.close()
 
     def __call__(self, share: float) -> None:

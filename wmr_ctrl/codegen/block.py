@@ -66,7 +66,7 @@ def plant_block(scenario: Scenario) -> Block:
 
 
 def law_block(setup: Setup) -> Block:
-    """The controller of a law, watched: one sample with its memory, and what the law asks for."""
+    """The controller of a law, watched: one sample with its memory, and the force asked for."""
     system = asking_controller(setup)
     return _block(replace(system, params=(*system.params, port(PARALLEL))))
 

@@ -126,7 +126,7 @@ class Program:
 
     @cached_property
     def generated_watched(self) -> dict[str, str]:
-        """C text for one robot, with what is watched where there is no log."""
+        """C text for one robot, with the monitor's sums for runs without a log."""
         return sources(kernels.loop_constants(self.loop), kernels.loop_kernels(self.loop), SCALAR)
 
     @cached_property
@@ -205,7 +205,7 @@ def _numbered(
 
 
 def build_outside(setup: Setup, loop: PlantlessGraphs) -> CompiledLoop:
-    """Compile what lies between a controller and a plant that are elsewhere.
+    """Compile sensors, disturbances and drives, for a controller and a plant that are elsewhere.
 
     Raises CompilerError without a working compiler.
     """

@@ -307,7 +307,7 @@ def _publish(folder: Path, entry: Path) -> None:
 
 
 def _sweep(parent: Path) -> None:
-    """Remove what processes that died while building left behind: nobody holds its lock.
+    """Remove unfinished entries of processes that died: nobody holds their locks.
 
     Where a drive knows no locks, what is older than a day counts as left behind.
     """

@@ -1,4 +1,4 @@
-"""Call a C compiler on C files: flags, temporary files, and what it says when it fails.
+"""Call a C compiler on C files: flags, temporary files, and its messages when it fails.
 
 The flags keep every floating-point value as written: no fast-math, no contraction to fused
 multiply-add, no reassociation.  ``errno`` and exception flags are given up; nobody reads them.

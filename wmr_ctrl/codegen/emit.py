@@ -88,7 +88,7 @@ def prototype(item: Kernel, dialect: Dialect = SCALAR) -> str:
 
 
 def preparation(item: Kernel, dialect: Dialect = SCALAR) -> str:
-    """C signature of what a prepared kernel takes of the parameters alone."""
+    """C signature of the part of a prepared kernel that depends on the parameters alone."""
     return _signature(f"{item.name}_prepare", (PARAMETERS,), (PREPARED,), dialect)
 
 
@@ -112,7 +112,7 @@ def definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
 
 
 def length(item: Kernel) -> str:
-    """Name in C of the length of what a prepared kernel's preparation leaves."""
+    """Name in C of the length of a prepared kernel's intermediate values."""
     return f"WMR_{item.name.upper()}_PREPARED"
 
 

@@ -182,7 +182,7 @@ class _Scope:
 
 
 class _Branch:
-    """The choices of one scope on one condition, and what only one side of them needs."""
+    """The choices of one scope on one condition, and the operations that only one side needs."""
 
     def __init__(self, graph: Graph, scope: _Scope, condition: int, worth: int) -> None:
         self.graph, self.scope, self.condition, self.worth = graph, scope, condition, worth

@@ -42,7 +42,7 @@ def logged_kernels(loop: LoopGraphs) -> tuple[Kernel, Kernel, Kernel]:
 
 
 def outside_kernels(loop: PlantlessGraphs) -> tuple[Kernel, ...]:
-    """The C functions of what lies between a controller and a plant that are elsewhere."""
+    """The C functions of sensors, disturbances and drives, for a controller and plant elsewhere."""
     left = {"next": stack(loop.sample.following), "y": loop.measured}
     measure = kernel("measure", "What the sensors show, and what disturbs.", _sampled(loop), left)
     return _clock(loop), measure, _acting(loop)
@@ -92,7 +92,7 @@ def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
 
 
 def outside_constants(loop: PlantlessGraphs) -> Mapping[str, int | str]:
-    """The same for what lies between a controller and a plant."""
+    """The same for sensors, disturbances and drives alone."""
     return {"MEASURED": loop.measured.numel(), **_beside_plant(loop), **_constants(loop)}
 
 

@@ -209,7 +209,7 @@ UNTIMELY = {
     "governor": "There the memoryless clip acts, until no other command may still act.",
     "band": "The limit is kept all the same; commands may wait, and a stop may take a ramp.",
 }
-"""What a filter does with a call that is not in time, by its form."""
+"""A filter's answer to a call that is not in time, by its form."""
 STARTED = {
     "clip": "Start where the base rests or followed this clip. A restart changes nothing.",
     "slew": "Start where the base rests at the command 0: there the ramp begins.",

@@ -1,4 +1,4 @@
-"""Test vectors of a law: short runs of samples with what CasADi's virtual machine makes of them."""
+"""Test vectors of a law: short runs of samples with the answers of CasADi's virtual machine."""
 
 from dataclasses import dataclass
 
@@ -109,7 +109,7 @@ def _commands(system: System, limits: Limits) -> Floats:
 
 
 def _with_counts(inputs: Floats, system: System) -> Floats:
-    """The same with counts of the wheels at the end, in the place of what is made of them."""
+    """The same with counts of the wheels at the end, in the place of the speeds made of them."""
     numbers = {item.signal.name: item.value[0] for item in system.params}
     names = [name for item in system.inputs for name in item.signal.elements]
     turn = numbers["robot.l"] * inputs[:, -1:] * (1.0, -1.0)

@@ -1,4 +1,4 @@
-"""The torque that was applied: what a law or a guard knows about the sample that has just ended.
+"""The applied torque, as a law or a guard knows it of the sample that has just ended.
 
 The wheels' drives are known (actuator.delay, actuator.lag), so the torque that really acted follows
 from what was commanded; nothing has to be measured.  The value is the mean over the control period
@@ -79,7 +79,7 @@ Torque = TypeVar("Torque", ca.SX, "NDArray[np.float64]")
 def followed(
     commands: Sequence[Torque], late: tuple[int, float, float], acting: Torque, decay: ca.SX | float
 ) -> tuple[Torque, Torque]:
-    """Mean torque over a sample, and what acts at its end behind a lag, for commands by age.
+    """Mean torque over a sample, and the torque at its end behind a lag, for commands by age.
 
     ``late``: a delay as whole control periods and plant steps beyond, and steps of a period.  What
     was ``acting`` keeps the share ``decay`` in a step, 0 where nothing lags.
@@ -98,6 +98,6 @@ def followed(
 
 
 def remembered(law: System) -> tuple[Port, ...]:
-    """The inputs of a law that are such memory: what was applied, and what was sent."""
+    """The inputs of a law that are such memory: torques applied, and torques sent."""
     sent = {tau_sent(age) for age in range(1, len(law.inputs) + 1)}
     return tuple(item for item in law.inputs if item.signal in {TAU_APPLIED, *sent})

@@ -21,7 +21,7 @@ from wmr_ctrl.signals import ASKED, FORCE, TORQUE, VELOCITY
 
 @dataclass(frozen=True)
 class Remembered:
-    """State behind a law, its next value, and what is published about it."""
+    """State behind a law, its next value, and its published diagnostics."""
 
     state: tuple[Port, ...]
     update: ca.SX
@@ -97,7 +97,7 @@ def guard(setup: Setup) -> System:
 def _guarded_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
 ) -> tuple[ca.SX, Remembered]:
-    """Wheel torques (2,) [N m] of a guarded force, and what remembers and watches behind it."""
+    """Wheel torques (2,) [N m] of a guarded force, with the memory and the monitor behind it."""
     r, half_track, phi = _wheels(setup, p)
     late = setup.guard.lateness(setup.scenario.clock)
     both, tails = bounds_of(p, late), Tails("guard_tail", late)
@@ -119,7 +119,7 @@ def _guarded_torque(
 def _watched_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
 ) -> tuple[ca.SX, Remembered]:
-    """`_limited_torque`, and what watches over the bounds that a guard would use."""
+    """`_limited_torque`, with the monitor of the bounds that a guard would use."""
     torque = _limited_torque(setup, p, asked)
     both = bounds_of(p, setup.guard.lateness(setup.scenario.clock))
     monitor = _monitor(setup, p, both, v, applied, torque, ca.SX.zeros(2))

@@ -117,7 +117,7 @@ class Graphs:
         return ca.vertcat(self.plant.x, *self.step.following)
 
     def _join_sensors(self, setup: Setup, *, external_plant: bool) -> list[System]:
-        """Plant and wirings of both rates, with what the sensors read; returns these."""
+        """Plant and wirings of both rates, with the sensors' readings; returns these."""
         self.parameters = Parameters(setup)
         sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
         sensors = sample.effects(EffectRole.SENSOR)

@@ -1,4 +1,4 @@
-"""Outputs that hold only a part of the loop, and what of a scenario they would miss."""
+"""Outputs that hold only a part of the loop, and the effects that they would miss."""
 
 from __future__ import annotations
 

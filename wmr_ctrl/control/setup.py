@@ -231,7 +231,7 @@ def check_name(scenario: str) -> None:
 
 
 def check_scenario(scenario: Scenario) -> None:
-    """Raise what `settle` raises for every law: gains, a reference, a guard that cannot be.
+    """Raise the errors of `settle` that every law has: invalid gains, reference or guard.
 
     Of the guard that is on, what no law's own torque limit changes.
     """
@@ -242,7 +242,7 @@ def check_scenario(scenario: Scenario) -> None:
 
 
 def gains_of(scenario: Scenario, law: Law) -> Section:
-    """The law's gains with what the scenario sets; raises on unknown names and bad values."""
+    """The law's gains, with the scenario's own; raises on unknown names and bad values."""
     return build(law.gains, scenario.gains.get(law.name, {}), f"gains.{law.name}")
 
 
@@ -285,7 +285,7 @@ def wheel_limit_of(scenario: Scenario, gains: Section) -> float:
 
 
 def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
-    """Sum of what effects add to the guard's assumptions; those without a bound add nothing."""
+    """Sum of the effects' bounds, the guard's assumptions; those without a bound add nothing."""
     return total([b for item in present if (b := item.bounded(scenario)) is not None])
 
 

@@ -113,7 +113,7 @@ class SentVelocity:
         return sent, flags, following
 
     def system(self) -> System:
-        """The sampled System, whose state is the law's, then what was sent, then the filter's.
+        """The sampled System, whose state is the law's, then the last commands, then the filter's.
 
         Of the guard's diagnostics ``clip_active`` tells where the filter changed the command,
         ``feasible`` whether odometry agrees with the stated bounds; no push is looked for.
@@ -138,7 +138,7 @@ class SentVelocity:
         )  # fmt: skip
 
     def asking(self) -> System:
-        """The same without the filter: it asks for a velocity, and is told what was sent of it.
+        """The same without the filter: it asks for a velocity, and is told the command sent.
 
         The further input v_sent does not touch what is asked for, but what is remembered: 0 for
         what is no number.  To the bit it is what `system` remembers.
@@ -176,7 +176,7 @@ class SentVelocity:
         return memory, following
 
     def _law(self, memory: Sequence[Port]) -> System:
-        """The law with the parameters of all; its inputs without what is remembered."""
+        """The law with the parameters of all; its inputs without its memory's."""
         known = {item.signal for item in memory}
         inputs = tuple(item for item in self.core.inputs if item.signal not in known)
         update = ca.SX.zeros(0, 1)

@@ -36,7 +36,7 @@ FIRST_STREAM = 16
 
 @dataclass(frozen=True)
 class Stream:
-    """Random numbers of one draw: what picks them, their kind, how many, and at which rate.
+    """Random numbers of one draw: their stream, kind, count and rate.
 
     ``said``: whether they are wanted and their bound (2,), by the loop's parameters.
     """
@@ -90,7 +90,7 @@ class Wiring:
         return stack(self.parameters.take(item.signal.name) for item in system.params)
 
     def run(self, system: System, known: Mapping[str, ca.SX] | None = None) -> Named:
-        """Outputs and diagnostics of a System for what is known; its state joins the others."""
+        """Outputs and diagnostics of a System for the known signals; its state joins the others."""
         p, inputs = self.of(system), self.known if known is None else known
         for item in system.draws:
             said = ca.substitute(ca.vertcat(item.wanted, item.bound), system.p, p)
@@ -117,7 +117,7 @@ class Wiring:
         return [item.system(self.setup.scenario) for item in chosen]
 
     def drives(self) -> list[System]:
-        """Systems from what is sent to torques: commands, the speed loop, then the drives."""
+        """Systems from a command to torques: commands, the speed loop, then the drives."""
         roles = (EffectRole.COMMAND, EffectRole.LOOP, EffectRole.DRIVE)
         return [system for role in roles for system in self.effects(role)]
 
@@ -129,7 +129,7 @@ class Wiring:
             self.known |= self._shown(system)
 
     def disturb(self, disturbances: Sequence[System]) -> None:
-        """Sum of torques at the wheels and of forces on the body, onto what is there already."""
+        """Sum of torques at the wheels and of forces on the body, onto those there already."""
         total = {s.name: self.known.get(s.name, ca.SX(0)) for s in DISTURBING}
         for system in disturbances:
             given = self._shown(system)

@@ -1,4 +1,4 @@
-"""Values that look like a slip of units: up to which size one is usual, and what else it may be."""
+"""Values that look like a slip of units: usual sizes, and units mistaken for another."""
 
 import math
 from collections.abc import Iterator, Mapping

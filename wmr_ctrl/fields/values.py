@@ -1,4 +1,4 @@
-"""Cleaning of single values: what type, size and range a field accepts, and the error if not.
+"""Cleaning of single values: a field's type, size and range, and the error if one does not fit.
 
 Beside it the sizes past which input is refused before anything is counted or unpacked.
 """

@@ -1,4 +1,4 @@
-"""Models of single blocks: plant, laws, reference, what guards, filters and watches."""
+"""Models of single blocks: plant, laws, reference, guard, command filter, corridor monitor."""
 
 from collections.abc import Mapping
 from dataclasses import replace

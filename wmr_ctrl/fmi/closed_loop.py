@@ -90,7 +90,7 @@ def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
 
 
 def _drives(setup: Setup) -> dict[str, Range]:
-    """Ranges of what the loop is built for: it knows the torque that acts, and what is remembered.
+    """Ranges of the drives' numbers, by which the loop's known torque and its memory are built.
 
     Whether there is a lag, the delay, with either of them the clock's steps, and what decides the
     form of an effect's graph, cannot change.

@@ -1,4 +1,4 @@
-"""modelDescription.xml and its companions: what the templates print, decided here."""
+"""modelDescription.xml and its companions: the values that the templates print."""
 
 import math
 from collections.abc import Iterable

@@ -138,13 +138,13 @@ def net(guard: Guard, axis: int) -> float:
 
 
 def aim(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """v_u1 less what is kept back against rounding [m/s or rad/s]."""
+    """v_u1 less the margin against rounding [m/s or rad/s]."""
     count = max(item.roundings for item in guard.lateness(scenario.clock))
     return scenario.limits.v_u1[axis] * (1.0 - rounding(count))
 
 
 def lateness_time(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """All that may count of what was sent, window, delay and lag together [s]."""
+    """Time during which sent commands still count: window, delay and lag together [s]."""
     return scenario.clock.control * guard.lateness(scenario.clock)[axis].most
 
 
@@ -154,7 +154,7 @@ def mixed_time(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
 
 
 def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """M_min (v_u1 - f_speed)/(1/alpha + lateness) of one axis [N or N m]: what slows it down.
+    """M_min (v_u1 - f_speed)/(1/alpha + lateness) of one axis [N or N m]: its brake.
 
     With jitter at most M_min (v_u1 - 2 nbar)/mixed, too.
     """
@@ -174,7 +174,7 @@ def pair_of(pair: Pair | None) -> Pair:
 
 
 def _derived_brake(scenario: Scenario, guard: GuardNumbers, tau_max: float) -> Pair:
-    """All that is allowed without torque limits, else dbar and a share of what is to spare.
+    """The largest allowed without torque limits, else dbar and a share of the spare torque.
 
     The wheels' reach is counted less ROUNDING of it: what is computed of the sum is within reach.
     """
@@ -208,7 +208,7 @@ _PARTS: Mapping[str, Callable[[Bound], Pair]] = {
 
 @dataclass(frozen=True)
 class SourcedNumber:
-    """A number that the guard counts on, per axis or from least to most, and what it is made of."""
+    """A number that the guard counts on, per axis or from least to most, and its sources."""
 
     name: str
     value: Pair

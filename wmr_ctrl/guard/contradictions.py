@@ -24,7 +24,7 @@ class Contradiction:
 
 
 def contradictions(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
-    """Yield each bound that is stated and broken; ``bound`` is what the effects add up to.
+    """Yield each bound that is stated and broken; ``bound`` is the effects' sum.
 
     What is left out is derived from the scenario and cannot contradict it.
     """

@@ -113,7 +113,7 @@ class InFlight:
         return ca.fmax(measured, b.f_speed + self.since_rest.ahead)
 
     def left(self, room: ca.SX, b: Bounds) -> ca.SX:
-        """Room [m/s or rad/s] less what either command may do until the new one is sure to act."""
+        """Room [m/s or rad/s] less the push of either command until the new one is sure to act."""
         lines, again = [room], ca.SX(0)
         if self.again is not None:
             assert b.jitter is not None

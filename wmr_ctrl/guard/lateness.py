@@ -1,4 +1,4 @@
-"""Lateness: what a past command counts for, where velocities are measured late or drives are slow.
+"""Lateness: the weight of a past command where velocities are measured late or drives are slow.
 
 Per axis, times in control periods.  The velocity is the mean over a window that ended ``age`` ago,
 L = age + window; a command takes over between lo and hi after it was given; drives follow with one

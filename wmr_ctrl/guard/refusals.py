@@ -49,7 +49,7 @@ def feasible_guard(
 
 
 def _check_times(scenario: Scenario, guard: GuardNumbers) -> None:
-    """Refuse what the guard's theorem does not cover."""
+    """Refuse times that the guard's theorem does not cover."""
     period, step = scenario.clock.control, scenario.clock.plant
     for i in AXES:
         start = scenario.initial.velocity[i]

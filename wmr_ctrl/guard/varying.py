@@ -1,4 +1,4 @@
-"""A lag whose time constant varies: what commands count for, piece of time after piece of time.
+"""A lag whose time constant varies: the weight of commands, piece of time after piece of time.
 
 Per axis and direction, with p = max(F + net, 0) of the command F that acts: behind drives whose
 time constant tau lies in [a, b] and varies as it likes, the push that is felt is at most Z,
@@ -27,7 +27,7 @@ Integral = Callable[[Fraction, Fraction, Fraction | None], Decimal]
 
 @dataclass(frozen=True)
 class Passage:
-    """A piece of time: the commands of which any may act, and what becomes of Z in it.
+    """A piece of time: the commands of which any may act, and how Z moves in it.
 
     ``stays`` of a difference that falls and of one that rises; weights as the mean and as the rest
     count (see `lateness`).

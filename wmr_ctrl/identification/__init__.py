@@ -1,4 +1,4 @@
-"""From a log to a scenario: parameters of a robot with intervals, and what a guard may count on."""
+"""From a log to a scenario: parameters of a robot with intervals, and a guard's numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results of a log, and what they say: could it tell a parameter, and what may be counted on.
+"""Results of a log: verdicts on its parameters, and the bounds that a guard may count on.
 
 Each parameter gets a verdict, mixtures get words, and seconds are named.
 """
@@ -307,7 +307,7 @@ def mixtures(names: Sequence[str], information: Floats, vague: set[str]) -> Iter
 
 
 def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
-    """Remarks on what a log says of a speed loop, and what it does not."""
+    """Remarks on the parameters of a speed loop that a log determines, and does not."""
     remarks = [
         "gains are against the log's own measured speeds: an error in a wheel's radius or "
         "track affects both, and no log of wheels shows it. Add it to filter.gain."

@@ -241,7 +241,7 @@ def plant_step(period: float) -> float:
 
 
 def bare_scenario(scenario: Scenario, log: Samples) -> Scenario:
-    """What is known, on the log's clock and without what the identified numbers replace."""
+    """The known scenario on the log's clock, without the parts that identified numbers replace."""
     period = float(f"{log.period:.4g}")
     count = max(1, round(scenario.clock.duration / period))
     return replace(
@@ -264,7 +264,7 @@ def cut_of(log: Samples) -> float:
 def fitted_part(
     fit: Fit, begin: float, end: float, passes: int, tell: Callable[[], None], start: Fit
 ) -> Fit:
-    """The fit, in its own model, of what lies from ``begin`` to before ``end`` [s]."""
+    """The fit, in its own model, of the part from ``begin`` to before ``end`` [s]."""
     t, boost = fit.problem.log.t, fit.problem.boost
     own = None if boost is None else boost[(t >= begin) & (t < end)]
     part = replace(fit.problem, log=fit.problem.log.until(end, begin), boost=own)

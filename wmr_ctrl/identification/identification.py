@@ -165,7 +165,7 @@ def identify(
 def _believed(
     raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
 ) -> tuple[Scenario, set[str]]:
-    """The scenario with what is known, and which of the robot's sizes are."""
+    """The scenario with the known numbers, and which of the robot's sizes are known."""
     given = known if known is not None else raw.base
     scenario = scenario_of(given if given is not None else Scenario(), overrides, guard=False)
     return scenario, set(overrides) | (set() if given is None else {*ROBOT, COUNTED})

@@ -1,4 +1,4 @@
-"""A drive that would tell what a log could not, inside limits and floor.
+"""A drive that would determine the parameters that a log could not, inside limits and floor.
 
 Tones and random steps of both speeds are simulated at corners of the intervals, with the plant's
 graph and a plain loop, or with the base's own loop; of those that keep limits and floor the one of

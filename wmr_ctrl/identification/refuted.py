@@ -1,4 +1,4 @@
-"""Bounds that a guard may rely on by a log, and what in the log's last third refutes them.
+"""Bounds that a guard may rely on by a log, and contradictions in the log's last third.
 
 Motion that bounds of the rest do not explain, by the guard's own monitor, and changed numbers.
 """

@@ -145,7 +145,7 @@ def foretold(log: AxisLog, loop: str, sets: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class LoopFit:
-    """A fit of one loop: its parameters as searched by ``names``, and what they leave over.
+    """A fit of one loop: its parameters as searched by ``names``, and its residuals.
 
     ``gradient`` (B, n) and ``fisher`` (B, n, n) of minus the log of the likelihood, by blocks of
     time; ``left`` (N,): speed less what was foretold.
@@ -180,17 +180,17 @@ class LoopFit:
         return any(h > MOST_VAGUE for n, h in zip(self.names, half, strict=True) if n != "delay")
 
     def deviation(self) -> Floats:
-        """Speed less what was foretold (N,), averaged over SMOOTHED; 0 where nothing counts."""
+        """Speed less its forecast (N,), averaged over SMOOTHED; 0 where nothing counts."""
         wide = max(round(SMOOTHED / self.log.period), 1)
         left = np.where(self.log.counted, self.left, 0.0)
         return np.convolve(left, np.ones(wide) / wide, "same")
 
     def standard_errors(self) -> Floats:
-        """Standard errors (n,) of what is searched, by the Fisher information."""
+        """Standard errors (n,) of the searched parameters, by the Fisher information."""
         return np.sqrt(np.diag(np.linalg.pinv(self.fisher.sum(axis=0))))
 
     def half_widths(self, least_delay: float) -> Floats:
-        """Half-widths (n,) of 95 % intervals of what is searched."""
+        """Half-widths (n,) of 95 % intervals of the searched parameters."""
         shown = np.diag(self.fisher.sum(axis=0)) > 0
         floor = [least_delay if name == "delay" else FLOOR for name in self.names]
         half = np.maximum(errors_of(self.gradient, self.fisher, shown), floor)
@@ -201,7 +201,7 @@ Fits = tuple[LoopFit | None, LoopFit | None]
 
 
 def set_of(names: tuple[str, ...], theta: Floats) -> Floats:
-    """Gain, two numbers of the loop, acceleration limit and delay of what is searched."""
+    """Gain, two numbers of the loop, acceleration limit and delay of searched parameters."""
     by = {n: x if n == "delay" else math.exp(x) for n, x in zip(names, theta, strict=True)}
     loop = (by["tau"], 1.0) if "tau" in by else (by["wn"], by["zeta"])
     return np.array([by.get("gain", 1.0), *loop, by.get("accel", math.inf), by["delay"]])
@@ -215,7 +215,7 @@ def _bounded(names: tuple[str, ...], theta: Floats) -> Floats:
 def whitener(
     left: Floats, counted: np.ndarray, order: int = ORDER
 ) -> tuple[Callable[[Floats], Floats], np.ndarray]:
-    """Filter that whitens what is left, and which samples it is whole for."""
+    """Filter that whitens residuals, and which samples it is whole for."""
     if not order:
         return lambda x: x, counted
     behind = np.column_stack([np.roll(left, k) for k in range(1, order + 1)])

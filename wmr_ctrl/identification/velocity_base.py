@@ -199,7 +199,7 @@ def _scenario(
 
 
 def _said_of(loop: str, m: float) -> list[str]:
-    """Remarks on what the scenario cannot hold of a kind of loop."""
+    """Remarks on the properties of a kind of loop that no scenario can hold."""
     said = {
         "second-order": (
             "the loop is second-order without a zero, which runs cannot simulate: they take the "

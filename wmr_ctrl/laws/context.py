@@ -1,4 +1,4 @@
-"""LawContext: what every law is given at one control sample, and how its System is put together."""
+"""LawContext: a law's inputs at one control sample, and how its System is put together."""
 
 from __future__ import annotations
 

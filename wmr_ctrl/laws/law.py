@@ -42,7 +42,7 @@ class Traits:
 
 @dataclass(frozen=True)
 class Inside:
-    """A law's System where none of its limits cuts, and what that takes.
+    """A law's System where none of its limits cuts, and the conditions for that.
 
     ``within``: by name an expression (2,) in the System's symbols and the size (2,) that it must
     not exceed on either axis for the law to be this System.  ``from_measured`` names those that a
@@ -56,7 +56,7 @@ class Inside:
 
 @dataclass(frozen=True)
 class Law:
-    """A control law: name, gains, graph, traits and what its file says.
+    """A control law: name, gains, graph, traits and its file's docstring.
 
     ``build(context)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
     names those of its gains that a search may change, all positive.  ``command(context)``, if

@@ -60,7 +60,7 @@ def pushed(context: LawContext, v: ca.SX, force: ca.SX, time: ca.SX) -> ca.SX:
 
 
 def slowed(free: ca.SX, taken: ca.SX) -> ca.SX:
-    """A velocity less what friction takes of it: all of it at most."""
+    """A velocity less friction's share of it: all of it at most."""
     most = ca.fabs(free)
     return free - ca.fmax(-most, ca.fmin(most, taken))
 

@@ -135,7 +135,7 @@ def _around(
     step_of: Callable[[LawContext], ca.SX],
     more: tuple[Sequence[Port], Sequence[ca.SX]] = ((), ()),
 ) -> System:
-    """The law around a step to v+; ``more`` state and what the step makes of it."""
+    """The law around a step to v+; ``more`` state and its next value."""
     observer = Observer(context, context.gain("wo"), context.friction_at)
     then, sent = ahead(context, observer.force)
     step = step_of(then)

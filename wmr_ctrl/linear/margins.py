@@ -132,7 +132,7 @@ def worst(given: list[Margins | None]) -> Margins | None:
 
 
 def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1.0) -> Scenario:
-    """The robot's mass, inertia and friction times these factors; what the laws believe stays."""
+    """The robot's mass, inertia and friction times these factors; the laws' model stays."""
     robot, believed = scenario.robot, scenario.believed
     other = replace(robot, m=m * robot.m, I=I * robot.I, mu=mu * robot.mu)
     return replace(scenario, robot=other, model=Model(m=believed.m, I=believed.I, mu=believed.mu))

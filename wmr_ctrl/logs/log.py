@@ -308,7 +308,7 @@ def counted(log: Log, counts: float | None) -> tuple[Log, float | None]:
 
 
 def seen_by(log: Log) -> str:
-    """Name of what the motion is read from: counts before speeds, measured before true ones."""
+    """Name of the columns that show the motion: counts before speeds, measured before true ones."""
     if log.has(COUNTS.elements):
         return COUNTS.name
     if log.has(WHEEL_SPEED):

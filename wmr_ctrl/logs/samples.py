@@ -1,4 +1,4 @@
-"""Samples of a log: what was seen of the motion, what was commanded, of both axes or of one."""
+"""Samples of a log: measured motion and commands, of both axes or of one."""
 
 from __future__ import annotations
 

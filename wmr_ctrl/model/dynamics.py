@@ -27,7 +27,7 @@ def input_matrix(theta: ca.SX, r: ca.SX, half_track: ca.SX) -> ca.SX:
 def projected(
     theta: ca.SX, m: ca.SX, inertia: ca.SX, r: ca.SX, half_track: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
-    """(H' M H, H' B), Eq. (4): what `reduced_mass` and `wheel_to_force` are the results of."""
+    """(H' M H, H' B), Eq. (4): from which `reduced_mass` and `wheel_to_force` result."""
     h = velocity_map(theta)
     return h.T @ mass_matrix(m, inertia) @ h, h.T @ input_matrix(theta, r, half_track)
 

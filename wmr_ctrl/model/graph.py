@@ -1,4 +1,4 @@
-"""A CasADi function read into single assignments: what is compiled, and what is proved about.
+"""A CasADi function read into single assignments: compiled, and the subject of proofs.
 
 CasADi lists instructions on reused work slots and writes a choice as (c ? a : 0) + (!c ? b : 0).
 Here every value has one number, equal expressions share it, a choice is one operation, and

@@ -194,7 +194,7 @@ def _array(elements: Iterable[str]) -> str:
 
 
 def _law(system: System, clock: Member) -> Mapping[str, object]:
-    """A sampled block: its parameters, memory, and what it shows of the function's result."""
+    """A sampled block: its parameters, memory, and outputs from the function's result."""
     parameters, memory = members(system.params), system.x0
     arguments = [_array(_elements(system.inputs))]
     arguments += ["pre(memory)"] * bool(memory)

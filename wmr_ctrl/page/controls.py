@@ -94,7 +94,7 @@ ENDS = ("least", "most")
 
 @dataclass(frozen=True)
 class Control:
-    """A slider: element of a parameter, its group, unit, meaning, range, and what goes along.
+    """A slider: element of a parameter, its group, unit, meaning, range, and coupled parameters.
 
     ``bounds``: what its field admits, for numbers from a link.
     """

@@ -29,7 +29,7 @@ from wmr_ctrl.world.speed_loop import takes_velocity
 
 @dataclass(frozen=True)
 class PageMember:
-    """A robot: its name, law, look, what is said of it, and what of the scenario it changes."""
+    """A robot: its name, law, look, caption, and its overrides of the scenario."""
 
     name: str
     law: str
@@ -89,7 +89,7 @@ def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...
 
 
 def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, object]]]:
-    """Ways to limit the commands of a law, with what each changes."""
+    """Ways to limit the commands of a law, with their overrides."""
     whole: dict[str, object] = {}
     if issubclass(LAWS[law].gains, VelocityLoopGains):
         whole = {f"gains.{law}.share": 1.0, f"gains.{law}.a_max": [UNLIMITED, UNLIMITED]}
@@ -125,7 +125,7 @@ def _is_swinging(scenario: Scenario) -> bool:
 
 
 def _filters(scenario: Scenario) -> Iterator[tuple[str, Mapping[str, object]]]:
-    """Filters that the scenario's numbers are enough for, with what each changes."""
+    """Filters that the scenario's numbers are enough for, with their overrides."""
     own = scenario.filter
     yield "clip", {"filter.kind": "clip"}
     if own.slew:
@@ -141,7 +141,7 @@ def _filters(scenario: Scenario) -> Iterator[tuple[str, Mapping[str, object]]]:
 
 @dataclass(frozen=True)
 class PageScene:
-    """A start of the page: its scenario, what is said about it, and which laws are shown first.
+    """A start of the page: its scenario, its text, and the laws that are shown first.
 
     ``speed``: simulated seconds in one of the clock.
     """

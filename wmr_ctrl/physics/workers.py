@@ -80,7 +80,7 @@ def _makers(make: Callable[[RunnableLoop, int], T], count: int) -> Iterator[Resu
 
 
 class Worker:
-    """A process that does what it is asked, one call after the other."""
+    """A process that makes calls for another one, one after the other."""
 
     def __init__(self, environment: Mapping[str, str] | None = None) -> None:
         """Start it, without waiting for it; ``environment``: variables that it is given besides."""

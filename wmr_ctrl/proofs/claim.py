@@ -75,7 +75,7 @@ class Claim:
 
 @dataclass
 class Claims:
-    """The claims of one file in their order, and what most of them have."""
+    """The claims of one file in their order, and their defaults."""
 
     by: Method | str | Callable[..., Method] | None = None
     form: str = OURS

@@ -57,7 +57,7 @@ class ProvedGraph:
 
     @property
     def digest(self) -> str:
-        """sha256 of what the outputs depend on, with constants to the bit."""
+        """sha256 of the nodes that the outputs depend on, with constants to the bit."""
         used = self._reached()
         rows = [
             f"{k} {n.op} {n.args} {float(n.value).hex()} {n.name}"
@@ -162,7 +162,7 @@ NO_OPERATION = frozenset({"const", "input", "choose"}) | COMPARISONS | LOGICAL
 
 
 class UndecidedError(ArithmeticError):
-    """A condition or a domain that a method cannot settle: what rests on it stays open."""
+    """A condition or a domain that a method cannot settle: goals that rest on it stay open."""
 
 
 class Arithmetic(Protocol):
@@ -193,7 +193,7 @@ class Arithmetic(Protocol):
 
 
 class Walk:
-    """One evaluation of a graph along decided conditions, only of what is needed."""
+    """One evaluation of a graph along decided conditions, only of the needed nodes."""
 
     def __init__(
         self, graph: ProvedGraph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]

@@ -26,7 +26,7 @@ ROUNDED = frozenset({"add", "sub", "mul", "div", "inv", "sq", "sqrt"})
 
 @dataclass(frozen=True)
 class RoundedGraph:
-    """Nodes with an input for each rounding, where each result is, and what bounds the inputs.
+    """Nodes with an input for each rounding, the places of the results, and the inputs' bounds.
 
     ``bounds`` are nodes that are not negative: the unit's share of an exact result, less how far
     the computed one is from it, either way.

@@ -299,7 +299,7 @@ def verdict_of(tests: Sequence[Measured], never: bool = False) -> Verdict:
 
 
 def load_readings() -> list[dict[str, object]]:
-    """Readings of what the paper leaves open.
+    """Our readings of the paper's open points.
 
     Entries have ``topic``, ``said``, ``reading``, ``why`` and the scenario's ``keys``.
     """

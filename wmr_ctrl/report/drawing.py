@@ -27,7 +27,7 @@ POINTS = 1500
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """One figure: the name of its files, width and height [inch], and what draws it.
+    """One figure: the name of its files, width and height [inch], and its drawing function.
 
     ``title``: the text for readers of the page without pictures.
     """

@@ -30,7 +30,7 @@ SHEET_SIZE = (11.7, 15.6)
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One panel: its letter in the paper, a name for files, a title, and what draws it.
+    """One panel: its letter in the paper, a name for files, a title, and its drawing function.
 
     ``laws`` restricts it to laws that have what it shows (None: all); a ``path`` has the reference
     in its legend, all others the change of parameters.

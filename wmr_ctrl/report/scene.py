@@ -1,4 +1,4 @@
-"""Scene of an animation: poses at the times of the frames, and what gauges show then."""
+"""Scene of an animation: poses at the times of the frames, and the gauges' readings then."""
 
 import math
 from collections.abc import Sequence
@@ -55,7 +55,7 @@ class Actor:
 
 @dataclass(frozen=True)
 class Gauge:
-    """A scale below the map: its words, and what each robot shows of it, (frames, robots).
+    """A scale below the map: its words, and each robot's readings, (frames, robots).
 
     1 is the ``edges``' value, nan nothing; ``limited``: what is beyond an edge is red.
     """

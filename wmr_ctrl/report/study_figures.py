@@ -36,7 +36,7 @@ _SHARES = {"violated": "share of runs beyond a limit", "tracked": "share of runs
 
 
 def plot_study(folder: str | Path) -> list[Path]:
-    """Draw what a study's table shows into its folder, as SVG and PNG; returns the files.
+    """Draw the pictures of a study's table into its folder, as SVG and PNG; returns the files.
 
     Raises ResultFileError for a folder without a finished study, MissingExtraError for Sobol
     indices without SALib.

@@ -125,7 +125,7 @@ def run_as_mcap(run: Run, description: str) -> bytes:
 
 
 def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iterator[Msg]]]:
-    """Topics, types and messages of what a base publishes, and of what it was sent."""
+    """Topics, types and messages of a base's odometry, joints and commands."""
     types, columns = message_types().types, drive_of(run).columns
     header, time = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
     vector, twist = types["geometry_msgs/msg/Vector3"], types[TWIST]

@@ -242,7 +242,7 @@ def _joint(side: str, asked: str, names: Sequence[str]) -> int:
 
 
 def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
-    """Times (N,) [ns] of a topic's messages, and what is to be said of them."""
+    """Times (N,) [ns] of a topic's messages, and remarks on them."""
     late = (topic.receipt - topic.stamps) / SECOND
     clock = topic.stamps if stamped else topic.receipt
     about = (

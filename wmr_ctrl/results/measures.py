@@ -242,7 +242,7 @@ def torque_change_rms(run: Run) -> float | None:
 
 
 def change_rms(torque: FloatArray, rows: slice) -> float:
-    """RMS over rows and wheels of what a torque (N, 2) changes since the row before [N m]."""
+    """RMS over rows and wheels of a torque's (N, 2) change since the row before [N m]."""
     steps = torque[rows] - torque[rows.start - 1 : rows.stop - 1]
     return float(np.sqrt(np.mean(steps**2)))
 

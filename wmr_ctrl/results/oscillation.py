@@ -93,7 +93,7 @@ def _velocity_cycles(run: Run, rows: slice) -> list[Oscillation]:
 
 
 def fast_swing_rms(signal: FloatArray, period: float) -> float:
-    """RMS over rows and columns of what in a signal (N, n) is faster than `SLOWEST` [its unit]."""
+    """RMS over rows and columns of a signal's (N, n) content above `SLOWEST` [its unit]."""
     power = np.abs(np.fft.rfft(signal, axis=0)) ** 2
     power[np.fft.rfftfreq(len(signal), period) < SLOWEST] = 0.0
     power[1 : len(power) - (len(signal) % 2 == 0)] *= 2.0  # both halves of the spectrum

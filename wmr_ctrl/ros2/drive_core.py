@@ -308,7 +308,7 @@ class DriveCore:
 
 
 def _under_way(setup: Setup) -> int:
-    """Torques of before that may still act when the law begins anew, by what the guard counts on.
+    """Earlier torques that may still act when the law begins anew, by the guard's delay and lag.
 
     An empty memory takes them for 0, which they are once so many zeros were sent.
     """

@@ -81,7 +81,7 @@ def node_functions() -> Functions:
 def functions_of(
     library: ctypes.CDLL, returns: Mapping[str, type | None], prefix: str = "wmr_"
 ) -> Functions:
-    """Functions of a library by name, with the types of what they return."""
+    """Functions of a library by name, with their return types."""
     functions = {name: library[prefix + name] for name in returns}
     for name, function in functions.items():
         function.restype = returns[name]

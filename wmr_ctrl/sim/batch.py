@@ -114,7 +114,7 @@ def _lanes(task: Task, log: bool) -> int:
 
 
 def _made(chosen: Sequence[Task], log: bool, cancelled: ct.c_int32) -> Results | None:
-    """What the runs of one batch leave; None if they were cancelled."""
+    """Results of the runs of one batch; None if they were cancelled."""
     windows = [] if log else list(windows_of(chosen[0].loop.settings).values())
     if is_for_gpu(chosen[0]):
         return launched(chosen, windows, log, cancelled)

@@ -1,4 +1,4 @@
-"""Figures of many runs as arrays, from what the loop leaves behind without a log."""
+"""Figures of many runs as arrays, from the loop's sums, without a log."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeVar
@@ -149,7 +149,7 @@ def _from_sums(memory: Results, settings: Settings) -> Iterator[tuple[str, Float
 
 
 def _made(how: Sum, added: Floats, samples: Floats, period: float) -> Floats:
-    """A figure from what was added up in its window of so many samples."""
+    """A figure from its sums over a window of so many samples."""
     if how.how == "integral":
         return added * period
     with np.errstate(divide="ignore", invalid="ignore"):

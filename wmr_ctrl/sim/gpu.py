@@ -51,7 +51,7 @@ class Batch(ct.Structure):
 
 
 class GraphicsProcessor(Protocol):
-    """What runs the text: CUDA by CuPy; tests put a processor of the usual kind in its place."""
+    """Runner of the compiled text: CUDA by CuPy; tests put an ordinary processor in its place."""
 
     def threads(self) -> int:
         """Threads that it holds at a time."""

@@ -54,7 +54,7 @@ def run_interpreted(
 
 
 class _Run:
-    """The state of a run, and what is under way in it."""
+    """The state of a run, and its commands under way."""
 
     def __init__(self, loop: LoopFunctions, seed: int, settings: Settings) -> None:
         self.numbers, self.substeps = loop.numbers, round(settings.control / settings.plant)

@@ -112,7 +112,7 @@ def each_task(
     progress: Callable[[float], None] | None = None,
     engine: str | None = None,
 ) -> list[T]:
-    """`run_each` for tasks; ``engine``: what made the runs, by default "lanes" or "gpu"."""
+    """`run_each` for tasks; ``engine``: the runs' maker, by default "lanes" or "gpu"."""
 
     def pass_on(place: int, rows: Floats, watched: Monitor) -> T:
         item, seed = tasks[place].loop, tasks[place].seed

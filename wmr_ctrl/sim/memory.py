@@ -140,7 +140,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Results:
-    """What the runs of a batch leave.
+    """Results of the runs of a batch.
 
     ``findings``, ``state`` and ``added`` (windows, sums, lanes): a row a name, a column a lane;
     ``count``: lanes that are asked for.
@@ -179,7 +179,7 @@ class Results:
 
 @dataclass(frozen=True)
 class Memory(Results):
-    """The settings of a batch, every array that they point into, and what a run leaves."""
+    """The settings of a batch, every array that they point into, and the runs' results."""
 
     vectors: VectorSet
     settings: LoopSettings

@@ -1,4 +1,4 @@
-"""A compiled loop that is ready to run, and the Run that is made of what an engine found."""
+"""A compiled loop that is ready to run, and the Run that is made of an engine's results."""
 
 import hashlib
 import platform
@@ -30,7 +30,7 @@ def assemble_run(
     bounds: Assumptions,
     plant: str = "ode",
 ) -> Run:
-    """The Run of what an engine found.
+    """The Run of an engine's results.
 
     ``bounds`` are what a guard assumes, be it on or off: with them the monitor tells the first
     motion that contradicts them, and how near the least disturbance came.  ``plant``: as in
@@ -81,7 +81,7 @@ def provenance(scenario: Scenario) -> Mapping[str, str]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what computes."""
+    """Versions of the computing packages."""
     return {
         "version": __version__,
         "python": platform.python_version(),
@@ -92,7 +92,7 @@ def versions() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class RunnableLoop:
-    """A compiled loop, its scenario and law, and what a guard assumes of the motion."""
+    """A compiled loop, its scenario and law, and the guard's assumptions on the motion."""
 
     compiled: CompiledLoop
     scenario: Scenario

@@ -88,7 +88,7 @@ def _port(signal: Signal) -> Mapping[str, Any]:
 
 
 def _parameter(port: Port, known: tuple[float, float] | None) -> Mapping[str, Any]:
-    """One parameter of the S-function: its values, and what each of them may be."""
+    """One parameter of the S-function: its values and their ranges."""
     signal = port.signal
     low, high = (
         math.copysign(math.inf, end) if abs(end) >= LARGEST else end

@@ -166,7 +166,7 @@ class Search:
 
 
 def trials_file(target: Path) -> Path:
-    """File that keeps what was tried until ``target`` is written."""
+    """File that keeps the trials until ``target`` is written."""
     return target.with_name(f"{target.name}.trials.json")
 
 

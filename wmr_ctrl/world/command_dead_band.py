@@ -1,4 +1,4 @@
-"""Dead band of commands: what is smaller than it is taken for 0, each axis by itself.
+"""Dead band of commands: a smaller velocity is taken for 0, each axis by itself.
 
 Source: firmware that does not let motors hum at rest.
 """

@@ -1,4 +1,4 @@
-"""Effect: what a sensor, a disturbance or a drive adds to the loop, and to what a guard assumes.
+"""Effect: a sensor, disturbance or drive of the loop, and its bound in the guard's assumptions.
 
 An effect is one file: a section of the scenario, a graph, a bound.  It is named in `registry`.
 
@@ -331,7 +331,7 @@ def total(bounds: list[Bound]) -> Bound:
 
 
 def mass_bounds(scenario: Scenario) -> tuple[Pair, Pair]:
-    """Smallest and largest mass and inertia [kg, kg m2], before what effects add to them.
+    """Smallest and largest mass and inertia [kg, kg m2], before effects widen them.
 
     Those of the guard; where one is not stated, model.m and model.I, narrowed or widened by the
     share guard.mass_margin.  Of the true robot and its changes nothing is read.

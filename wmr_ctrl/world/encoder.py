@@ -184,7 +184,7 @@ def check(scenario: Scenario) -> None:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A mean over the window, to within a count of each wheel and what the wheels' size misstates.
+    """A mean over the window, to within a count of each wheel and the error of the wheels' size.
 
     The whole parts of two numbers differ by less than 1 more or less than the numbers, wherever
     the counts' phase is (`rounded_by`).

@@ -1,4 +1,4 @@
-"""Lag of the drives: the torque follows what arrives by a first order, exact over a plant step.
+"""Lag of the drives: the torque follows the command by a first order, exact over a plant step.
 
 With a spread the time constant is another in each control period, uniform between
 lag (1 - spread) and lag (1 + spread); what laws and observer believe is the one in the middle.
@@ -57,7 +57,7 @@ def build(scenario: Scenario) -> system.System:
 
 
 def followed(wanted: ca.SX, decay: ca.SX, acting: ca.SX) -> ca.SX:
-    """Torque [N m] after a step, of which the share ``decay`` is left of what acted before."""
+    """Torque [N m] after a step, of which the share ``decay`` is left of the torque before."""
     return wanted + decay * (acting - wanted)
 
 

@@ -1,4 +1,4 @@
-"""Pose that comes late: what the pose sensor is given is some time old.
+"""Pose that comes late: the pose sensor is given one of some time ago.
 
 Source: cameras and beacons take time to compute.  The pose sensor corrects its prediction by the
 late pose as if it were new, which is what a controller does that does not know better.

@@ -1,4 +1,4 @@
-"""Masters: order of the steps, and what lies between the FMUs.
+"""Masters: order of the steps, and the effects between the FMUs.
 
 Gauss-Seidel shows the controller what reference and plant have reached, steps it, and then the
 plant with its torques, which is the native loop.  Jacobi steps all three with what was known
@@ -78,7 +78,7 @@ class Outside(Coupled):
 
 
 class Master:
-    """One co-simulation: rows of the log, and what was watched after each step of the plant."""
+    """One co-simulation: rows of the log, and the monitor's readings after each plant step."""
 
     def __init__(self, scenario: Scenario, parts: Parts, outside: Outside) -> None:
         """Everything is initialised already; the first step begins at t = 0."""

@@ -121,7 +121,7 @@ class GuardedController:
         self._velocity = tuple(values[i] for i in _VELOCITY)
 
     def step(self, t: float, h: float) -> None:
-        """The controller, then the guard on what it asks for."""
+        """The controller, then the guard on the force asked for."""
         self.controller.step(t, h)
         given = self.controller.read()
         self._told = [given[i] for i in self._own]

@@ -95,7 +95,7 @@ class IntervalArithmetic(Arithmetic):
         return self.known[name]
 
     def _now(self, value: Interval) -> Interval:
-        """The value with what conditions have added since."""
+        """The value, narrowed by the conditions met since."""
         if abs(value.key) not in self.narrowed:
             return value
         low, high = self.narrowed[abs(value.key)]

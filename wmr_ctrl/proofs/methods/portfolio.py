@@ -58,7 +58,7 @@ def ask(terms: list[Any], method: Z3, place: int = 0) -> Answer:
 
 
 def _attempts(method: Z3, known: Sequence[str]) -> Iterator[tuple[str, float]]:
-    """Engines and seconds: what closed it before, to the end, then all, ever longer."""
+    """Engines and seconds: the one that closed it before, to the end, then all, ever longer."""
     longest = [patience for patience in PATIENCE if patience <= method.seconds]
     yield from ((engine, longest[-1]) for engine in known if engine in ENGINES)
     yield from ((engine, patience) for patience in longest for engine in ENGINES)

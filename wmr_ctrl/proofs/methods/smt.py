@@ -202,7 +202,7 @@ def _engines(answers: Sequence[Answer]) -> dict[str, list[str]]:
 
 @dataclass(frozen=True)
 class Problem:
-    """A statement as terms: what is known, and what would be wrong with each goal or operation."""
+    """A statement as terms: hypotheses, and the negation of each goal and domain."""
 
     terms: TermArithmetic
     base: list[Any]

@@ -17,7 +17,7 @@ Point = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Finding:
-    """Verdict (PROVED, REFUTED or OPEN), what was counted on the way, and an exact point.
+    """Verdict (PROVED, REFUTED or OPEN), counts of cases or boxes, and an exact point.
 
     The point violates the statement where it is refuted, and satisfies its hypotheses where it is
     proved (so that they are not empty).
