@@ -5,13 +5,13 @@ import vm from "node:vm";
 
 const text = readFileSync(process.argv[2], "utf8");
 const element = (id) => text.match(new RegExp(`<script[^>]*id="${id}"[^>]*>([^]*?)</script>`))[1];
-vm.runInThisContext(`${element("alone")}; globalThis.page = { openEngine, planOf, chosenStand };`);
-const { openEngine, planOf, chosenStand } = globalThis.page;
+vm.runInThisContext(`${element("alone")}; globalThis.page = { openEngine, planOf, chosenVariant };`);
+const { openEngine, planOf, chosenVariant } = globalThis.page;
 
 const told = JSON.parse(element("told")), engine = await openEngine(told, element("module"));
-const { scene, stand } = chosenStand(told, {}), law = told.laws[0].name;
-const plan = () => planOf(told, scene, stand, law, {}, scene.start.slice());
-const begun = (start) => engine.robot(stand.laws[law].loop).begin({ ...plan(), ...start }, told.seed);
+const { scene, variant } = chosenVariant(told, {}), law = told.laws[0].name;
+const plan = () => planOf(told, scene, variant, law, {}, scene.start.slice());
+const begun = (start) => engine.robot(variant.laws[law].loop).begin({ ...plan(), ...start }, told.seed);
 const rows = (robot, count) => Array.from({ length: count }, () => (robot.sample(), Array.from(robot.row)));
 
 const first = begun({});

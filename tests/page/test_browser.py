@@ -73,13 +73,13 @@ def test_the_guard_is_switched_on_while_it_drives(shown: Browser) -> None:
     shown.value("document.getElementById('guard').click()")
     after = shown.value("wmr.page.fleet.members.get('mb').robot.state.slice(0, 3).join()")
 
-    assert shown.value("wmr.page.fleet.stand.guard")
+    assert shown.value("wmr.page.fleet.variant.guard")
     assert before == after
     assert shown.value("wmr.page.fleet.time") == pytest.approx(20.0)
     assert fastest(shown, "pid", 5.0) <= 1.0
 
 
-def test_every_stand_of_every_scene_drives_on(shown: Browser) -> None:
+def test_every_variant_of_every_scene_drives_on(shown: Browser) -> None:
     drove = shown.value(
         """(async () => {
           const { page } = wmr, laws = page.told.laws.map((law) => law.name);
@@ -87,10 +87,10 @@ def test_every_stand_of_every_scene_drives_on(shown: Browser) -> None:
           for (const scene of page.told.scenes) {
             page.draw();
             page.fleet.overrides = {};
-            page.fleet.begin(scene, scene.stands[0], laws);
-            for (const stand of scene.stands) {
-              if (stand.refusal) continue;
-              page.fleet.take(stand);
+            page.fleet.begin(scene, scene.variants[0], laws);
+            for (const variant of scene.variants) {
+              if (variant.refusal) continue;
+              page.fleet.take(variant);
               page.refresh();
               page.fleet.advance(0.2, 1e9);
               driven += 1;
@@ -112,7 +112,7 @@ def test_a_corridor_is_shown_as_long_as_only_the_scene_moves_the_robot(shown: Br
     assert shown.value(drawn) == ""  # not a sample yet
     for what in (
         "wmr.page.push()", "wmr.page.nudge('ArrowUp')", "wmr.page.fleet.set({'robot.m': 51})",
-        "wmr.page.stand({guard: true}), wmr.page.stand({guard: false})",
+        "wmr.page.variant({guard: true}), wmr.page.variant({guard: false})",
         "wmr.page.fleet.advance(5, 1e9)",
     ):  # fmt: skip
         shown.value(
@@ -230,7 +230,7 @@ def test_keys(shown: Browser) -> None:
     shown.press(".")
     assert shown.value("wmr.page.fleet.sampled") == 1
     shown.press("g")
-    assert not shown.value("wmr.page.fleet.stand.guard")
+    assert not shown.value("wmr.page.fleet.variant.guard")
 
 
 def test_names_of_many_robots_in_one_place_find_room(shown: Browser) -> None:

@@ -69,19 +69,19 @@ def test_every_law_in_every_scene(page: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["mb", "prox"])
-def test_stands_and_numbers_are_those_of_a_scenario(page: Path, tmp_path: Path, law: str) -> None:
+def test_variants_and_numbers_are_those_of_a_scenario(page: Path, tmp_path: Path, law: str) -> None:
     """Guard, period and delay choose another loop; what else is moved is a parameter of it."""
-    stands: tuple[dict[str, object], ...] = (
+    variants: tuple[dict[str, object], ...] = (
         {"guard.enabled": True, "actuator.delay": 0.05},
         {"clock.control": 0.05, "limits.v_u1[1]": 0.9},
     )
     numbers = {"robot.mu": 0.1, "disturbance.std": 0.5, "seed": 7}
-    shown = from_page(page, tmp_path, [(law, 30.0, {**stand, **numbers}) for stand in stands])
+    shown = from_page(page, tmp_path, [(law, 30.0, {**variant, **numbers}) for variant in variants])
 
-    for stand, columns in zip(stands, shown, strict=True):
+    for variant, columns in zip(variants, shown, strict=True):
         # What follows from a number of a scenario does not follow on the page: so it is said here.
         steady = {"model.mu": 0.08, "guard.dbar": [60.0, 15.0], "changes[1].mu": 0.1}
-        derived = {"clock.duration": 80.0, **stand, **numbers, **steady}
+        derived = {"clock.duration": 80.0, **variant, **numbers, **steady}
         seed = derived.pop("seed")
         run = wmr_ctrl.simulate("paper-simulation", law, seed=int(str(seed)), overrides=derived)
         assert not isinstance(columns, str), columns

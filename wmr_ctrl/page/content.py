@@ -122,7 +122,7 @@ def _scene(
         "start": [*scenario.initial.pose, *scenario.initial.velocity],
         "base": {law: _spelled(row) for law, row in base.items()},
         "tubes": {law: tube for law, setup in setups.items() if (tube := _tube(setup, whole))},
-        "stands": [_variant(item, base, loops) for item in variants],
+        "variants": [_variant(item, base, loops) for item in variants],
         "controls": [_control(item) for item in controls_of(scenario, ports, values)],
     }
 

@@ -146,22 +146,22 @@ class Fleet {
     this.touched = false;
   }
 
-  get period() { return this.stand.period; }
+  get period() { return this.variant.period; }
   get time() { return this.sampled * this.period; }
   get laws() { return [...this.members.keys()]; }
 
   // The certified corridor of a robot that is in it, as long as it has met nothing but the scene.
   tube(member) {
     const { tube } = member;
-    const own = !this.touched && this.stand === this.scene.stands[0] && !Object.keys(this.overrides).length;
+    const own = !this.touched && this.variant === this.scene.variants[0] && !Object.keys(this.overrides).length;
     return tube && own && !member.touched && this.time < Number(tube.until) && member.within ? tube : null;
   }
 
-  plan(law) { return planOf(this.told, this.scene, this.stand, law, this.overrides); }
+  plan(law) { return planOf(this.told, this.scene, this.variant, law, this.overrides); }
 
-  begin(scene, stand, laws) {
+  begin(scene, variant, laws) {
     this.scene = scene;
-    this.stand = stand;
+    this.variant = variant;
     this.sampled = 0;
     this.choose(laws);
     this.restart();
@@ -191,12 +191,12 @@ class Fleet {
     return member;
   }
 
-  // Another stand of the scene, while the robots drive on.
-  take(stand) {
+  // Another variant of the scene, while the robots drive on.
+  take(variant) {
     const time = this.time;
-    this.stand = stand;
+    this.variant = variant;
     this.touched = true;
-    this.sampled = Math.round(time / stand.period);
+    this.sampled = Math.round(time / variant.period);
     for (const [law, member] of this.members) member.handOver(this.plan(law), this.seed, time);
   }
 
@@ -215,7 +215,7 @@ class Fleet {
   value(name) {
     if (name in this.overrides) return this.overrides[name];
     for (const law of [...this.laws, ...this.told.laws.map((item) => item.name)]) {
-      const row = this.stand.laws[law]?.rows[0] ?? {}, base = this.scene.base[law];
+      const row = this.variant.laws[law]?.rows[0] ?? {}, base = this.scene.base[law];
       if (name in row) return Number(row[name]);
       if (name in base) return Number(base[name]);
     }
@@ -252,8 +252,8 @@ class Fleet {
 
   // The desired path over the scene's duration, from the loop with the longest period.
   desiredPath() {
-    const stands = this.scene.stands.filter((item) => !item.refusal);
-    const slow = stands.reduce((a, b) => (b.period > a.period ? b : a));
+    const variants = this.scene.variants.filter((item) => !item.refusal);
+    const slow = variants.reduce((a, b) => (b.period > a.period ? b : a));
     const law = this.told.laws[0].name;
     const robot = this.engine.robot(slow.laws[law].loop);
     robot.begin(planOf(this.told, this.scene, slow, law, this.overrides), 0);

@@ -1,12 +1,12 @@
 // Settings in the address: only what differs from the scene is written.
 
 function linkOf(fleet, speed) {
-  const { scene, stand } = fleet, own = scene.stands[0], out = new URLSearchParams();
+  const { scene, variant } = fleet, own = scene.variants[0], out = new URLSearchParams();
   if (scene !== fleet.told.scenes[0]) out.set("scene", scene.key);
   if (String(fleet.laws) !== String(inOrder(fleet.told, scene.shown))) out.set("laws", fleet.laws.join("."));
-  if (stand.guard !== own.guard) out.set("guard", Number(stand.guard));
-  if (!same(stand.period, own.period)) out.set("period", stand.period);
-  if (!same(stand.delay, own.delay)) out.set("delay", stand.delay);
+  if (variant.guard !== own.guard) out.set("guard", Number(variant.guard));
+  if (!same(variant.period, own.period)) out.set("period", variant.period);
+  if (!same(variant.delay, own.delay)) out.set("delay", variant.delay);
   if (fleet.seed !== fleet.told.seed) out.set("seed", fleet.seed);
   if (speed !== scene.speed) out.set("speed", speed);
   const moved = Object.entries(fleet.overrides).map(([name, value]) => `${name}:${value}`);
@@ -19,14 +19,14 @@ const inOrder = (told, laws) => told.laws.map((item) => item.name).filter((law) 
 // What a link asks for, of what there is: nobody has to trust a link.
 function asked(told, text) {
   const given = new URLSearchParams(text.replace(/^#/, ""));
-  const scene = told.scenes.find((item) => item.key === given.get("scene")) ?? told.scenes[0], own = scene.stands[0];
+  const scene = told.scenes.find((item) => item.key === given.get("scene")) ?? told.scenes[0], own = scene.variants[0];
   const number = (name, other) => (given.has(name) && Number.isFinite(Number(given.get(name))) ? Number(given.get(name)) : other);
   const guard = given.has("guard") ? given.get("guard") === "1" : own.guard;
-  const wanted = findStand(scene, guard, number("period", own.period), number("delay", own.delay));
+  const wanted = findVariant(scene, guard, number("period", own.period), number("delay", own.delay));
   const laws = inOrder(told, (given.get("laws") ?? "").split("."));
   const found = {
     scene,
-    stand: wanted && !wanted.refusal ? wanted : own,
+    variant: wanted && !wanted.refusal ? wanted : own,
     laws: laws.length ? laws : inOrder(told, scene.shown),
     seed: Math.min(Math.max(Math.round(number("seed", told.seed)), 0), Number.MAX_SAFE_INTEGER),
     speed: Math.min(Math.max(number("speed", scene.speed), 0.05), 20),
@@ -36,9 +36,9 @@ function asked(told, text) {
 }
 
 // What a link asks for in vain, in its own words.
-function unmet(given, { scene, stand, laws, seed, speed, overrides }) {
+function unmet(given, { scene, variant, laws, seed, speed, overrides }) {
   const set = Object.entries(overrides).map(([name, value]) => `${name}:${value}`);
-  const met = { scene: [scene.key], laws, guard: [Number(stand.guard)], period: [stand.period], delay: [stand.delay], seed: [seed], speed: [speed], set };
+  const met = { scene: [scene.key], laws, guard: [Number(variant.guard)], period: [variant.period], delay: [variant.delay], seed: [seed], speed: [speed], set };
   const isMet = (name, part) => (met[name] ?? []).some((one) => plain(one) === plain(part));
   const parts = [...given].flatMap(([name, text]) => text.split(SIGNS[name] ?? /$/).map((part) => [name, part]));
   return parts.filter(([name, part]) => !isMet(name, part)).map(([name, part]) => `${name}=${part}`.slice(0, 60));

@@ -69,7 +69,7 @@ class Page {
     this.unmet = wanted.unmet;
     fleet.overrides = wanted.overrides;
     fleet.seed = wanted.seed;
-    fleet.begin(wanted.scene, wanted.stand, wanted.laws);
+    fleet.begin(wanted.scene, wanted.variant, wanted.laws);
     this.speed = wanted.speed;
     this.plane.view = null;
     this.settings.build();
@@ -92,9 +92,9 @@ class Page {
     byId("scene-title").textContent = fleet.scene.title;
     byId("scene-text").textContent = fleet.scene.text;
     for (const box of document.querySelectorAll("[data-law]")) box.checked = fleet.laws.includes(box.dataset.law);
-    byId("guard").checked = fleet.stand.guard;
-    this.choices("period", this.places("period"), fleet.stand.period);
-    this.choices("delay", this.places("delay"), fleet.stand.delay);
+    byId("guard").checked = fleet.variant.guard;
+    this.choices("period", this.places("period"), fleet.variant.period);
+    this.choices("delay", this.places("delay"), fleet.variant.delay);
     byId("seed").value = fleet.seed;
     byId("speed").value = this.speed;
     this.settings.show();
@@ -110,9 +110,9 @@ class Page {
     row.scrollLeft += box.left + box.width / 2 - frame.left - frame.width / 2;
   }
 
-  // Values of period or delay that the scene has a stand for.
+  // Values of period or delay that the scene has a variant for.
   places(name) {
-    const values = this.fleet.scene.stands.map((stand) => stand[name]);
+    const values = this.fleet.scene.variants.map((variant) => variant[name]);
     return [...new Set(values)].sort((a, b) => a - b);
   }
 
@@ -129,11 +129,11 @@ class Page {
     }, 300);
   }
 
-  // Another stand, if there is one: what does not go with the choice goes back to the scene's.
-  stand(change) {
-    const { scene, stand } = this.fleet, own = scene.stands[0], wanted = { ...stand, ...change };
+  // Another variant, if there is one: what does not go with the choice goes back to the scene's.
+  variant(change) {
+    const { scene, variant } = this.fleet, own = scene.variants[0], wanted = { ...variant, ...change };
     const other = "period" in change ? { delay: own.delay } : "delay" in change ? { period: own.period } : {};
-    const found = [wanted, { ...wanted, ...other }].map((w) => findStand(scene, w.guard, w.period, w.delay)).find(Boolean);
+    const found = [wanted, { ...wanted, ...other }].map((w) => findVariant(scene, w.guard, w.period, w.delay)).find(Boolean);
     this.refused = found?.refusal ? `The guard stays as it was: ${found.refusal}` : "";
     if (found && !found.refusal) this.fleet.take(found);
     this.refresh();
@@ -164,9 +164,9 @@ class Page {
     on("step", "click", () => this.step());
     on("restart", "click", () => this.restart());
     on("speed", "change", () => { this.speed = Number(byId("speed").value); this.remember(); });
-    on("guard", "change", () => this.stand({ guard: byId("guard").checked }));
-    on("period", "change", () => this.stand({ period: Number(byId("period").value) }));
-    on("delay", "change", () => this.stand({ delay: Number(byId("delay").value) }));
+    on("guard", "change", () => this.variant({ guard: byId("guard").checked }));
+    on("period", "change", () => this.variant({ period: Number(byId("period").value) }));
+    on("delay", "change", () => this.variant({ delay: Number(byId("delay").value) }));
     on("seed", "change", () => { this.fleet.seed = clamp(Math.round(Number(byId("seed").value)) || 0, 0, Number.MAX_SAFE_INTEGER); this.restart(); });
     on("push", "click", () => this.push());
     on("reset", "click", () => { this.fleet.replace({}); this.refresh(); });
@@ -334,7 +334,7 @@ class Page {
         cell(`${shownNumber(most[0])} of ${shownNumber(limits[0])} m/s`),
         cell(`${shownNumber(most[1])} of ${shownNumber(limits[1])} rad/s`),
         cell(length(member.history.last("distance"))),
-        cell(fleet.stand.guard || (this.told.filtered && share) ? `${shownNumber(share, 2)} %` : "–"));
+        cell(fleet.variant.guard || (this.told.filtered && share) ? `${shownNumber(share, 2)} %` : "–"));
     }));
     const tubes = tubesOf(fleet).map(({ law }) => `${this.look.laws[law].label} within ${fleet.members.get(law).tube.shown}`);
     byId("certified").hidden = !tubes.length;
@@ -351,7 +351,7 @@ class Page {
     if (this.unmet.length) found.add(`The link asks for what cannot be had here, and was followed without it: ${this.unmet.slice(0, 3).join(", ")}${this.unmet.length > 3 ? " and more" : ""}.`);
     for (const member of fleet.members.values()) {
       const { feasible, least } = member.carried;
-      if (!fleet.stand.guard) continue;
+      if (!fleet.variant.guard) continue;
       if (member.void) found.add(`No promise of the guard: ${member.void}`);
       if (!feasible) found.add("The guard’s bounds cannot be met with these numbers: it filters, and promises nothing.");
       const dbar = [1, 2].map((axis) => fleet.value(`guard.dbar[${axis}]`));

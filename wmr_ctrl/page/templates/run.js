@@ -1,4 +1,4 @@
-// Plans (a law on a scene's stand, with overrides) and whole runs of them.
+// Plans (a law on a scene's variant, with overrides) and whole runs of them.
 
 const SWITCHES = ["scene", "seed", "guard.enabled", "clock.control", "actuator.delay"];
 const START = ["initial.pose[1]", "initial.pose[2]", "initial.pose[3]", "initial.velocity[1]", "initial.velocity[2]"];
@@ -8,8 +8,8 @@ const NON_FINITE = 2;
 
 const same = (a, b) => Math.abs(a - b) < 1e-9;
 
-function findStand(scene, guard, period, delay) {
-  return scene.stands.find((s) => s.guard === guard && same(s.period, period) && same(s.delay, delay));
+function findVariant(scene, guard, period, delay) {
+  return scene.variants.find((s) => s.guard === guard && same(s.period, period) && same(s.delay, delay));
 }
 
 function numbered(row) {
@@ -17,8 +17,8 @@ function numbered(row) {
 }
 
 // Loop, rows of parameters by name, their first plant steps, and the state at t = 0.
-function planOf(told, scene, stand, law, overrides = {}, start = scene.start) {
-  const chosen = stand.laws[law];
+function planOf(told, scene, variant, law, overrides = {}, start = scene.start) {
+  const chosen = variant.laws[law];
   const rows = [];
   let row = numbered(scene.base[law]);
   for (const changes of chosen.rows) {
@@ -40,19 +40,19 @@ function byElement(overrides) {
   return flat;
 }
 
-function chosenStand(told, overrides) {
+function chosenVariant(told, overrides) {
   const scene = told.scenes.find((item) => item.key === (overrides.scene ?? told.scenes[0].key));
   if (!scene) throw new Error(`no scene is named ${overrides.scene}; known: ${told.scenes.map((s) => s.key).join(", ")}.`);
-  const own = scene.stands[0];
+  const own = scene.variants[0];
   const guard = overrides["guard.enabled"] ?? own.guard;
   const period = overrides["clock.control"] ?? own.period, delay = overrides["actuator.delay"] ?? own.delay;
-  const stand = findStand(scene, guard, period, delay);
-  if (!stand) {
-    const known = scene.stands.map((s) => `${s.period} s with a delay of ${s.delay} s`);
+  const variant = findVariant(scene, guard, period, delay);
+  if (!variant) {
+    const known = scene.variants.map((s) => `${s.period} s with a delay of ${s.delay} s`);
     throw new Error(`the page has no loop for a period of ${period} s with a delay of ${delay} s; it has: ${[...new Set(known)].join("; ")}.`);
   }
-  if (stand.refusal) throw new Error(stand.refusal);
-  return { scene, stand };
+  if (variant.refusal) throw new Error(variant.refusal);
+  return { scene, variant };
 }
 
 // Why a number may not stand for a parameter: what its field of the scenario admits. "" if it may.
@@ -116,12 +116,12 @@ async function runColumns(engine, law, seconds, overrides = {}) {
     throw new Error(`no law is named ${law}; the page has: ${told.laws.map((item) => item.name).join(", ")}.`);
   if (!(seconds >= 0 && seconds <= 36000)) throw new Error(`seconds = ${seconds} must be from 0 to 36000.`);
   checkSwitches(given);
-  const { scene, stand } = chosenStand(told, given), flat = byParameter(scene, given);
-  const number = stand.laws[law].loop;
+  const { scene, variant } = chosenVariant(told, given), flat = byParameter(scene, given);
+  const number = variant.laws[law].loop;
   checkNumbers(told, scene, number, flat);
   const start = scene.start.map((value, i) => Number(flat[START[i]] ?? value));
   const values = numbered(Object.fromEntries(Object.entries(flat).filter(([name]) => !SWITCHES.includes(name) && !START.includes(name))));
-  const plan = planOf(told, scene, stand, law, values, start);
+  const plan = planOf(told, scene, variant, law, values, start);
   const apart = plan.rows.map(pairFault).find(Boolean);
   if (apart) throw new Error(apart);
   const robot = engine.robot(number);
