@@ -3,8 +3,6 @@
 Each parameter gets a verdict, mixtures get words, and seconds are named.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass

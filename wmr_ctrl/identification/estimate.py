@@ -1,7 +1,5 @@
 """From samples to estimates: starts, the model that is taken, intervals, the score."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

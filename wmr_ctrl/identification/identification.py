@@ -1,7 +1,5 @@
 """`identify`: from a log to a scenario with intervals, or one paragraph on why it cannot be."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ graph and a plain loop, or with the base's own loop; of those that keep limits a
 most Fisher information is proposed, with what it would tell.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 Motion that bounds of the rest do not explain, by the guard's own monitor, and changed numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """From a log of commanded and measured velocities to a scenario with [base] and [filter]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

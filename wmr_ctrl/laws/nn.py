@@ -20,6 +20,8 @@ from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.signals import Signal
 
 NODES = 64
+LANES = 8
+"""Independent sums of an inner product, for vector instructions."""
 WEIGHTS = tuple(
     Signal(f"W_hat{axis + 1}", unit, f"network weights of axis {axis + 1}", NODES)
     for axis, unit in zip(AXES, ("N.s/m", "N.m.s/rad"), strict=True)
@@ -116,11 +118,11 @@ def gaussian_basis(z: ca.SX, eta: ca.SX, centres: list[tuple[float, ...]]) -> ca
     return ca.vertcat(*(ca.exp(-ca.sumsqr(z - ca.DM(centre)) / (eta * eta)) for centre in centres))
 
 
-def dot(left: ca.SX, right: ca.SX, lanes: int = 8) -> ca.SX:
+def dot(left: ca.SX, right: ca.SX) -> ca.SX:
     """Inner product, summed in independent lanes so that compilers may use vector instructions."""
     partial = [
-        _sum([left[j] * right[j] for j in range(lane, left.numel(), lanes)])
-        for lane in range(lanes)
+        _sum([left[j] * right[j] for j in range(lane, left.numel(), LANES)])
+        for lane in range(LANES)
     ]
     while len(partial) > 1:
         half = len(partial) // 2

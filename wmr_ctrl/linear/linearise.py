@@ -71,21 +71,15 @@ def lowest(of: Callable[[Floats], Floats], grid: Floats, xatol: float) -> tuple[
 
 
 def linearise(
-    system: System,
-    u: Sequence[float] | Floats,
-    x: Sequence[float] | Floats | None = None,
-    p: Sequence[float] | Floats | None = None,
-    graph: ca.Function | None = None,
+    system: System, u: Sequence[float] | Floats, x: Sequence[float] | Floats | None = None
 ) -> ct.StateSpace:
     """The System near inputs ``u`` and state ``x``, as deviations from that point.
 
     Continuous for a continuous System, with ``dt`` for a sampled one.  States, inputs and outputs
-    have the names of the System's ports.  ``x`` and ``p`` default to the ports' own values;
-    ``graph`` is `gradients` of the System where a caller has it.
+    have the names of the System's ports.  ``x`` defaults to the ports' own values.
     """
     start = system.x0 if x is None else x
-    numbers = system.p0 if p is None else p
-    a, b, c, d = (np.asarray(part) for part in (graph or gradients(system))(u, start, numbers))
+    a, b, c, d = (np.asarray(part) for part in gradients(system)(u, start, system.p0))
     return ct.ss(
         a, b, c, d, 0 if system.period is None else system.period, name=system.name,
         states=element_names(port.signal for port in system.state) or None,
@@ -102,6 +96,7 @@ def gradients(system: System) -> ca.Function:
     return system.function("gradients", [ca.densify(part) for part in parts])
 
 
+NEWTON_STEPS = 200
 INSTANTS = 257
 """Times of a reference among which the fastest is looked for."""
 CLIP_ACTIVE = GUARD_DIAGNOSTICS[0]
@@ -190,9 +185,9 @@ def _residual(scenario: Scenario, law: str, at: Point) -> ca.Function:
     return ca.Function("residual", [unknown], [residual, ca.jacobian(residual, unknown)])
 
 
-def _newton(residual: ca.Function, start: Floats, steps: int = 200) -> Floats:
+def _newton(residual: ca.Function, start: Floats) -> Floats:
     point = start.copy()
-    for _ in range(steps):
+    for _ in range(NEWTON_STEPS):
         value, gradient = residual(point)
         step = np.linalg.lstsq(np.asarray(gradient), column(value), rcond=None)[0]
         point = point - step * min(1.0, 0.2 / max(1e-300, float(np.abs(step[:5]).max())))

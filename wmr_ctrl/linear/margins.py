@@ -61,7 +61,6 @@ def open_loop(
     axis: int,
     point: Point | None = None,
     period: float | None = None,
-    memory: str = "frozen",
 ) -> ct.StateSpace:
     """The loop cut at force ``axis`` (0 thrust, 1 moment) as a negative-feedback loop L.
 
@@ -70,7 +69,7 @@ def open_loop(
     """
     at = on_reference(scenario, law) if point is None else point
     plant = with_inputs(plant_at(scenario, at, period), FORCES)
-    controller = law_at(scenario, law, at, period, memory)
+    controller = law_at(scenario, law, at, period)
     cut, asked = FORCES[axis], f"asked[{axis + 1}]"
     renamed = [asked if name == cut else name for name in FORCES]
     controller = ct.ss(controller, name="law", inputs=STATES, outputs=renamed)
@@ -84,10 +83,9 @@ def margins_at(
     axis: int,
     point: Point | None = None,
     period: float | None = None,
-    memory: str = "frozen",
 ) -> Margins | None:
     """Margins at force ``axis``; None where the closed loop is unstable."""
-    loop = open_loop(scenario, law, axis, point, period, memory)
+    loop = open_loop(scenario, law, axis, point, period)
     if not is_stable(ct.feedback(loop, 1).poles(), bool(loop.dt)):
         return None
     limits = crossings(loop, frequencies(loop))

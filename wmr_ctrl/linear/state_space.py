@@ -46,22 +46,19 @@ def is_learning(memory: str) -> bool:
     return memory == "learning"
 
 
-def plant_at(
-    scenario: Scenario, point: Point, period: float | None = None, *, comes: bool = True
-) -> ct.StateSpace:
+def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> ct.StateSpace:
     """The plant near ``point``: force and disturbance to e, v1, omega.
 
     Continuous behind the drives' lag, but for a delay and late sensors, which no differential
     equation has.  With ``period`` [s] sampled, with all of them: the force is the command, e, v1
-    and omega are as measured, in a sample in which a pose ``comes`` or does not.
+    and omega are as measured, in a sample in which a pose comes.
     """
     around = surroundings(scenario)
     if period is None:
         free, forced, pushed, names = around.rates(point.motion)
         shown = np.eye(len(STATES), len(free))
     else:
-        sample = None if comes else around.samples_a_pose(period) + 1
-        held = around.plant(point.motion, period, sample=sample)
+        held = around.plant(point.motion, period)
         free, forced, pushed, names = held.moved, held.forced, held.pushed, held.names
         shown = held.measured
     return ct.ss(

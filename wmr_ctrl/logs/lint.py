@@ -3,8 +3,6 @@
 Each rule raises LogError with one paragraph: what was seen, where, and what to do about it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

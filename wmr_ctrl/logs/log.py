@@ -1,7 +1,5 @@
 """A log: columns by the names of our runs, in SI units, each on the clock that it came with."""
 
-from __future__ import annotations
-
 import csv
 import math
 import os

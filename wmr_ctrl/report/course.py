@@ -3,8 +3,6 @@
 The tube is the certified corridor of the run's scenario and law, as a band about the path.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -152,7 +152,7 @@ class Scene:
         return np.hypot(*(one.pose - self.target)[:, :2].T) / np.maximum(one.tube, _LEAST)
 
 
-def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Scene:
+def scene_of(runs: Sequence[Run], frames: int) -> Scene:
     """At most ``frames`` frames of runs side by side, the last sample of the longest among them.
 
     A robot whose run ended early stays where it was.  Raises ArgumentError for a run without any
@@ -167,7 +167,7 @@ def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Sc
     t, target = longest.time[rows], _columns(longest, rows, *_TARGET)
     actors = []
     colours = colours_of([run.law for run in runs])
-    for run, label, colour in zip(runs, labels or names_of(runs), colours, strict=True):
+    for run, label, colour in zip(runs, names_of(runs), colours, strict=True):
         held, shared = _held(run, t), t <= run.time[-1]
         near = np.isclose(_columns(run, held, *_TARGET), target, rtol=0, atol=_SAME)
         if run.settings.v_u1 != longest.settings.v_u1 or not near[shared].all():

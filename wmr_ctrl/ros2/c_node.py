@@ -1,7 +1,5 @@
 """``wmr_filter`` as a node in C: its sources, what it is built with, what it says of itself."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """ROS time against a clock that never jumps: jumps, and times in which the process stood still."""
 
-from __future__ import annotations
-
 from ctypes import byref
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A sampled System, and the gate, as a compiled C function with its memory."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Level and sentence of diagnostics, from flags and from who else publishes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN

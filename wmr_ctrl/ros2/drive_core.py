@@ -6,8 +6,6 @@ reference waits, and after CALM messages that agree the law begins anew where th
 Nothing here knows ROS: the node hands on what came and when.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

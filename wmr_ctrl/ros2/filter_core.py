@@ -4,8 +4,6 @@ They are C (`fmu/ros2/filter_core.c`), which the node in C has as well.  Nothing
 node hands on what came and when.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Iterable, Sequence
 from ctypes import byref, c_double, c_int64

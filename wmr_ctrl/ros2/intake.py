@@ -1,7 +1,5 @@
 """Messages that count (in order, recent, in the right frame, finite) and are samples."""
 
-from __future__ import annotations
-
 from collections import deque
 from ctypes import byref, c_double, c_int64
 from statistics import median

@@ -1,7 +1,5 @@
 """The nodes' decisions in C (`fmu/ros2`): its structs, its library, its sources."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Mapping
 from functools import cache

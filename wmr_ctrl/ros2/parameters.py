@@ -1,7 +1,5 @@
 """Parameters of the nodes: defaults, descriptions, ranges.  All are read-only but `SPEED_SCALE`."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeAlias
 

@@ -78,7 +78,7 @@ class CompiledLaw:
         )
 
 
-def seconds_of(law: CompiledLaw, count: int = EVALUATIONS) -> float:
-    """Least of `ROUNDS` times [s] that ``count`` evaluations of ``law`` take, one call each."""
+def seconds_of(law: CompiledLaw) -> float:
+    """Least of `ROUNDS` times [s] that `EVALUATIONS` evaluations of ``law`` take, one call each."""
     law.u[:] = START_SAMPLE
-    return min(timeit.repeat(law.step, law.reset, repeat=ROUNDS, number=count))
+    return min(timeit.repeat(law.step, law.reset, repeat=ROUNDS, number=EVALUATIONS))
