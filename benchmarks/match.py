@@ -1,10 +1,12 @@
 """The match: laws and filters that keep |v| <= v_u1, side by side on one plant.
 
-``python -m benchmarks.match [--quick] [--out docs/match.md]``.  Every contender is told
+``python -m benchmarks.match [--quick] [--times] [--out docs/match.md]``.  Every contender is told
 the same: the reference, exact pose and velocity, the believed mass 50 kg and friction 0.08, the
 guard's bounds (mass, disturbance), the delay, the torque limit.  Each gets BUDGET sets of gains,
 drawn alike around its own start, on a training seed.  The plant is the product's, Runge-Kutta at
-1 ms; the adversary pushes outwards with all that the bounds allow.
+1 ms; the adversary pushes outwards with all that the bounds allow.  What a step takes is processor
+time, which other work on the machine changes least; ``--times`` measures that alone and renews the
+last column.
 """
 
 from __future__ import annotations
@@ -42,6 +44,8 @@ HEAVY = {"robot.m": 65.0, "robot.I": 7.0, "robot.mu": 0.15}
 NOISE = 1.0
 BUDGET, SPREAD = 12, 0.5
 TRAIN, TEST = (1,), (7101, 7102)
+PACED = 60
+"""Samples of which the time of a step is the median."""
 
 
 class Plant:
@@ -105,9 +109,9 @@ def run(
     old, before = np.zeros(2), np.zeros(2)
     away, v, torques, fastest, spent = [], [], [], 0.0, []
     for k in range(round(seconds / case.period)):
-        begin = time.perf_counter()
+        begin = time.process_time()
         torque = step(rows[k:], state, before)
-        spent.append(time.perf_counter() - begin)
+        spent.append(time.process_time() - begin)
         push = DBAR * np.where(state[3:] >= 0, 1.0, -1.0)
         if seed is not None:
             noise = np.clip(draw.normal(0.0, NOISE, 2), -3 * NOISE, 3 * NOISE)
@@ -139,6 +143,15 @@ class Result:
     microseconds: float
 
 
+def pace(case: Case, contender: Contender) -> float:
+    """Processor time [us] of a step with the starting gains: the median of PACED samples."""
+    circle, start = _rows(case, case.scenario), np.zeros(5)
+    start[:3] = circle[0, :3] + (0.05, 0.05, 0.0)
+    step = contender.build(case, contender.start(case))
+    seconds = PACED * case.period
+    return run(case, step, Plant(case, HEAVY), seconds, circle, start, TEST[0]).microseconds
+
+
 def play(case: Case, contender: Contender, budget: int = BUDGET) -> Result:
     """Tune on the training seed, then every column on what was not trained on."""
     circle = _rows(case, case.scenario)
@@ -146,17 +159,16 @@ def play(case: Case, contender: Contender, budget: int = BUDGET) -> Result:
     heavy, start = Plant(case, HEAVY), np.zeros(5)
     start[:3] = circle[0, :3] + (0.05, 0.05, 0.0)
 
-    def tracked(gains: Mapping[str, tuple[float, ...]], seed: int) -> tuple[float, float, float]:
+    def tracked(gains: Mapping[str, tuple[float, ...]], seed: int) -> tuple[float, float]:
         trace = run(case, contender.build(case, gains), heavy, case.track, circle, start, seed)
         late = len(trace.away) // 2
         change = np.diff(trace.torque[late:], axis=0)
         return (float(np.sqrt(np.mean(trace.away[late:] ** 2))),
-                float(np.sqrt(np.mean(change**2))) if len(change) else np.inf,
-                trace.microseconds)  # fmt: skip
+                float(np.sqrt(np.mean(change**2))) if len(change) else np.inf)  # fmt: skip
 
     def cost(gains: Mapping[str, tuple[float, ...]]) -> float:
         figures = [tracked(gains, seed) for seed in TRAIN]
-        return float(np.sqrt(np.mean([p**2 + (1e-3 * c) ** 2 for p, c, _ in figures])))
+        return float(np.sqrt(np.mean([p**2 + (1e-3 * c) ** 2 for p, c in figures])))
 
     best = min(_drawn(contender.start(case), budget), key=cost)
     figures = np.array([tracked(best, seed) for seed in TEST])
@@ -171,8 +183,8 @@ def play(case: Case, contender: Contender, budget: int = BUDGET) -> Result:
     fast = run(case, contender.build(case, best), heavy, case.attack, line,
                np.array((0.0, 0.0, line[0, 2], 0.0, 0.0)), 7101)  # fmt: skip
     speed = float(np.mean(fast.v[len(fast.v) // 2 :, 0])) if np.isfinite(fast.fastest) else np.nan
-    position, change, spent = np.median(figures, axis=0)
-    return Result(contender.name, worst - 1, speed, position, change, spent)
+    position, change = np.median(figures, axis=0)
+    return Result(contender.name, worst - 1, speed, position, change, pace(case, contender))
 
 
 def table(case: Case, results: Sequence[Result]) -> str:
@@ -196,6 +208,20 @@ def table(case: Case, results: Sequence[Result]) -> str:
     return "\n".join(lines)
 
 
+def retimed(tables: str, times: Sequence[Sequence[float]]) -> str:
+    """The tables with other times [us], of each case those of its contenders; least is bold."""
+    lines, at = [], -1
+    for line in tables.splitlines():
+        cells = line.split("|")
+        if line.startswith("| contender"):
+            at, rest = at + 1, list(times[at + 1])
+        elif line.startswith("| "):
+            now = rest.pop(0)
+            cells[-2] = f" **{now:.3g}** " if now == min(times[at]) else f" {now:.3g} "
+        lines.append("|".join(cells))
+    return "\n".join(lines) + "\n"
+
+
 def _rows(case: Case, scenario: Scenario) -> Floats:
     count = round((max(case.track, case.attack) + 2.0) / case.period)
     return sample(scenario, case.period * np.arange(count))
@@ -215,11 +241,21 @@ def _drawn(
 def main(arguments: Sequence[str] | None = None) -> None:
     """Play all matches, print the tables, and with ``--out`` renew the page behind its mark."""
     parser = page_parser(__doc__, "short runs, two contenders, one case")
+    parser.add_argument("--times", action="store_true", help="measure what steps take, no more")
     given = parser.parse_args(arguments)
     if given.out and MARK not in _text(given.out):
         parser.error(f"{given.out} is no page with the line {MARK!r}, behind which tables belong")
-    cases = (Case(0.1, 0.05, track=4.0, attack=2.0),) if given.quick else CASES
-    players = contenders()[0:6:5] if given.quick else contenders()
+    quick = given.quick and not given.times
+    cases = (Case(0.1, 0.05, track=4.0, attack=2.0),) if quick else CASES
+    players = contenders()[0:6:5] if quick else contenders()
+    if given.times:
+        times = [[pace(case, one) for one in players] for case in cases]
+        print("\n".join(" ".join(f"{x:.3g}" for x in each) for each in times))
+        if given.out:
+            head, mark, tables = _text(given.out).partition(MARK)
+            with atomic_text(given.out) as file:
+                file.write(head + mark + retimed(tables, times))
+        return
     parts = []
     for case in cases:
         results = []
