@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -136,6 +137,39 @@ def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_pa
     assert "72 samples, largest error" in run(["./check"], tmp_path)
     words = run(["./example"], tmp_path).split()
     assert 0.5 < float(words[1]) <= float(words[3])
+
+
+LOOPS: Mapping[str, Mapping[str, object]] = {
+    "second-order": {"filter.damping": (0.5, 1.0), "filter.frequency": (2.9, 3.6)},
+    "pi": {
+        "filter.mass": (50, 65), "filter.inertia": (4, 6), "filter.kp": (135, 165),
+        "filter.ki": (270, 330),
+    },
+}  # fmt: skip
+"""Numbers of each loop that overshoots."""
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize(
+    "kind", ["clip", *(pytest.param(k, marks=pytest.mark.slow) for k in ("slew", "band", "force"))]
+)
+def test_the_example_behind_a_loop_that_overshoots_stays_inside(kind, loop, tmp_path):
+    """Of each kind with each of these loops that is not refused."""
+    needs("gcc")
+    kinds = {"slew": {"filter.slew": (0.1, 0.2)}, "force": {"filter.force": (120.0, 40.0)}}
+    changes = {"filter.kind": {"slew": "clip", "force": "band"}.get(kind, kind)}
+    changes |= {"filter.loop": loop, "clock.control": 0.05, **LOOPS[loop], **kinds.get(kind, {})}
+    if (kind, loop) == ("force", "second-order"):
+        with pytest.raises(ScenarioError, match=r"filter\.force is for"):
+            load_scenario("paper-simulation", changes)
+        return
+    settings = load_scenario("paper-simulation", changes)
+    for file, text in package_files("filter", settings).items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off"]
+    run([*command, "example.c", "wmr_filter.c", "-lm", "-o", "example"], tmp_path)
+    words = run(["./example"], tmp_path).split()
+    assert 0.4 < float(words[1]) <= float(words[3])
 
 
 def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):

@@ -192,7 +192,7 @@ def _context(
         "watches": law == CORRIDOR,
         "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
         "governs": law == FILTER and scenario.filter.kind == "governor",
-        "first_order": scenario.filter.loop == "first-order",
+        "first_order": scenario.filter.loop == "first-order", "gain": scenario.filter.gain[1],
         "made_of": made_of, "prepared": prepared,
         "tables": TABLE, "form": (form := _form(scenario)),
         "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
