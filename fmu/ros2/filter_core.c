@@ -4,8 +4,8 @@
 
 #include "gate.h"
 
-/* Off the period by this much [ns] is on it; no bound counts that. */
-#define EXACT 1000
+/* Off the period by this much [ns] is on it: stamps are whole nanoseconds.  It moves |v| by less than the filter's reserve. */
+#define ROUNDED 2
 
 int64_t wmr_filter_core_size(void)
 {
@@ -99,7 +99,7 @@ static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_mome
     const int64_t time = stamped ? stamp - core->stamp : now->steady - core->before;
     const int64_t off = time - WMR_PERIOD;
 
-    return !core->before || (-EXACT <= off && off <= EXACT) ? 0.0 : time ? (double)time * 1e-9 : -1.0;
+    return !core->before || (-ROUNDED <= off && off <= ROUNDED) ? 0.0 : time ? (double)time * 1e-9 : -1.0;
 }
 
 /* Age of odometry [s], negative: there is none.  A base that is simulated moves in simulated time, in which a command's

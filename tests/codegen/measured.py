@@ -32,7 +32,7 @@ from wmr_ctrl.codegen.package import (
 )
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter import filter_system
+from wmr_ctrl.filter.filter import called_filter
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import Scenario, load_scenario
 
@@ -98,7 +98,7 @@ def sizes(
     text, data, bss, *_ = _output(["arm-none-eabi-size", f"wmr_{law}.o"], folder)[1].split()
     frames = (folder / f"wmr_{law}.su").read_text(encoding="utf-8").splitlines()
     stack = sum(int(line.split("\t")[1]) for line in frames if "defaults" not in line)
-    system = filter_system(scenario) if law == FILTER else packaged(settle(scenario, law))
+    system = called_filter(scenario) if law == FILTER else packaged(settle(scenario, law))
     return Sizes(step_kernel(system).operations, int(text), int(data) + int(bss), stack)
 
 

@@ -38,8 +38,8 @@ int main(void)
         in.v_odometry[1] = (wmr_real)draw(0.3);
         in.odometry_age = (wmr_real)odd(k % 7 ? 0.0 : -1.0, k % 83);
 #endif
-        /* late, early, or back in time */
-        in.elapsed = (wmr_real)odd(k % 61 ? 0.0 : draw(0.2), k % 79);
+        /* not told at first; then in time, late, early, or back in time */
+        in.elapsed = k < 2000 ? 0 : (wmr_real)odd(k % 61 ? (double)parameters.clock_control : draw(0.2), k % 79);
         if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
         if (!put(&out, sizeof out) || !put(&memory, sizeof memory)) return 1;
     }

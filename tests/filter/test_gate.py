@@ -137,6 +137,13 @@ def test_a_gap_counts_as_one_period(gate):
     assert sound(gate, elapsed=10.0).command == (SETTINGS.rise[0] * T, SETTINGS.rise[1] * T)
 
 
+@pytest.mark.parametrize("since", [-1.0, -1e-9, math.nan, -math.inf])
+def test_a_clock_that_does_not_go_on_ramps_nothing(gate, since):
+    before = settled(gate).command
+    assert gate.step((-1.0, 0.0), 0.0, (0.0, 0.0), 0.0, since).command == before
+    assert sound(gate, elapsed=since, stop=True).command == (0.0, 0.0)
+
+
 @pytest.mark.parametrize("kind", ["clip", "governor"])
 def test_a_governor_has_a_gate_as_well(kind):
     scenario = load_scenario("paper-simulation", {"filter.kind": kind, **STATED})

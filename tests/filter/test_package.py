@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from tests.codegen.measured import FILTERS
 from tests.codegen.test_package import WARNINGS, needs, run
 from tests.filter.test_filter import scenario
+from tests.matrix import quick
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.errors import ScenarioError
@@ -90,6 +91,37 @@ TIMED = (
 """
 )
 """Steps by a clock that stands still, goes back, and is late; then by what is no time."""
+REPEATED = (
+    MEMORY
+    + """    const wmr_real T = (wmr_real)0.05, since[8] = {0, 0, T, 0, T, T, 0, 0};
+    for (int k = 0; k < 8; ++k) {
+        in.v_asked[0] = (wmr_real)5.0;
+        in.elapsed = since[k];
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+        printf("%d\\n", (int)out.filter_flags);
+    }
+    return 0;
+}
+"""
+)
+"""Steps of which nobody tells the time, then told ones, some of them repeated."""
+TABLES = (
+    MEMORY
+    + """    wmr_real right;
+    in.v_asked[0] = in.v_asked[1] = (wmr_real)5.0;
+    right = parameters.TABLE;
+    parameters.TABLE = WRONG;
+    for (int k = 0; k < 4; ++k) {
+        if (k == 2) parameters.TABLE = right;
+        const int failed = wmr_filter_step(&parameters, &memory, &in, &out);
+        printf("%d %g %g %d\\n", failed, (double)out.v_sent[0], (double)out.v_sent[1],
+               (int)out.filter_flags);
+    }
+    return 0;
+}
+"""
+)
+"""A table with what is no number, which is mended before the third step."""
 CHANGED = (
     MEMORY
     + """    in.v_asked[0] = 5.0;
@@ -210,6 +242,48 @@ def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_pa
         late.append("late" in made.flags)
     assert late == [False, False, True, True, False, False, True, True, *[False] * 2,
                     True, True, True, False]  # fmt: skip
+
+
+TABLED = ("filter_held_v[3]", "filter_stop_fall_omega[7]", "filter_after_v[1]", "filter_left_v")
+REMEMBERING = ("governor", "clip of slow commands", "band of 50 commands", "band of weak motors")
+TOLD_OF = {name: {**FILTERS[name], "clock.control": 0.05} for name in REMEMBERING}
+
+
+def package(name: str, folder: Path, program: str, *defined: str) -> None:
+    """A program around one of FILTERS, compiled as ``main``."""
+    needs("gcc")
+    settings = load_scenario("paper-simulation", TOLD_OF[name])
+    for file, text in package_files("filter", settings).items():
+        (folder / file).write_text(text, encoding="utf-8")
+    (folder / "main.c").write_text(program, encoding="utf-8")
+    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off", *defined]
+    run([*command, "main.c", "wmr_filter.c", "-lm", "-o", "main"], folder)
+
+
+@pytest.mark.parametrize("name", quick(REMEMBERING, "governor", "band of 50 commands"))
+def test_a_repeated_call_is_noticed_once_the_time_was_told(name: str, tmp_path: Path) -> None:
+    package(name, tmp_path, REPEATED)
+    flags = [int(line) & 8 for line in run(["./main"], tmp_path).splitlines()]
+    repeats = [False, False, False, True, False, False, True, True]
+    stepped = command_filter(load_scenario("paper-simulation", TOLD_OF[name]))
+    told = [stepped.step((5.0, 0.0), dt=since).flags for since in (None, None, 0.05, None)]
+    told += [stepped.step((5.0, 0.0), dt=since).flags for since in (0.05, 0.05, None, 0.0)]
+    assert ["late" in own for own in told] == repeats
+    assert [flag > 0 for flag in flags] == repeats
+
+
+@pytest.mark.parametrize("wrong", quick(["NAN", "-INFINITY"], "NAN"))
+@pytest.mark.parametrize("table", quick(TABLED, TABLED[0]))
+def test_a_table_with_no_number_sends_nothing_and_says_so(
+    table: str, wrong: str, tmp_path: Path
+) -> None:
+    package(
+        "band of 50 commands", tmp_path, TABLES, f"-DTABLE={table}", f"-DWRONG=(wmr_real){wrong}"
+    )
+    lines = run(["./main"], tmp_path).splitlines()
+    assert lines[:2] == ["1 0 0 32"] * 2
+    assert [line.split()[0] for line in lines[2:]] == ["0", "0"]
+    assert all(float(line.split()[1]) > 0.1 for line in lines[2:])
 
 
 @pytest.mark.parametrize("float32", [False, True])

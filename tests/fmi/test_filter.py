@@ -76,6 +76,17 @@ def test_the_band_is_the_native_filter(tmp_path):
     instance.free()
 
 
+def test_a_repeated_step_is_noticed_once_the_time_was_told(tmp_path):
+    instance = opened(scenario(), 3, tmp_path).new().begin()
+    late = []
+    for k, since in enumerate((0.0, 0.0, 0.05, 0.0, 0.05)):
+        instance.put({"elapsed": since})
+        assert instance.step(0.05 * k, 0.05) == OK
+        late += instance.get("late")
+    assert late == [0.0, 0.0, 0.0, 1.0, 0.0]
+    instance.free()
+
+
 def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tmp_path):
     fmu = opened(scenario(), 2, tmp_path)
     instance = fmu.new().begin()

@@ -69,7 +69,8 @@ def test_ros_time_that_goes_back_begins_anew_and_drives_again(world):
     world.ros -= 10_000 * MS
     world.now()
     assert world.told == [BACK]
-    assert world.core.tick(world.now()).command[0] < 0.5  # no command is left
+    assert world.core.tick(world.now()).command[0] == 0.5  # no time has passed
+    assert world.go(1, sends=False)[0] < 0.5  # no command is left
     assert world.go(60)[-1] == 0.5  # older stamps count again
 
 
@@ -240,3 +241,16 @@ def test_answers_at_once_ramp_by_the_time_that_has_passed(prompt):
         assert sent_at(prompt, ros=16 * MS, steady=16 * MS)
         speeds.append(prompt.core.last.command[0])
     assert speeds[1:] == pytest.approx([0.02 + 0.016 * k for k in range(1, 8)])
+
+
+def test_a_step_is_in_time_within_the_stated_jitter_and_not_a_tick_more():
+    """What a clock counts is what the gate is told: no tick passes for none."""
+    governed = {**STATED, "filter.kind": "governor", "filter.tau": [0.2, 0.3]}
+    for jitter, late in ((0.0, [False, False, True, True, False]), (1e-6, [False] * 5)):
+        case = load_scenario("paper-simulation", {**governed, "filter.jitter": jitter})
+        world, told = World(FilterCore(case, SETTINGS, "base_link")), []
+        for off in (0, 0, 900, -900, 0):
+            world.steady += TICK + off
+            world.ros += TICK + off
+            told.append("late" in world.core.tick(world.now()).flags)
+        assert told == late

@@ -12,7 +12,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
 from wmr_ctrl.filter.band import MOST_COMMANDS
-from wmr_ctrl.filter.hypotheses import broken_hypotheses
+from wmr_ctrl.filter.hypotheses import broken_hypotheses, unproved_roundings
 from wmr_ctrl.filter.peak_gain import less_damped, overshoot, peak_gains
 from wmr_ctrl.scenario import Scenario, override
 
@@ -203,5 +203,7 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
             "docs/filter.md",
             objects=False,
         )
+    for key, sentence in unproved_roundings(scenario):
+        yield Warning(key, sentence, "docs/filter.md", objects=False)
     for sentence in broken_hypotheses(scenario, loop.setup.bound):
         yield Warning("filter.trust", f"The filter has no guarantee: {sentence}", "docs/filter.md")

@@ -12,8 +12,8 @@ from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.filter import filter_system
 from wmr_ctrl.filter.channels import AXES, FLAG_MEANINGS, FLAG_NAMES, FLAGS, SENT, has_bit
+from wmr_ctrl.filter.filter import called_filter
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.model.system import Output, Parameters, System, port, stack
 from wmr_ctrl.scenario import Scenario
@@ -87,7 +87,7 @@ def filter_block(scenario: Scenario) -> Block:
 
     ScenarioError where the filter is not set, or cannot be met.
     """
-    system = filter_system(scenario)
+    system = called_filter(scenario)
     made = {item.signal: item.expr for item in system.outputs}
     asked = next(item.sym for item in system.inputs if item.signal == ASKED)
     sent = made[SENT]

@@ -22,8 +22,7 @@ from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fields.problems import printable
-from wmr_ctrl.filter import filter_system
-from wmr_ctrl.filter.filter import derived_numbers
+from wmr_ctrl.filter.filter import called_filter, derived_numbers
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario
@@ -82,7 +81,7 @@ def package_files(
     whose velocity needs more than counts.
     """
     if law == FILTER:
-        system = filter_system(scenario)
+        system = called_filter(scenario)
     else:
         check_takes_torques(scenario, "C packages of laws are written")
         setup = settle(scenario, law)
@@ -169,6 +168,7 @@ def _context(
     periods = single_precision.PERIODS.get((law, guarded), ())
     vectors = vectors_of(system, scenario.limits, float32=float32)
     made_of, prepared = prepared_from(step) if law == FILTER else ((), 0)
+    tabled = law == FILTER and scenario.filter.kind == "band"
     text = cached_definition(replace(step, prepared=prepared > 0), dialect)
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
                for o in system.outputs]  # fmt: skip
@@ -181,7 +181,7 @@ def _context(
         "parameters": _fields(system.params), "outputs": outputs,
         "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
                    "parameters": system.p.numel(), "outputs": system.y.numel(),
-                   "memory": max(system.x.numel() + len(made_of) + prepared, 1)},
+                   "memory": max(system.x.numel() + tabled + len(made_of) + prepared, 1)},
         "qualifiers": QUALIFIERS, "kernel": text, "calls": library_calls(text, float32),
         "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
@@ -193,7 +193,7 @@ def _context(
         "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
         "governs": law == FILTER and scenario.filter.kind == "governor",
         "first_order": scenario.filter.loop == "first-order", "gain": scenario.filter.gain[1],
-        "made_of": made_of, "prepared": prepared,
+        "made_of": made_of, "prepared": prepared, "tabled": tabled,
         "tables": TABLE, "form": (form := _form(scenario)),
         "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
         "idle": ["filter_d"] if form == "slew" else [],

@@ -154,6 +154,15 @@ def passed(elapsed: ca.SX, T: ca.SX) -> ca.SX:
     return ca.if_else(elapsed == 0, T, elapsed)
 
 
+def usable_time(elapsed: ca.SX, T: ca.SX) -> ca.SX:
+    """Time in which a command may change: since the previous sample, a period at most.
+
+    0 where a clock stood still or went back, or tells no number.
+    """
+    since = passed(elapsed, T)
+    return ca.if_else(since >= T, T, ca.if_else(since >= 0, since, 0))
+
+
 def punctual(elapsed: ca.SX, T: ca.SX, jitter: float) -> ca.SX:
     """1 where a sample came within its jitter [periods]; 0 else, and for what is no number."""
     return within(passed(elapsed, T) - T, (jitter + NEAR) * T)

@@ -31,11 +31,11 @@ from wmr_ctrl.filter.channels import (
     Channel,
     channels_of,
     limited,
-    passed,
     punctual,
     scaled,
     sound,
     usable_command,
+    usable_time,
 )
 from wmr_ctrl.filter.governor import admitted, largest_command
 from wmr_ctrl.filter.governor_step import stated
@@ -95,9 +95,8 @@ class Clip:
 
     @cached_property
     def time(self) -> ca.SX:
-        """Time in which the command may change: since the last sample, a period at most."""
-        since = passed(self.elapsed.sym, self.T)
-        return ca.if_else(since >= self.T, self.T, ca.if_else(since >= 0, since, 0))
+        """Time in which the command may change."""
+        return usable_time(self.elapsed.sym, self.T)
 
     def _slowly(self, wanted: ca.SX) -> ca.SX:
         """The command (2,) on the way to ``wanted`` that the slew leads to in the time there is."""

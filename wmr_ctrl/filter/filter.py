@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -17,13 +17,13 @@ from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.filter.band import BandGovernor, check_beat
-from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
+from wmr_ctrl.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
 from wmr_ctrl.filter.force_band import ForceBand
 from wmr_ctrl.filter.governor import largest_command
 from wmr_ctrl.filter.governor_step import Governor, check_jitter
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
-from wmr_ctrl.model.system import System, stack, values
+from wmr_ctrl.model.system import Output, System, port, stack, values
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.scenario.command_filter import Filter
 from wmr_ctrl.scenario.units import asking_about_units, unit_questions
@@ -112,6 +112,7 @@ UNITS_COUNT = ("filter.", "limits.", "clock.")
 """Keys by which a filter's numbers come."""
 STANDING = -1.0
 """Time since the last step by a clock that did not go on: 0 would say that nobody tells it."""
+TOLD = Signal("told", "1", "1: the time since the previous sample was told before")
 
 BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
     "clip": Clip,
@@ -145,6 +146,30 @@ def filter_system(scenario: Scenario) -> System:
     if scenario.filter.force is not None:
         return ForceBand(scenario).system
     return BUILDERS[scenario.filter.kind](scenario).system
+
+
+def called_filter(scenario: Scenario) -> System:
+    """`filter_system` as programs call it: once the time was told, 0 says that none has passed.
+
+    Before that 0 says that nobody tells it.  A clip without memory tells no repeated call: no limit
+    of its hangs on the time.
+    """
+    system = filter_system(scenario)
+    if not system.state:
+        return system
+    (elapsed,) = (item.sym for item in system.inputs if item.signal == ELAPSED)
+    memory = port(TOLD)
+    repeated = ca.logic_and(memory.sym > 0, elapsed == 0)
+    since = ca.if_else(repeated, STANDING, elapsed)
+    exprs = (system.update, *(item.expr for item in system.outputs))
+    update, *outputs = ca.substitute(list(exprs), [elapsed], [since])
+    signals = (item.signal for item in system.outputs)
+    return replace(
+        system,
+        state=(*system.state, memory),
+        update=ca.vertcat(update, ca.if_else(elapsed == 0, memory.sym, 1)),
+        outputs=tuple(map(Output, signals, outputs)),
+    )
 
 
 def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float], float]]:
@@ -187,7 +212,7 @@ class CommandFilter:
 
     def __init__(self, scenario: Scenario) -> None:
         """Build the graph; ScenarioError where the filter is not set, or cannot be met."""
-        self.system = filter_system(scenario)
+        self.system = called_filter(scenario)
         self.governs = scenario.filter.kind == "governor"
         self._step = self.system.function("filter", [self.system.update, self.system.y])
         self._p = ca.DM(self.system.p0)
@@ -214,8 +239,9 @@ class CommandFilter:
 
         ``measured``: the odometry's velocities, ``age`` [s] old, if there are any.  ``dt`` [s]:
         time since the last step by a steady clock (`time.monotonic`), by default the clock's
-        period, on whose beat a band's steps must then come; 0 or less says that the clock stood
-        still or was set back, and more than has passed breaks a band's limit.  A command that is
+        period, on whose beat a band's steps must then come, until one was told: then it counts as
+        0.  0 or less says that the clock stood still or was set back, and more than has passed
+        breaks a band's limit.  A command that is
         not a number counts as (0, 0), with the flag "refused"; further flags are "limited",
         "unused" (odometry was not used), "bounds-left" (it contradicts the stated bounds: one of
         them is wrong), "late" (the step came outside its jitter) and "unsound" (parameters that no

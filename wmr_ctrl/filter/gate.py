@@ -15,7 +15,7 @@ from functools import reduce
 import casadi as ca
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, LIMITED, within
+from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, LIMITED, usable_time, within
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import ELAPSED, ODOMETRY
 from wmr_ctrl.model.system import Output, System, port
@@ -109,8 +109,7 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
 
     wanted = ca.if_else(drives, asked.sym, 0)
     goal = filtered(wanted)[0]  # first, so that a ramp ends at a curvature that was asked for
-    T = scenario.clock.control
-    budget = ca.if_else(elapsed.sym > 0, ca.fmin(elapsed.sym, T), T)
+    budget = usable_time(elapsed.sym, ca.SX(scenario.clock.control))
     ramped = ca.vertcat(*(
         ramp(last.sym[i], goal[i], (settings.rise[i], settings.fall[i]), budget)
         for i in AXES

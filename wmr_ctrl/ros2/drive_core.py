@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError, WmrError
+from wmr_ctrl.filter.filter import STANDING
 from wmr_ctrl.filter.gate import Gated, GateSettings
 from wmr_ctrl.ros2.clocks import BACK, Clocks, Moment, longest_pause
 from wmr_ctrl.ros2.compiled_system import NONE, PAIR, Gate
@@ -25,6 +26,8 @@ OFF = 0.75
 """Periods by which samples may be off the law's time and count on one by one."""
 EXACT = 1_000
 """Off the grid of samples by this much [ns] is on it."""
+ROUNDED = 2
+"""Off the period by this much [ns] is on it: stamps are whole nanoseconds."""
 LATEST = 1.5
 """Periods after which a torque has acted for too long."""
 NO_ODOMETRY, JUMPED, STOPPED, NOT_FINITE = "no-odometry", "pose-jump", "stopped", "law-not-finite"
@@ -278,7 +281,9 @@ class DriveCore:
             return 0.0
         before, steady = self._sent_at
         passed = stamp - before if stamp and before else now.steady - steady
-        return 0.0 if abs(passed - in_ns(self.period)) <= EXACT else passed * NS
+        if abs(passed - in_ns(self.period)) <= ROUNDED:
+            return 0.0
+        return passed * NS if passed else STANDING
 
     def _passed(self, command: tuple[float, float], age: float, stamp: int, now: Moment) -> Gated:
         """The gate's word on a command; ``stamp`` is 0 where it comes from no sample."""

@@ -6,7 +6,9 @@ import casadi as ca
 
 from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.clip import Clip
+from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.command_filter import STATED
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -30,6 +32,35 @@ def wheel_box(mutation: Mutation) -> Statement:
     given = [above(t["l"]), *(part for rim in rims for part in within(rim, top))]
     goals = (*within(t["v"], t["V"]), *within(t["omega"], t["Omega"]))
     return Statement(t, goals, tuple(given))
+
+
+COUNTING: dict[str, object] = {**STATED, "filter.delay": (0.0, 0.13), "clock.control": 0.05}
+"""A governor whose commands may act for several periods."""
+
+
+@claim(
+    "filter.in-time",
+    given="samples have come in time since one that did not, and the filter's count is that many, "
+    "at most the commands that may act; the next comes in time or not",
+)
+def in_time(mutation: Mutation) -> Statement:
+    """behind that one the count is as right, and the governor trusts its bounds where it is as many
+    as the commands that may act.
+
+    Behind a late sample the clip acts until every command that may still act was sent in time.
+    """
+    graph = Governor(load_scenario("paper-simulation", COUNTING))
+    (count,) = list(graph.counted)
+    most, came = graph.plan.oldest, graph.came
+    named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
+    since = named["since"]
+    given = (
+        at_least(since), equal(count.sym, ca.fmin(since, most)),
+        at_least(came * (came - 1)), at_least(came * (1 - came)),
+    )  # fmt: skip
+    then = mutation(1, 2) * came * (since + 1)
+    goals = (equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most))
+    return Statement(named, goals, given, {"came": came})
 
 
 SLOW = LINEAR | {"filter.frequency": (4.0, 5.0), "filter.slew": (0.1, 0.1), "filter.scale": "axes"}

@@ -1,0 +1,48 @@
+"""Numbers for which nobody proved that the filter's margin covers its roundings are named."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.filter.test_filter import scenario
+from tests.filter.test_peak_gain import scenario as linear
+from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.filter.hypotheses import unproved_roundings
+from wmr_ctrl.scenario import override
+
+INSIDE = {
+    "jitter": {"jitter": 0.025},
+    "age": {"age": 0.6, "tau": (0.01, 0.3), "odometry": (0.02, 0.02)},
+    "tau": {"tau": (0.2, 409.0)},
+}
+BEYOND = {
+    "jitter": ({"jitter": 0.026}, "half of clock.control, 0.025 s"),
+    "age": ({"age": 0.61, "tau": (0.01, 0.3), "odometry": (0.02, 0.02)}, "60 filter.tau[1], 0.6 s"),
+    "tau": ({"tau": (0.2, 410.0)}, "clock.control 2^13/1, 409.6 s"),
+}
+
+
+@pytest.mark.parametrize("name", INSIDE)
+def test_a_governor_names_the_number_and_its_bound(name):
+    assert not [*unproved_roundings(scenario(**INSIDE[name]))]
+    changes, bound = BEYOND[name]
+    ((key, sentence),) = unproved_roundings(scenario(**changes))
+    assert key == f"filter.{name}"
+    assert bound in sentence
+
+
+def test_so_does_a_band_whose_motors_are_left_hardly_any_force():
+    motors = {"kind": "band", "push": (10.0, 0.0), "friction": (0.0, 0.0)}
+    assert not [*unproved_roundings(linear(force=(120.0, 40.0), **motors))]
+    weak = linear(force=(18.1, 40.0), **motors)
+    assert [key for key, _ in unproved_roundings(weak)] == ["filter.force"]
+
+
+def test_check_says_it():
+    stated = override(
+        scenario(jitter=0.03),
+        {"base.kind": "velocity", "base.gain": (1.0, 1.0), "filter.trust": True},
+    )
+    texts = [str(item) for item in warnings_for(settle(stated, "kanayama"))]
+    assert sum("proved for exact arithmetic only" in text for text in texts) == 1
