@@ -14,7 +14,7 @@ import pytest
 
 from tests.proofs import second_solvers
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.proofs import check, command, prove
+from wmr_ctrl.proofs import check, prove, runner
 from wmr_ctrl.proofs.alterations import function_named
 from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim, Mutation
 from wmr_ctrl.proofs.claims import all_claims
@@ -137,7 +137,7 @@ def test_patterns_and_several_ids_select() -> None:
 
 
 def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, capsys) -> None:
-    assert command.run_prove(["eq25"], tmp_path / "out.json") == 0
+    assert runner.run_prove(["eq25"], tmp_path / "out.json") == 0
 
     assert '"entries"' in (tmp_path / "out.json").read_text(encoding="utf-8")
     out = capsys.readouterr().out
@@ -180,7 +180,7 @@ def is_running(pid: int) -> bool:
 
 def test_exported_obligations_are_smt_lib(tmp_path) -> None:
     z3 = pytest.importorskip("z3")
-    command.run_export(tmp_path, ["guard.upper"])
+    runner.run_export(tmp_path, ["guard.upper"])
 
     assert "unsat" in (tmp_path / "README.md").read_text(encoding="utf-8")
     names = {path.name for path in (tmp_path / "guard.upper").iterdir()}
@@ -252,7 +252,7 @@ def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None
         command, "prove", lambda only, progress, anew: prove(only, progress, 1, anew)
     )
 
-    assert command.run_prove(["eq86", "eq03", "lemma.log"]) == 3
+    assert runner.run_prove(["eq86", "eq03", "lemma.log"]) == 3
     assert "pip install" in capsys.readouterr().out
 
 

@@ -6,12 +6,11 @@ from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import barrier_axis
-from wmr_ctrl.proofs.claims.tracking import Tracking
+from wmr_ctrl.proofs.claims.tracking import PAPER, Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute
 from wmr_ctrl.proofs.regions import at
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
 
-PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
 BACKWARDS = ({**at(e1=0, e2=0, **PAPER), "e3": "1 pi"},)
 TURNED = (at(e1=0, e2=0, e3="11/10", k2=5, r="1/2"),)
 EDGE = ({**at(e1=1, e2=0, e3=0, l=257, eps0="1/2", k1=10, k2=5, k3=4)},)
@@ -41,13 +40,12 @@ def ball(_: Mutation) -> Statement:
     V2 counts the angle less than the distance (by 1/k2), so a set where V2 stops growing is no
     ball: with r = 0.5 the angle may still be 1.1 rad.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("r")}
+    t = Tracking("r")
     given = (
-        at_least(0.5 * names["r"] ** 2, analysis.position_lyapunov(t.e, t.k[1])),
-        above(names["r"]),
+        at_least(0.5 * t["r"] ** 2, analysis.position_lyapunov(t.e, t.k[1])),
+        above(t["r"]),
     )
-    return Statement(names, (at_least(names["r"] ** 2, ca.sumsqr(t.e)),), given)
+    return Statement(t.names, (at_least(t["r"] ** 2, ca.sumsqr(t.e)),), given)
 
 
 @claim("eq61.omega", (61,), given="radius of Omega_1, l > 5", by=Refute(EDGE))
@@ -57,13 +55,12 @@ def omega(_: Mutation) -> Statement:
 
     An error can leave the ball while V2 falls: the stated sets are not shown to hold the robot.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("eps0 l")}
-    radius = analysis.ball_radius(names["eps0"], names["l"], t.k)
-    given = (at_least(radius**2, ca.sumsqr(t.e)), above(names["l"], 5), above(names["eps0"]))
+    t = Tracking("eps0 l")
+    radius = analysis.ball_radius(t["eps0"], t["l"], t.k)
+    given = (at_least(radius**2, ca.sumsqr(t.e)), above(t["l"], 5), above(t["eps0"]))
     other = ca.vertcat(0, 0, radius)
     return Statement(
-        names,
+        t.names,
         (
             at_least(
                 analysis.position_lyapunov(other, t.k[1]), analysis.position_lyapunov(t.e, t.k[1])

@@ -4,10 +4,10 @@ import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.claims.tracking import Tracking
+from wmr_ctrl.proofs.claims.tracking import GAINS, Tracking
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.regions import POSITIVE, Case, at
+from wmr_ctrl.proofs.regions import at
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, positive, symbols
 
 
@@ -19,7 +19,6 @@ def conditions(names: dict[str, ca.SX], printed: bool = False) -> ca.SX:
     )
 
 
-GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
 SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
 FIVE = "1.1 v2max T + v1dmax (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)) T < 0.2"
@@ -40,15 +39,14 @@ def start(mutation: Mutation) -> Statement:
 
     When only the sideways error is left, it alone decides.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("l")}
-    e, k2, l = t.e, t.k[1], names["l"]
+    t = Tracking("l")
+    e, k2, l = t.e, t.k[1], t["l"]
     sides = (above(ca.fabs(e[1]), l * ca.fabs(e[0])), above(ca.fabs(e[1]), l * ca.fabs(e[2])))
     if mutation < 0:
         sides = (above(l * ca.fabs(e[0]), ca.fabs(e[1])), sides[1])
     lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
     goal = above(analysis.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
-    return Statement(names, (goal,), (above(l, 5), above(k2), *sides, lemma))
+    return Statement(t.names, (goal,), (above(l, 5), above(k2), *sides, lemma))
 
 
 @claim(
@@ -114,12 +112,11 @@ def window_value(mutation: Mutation) -> Statement:
 @claim("eq43", (43,), given="V2 < 0.594 e2(t0)^2")
 def side_bound(mutation: Mutation, index: int = 1) -> Statement:
     """|e2| < 1.1 |e2(t0)|."""
-    t = Tracking()
-    names = {**t.names, **symbols("E")}
+    t = Tracking("E")
     value = analysis.position_lyapunov(t.e, t.k[1])
-    given = (*positive(t.k[1], names["E"]), above(594 * names["E"] ** 2, 1000 * value))
+    given = (*positive(t.k[1], t["E"]), above(594 * t["E"] ** 2, 1000 * value))
     limit = mutation(1.21, 1.0)
-    return Statement(names, (above(121 * names["E"] ** 2 * limit, 121 * t.e[index] ** 2),), given)
+    return Statement(t.names, (above(121 * t["E"] ** 2 * limit, 121 * t.e[index] ** 2),), given)
 
 
 @claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))

@@ -34,16 +34,15 @@ claim = Claims(by=Z3(), form=PRINTED)
 )
 def angle_falls(mutation: Mutation) -> Statement:
     """e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)."""
-    t = Tracking()
-    names = {**t.names, **symbols("l E")}
-    l, E = names["l"], names["E"]
+    t = Tracking("l E")
+    l, E = t["l"], t["E"]
     given = (
         *positive(l, E, t.k[1], t.k[2], t.v_d[0]),
         above(5 * t.e[1], 4 * E),
         above(t.k[2] * E, l * ca.fabs(t.z[1])),
     )
     bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * ca.fabs(ca.sin(t.e[2])), E)
-    return Statement(names, (above(bound, 5 * t.rate[2]),), given)
+    return Statement(t.names, (above(bound, 5 * t.rate[2]),), given)
 
 
 @claim(
@@ -121,11 +120,10 @@ def angle_speed(mutation: Mutation) -> Statement:
 )
 def rise(mutation: Mutation) -> Statement:
     """V2' < eps1."""
-    t = Tracking()
-    names = {**t.names, **symbols("eps1")}
+    t = Tracking("eps1")
     given = positive(*(t.k[i] for i in range(3)))
     bound = analysis.position_rate_bound(t.e, t.z, mutation * t.k)
-    return Statement(names, (at_least(names["eps1"], bound + names["eps1"]),), given)
+    return Statement(t.names, (at_least(t["eps1"], bound + t["eps1"]),), given)
 
 
 @claim(
@@ -168,10 +166,9 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
 
     With x = 0.78 the angle may be 3.12, almost backwards, where the sine is 0.02.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("root eps1 x")}
+    t = Tracking("root eps1 x")
     e3, z2, k2, k3 = t.e[2], t.z[1], t.k[1], t.k[2]
-    root, eps1, x = (names[n] for n in ("root", "eps1", "x"))
+    root, eps1, x = (t[n] for n in ("root", "eps1", "x"))
     given: Sequence[Relation] = (
         *positive(t.k[0], k2, k3, eps1, root),
         equal(root**2 * k3, k2 * eps1),
@@ -188,7 +185,7 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
             at_least(e3 * ca.sin(e3)),
         )
     bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
-    return Statement(names, (above(-mutation(3, 40) * eps1, bound + eps1),), tuple(given))
+    return Statement(t.names, (above(-mutation(3, 40) * eps1, bound + eps1),), tuple(given))
 
 
 @claim(

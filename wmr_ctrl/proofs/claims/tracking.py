@@ -22,14 +22,21 @@ from wmr_ctrl.proofs.statement import (
 
 
 class Tracking:
-    """e, z = v - v_c0, a free velocity v, the desired one and gains, with the rates that follow."""
+    """e, z = v - v_c0, a free velocity v, the desired one and gains, with the rates that follow.
 
-    def __init__(self) -> None:
+    ``more``: names of further symbols.
+    """
+
+    def __init__(self, more: str = "") -> None:
         free = {**column("e", 3), **column("z", 2), **symbols("v1d v2d")}
-        self.names = {**free, **column("k", 3, fixed=True), **column("v", 2)}
+        self.names = {**free, **column("k", 3, fixed=True), **column("v", 2), **symbols(more)}
         self.e, self.k = (stacked(self.names, name, 3) for name in "ek")
         self.z, self.v = (stacked(self.names, name, 2) for name in "zv")
         self.v_d = ca.vertcat(self.names["v1d"], self.names["v2d"])
+
+    def __getitem__(self, name: str) -> ca.SX:
+        """The symbol of a name."""
+        return self.names[name]
 
     def states(self, *goals: Relation, given: Iterable[Relation] = ()) -> Statement:
         """The statement about these symbols alone."""
@@ -124,11 +131,10 @@ def bounded(mutation: Mutation) -> Statement:
 
     A small velocity error can make the position error grow only a little.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("eps0")}
-    rest = analysis.square_rest(names["eps0"] ** 2, names["eps0"] ** 2, t.k)
+    t = Tracking("eps0")
+    rest = analysis.square_rest(t["eps0"] ** 2, t["eps0"] ** 2, t.k)
     written = analysis.position_rate_bound(t.e, t.z, t.k) + mutation * rest
-    return Statement(names, (at_least(written, t.fall),))
+    return Statement(t.names, (at_least(written, t.fall),))
 
 
 @claim(
@@ -142,9 +148,8 @@ def beyond(mutation: Mutation) -> Statement:
 
     If the angle is clearly wrong, the error falls.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("eps0 root")}
-    e, z, k, eps0, root = t.e, t.z, t.k, names["eps0"], names["root"]
+    t = Tracking("eps0 root")
+    e, z, k, eps0, root = t.e, t.z, t.k, t["eps0"], t["root"]
     rest = analysis.square_rest(eps0**2, eps0**2, k)
     given = (
         above(eps0),
@@ -155,7 +160,7 @@ def beyond(mutation: Mutation) -> Statement:
         above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation),
     )
     only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
-    return Statement(names, (above(0, only_angle + rest),), given)
+    return Statement(t.names, (above(0, only_angle + rest),), given)
 
 
 @claim(
@@ -170,16 +175,15 @@ def twice_threshold(_: Mutation) -> Statement:
     Near pi the sine is small again: a robot that faces backwards is not brought back by this
     argument.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("eps0")}
-    x = analysis.threshold(names["eps0"], t.k)
+    t = Tracking("eps0")
+    x = analysis.threshold(t["eps0"], t.k)
     given = (
         above(ca.fabs(t.e[2]), 2 * x),
         above(7, 9 * x),
         above(22, 7 * ca.fabs(t.e[2])),
-        at_least(names["eps0"] ** 2, ca.sumsqr(t.z)),
+        at_least(t["eps0"] ** 2, ca.sumsqr(t.z)),
     )
-    return Statement(names, (above(0, t.fall),), given)
+    return Statement(t.names, (above(0, t.fall),), given)
 
 
 @claim(
