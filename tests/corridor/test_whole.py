@@ -28,9 +28,11 @@ CASES = {
 """Changes, the time to which pushes lead furthest [s], and how tight the corridor is at least."""
 
 
-def test_a_set_that_stands_serves_for_many_samples_and_is_no_smaller(monkeypatch):
+@pytest.mark.parametrize("law", ["prox", "mb"])
+def test_a_set_that_stands_serves_for_many_samples_and_is_no_smaller(law, monkeypatch):
+    """With a queue of commands, and without one."""
     told = {"clock.control": PERIOD, "clock.duration": 16.0, "changes": HEAVIER}
-    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    setup = settle(override(load_scenario("safe-simulation"), told), law)
     along = Along(setup)
     samples, exact = [], Passing._follow
     monkeypatch.setattr(

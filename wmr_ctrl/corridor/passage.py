@@ -133,7 +133,8 @@ class Passing(Following):
             return None
         pending = self.pending = self._rest((self.pending + off) * HELD + UNSURE)
         self.carried, self.law_bend, self.step_bend = standing, None, None
-        sent = np.tile(self.commands.max(axis=0), (len(self.commands), 1)) * HELD + UNSURE
+        latest = self.commands.max(axis=0, initial=0.0)
+        sent = np.tile(latest, (len(self.commands), 1)) * HELD + UNSURE
         self.commands = sent
         reach = self._reach()
         try:
