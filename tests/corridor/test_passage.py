@@ -73,7 +73,7 @@ def test_the_undisturbed_run_is_off_the_graphs_by_no_more_than_is_counted(eight)
     curve, k = eight.loop.step_curve, 37
     graph = Enclosure("a step", [curve.by, curve.numbers], ca.densify(curve.output))
     for s in range(10):
-        given = eight._step_by(k, k + 1)[0, s], eight.loop.step_numbers[k, s]
+        given = eight._step_by(np.array([k]))[0, s], eight.loop.step_numbers[k, s]
         with ctx.workprec(200):
             exact = graph(*([arb(x) for x in part.tolist()] for part in given))
             off = [float((x - told).abs_upper()) for x, told in

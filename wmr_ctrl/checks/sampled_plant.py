@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import casadi as ca
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, HELD, POSE, ROBOT, SPEED, Floats, World, names_of
@@ -152,11 +151,13 @@ class Assembly:
 
     def sensed(self, sample: int) -> Floats:
         """Slopes of measurements, disturbances and memory after a sample."""
+        from scipy.linalg import block_diag  # slow to import, and seldom needed
+
         size, shown = self.world.size, ROBOT + HELD
         each = [(weight, self._of(world, sample)) for weight, world in self.worlds]
         seen = sum(weight * slopes[:shown, :size] for weight, slopes in each)
         sides = [weight * slopes[:shown, size:] for weight, slopes in each]
-        memory = scipy.linalg.block_diag(*(slopes[shown:, size:] for _, slopes in each))
+        memory = block_diag(*(slopes[shown:, size:] for _, slopes in each))
         after = np.vstack([slopes[shown:, :size] for _, slopes in each])
         return np.block([[seen, np.hstack(sides)], [after, memory]])
 

@@ -38,7 +38,7 @@ PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.1, 10, 0.5, 0.03
 """Seconds and samples that are followed at once; seconds after which some samples' columns stand
 for all, and between these."""
-BRIEF, SLOW, SPREAD = 0.05, 2.0, 1.2
+BRIEF, SLOW, SPREAD = 0.2, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
 KEPT, MOST_TOGETHER = 4, 8
 """Stretches that are kept, and the most chunks of one."""
@@ -72,7 +72,7 @@ class Along:
         self._kept = list[tuple[int, int, Stretch]]()
         sizes = loop.sizes(*(
             [MidRadius(np.array([x])) for x in part]
-            for part in (self._law_by(0, 1)[0], loop.law_numbers[0])
+            for part in (self._law_by(np.array([0]))[0], loop.law_numbers[0])
         ))  # fmt: skip
         self.most = (sizes.middle - sizes.radius)[0] * (1 - 2**-50)
 
@@ -89,11 +89,16 @@ class Along:
         n, period = len(self.motion.v_d), self.setup.scenario.clock.control
         size = self.together * max(1, round(CHUNK / period / self.together))
         bodies = self.motion.robot
-        moved = np.flatnonzero((bodies != bodies[:, :1]).any(axis=(1, 2)))
-        after = np.flatnonzero((bodies[1:, 0] != bodies[:-1, -1]).any(axis=1)) + 1
-        own = [0, 1, *range(1 + size, n, size), n, *moved, *(k + 1 for k in moved), *after]
+        within = np.flatnonzero((bodies != bodies[:, :1]).any(axis=(1, 2)))
+        own = [0, 1, *range(1 + size, n, size), n, *self.motion.moved, *(k + 1 for k in within)]
         ends = sorted({int(k) for k in own})
         return [(a, b) for a, b in pairwise(ends) if a < b]
+
+    @property
+    def lap(self) -> int:
+        """Samples after which the reference does about the same again, 0 if it never does."""
+        samples = self.setup.scenario.reference.cycle / self.setup.scenario.clock.control
+        return round(samples) if samples < len(self.states) else 0
 
     @cached_property
     def together(self) -> int:
@@ -154,24 +159,27 @@ class Along:
         speeds = np.abs(self.motion.v_d[1:, 0])
         moving = 1 + np.flatnonzero(speeds >= 0.3 * speeds.max())
         places = sorted({int(moving[round(k)]) for k in np.linspace(0, len(moving) - 1, PLACES)})
-        return min(n, max(forgets(self.stretch(k, k + 1), LEFT, LONGEST) for k in places))
+        here = self._stretch(np.array(places))
+        each = zip(here.A.middle, here.push.middle, strict=True)
+        return min(n, max(forgets(A, push, LEFT, LONGEST) for A, push in each))
 
-    def _law_by(self, first: int, last: int) -> Floats:
+    def _law_by(self, at: IntArray) -> Floats:
+        """Variables of the law at some samples (samples, ...)."""
         loop, nz = self.loop, len(self.loop.names)
         queue = nz + COMMAND * loop.queue
-        x = self.states[first:last]
+        x = self.states[at]
         own, sent = x[:, queue : queue + loop.memory], x[:, nz:queue]
         return np.hstack([x[:, :ROBOT], own, sent, x[:, queue + loop.memory :]])
 
-    def _step_by(self, first: int, last: int) -> Floats:
-        """Variables of each plant step (samples, steps, ...)."""
-        loop, body = self.loop, self.motion.robot[first:last, :, :2]
+    def _step_by(self, at: IntArray) -> Floats:
+        """Variables of each plant step of some samples (samples, steps, ...)."""
+        loop, body = self.loop, self.motion.robot[at, :, :2]
         behind, rest = divmod(loop.late, loop.steps)
         u = np.vstack([np.zeros((behind + 1, COMMAND)), self.outs[:, :COMMAND]])
         age = behind + (np.arange(loop.steps) < rest)
-        acts = u[np.arange(first, last)[:, None] + behind + 1 - age[None, :]]
+        acts = u[at[:, None] + behind + 1 - age[None, :]]
         push = np.zeros((*acts.shape[:2], COMMAND))
-        return np.concatenate([self.fine[first:last, :-1], acts, push, body], axis=2)
+        return np.concatenate([self.fine[at, :-1], acts, push, body], axis=2)
 
     def _residuals(self) -> tuple[Floats, Floats]:
         """Largest differences of the undisturbed run's numbers from the graphs', in any sample.
@@ -181,11 +189,11 @@ class Along:
         loop, n = self.loop, len(self.motion.v_d)
         law, step = np.zeros(self.outs.shape[1]), np.zeros(len(loop.names))
         for first in range(0, n, TOGETHER):
-            part = slice(first, min(first + TOGETHER, n))
-            given = MidRadius(self._law_by(part.start, part.stop))
+            part = np.arange(first, min(first + TOGETHER, n))
+            given = MidRadius(self._law_by(part))
             value = loop.law_curve.value(given, MidRadius(loop.law_numbers[part]))
             law = np.maximum(law, (value - MidRadius(self.outs[part])).most.max(axis=0))
-            given = MidRadius(self._step_by(part.start, part.stop))
+            given = MidRadius(self._step_by(part))
             value = loop.step_curve.value(given, MidRadius(loop.step_numbers[part]))
             off = (value - MidRadius(self.fine[part, 1:])).most
             step = np.maximum(step, off.max(axis=(0, 1)))
@@ -193,11 +201,13 @@ class Along:
 
     def law_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Of the law's variables and numbers over some samples."""
-        return hull(self._law_by(first, last), 0), hull(self.loop.law_numbers[first:last], 0)
+        return hull(self._law_by(np.arange(first, last)), 0), hull(
+            self.loop.law_numbers[first:last], 0
+        )
 
     def step_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Of a plant step's variables and numbers over all plant steps of some samples."""
-        by, numbers = self._step_by(first, last), self.loop.step_numbers[first:last]
+        by, numbers = self._step_by(np.arange(first, last)), self.loop.step_numbers[first:last]
         one, other = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
         return one, other
 
@@ -225,10 +235,13 @@ class Along:
 
     def stretch(self, first: int, last: int) -> Stretch:
         """Matrices of some samples, a plant step's slopes for all of a sample's steps."""
+        return self._stretch(np.arange(first, last))
+
+    def _stretch(self, at: IntArray) -> Stretch:
         loop = self.loop
-        by = MidRadius(self._law_by(first, last)), MidRadius(loop.law_numbers[first:last])
+        by = MidRadius(self._law_by(at)), MidRadius(loop.law_numbers[at])
         law = loop.law_curve.slopes(*by)
-        by = hull(self._step_by(first, last), 1), hull(loop.step_numbers[first:last], 1)
+        by = hull(self._step_by(at), 1), hull(loop.step_numbers[at], 1)
         return stretch(loop, law, loop.step_curve.slopes(*by), self.knots)
 
     def matrices(self, first: int, last: int) -> tuple[Stretch, int]:
@@ -261,13 +274,13 @@ class Along:
 
     def secant_stretch(self, first: int, last: int, wide: tuple[Floats, Floats]) -> Stretch:
         """The same by secants over boxes of law's and plant step's variables."""
-        loop = self.loop
-        law_by, numbers = self._law_by(first, last), loop.law_numbers[first:last]
+        loop, at = self.loop, np.arange(first, last)
+        law_by, numbers = self._law_by(at), loop.law_numbers[at]
         outs = self.outs[first:last, None]
         law = self._law_secants.over(
             MidRadius(law_by), MidRadius(numbers), wide[0], law_by[:, None], outs
         )
-        step_by, numbers = self._step_by(first, last), loop.step_numbers[first:last]
+        step_by, numbers = self._step_by(at), loop.step_numbers[at]
         step = self._step_secants.over(
             hull(step_by, 1), hull(numbers, 1), wide[1], step_by, self.fine[first:last, 1:]
         )

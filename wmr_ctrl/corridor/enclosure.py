@@ -16,7 +16,6 @@ from flint import arb
 from wmr_ctrl.model.graph import SELECT, Node, read
 
 Balls = list[arb]
-_ZERO = arb(0)
 
 
 class OpenBoxError(ArithmeticError):
@@ -33,29 +32,30 @@ class Enclosure:
         self.pattern = list(zip(*output.sparsity().get_triplet(), strict=True))
         function = ca.Function("enclosed", list(inputs), [output.nz[:]])
         graph = read(function, places, ("y",))
-        self._program = [(self._operation(node), node.operands) for node in graph.nodes]
-        self._constants = [
-            (k, arb(node.number)) for k, node in enumerate(graph.nodes) if node.op == ca.OP_CONST
-        ]
+        self._constants = [arb(node.number) for node in graph.nodes if node.op == ca.OP_CONST]
+        known = [k for k, node in enumerate(graph.nodes) if node.op == ca.OP_CONST]
         self._inputs = [
-            (k, places.index(node.place[0]), node.place[1])
-            for k, node in enumerate(graph.nodes) if node.place is not None
+            (places.index(node.place[0]), node.place[1])
+            for node in graph.nodes if node.place is not None
         ]  # fmt: skip
+        known += [k for k, node in enumerate(graph.nodes) if node.place is not None]
+        place = {k: n for n, k in enumerate(known)}
+        self._program = list[tuple[Callable[..., arb], list[int]]]()
+        for k, node in enumerate(graph.nodes):
+            if k not in place:
+                place[k] = len(place)
+                self._program.append((self._operation(node), [place[i] for i in node.operands]))
         stores = {store.index: store.node for store in graph.stores}
-        self._stores = [stores[k] for k in range(len(self.pattern))]
+        self._stores = [place[stores[k]] for k in range(len(self.pattern))]
 
     def __call__(self, *values: Balls) -> Balls:
         """The output's entries in the order of ``pattern`` (row, column)."""
-        done: list[arb] = [_ZERO] * len(self._program)
-        for k, number in self._constants:
-            done[k] = number
-        for k, place, index in self._inputs:
-            done[k] = values[place][index]
-        for k, (operation, operands) in enumerate(self._program):
+        done = [*self._constants, *(values[place][index] for place, index in self._inputs)]
+        for operation, operands in self._program:
             if len(operands) == 2:
-                done[k] = operation(done[operands[0]], done[operands[1]])
-            elif operands:
-                done[k] = operation(*[done[i] for i in operands])
+                done.append(operation(done[operands[0]], done[operands[1]]))
+            else:
+                done.append(operation(*[done[i] for i in operands]))
         results = [done[k] for k in self._stores]
         if not all(value.is_finite() for value in results):
             raise OpenBoxError(f"{self.name}: an operation leaves its domain")

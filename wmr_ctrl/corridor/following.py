@@ -16,7 +16,7 @@ from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.carried import CarriedColumns, Kind
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.instant import Instant
+from wmr_ctrl.corridor.instant import Guess, Instant, OtherBoxError
 from wmr_ctrl.corridor.loop import MOST_COLUMNS, MOST_NUMBERS, UP
 from wmr_ctrl.corridor.midradius import MidRadius, rounding
 from wmr_ctrl.corridor.motion import UNSURE
@@ -25,53 +25,10 @@ from wmr_ctrl.corridor.remainders import Remainders
 FAR, NEAR, SLOW_NEAR, TRIES = 30.0, 1e-3, 0.3, 40
 """Growth over the linear loop, and more [m, rad], with which a sample counts as lost, the latter
 also by secants; tries."""
-GUESSED, GROWN, AGAIN, FASTEST = 1.003, 1.02, 1.005, 1.2
-"""Growth of what is guessed: at first, from try to try, and from block to block, there at most."""
+GUESSED, GROWN = 1.003, 1.02
+"""Growth of what is guessed, at first and from try to try."""
 DOT = rounding(MOST_NUMBERS)
 """Share by which a sum of products over a state can err."""
-
-
-@dataclass(frozen=True)
-class Guess:
-    """What samples may add: to the law's force (J, 2), as a box (J, n), by plant steps (J, nz)."""
-
-    force: Floats
-    box: Floats
-    left: Floats
-
-    def holds(self, other: Guess) -> bool:
-        """True where no size of the other is larger."""
-        pairs = zip(self.parts, other.parts, strict=True)
-        return all(bool((its <= mine).all()) for mine, its in pairs)
-
-    @property
-    def parts(self) -> tuple[Floats, Floats, Floats]:
-        """All of them."""
-        return self.force, self.box, self.left
-
-    @property
-    def weights(self) -> Floats:
-        """Of a block's columns."""
-        return np.concatenate([self.force.ravel(), self.box.ravel()])
-
-    def going_on(self, before: Guess, count: int) -> Guess:
-        """For a block of so many samples, what grew to these from the block before."""
-        parts = []
-        for old, part in zip(before.parts, self.parts, strict=True):
-            if len(old) == len(part) == count:
-                growth = np.clip(part / np.maximum(old, 1e-300), 1.0, FASTEST)
-                parts.append(part * growth * AGAIN)
-            else:
-                parts.append(np.tile(part.max(axis=0) * AGAIN, (count, 1)))
-        return Guess(*parts)
-
-    def grown(self, by: float) -> Guess:
-        """All sizes larger, but those that are 0."""
-        return Guess(*(part * by + UNSURE * (part > 0) for part in self.parts))
-
-    def and_more(self, other: Guess) -> Guess:
-        """The larger of both sizes."""
-        return Guess(*map(np.maximum, self.parts, other.parts))
 
 
 @dataclass(frozen=True)
@@ -116,6 +73,7 @@ class Following(Remainders):
         outs = along.outs.shape[1]
         self.read = np.array([*range(COMMAND), *range(outs - self.loop.count, outs)])
         self.which = self.rows, along.rows, self.read
+        self.tried = 0
         nothing = (np.zeros((1, size)) for size in (COMMAND, n, self.nz))
         self.last = self.before = Guess(*nothing)
 
@@ -138,7 +96,7 @@ class Following(Remainders):
         nothing = (Kind(np.zeros((n, 0, width)), np.zeros((0, width))) for width in widths)
         return CarriedColumns(np.zeros(0, dtype=int), *nothing)
 
-    def _reach(self) -> tuple[Floats, Floats]:
+    def _reached(self) -> tuple[Floats, Floats]:
         """What the rows reach, by what disturbs alone and in all."""
         linear, every = self.carried.sums(self.rows, self.carried.sizes)
         return linear, (every + np.abs(self.rows) @ self.pending) * UP
@@ -153,18 +111,19 @@ class Following(Remainders):
         known, discs = block.ends[:2]
         sizes = self.carried.sizes
         through = np.abs(block.chain) @ (sizes + self.pending)
+        ahead = [self.rows @ block.chain[1:], block.inner @ block.chain[:-1]]
+        sums = self.carried.sums(np.concatenate(ahead, axis=1), sizes)
+        parts = zip(*(np.split(item, [len(self.rows)], axis=1) for item in sums), strict=True)
         both = []
-        for rows, chain, by, size in (
-            (self.rows, block.chain[1:], block.after_by, through[1:]),
-            (block.inner, block.chain[:-1], block.inner_by, through[:-1]),
-        ):
-            ahead = rows @ chain
-            linear, every = self.carried.sums(ahead, sizes)
-            own = by[..., :known].sum(axis=-1) + DOT * _each(np.abs(rows), size)
+        for (linear, every), by, rows, size, own_rows in zip(
+            parts, (block.after_by, block.inner_by), ahead, (through[1:], through[:-1]),
+            (self.rows, block.inner), strict=True,
+        ):  # fmt: skip
+            own = by[..., :known].sum(axis=-1) + DOT * _each(np.abs(own_rows), size)
             if discs > known:
                 pairs = by[..., known:discs]
                 own += np.hypot(pairs[..., ::2], pairs[..., 1::2]).sum(axis=-1)
-            both.append(((linear + own) * UP, (every + own + np.abs(ahead) @ self.pending) * UP))
+            both.append(((linear + own) * UP, (every + own + np.abs(rows) @ self.pending) * UP))
         A, law, outputs, push, seen = (
             MidRadius(part.middle[block.at], part.radius[block.at])
             for part in (getattr(now.here, name) for name in _PARTS)
@@ -188,21 +147,30 @@ class Following(Remainders):
         )  # fmt: skip
 
     def _follow(
-        self, now: Instant, reach: tuple[Floats, Floats]
+        self,
+        now: Instant,
+        reach: tuple[Floats, Floats],
+        guess: Guess | None = None,
+        *,
+        first: bool = True,
     ) -> tuple[tuple[Floats, Floats], Floats]:
         """From what rows reach before a block, by what disturbs alone and in all, to its end.
 
-        And of each sample the numbers of RunBounds (J, 5).
+        And of each sample the numbers of RunBounds (J, 5).  OtherBoxError where boxes of secants
+        are left, or on a ``first`` try wider than they need be.
         """
+        self.tried = now.k + now.count
         along, until, count = self.along, self._until(now), now.count
-        guess = self.last.going_on(self.before, count)
+        guess = guess or self.last.going_on(self.before, count)
         before = np.vstack([reach[0], until.linear])
         ahead = np.maximum(before[:-1], before[1:])[:, : len(along.rows)]
         near = NEAR if now.here.secants is None else SLOW_NEAR
         for tried in range(TRIES):
             answer, most, law = self._found(now, guess, reach[1], until)
             if guess.holds(answer):
-                break
+                if not self._bent(now):
+                    break
+                continue
             lost = (most[:, :ROBOT] > FAR * ahead[:, :ROBOT] + near).any(axis=1)
             if lost.any() and tried > 1:
                 k = int(lost.argmax())
@@ -210,6 +178,10 @@ class Following(Remainders):
             guess = guess.and_more(answer.grown(GROWN)) if tried else answer.grown(GUESSED)
         else:
             raise NoCorridorError(along.blamed(most[0], now.k))
+        if first and self._too_wide(now):
+            raise OtherBoxError
+        if self._leaves(now):
+            raise OtherBoxError(answer.grown(GROWN))
         share, worst = self._conditions(law, now)
         self._carry(now, answer, until)
         self.commands = np.vstack([self.commands, law[:, :COMMAND]])[count:]

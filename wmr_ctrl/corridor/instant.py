@@ -8,7 +8,11 @@ import numpy as np
 
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.blocks import FollowedBlock
+from wmr_ctrl.corridor.motion import UNSURE
 from wmr_ctrl.corridor.stretch import Stretch
+
+AGAIN, FASTEST = 1.005, 1.2
+"""Growth of what is guessed from block to block, and the most of it."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +57,52 @@ class Instant:
         return np.broadcast_to(most, (self.count, *most.shape))
 
 
-class WiderBoxError(ArithmeticError):
-    """A box of secants is left by such sizes; ``place``: 0 of the law's, 1 of the plant step's."""
+@dataclass(frozen=True)
+class Guess:
+    """What samples may add: to the law's force (J, 2), as a box (J, n), by plant steps (J, nz)."""
 
-    def __init__(self, place: int, sizes: Floats) -> None:
-        super().__init__("a box is left")
-        self.place, self.sizes = place, sizes
+    force: Floats
+    box: Floats
+    left: Floats
+
+    def holds(self, other: Guess) -> bool:
+        """True where no size of the other is larger."""
+        pairs = zip(self.parts, other.parts, strict=True)
+        return all(bool((its <= mine).all()) for mine, its in pairs)
+
+    @property
+    def parts(self) -> tuple[Floats, Floats, Floats]:
+        """All of them."""
+        return self.force, self.box, self.left
+
+    @property
+    def weights(self) -> Floats:
+        """Of a block's columns."""
+        return np.concatenate([self.force.ravel(), self.box.ravel()])
+
+    def going_on(self, before: Guess, count: int) -> Guess:
+        """For a block of so many samples, what grew to these from the block before."""
+        parts = []
+        for old, part in zip(before.parts, self.parts, strict=True):
+            if len(old) == len(part) == count:
+                growth = np.clip(part / np.maximum(old, 1e-300), 1.0, FASTEST)
+                parts.append(part * growth * AGAIN)
+            else:
+                parts.append(np.tile(part.max(axis=0) * AGAIN, (count, 1)))
+        return Guess(*parts)
+
+    def grown(self, by: float) -> Guess:
+        """All sizes larger, but those that are 0."""
+        return Guess(*(part * by + UNSURE * (part > 0) for part in self.parts))
+
+    def and_more(self, other: Guess) -> Guess:
+        """The larger of both sizes."""
+        return Guess(*map(np.maximum, self.parts, other.parts))
+
+
+class OtherBoxError(ArithmeticError):
+    """Boxes of secants do not fit; with a guess of what samples add."""
+
+    def __init__(self, guess: Guess | None = None) -> None:
+        super().__init__("a box does not fit")
+        self.guess = guess

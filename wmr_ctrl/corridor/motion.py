@@ -52,6 +52,14 @@ class RunMotion:
     turned: Floats
     robot: Floats
 
+    @property
+    def moved(self) -> list[int]:
+        """Samples in which, or before which, the robot changes."""
+        bodies = self.robot
+        within = (bodies != bodies[:, :1]).any(axis=(1, 2))
+        within[1:] |= (bodies[1:, 0] != bodies[:-1, -1]).any(axis=1)
+        return [int(k) for k in np.flatnonzero(within)]
+
 
 def motion_of(scenario: Scenario) -> RunMotion:
     """The scenario's whole run."""

@@ -7,21 +7,21 @@ from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.checks.world import COMMAND, Floats
+from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.blocks import FollowedBlock, blocks_of
 from wmr_ctrl.corridor.carried import CarriedColumns, Kind
-from wmr_ctrl.corridor.following import TRIES, Following
-from wmr_ctrl.corridor.inputs import NoCorridorError
-from wmr_ctrl.corridor.instant import Instant, RunBounds, WiderBoxError
+from wmr_ctrl.corridor.following import TRIES, Following, OtherBoxError
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.instant import Instant, RunBounds
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.motion import UNSURE
-from wmr_ctrl.corridor.stretch import Stretch
 
-HELD, LITTLE_MORE = 1.01, 1e-9
-"""Bound on what samples of a standing set add: a share of the latest, and a constant."""
-SLOW_ROOM, SLOW_SHARE, SLOW_FROM = 1.05, 0.02, 4.0
-"""Of boxes of secants: growth, what is added as a share of the typical sizes, and growth of what is
-reached that brings the robot to a stop where they are tried at last."""
+HELD, LITTLE_MORE, AGAIN_AFTER = 1.01, 1e-9, 4
+"""Bound on what samples of a standing set add: a share of the latest, and a constant; part of the
+time without changes after which such a set is looked for again."""
+SLOW_FROM = 4.0
+"""Growth of what is reached that brings the robot to a stop where secants are tried at last."""
 ALIKE = 2.0**-46
 """Share of two columns by which the rounding of their difference is less."""
 Reached: TypeAlias = "tuple[Floats, Floats]"
@@ -31,20 +31,31 @@ Reached: TypeAlias = "tuple[Floats, Floats]"
 class Passing(Following):
     """One passage of a loop under bounded inputs; ``run`` makes it."""
 
-    def run(self) -> RunBounds:
-        """Over all samples; NoCorridorError at the first at which a condition is broken."""
-        result, done = list[Floats](), 0
-        reach = np.zeros(len(self.rows)), np.abs(self.rows) @ self.pending
+    def __init__(self, along: Along, inputs: Inputs, start: Floats, first: int = 0) -> None:
+        """From a start off by |e| <= ``start`` (3), or from a later sample, there without any."""
+        super().__init__(along, inputs, start if first == 0 else np.zeros(3))
+        self._result, self._first, self._done = list[Floats](), first, first
+        self._again = 0
+        self._sizes = [np.full((len(along.states), x.shape[1]), np.nan) for x in self.latest]
+        self._reach = np.zeros(len(self.rows)), np.abs(self.rows) @ self.pending
+
+    def run(self, until: int | None = None) -> RunBounds:
+        """On over all samples, or ``until`` one of them; of all that are done.
+
+        NoCorridorError at the first at which a condition is broken: ``tried`` is the one after.
+        """
         for first, last in self.along.chunks():
-            k = max(first, done)
+            if last <= self._done or (until is not None and first >= until):
+                continue
+            k, reach = max(first, self._done), self._reach
             if k == first and (held := self._held(first)):
                 reach, items = held
-                result.append(items)
+                self._result.append(items)
                 k = first + len(items)
             if k < last:
-                reach = self._chunk(k, last, reach, result)
-            done = max(k, last)
-        position, linear, heading, share, worst = np.vstack(result).T
+                reach = self._chunk(k, last, reach, self._result)
+            self._done, self._reach = max(k, last), reach
+        position, linear, heading, share, worst = np.vstack(self._result).T
         return RunBounds(position, linear, heading, share, worst.astype(int))
 
     def _chunk(self, k: int, last: int, reach: Reached, result: list[Floats]) -> Reached:
@@ -52,7 +63,7 @@ class Passing(Following):
         if self.along.is_slow(k, last, reach[1]):
             return self._slowly(k, last, reach, result)
         here, before = self.along.matrices(k, last)
-        self.law_bend = self.step_bend = None
+        self.bends = [None, None]
         alone = ready = k
         blocks = list[FollowedBlock]()
         while k < last:
@@ -78,50 +89,74 @@ class Passing(Following):
 
     def _slowly(self, first: int, last: int, reach: Reached, result: list[Floats]) -> Reached:
         """Some samples by secants over boxes, which are made wider where they are left."""
-        curves = self.loop.law_curve, self.loop.step_curve
-        wide = [np.zeros(curve.by.numel()) for curve in curves]
-        k, tries, alone = first, 0, first
+        k, tries, most = first, 0, self.along.brief
+        foreseen, guess = self._foreseen(first, last), None
         while k < last:
-            end = min(k + 1 if k < alone else k + self.along.brief, last)
-            here = self.along.secant_stretch(k, end, (wide[0], wide[1]))
+            foreseen = [item for item in foreseen if item.k >= k]
+            if not tries and foreseen and foreseen[0].k == k and foreseen[0].count <= most:
+                now = foreseen[0]
+            elif not tries:
+                count = min(most, last - k)
+                law, step = (np.tile(sizes.max(axis=0), (count, 1)) for sizes in self.latest)
+                now = self._slow_blocks(k, k + count, count, (law, step))[0]
             try:
-                reach, items = self._follow(self._instant(k, end, here), reach)
-            except WiderBoxError as error:
-                wide[error.place], tries = self._roomy(error.sizes), tries + 1
-                if tries > 4 * TRIES:
+                reach, items = self._follow(now, reach, guess, first=tries < 3)
+            except OtherBoxError as error:
+                law, step = map(self.roomy, self.latest)
+                if tries and error.guess:
+                    assert now.here.secants is not None
+                    held = (item.wide[now.block.at] for item in now.here.secants)
+                    law, step = map(np.maximum, (law, step), held)
+                now = self._slow_blocks(k, k + now.count, now.count, (law, step))[0]
+                tries, guess = tries + 1, error.guess
+                if tries > TRIES:
                     raise NoCorridorError(self.along.blamed(reach[1], k)) from error
             except NoCorridorError:
-                if end == k + 1:
+                if now.count == 1:
                     raise
-                alone = end
+                most, tries, guess = now.count // 2, 0, None
             else:
-                k, tries = end, 0
-                wide = [self._roomy(sizes) for sizes in self.latest]
+                for seen, sizes in zip(self._sizes, self.latest, strict=True):
+                    seen[k : k + now.count] = sizes
+                k, tries, guess = k + now.count, 0, None
+                most = min(2 * most, self.along.brief)
                 result.append(items)
         return reach
 
-    def _instant(self, k: int, end: int, here: Stretch) -> Instant:
-        """A block of all samples of a stretch."""
-        at = np.arange(end - k)[None]
-        block = blocks_of(here, self.inputs, at, self.which)[0]
-        return Instant(k, end, here, block)
+    def _foreseen(self, first: int, last: int) -> list[Instant]:
+        """Blocks by secants over boxes for what was reached a lap before, if there was one."""
+        lap, count = self.along.lap, self.along.brief
+        last -= (last - first) % count
+        before = slice(first - lap, last - lap)
+        lately = any(first - lap - self.along.memory < k <= first for k in self.along.motion.moved)
+        unseen = any(np.isnan(seen[before]).any() for seen in self._sizes)
+        if not 0 < lap <= first or lately or unseen:
+            return []
+        law, step = (self.roomy(seen[before]) for seen in self._sizes)
+        return self._slow_blocks(first, last, count, (law, step)) if first < last else []
 
-    def _roomy(self, sizes: Floats) -> Floats:
-        """A box of secants for deviations of such sizes."""
-        wide = sizes * SLOW_ROOM
-        wide[:ROBOT] += SLOW_SHARE * self.along.typical @ self.inputs.push
-        return wide
+    def _slow_blocks(
+        self, first: int, last: int, count: int, wide: tuple[Floats, Floats]
+    ) -> list[Instant]:
+        """So many samples each by secants over boxes."""
+        here = self.along.secant_stretch(first, last, wide)
+        at = np.arange(last - first).reshape(-1, count)
+        blocks = blocks_of(here, self.inputs, at, self.which)
+        return [Instant(first + int(x.at[0]), first + int(x.at[-1]) + 1, here, x) for x in blocks]
 
     def _held(self, k: int) -> tuple[Reached, Floats] | None:
         """Samples from ``k`` on in which nothing changes, by one set that no block leaves.
 
         None where there are few, or where no such set is shown (ledger: corridor.passage).
         """
-        along, count, before = self.along, self.along.together, vars(self).copy()
+        along, count = self.along, self.along.together
         begin, end = along.steady_until(k)
+        begin = max(begin, self._first)
         many = (end - k) // count
-        if k - begin <= 2 * along.memory or many * count <= along.memory:
+        if k - begin <= 2 * along.memory or many * count <= along.memory or k < self._again:
             return None
+        self._again = k + (k - begin) // AGAIN_AFTER
+        before = vars(self).copy()
         here, at = along.held(k, end), np.zeros((1, count), dtype=int)
         block = blocks_of(here, self.inputs, at, self.which)[0]
         now = Instant(k, end, here, block, held=True)
@@ -132,11 +167,11 @@ class Passing(Following):
         if off is None:
             return None
         pending = self.pending = self._rest((self.pending + off) * HELD + UNSURE)
-        self.carried, self.law_bend, self.step_bend = standing, None, None
+        self.carried, self.bends = standing, [None, None]
         latest = self.commands.max(axis=0, initial=0.0)
         sent = np.tile(latest, (len(self.commands), 1)) * HELD + UNSURE
         self.commands = sent
-        reach = self._reach()
+        reach = self._reached()
         try:
             _, items = self._follow(now, reach)
             off = self._beside(standing.older(count))

@@ -8,14 +8,15 @@ from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.instant import Instant, WiderBoxError
+from wmr_ctrl.corridor.instant import Instant
 from wmr_ctrl.corridor.loop import UP
-from wmr_ctrl.corridor.midradius import MidRadius
-from wmr_ctrl.corridor.motion import UNSURE, MovingCurve
-from wmr_ctrl.corridor.secants import Secants
+from wmr_ctrl.corridor.motion import UNSURE
 
 ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
 """Growth of the box that a bend holds on; below that share of the typical sizes another."""
+SLOW_ROOM, SLOW_SHARE, TOO_WIDE = 1.05, 0.02, 1.05
+"""Of boxes of secants: growth, what is added as a share of the typical sizes, and how much wider
+than that makes them anew."""
 
 
 class Remainders:
@@ -29,9 +30,9 @@ class Remainders:
         self.misheard = np.zeros(along.outs.shape[1])
         self.misheard[:COMMAND] = inputs.misheard(np.zeros(COMMAND))
         self.commands = np.zeros((self.loop.queue, COMMAND))
-        self.latest = [np.zeros(0), np.zeros(0)]
-        self.law_bend: tuple[Floats, Floats] | None = None
-        self.step_bend: tuple[Floats, Floats] | None = None
+        self.curves = self.loop.law_curve, self.loop.step_curve
+        self.latest = [np.zeros((1, curve.by.numel())) for curve in self.curves]
+        self.bends: list[tuple[Floats, Floats] | None] = [None, None]
 
     def _products(self, reach: Floats, error: Floats) -> Floats:
         """Largest products (J, 5, 5) of two of the robot's errors as they are measured."""
@@ -44,12 +45,44 @@ class Remainders:
         mixed = sizes[:, :, None] * error
         return np.asarray(pairs + mixed + mixed.transpose(0, 2, 1) + np.outer(error, error))
 
-    def _left_by(self, secants: Secants, place: int, sizes: Floats, now: Instant) -> Floats:
-        """What secants of the law (0) or of the plant step (1) leave; WiderBoxError beyond."""
-        most = self.latest[place] = sizes.max(axis=0)
-        if (most > secants.wide).any():
-            raise WiderBoxError(place, most)
-        return np.asarray(secants.left[now.block.at])
+    def _left(self, place: int, sizes: Floats, products: Floats, now: Instant) -> Floats:
+        """What linear parts of the law (0) or of the plant step (1) leave on the latest boxes."""
+        self.latest[place] = sizes
+        if now.here.secants is not None:
+            return np.asarray(now.here.secants[place].left[now.block.at])
+        _, bend = self.bends[place] or self._bend(place, now)
+        pairs = sizes[:, :, None] * sizes[:, None]
+        pairs[:, :ROBOT, :ROBOT] = products
+        along = self.along
+        curve, off = self.curves[place], (along.law_off, along.step_off)[place]
+        return np.asarray((curve.remainders(bend, pairs) + off) * UP)
+
+    def roomy(self, sizes: Floats) -> Floats:
+        """A box of secants for deviations of such sizes."""
+        wide = sizes * SLOW_ROOM
+        wide[:, :ROBOT] += SLOW_SHARE * self.along.typical @ self.inputs.push
+        return wide
+
+    def _leaves(self, now: Instant) -> bool:
+        """True where boxes of secants are left."""
+        pairs = zip(now.here.secants or (), self.latest, strict=False)
+        return any((sizes > item.wide[now.block.at]).any() for item, sizes in pairs)
+
+    def _too_wide(self, now: Instant) -> bool:
+        """True where boxes of secants are wider than they need be."""
+        for item, sizes in zip(now.here.secants or (), self.latest, strict=False):
+            need = TOO_WIDE * self.roomy(sizes)
+            if (need < item.wide[now.block.at])[:, :ROBOT].any():
+                return True
+        return False
+
+    def _bent(self, now: Instant) -> bool:
+        """True where boxes of bends were left, which are made anew."""
+        bends = zip(self.bends, self.latest, strict=True)
+        left = [p for p, (bend, x) in enumerate(bends) if bend and (x > bend[0]).any()]
+        for place in left if now.here.secants is None else ():
+            self._bend(place, now)
+        return now.here.secants is None and bool(left)
 
     def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
         """Largest errors of the linear part of the law's outputs, with doubles' rounding."""
@@ -57,44 +90,29 @@ class Remainders:
         own, acting = np.split(state[:, queue:], [loop.memory], axis=1)
         robot = state[:, :ROBOT] + self.error
         sizes = np.hstack([robot, own, state[:, self.nz : queue], acting])
-        return self._left_of_law(sizes, reach, now) + self.misheard
-
-    def _left_of_law(self, sizes: Floats, reach: Floats, now: Instant) -> Floats:
-        if now.here.secants is not None:
-            return self._left_by(now.here.secants[0], 0, sizes, now)
-        if self.law_bend is None or (sizes > self.law_bend[0]).any():
-            ranges = self.along.law_range(now.k, now.end)
-            self.law_bend = self._bend(self.loop.law_curve, ranges, sizes.max(axis=0), now.k)
-        products = sizes[:, :, None] * sizes[:, None]
-        products[:, :ROBOT, :ROBOT] = self._products(reach, self.error)
-        left = self.loop.law_curve.remainders(self.law_bend[1], products)
-        return (left + self.along.law_off) * UP
+        products = self._products(reach, self.error)
+        return self._left(0, sizes, products, now) + self.misheard
 
     def _step(self, guess: Floats, commands: Floats, now: Instant) -> Floats:
         """Largest errors of a plant step's linear part while the state stays within Z."""
-        curve, count = self.loop.step_curve, now.count
+        count = now.count
         every = np.vstack([self.commands, commands])
         acts = np.max([every[k : k + count] for k in range(len(every) - count + 1)], axis=0)
         known = np.concatenate([self.inputs.push, self.inputs.body])
         sizes = np.hstack([guess[:, : self.nz], acts, np.tile(known, (count, 1))])
-        if now.here.secants is not None:
-            return self._left_by(now.here.secants[1], 1, sizes, now)
-        if self.step_bend is None or (sizes > self.step_bend[0]).any():
-            ranges = self.along.step_range(now.k, now.end)
-            self.step_bend = self._bend(curve, ranges, sizes.max(axis=0), now.k)
-        products = sizes[:, :, None] * sizes[:, None]
-        products[:, :ROBOT, :ROBOT] = self._products(guess, np.zeros(ROBOT))
-        return (curve.remainders(self.step_bend[1], products) + self.along.step_off) * UP
+        return self._left(1, sizes, self._products(guess, np.zeros(ROBOT)), now)
 
-    def _bend(
-        self, curve: MovingCurve, ranges: tuple[MidRadius, MidRadius], sizes: Floats, k: int
-    ) -> tuple[Floats, Floats]:
-        """A box with room about sizes of deviations, and the bends on it."""
+    def _bend(self, place: int, now: Instant) -> tuple[Floats, Floats]:
+        """A box with room about the latest deviations, and the bends on it, which are kept."""
+        sizes = self.latest[place].max(axis=0)
         little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
         room = FIRST_ROOM if little else ROOM
-        grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges
+        ranges = (self.along.law_range, self.along.step_range)[place]
+        grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges(now.k, now.end)
         try:
-            return grown, curve.bend_within(by, grown, numbers)
+            bend = grown, self.curves[place].bend_within(by, grown, numbers)
         except OpenBoxError as error:
-            text = self.along.blamed(sizes, k)
+            text = self.along.blamed(sizes, now.k)
             raise NoCorridorError(text) from error
+        self.bends[place] = bend
+        return bend

@@ -25,7 +25,7 @@ LEAST = 1e-9
 
 @dataclass(frozen=True)
 class Secants:
-    """Of C boxes: ``slopes`` (C, outputs, n), for deviations up to ``wide`` (n) from any point.
+    """Of C boxes: ``slopes`` (C, outputs, n), for deviations up to ``wide`` (C, n) from any point.
 
     ``left`` (C, outputs): sizes of what they leave.
     """
@@ -46,7 +46,7 @@ class SecantCurve:
     def over(
         self, by: MidRadius, numbers: MidRadius, wide: Floats, points: Floats, values: Floats
     ) -> Secants:
-        """Over boxes ``wide`` (n) about spans ``by`` (C, n), under ``numbers`` (C, m).
+        """Over boxes ``wide`` (C, n) about spans ``by`` (C, n), under ``numbers`` (C, m).
 
         ``points`` (C, P, n) are those of the undisturbed loop, ``values`` (C, P, outputs) what the
         graph makes of them.

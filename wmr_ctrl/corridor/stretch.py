@@ -121,9 +121,8 @@ def _bent(
     return result[0], result[1], result[2]
 
 
-def forgets(here: Stretch, left: float, longest: int) -> int:
-    """Samples, at most so many, until a share of a push is left, were it always as here."""
-    A, x = here.A.middle[0], here.push.middle[0]
+def forgets(A: Floats, x: Floats, left: float, longest: int) -> int:
+    """Samples, at most so many, until a share of pushes ``x`` is left, were A the same always."""
     scale, later = np.zeros(len(A)), x
     for _ in range(200):
         scale, later = scale + np.abs(later).sum(axis=1), A @ later

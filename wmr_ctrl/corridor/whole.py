@@ -34,6 +34,8 @@ from wmr_ctrl.world.references.kind import reference
 OPEN = "the undisturbed loop cannot be followed"
 LEAST = 8
 """Most halvings of pushes and errors that are tried where all of them have no corridor."""
+BEYOND = 1.0
+"""Seconds for which they are followed after what may stop them."""
 
 
 def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
@@ -100,32 +102,61 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
     start = np.array(setup.scenario.corridor.start)
     with refused_open(OPEN):
         along = Along(setup)
+    passing = Passing(along, inputs, start)
     try:
-        return along, _followed(along, inputs, start)
+        return along, _followed(passing)
     except NoCorridorError as error:
-        closes = _closing(along, inputs, start) if closing else None
+        closes = _closing(passing, start) if closing else None
         raise NoCorridorError(str(error), closes) from error
 
 
-def _followed(along: Along, inputs: Inputs, start: Floats) -> RunBounds:
+def _followed(passing: Passing, until: int | None = None) -> RunBounds:
     with refused_open(OPEN):
-        return Passing(along, inputs, start).run()
+        return passing.run(until)
 
 
-def _closing(along: Along, inputs: Inputs, start: Floats) -> float | None:
+def _closing(refused: Passing, start: Floats) -> float | None:
     """The first half, quarter, eighth, ... of the inputs with which there is a corridor.
 
-    If the half has none, the others are bisected, as if there were one with all that is less.
+    If the half has none, the others are bisected, as if there were one with all that is less.  They
+    are tried about what was refused and about the robot's changes, begun there without deviations,
+    which takes little time; what passes there is followed over the whole run.
     """
-    closing, most, least = None, 1, LEAST
-    halved = 1
-    while inputs.any and most <= least:
-        share = 0.5**halved
+    along, inputs = refused.along, refused.inputs
+    critical = [refused.tried, *along.motion.moved]
+    lost: set[int] = set()
+
+    def passes(halved: int) -> bool:
+        less = inputs.scaled(0.5**halved)
+        return halved not in lost and all(_passes(along, less, start, k) for k in critical)
+
+    while inputs.any:
+        best, most, least, halved = None, 1, LEAST, 1
+        while most <= least:
+            if passes(halved):
+                best, least = halved, halved - 1
+            else:
+                most = halved + 1
+            halved = (most + least) // 2
+        if best is None:
+            return None
+        passing = Passing(along, inputs.scaled(0.5**best), start)
         try:
-            _followed(along, inputs.scaled(share), start)
+            _followed(passing)
         except NoCorridorError:
-            most = halved + 1
+            critical.append(passing.tried)
+            lost.update(range(best + 1))
         else:
-            closing, least = share, halved - 1
-        halved = (most + least) // 2
-    return closing
+            return 0.5**best
+    return None
+
+
+def _passes(along: Along, inputs: Inputs, start: Floats, k: int) -> bool:
+    """True where a passage about a sample is not refused."""
+    beyond = round(BEYOND / along.setup.scenario.clock.control)
+    passing = Passing(along, inputs, start, max(0, k - along.memory))
+    try:
+        _followed(passing, k + beyond)
+    except NoCorridorError:
+        return False
+    return True
