@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cached_property, partial
+from typing import cast
 
 import casadi as ca
 from flint import arb
@@ -16,6 +17,8 @@ from flint import arb
 from wmr_ctrl.model.graph import SELECT, Node, read
 
 Balls = list[arb]
+OFTEN = 20
+"""Calls after which a graph becomes one Python function, which takes half the time."""
 
 
 class OpenBoxError(ArithmeticError):
@@ -47,19 +50,37 @@ class Enclosure:
                 self._program.append((self._operation(node), [place[i] for i in node.operands]))
         stores = {store.index: store.node for store in graph.stores}
         self._stores = [place[stores[k]] for k in range(len(self.pattern))]
+        self._calls = 0
 
     def __call__(self, *values: Balls) -> Balls:
         """The output's entries in the order of ``pattern`` (row, column)."""
-        done = [*self._constants, *(values[place][index] for place, index in self._inputs)]
-        for operation, operands in self._program:
-            if len(operands) == 2:
-                done.append(operation(done[operands[0]], done[operands[1]]))
-            else:
-                done.append(operation(*[done[i] for i in operands]))
-        results = [done[k] for k in self._stores]
+        self._calls += 1
+        given = [*self._constants, *(values[place][index] for place, index in self._inputs)]
+        results = self._at_once(given) if self._calls > OFTEN else self._by_steps(given)
         if not all(value.is_finite() for value in results):
             raise OpenBoxError(f"{self.name}: an operation leaves its domain")
         return results
+
+    def _by_steps(self, done: Balls) -> Balls:
+        for operation, operands in self._program:
+            done.append(operation(*[done[i] for i in operands]))
+        return [done[k] for k in self._stores]
+
+    @cached_property
+    def _at_once(self) -> Callable[[Balls], Balls]:
+        """The same as one Python function of what is given."""
+        count = len(self._constants) + len(self._inputs)
+        lines = [", ".join(f"x{k}" for k in range(count)) + ", = given"]
+        operations = dict[str, Callable[..., arb]]()
+        for k, (operation, operands) in enumerate(self._program):
+            names = [f"x{i}" for i in operands]
+            value = f" {_SIGNS.get(operation)} ".join(names)
+            if operation not in _SIGNS:
+                operations[f"f{k}"], value = operation, f"f{k}({', '.join(names)})"
+            lines.append(f"x{count + k} = {value}")
+        lines.append(f"return [{', '.join(f'x{k}' for k in self._stores)}]")
+        exec("def at_once(given):\n    " + "\n    ".join(lines), space := {**operations})
+        return cast("Callable[[Balls], Balls]", space["at_once"])
 
     def _operation(self, node: Node) -> Callable[..., arb]:
         op = node.op
@@ -110,6 +131,9 @@ _OPERATIONS: dict[int, Callable[..., arb]] = {
     ca.OP_FMIN: arb.min,
     ca.OP_FMAX: arb.max,
 }
+
+
+_SIGNS = {operator.add: "+", operator.sub: "-", operator.mul: "*", operator.truediv: "/"}
 
 
 class BentEnclosure(Enclosure):

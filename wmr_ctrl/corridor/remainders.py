@@ -12,8 +12,9 @@ from wmr_ctrl.corridor.instant import Instant
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.motion import UNSURE
 
-ROOM, LITTLE, FIRST_ROOM = 1.03, 0.4, 2.0
-"""Growth of the box that a bend holds on; below that share of the typical sizes another."""
+ROOM, MORE_ROOM, LITTLE, FIRST_ROOM = 1.03, 1.06, 0.4, 2.0
+"""Growth of the box that a bend holds on, at first and where it was left; below that share of the
+typical sizes another."""
 SLOW_ROOM, SLOW_SHARE, TOO_WIDE = 1.05, 0.02, 1.05
 """Of boxes of secants: growth, what is added as a share of the typical sizes, and how much wider
 than that makes them anew."""
@@ -106,7 +107,7 @@ class Remainders:
         """A box with room about the latest deviations, and the bends on it, which are kept."""
         sizes = self.latest[place].max(axis=0)
         little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
-        room = FIRST_ROOM if little else ROOM
+        room = FIRST_ROOM if little else MORE_ROOM if self.bends[place] else ROOM
         ranges = (self.along.law_range, self.along.step_range)[place]
         grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges(now.k, now.end)
         try:
