@@ -42,10 +42,9 @@ BRIEF, SLOW, SPREAD = 0.2, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
 KEPT, MOST_TOGETHER = 4, 8
 """Stretches that are kept, and the most chunks of one."""
-TOGETHER = 500
-"""Samples whose undisturbed run is compared with the graphs at once."""
-PLACES = 9
-"""Samples at which it is looked how fast the loop forgets."""
+TOGETHER, PLACES = 500, 9
+"""Samples whose undisturbed run is compared with the graphs at once; samples at which it is looked
+how fast the loop forgets."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
@@ -303,8 +302,8 @@ class Along:
     @cached_property
     def off(self) -> Floats:
         """Of each sample, undisturbed: distance of the chord from the path, directions' (n, r)."""
-        directions = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
-        off = np.abs(self.fine[:, :, :2] @ self.rows[directions, :2].T).max(axis=1)
+        first = len(self.loop.names)
+        off = np.abs(self.fine[:, :, :2] @ self.rows[first : first + DIRECTIONS, :2].T).max(axis=1)
         return np.hstack([self.motion.aside[:, None], off])
 
     @cached_property
@@ -324,8 +323,8 @@ class Along:
         row, i, j = curve.bends.T
         inside = (row < nz) & (i < ROBOT) & (j < ROBOT)
         row, i, j, bends = row[inside], i[inside], j[inside], bends[inside]
-        least = np.finfo(float).tiny  # of what is not off at all
-        worst = (bends * reach[i] * reach[j] / np.maximum(reach[row], least)).argmax()
+        own = np.maximum(reach[row], np.finfo(float).tiny)  # where nothing is off
+        worst = (bends * reach[i] * reach[j] / own).argmax()
         a, b = sorted((i[worst], j[worst]))
         term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
         why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""
