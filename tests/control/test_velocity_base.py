@@ -201,7 +201,7 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     assert facts is not None
     kappa = 1 / math.expm1(0.05 / 0.2)
     k = 0.9 / 1.1
-    expected = [k * (V + kappa * (V - 0.01)) / (1 + kappa * k) for V in (1.0, 2.0)]
+    expected = [k * (V + kappa * (V - 2 * 0.01)) / (1 + kappa * k) for V in (1.0, 2.0)]
     assert facts.usable_speed == pytest.approx(expected, rel=1e-6)
     assert facts.delay_cost is not None
     assert min(facts.delay_cost) > 0
@@ -209,6 +209,55 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     memoryless = filter_facts(settle(based(clip), "kanayama"))
     assert memoryless is not None
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
+
+
+def at_rest(
+    scenario: Scenario, gain: float, push: float, error: float, tau: float, delay: int
+) -> float:
+    """Speed at which such a base ends where it is asked for far too much; times in T/10."""
+    governor, T, age = wmr_ctrl.command_filter(scenario), scenario.clock.control, 10
+    v, sent, least = [0.0] * (age + 1), [0.0] * 20, math.inf
+    for k in range(400):
+        told = governor.step((9.0, 0.0), (v[-1 - age] + error, 0.0), age=age * T / 10)
+        sent += [told.command[0]] * 10
+        for i in range(10):
+            u = sent[len(sent) - 10 + i - delay]
+            v.append(v[-1] + (1 - math.exp(-T / 10 / tau)) * (gain * u + push - v[-1]))
+            least = min(least, v[-1]) if k >= 380 else math.inf
+    return least
+
+
+def test_no_base_within_the_bounds_ends_slower_than_check_says() -> None:
+    """By a base of the test's own, with odometry of age T; the weakest ends just there."""
+    bounds = {"d": (0.05, 0.05), "odometry": (0.02, 0.02), "age": 0.05, "delay": (0.0, 0.03)}
+    stated = {f"filter.{name}": value for name, value in bounds.items()}
+    scenario = based({**GOVERNED, **stated})
+    facts = filter_facts(settle(scenario, "kanayama"))
+    assert facts is not None
+    told = facts.usable_speed[0]
+    assert at_rest(scenario, 0.9, -0.05, 0.02, 0.3, 6) == pytest.approx(told, rel=1e-6)
+    for base in (
+        (0.9, -0.05, 0.02, 0.2, 0), (0.9, -0.05, -0.02, 0.25, 3), (0.9, 0.05, 0.02, 0.3, 6),
+        (1.1, -0.05, 0.02, 0.2, 6), (1.0, -0.02, 0.01, 0.25, 3), (1.1, 0.05, 0.02, 0.3, 0),
+    ):  # fmt: skip
+        assert at_rest(scenario, *base) >= told * (1 - 1e-9)
+    text = " ".join(filter_lines(settle(scenario, "kanayama")))
+    assert f"at least {math.floor(1e3 * told) / 1e3:.3g} m/s" in text
+    assert "with odometry in every step" in text
+
+
+@pytest.mark.parametrize("stated", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[str, Any]) -> None:
+    changes = {"kind": kind, "gain": [0.9, 1.1], "d": [0.05, 0.02], **stated}
+    scenario = based({**GOVERNED, **{f"filter.{key}": value for key, value in changes.items()}})
+    facts = filter_facts(settle(scenario, "kanayama"))
+    assert facts is not None
+    l = scenario.robot.l
+    rim = min(1.0, 2.0 * l) if "channels" in stated else 0.8
+    ahead = 0.9 * min(1.0 - 0.05, rim - 0.05 - l * 0.02) / 1.1 - 0.05
+    turning = 0.9 * min(2.0 - 0.02, (rim - 0.05 - l * 0.02) / l) / 1.1 - 0.02
+    assert facts.usable_speed == pytest.approx((ahead, turning), rel=1e-6)
 
 
 @pytest.mark.parametrize(("kind", "least"), [("clip", 0.5), ("band", 0.98)])

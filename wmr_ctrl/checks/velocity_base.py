@@ -1,7 +1,7 @@
 """Bases that take velocities: the command filter's statement that holds, and its price."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +40,7 @@ class FilterFacts:
 
     ``gain``: largest gain that is counted on, of the clip of linear loops their peak gain, of the
     axis where it is larger; ``usable_speed`` (linear, angular) [m/s, rad/s]: at rest on the weakest
-    base that is stated, without push, of a command far beyond the limit; ``delay_cost``: what one
+    base that is stated, of a command far beyond the limit; ``delay_cost``: what one
     more millisecond of delay takes of it (of a band of one that is constant: others it refuses);
     ``gain_cost``: what one more per cent of that gain takes; ``broken``: what of the theorem does
     not hold.  Of linear loops ``overshoot`` is the largest
@@ -76,7 +76,11 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
         if stated.kind == "clip":
             peaks = [peak.gain for peak in peak_gains(scenario)]
             statement, high = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
-            strong = usable[0] * (1 - 1 / 1.01), usable[1] * (1 - 1 / 1.01)
+            sent = [speed + d for speed, d in zip(usable, stated.d, strict=True)]
+            lost = [
+                (u + d * (stated.loop == "pi")) / 101 for u, d in zip(sent, stated.d, strict=True)
+            ]
+            strong = lost[0], lost[1]
         if stated.slew is not None:  # what varies of a delay is what costs
             statement, strong = BEHIND_SLEW.format(*stated.slew), None
             late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
@@ -99,28 +103,44 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
 def usable_speed(scenario: Scenario) -> tuple[float, float]:
     """Speeds at rest [m/s, rad/s] of the weakest base that the filter is stated for.
 
-    The filter's own graph drives it: the smallest gain, the largest time constant (of clip and band
-    the speed at rest does not depend on it), the longest delay, exact odometry.  Each axis by
-    itself; of a band what it admits after as many commands as its longest tables hold.
+    The filter's own graph drives it, each axis by itself: the smallest gain, pushed back by d, with
+    odometry of the stated age in every step that tells too much by its whole error.  At rest
+    neither time constant nor delay counts.  Of a band what it admits after as many commands as its
+    longest tables hold; of a governor of wheels, whose weakest base is not known, what it admits
+    without odometry, which is less.
     """
-    scenario = override(scenario, {"filter.scale": "axes"})
     filtering, stated = CommandFilter(scenario), scenario.filter
-    if not filtering.governs:
-        steps = _steps(scenario)
-        asked = [10 * limit for limit in scenario.limits.v_u1]
-        sent = [filtering.step(asked).command for _ in range(steps)][-1]
-        return stated.gain[0] * sent[0], stated.gain[0] * sent[1]
-    assert stated.tau is not None  # a governor has it
-    T, tau = scenario.clock.control, stated.tau[1]
+    alone = stated.channels == "body" and stated.wheel_speed is None
+    ends = [0.0, 0.0]
+    for axis, limit in enumerate(scenario.limits.v_u1):
+        filtering.start()
+        asked = [0.0, 0.0]
+        asked[axis] = 10 * limit
+        if filtering.governs and alone and stated.odometry is not None:
+            ends[axis] = _governed(filtering, scenario, asked, axis)
+        else:
+            sent = [filtering.step(asked).command for _ in range(_steps(scenario))][-1]
+            ends[axis] = stated.gain[0] * sent[axis] - stated.d[axis]
+    return ends[0], ends[1]
+
+
+def _governed(
+    filtering: CommandFilter, scenario: Scenario, asked: Sequence[float], axis: int
+) -> float:
+    """Speed at which the weakest base of an axis comes to rest behind a governor."""
+    stated = scenario.filter
+    assert stated.tau is not None
+    assert stated.odometry is not None
+    T, tau, d = scenario.clock.control, stated.tau[1], stated.d[axis]
     whole, part = divmod(stated.delay[1] / T, 1.0)
-    asked = [10 * limit for limit in scenario.limits.v_u1]
-    v, commands = np.zeros(2), [np.zeros(2)] * (int(whole) + 2)
-    for _ in range(min(MOST_STEPS, int(SETTLED * tau / T) + int(whole) + 2)):
-        measured = None if stated.odometry is None else v.tolist()
-        commands = [np.array(filtering.step(asked, measured).command), *commands[:-1]]
+    v, commands, measured = 0.0, [0.0] * (int(whole) + 2), [0.0, 0.0]
+    for _ in range(_steps(scenario)):
+        measured[axis] = v + stated.odometry[axis]
+        sent = filtering.step(asked, measured, age=stated.age).command[axis]
+        commands = [sent, *commands[:-1]]
         for command, share in ((commands[int(whole) + 1], part), (commands[int(whole)], 1 - part)):
-            v = v - np.expm1(-share * T / tau) * (stated.gain[0] * command - v)
-    return float(v[0]), float(v[1])
+            v -= math.expm1(-share * T / tau) * (stated.gain[0] * command - d - v)
+    return v
 
 
 def rise_times(scenario: Scenario) -> tuple[float, float] | None:
@@ -160,11 +180,14 @@ def _swung(
 
 
 def _steps(scenario: Scenario) -> int:
-    """Commands after which a filter without odometry has sent all that it will."""
-    stated = scenario.filter
+    """Commands after which a filter sends all that it will."""
+    stated, T = scenario.filter, scenario.clock.control
+    if stated.kind == "governor":
+        assert stated.tau is not None
+        return min(MOST_STEPS, int((SETTLED * stated.tau[1] + stated.delay[1]) / T) + 2)
     if stated.slew is not None:
         limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
-        return math.ceil(max(V / a for V, a in limits) / scenario.clock.control) + 1
+        return math.ceil(max(V / a for V, a in limits) / T) + 1
     steps = MOST_COMMANDS if stated.kind == "band" else 1
     return steps if stated.force is None else 8 * steps  # it speeds up no faster than that
 

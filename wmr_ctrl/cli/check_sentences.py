@@ -147,18 +147,22 @@ def guard_lines(setup: Setup) -> Iterator[str]:
 def filter_lines(setup: Setup) -> Iterator[str]:
     """The command filter in sentences; none without filter."""
     from wmr_ctrl.checks import filter_facts
+    from wmr_ctrl.corridor.clearance import rounded
     from wmr_ctrl.results import speeds
 
     facts = filter_facts(setup)
     if facts is None:
         return
-    limits = speeds(setup.scenario.limits.v_u1)
+    limits, stated = speeds(setup.scenario.limits.v_u1), setup.scenario.filter
+    v, omega = (rounded(speed, 3, up=False) for speed in facts.usable_speed)
+    heard = facts.kind == "governor" and stated.odometry is not None
     held = "is not guaranteed to keep" if facts.broken else "keeps"
     yield (
-        f"the filter ({facts.statement}) {held} {limits}; it leaves {speeds(facts.usable_speed)} "
-        "on the weakest base within the stated bounds"
+        f"the filter ({facts.statement}) {held} {limits}; at rest it leaves at least {v} "
+        f"m/s, {omega} rad/s on any base within the stated bounds"
+        f"{', with odometry in every step' if heard else ''}"
     )
-    gain = "gain" if setup.scenario.filter.loop == "first-order" else "peak gain"
+    gain = "gain" if stated.loop == "first-order" else "peak gain"
     if facts.kind == "band":
         yield (
             "a delay costs nothing of that as long as it stays the same; delays that vary by a "
