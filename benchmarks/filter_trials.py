@@ -154,15 +154,20 @@ SWUNG = Family(SWUNG_NUMBERS, 0.05, {
 }, second_order=True)  # fmt: skip
 
 
-def linear(kind: str, told: Family, true: Family) -> Callable[[int, int], Floats]:
-    """Trials of linear loops: drawn demands for most, hill climbing from the worst for the rest."""
+def linear(
+    kind: str, told: Family, true: Family, *, timely: bool = True, telling: bool = True
+) -> Callable[[int, int], Floats]:
+    """Trials of linear loops: drawn demands for most, hill climbing from the worst for the rest.
+
+    Unless ``timely`` at any times, of which the filter is told if one is ``telling``.
+    """
 
     def run(trials: int, seed: int) -> Floats:
         filtering, rng = Compiled(scenario(kind, **told.told)), np.random.default_rng(seed)
         found, left = [], trials
         while left > 0:
             count = min(BATCH, left)
-            for worst in _climbed(filtering, true, rng, count):
+            for worst in _climbed(filtering, true, rng, count, timely=timely, telling=telling):
                 found.append(worst)
                 left -= len(worst)
         return np.concatenate(found)[:trials]
@@ -172,30 +177,60 @@ def linear(kind: str, told: Family, true: Family) -> Callable[[int, int], Floats
 
 CLIMBS, CLIMBERS = 10, 10
 """Steps of a climb; every how many of the drawn trials, the worst, climb."""
+UNTIMELY = (0.0, 0.02, 0.3, 0.9, 1.0, 1.2, 1.7, 3.0)
+"""Periods from one step to the next where steps come at any time."""
 
 
 def _climbed(
-    filtering: Compiled, true: Family, rng: np.random.Generator, count: int
+    filtering: Compiled,
+    true: Family,
+    rng: np.random.Generator,
+    count: int,
+    *,
+    timely: bool,
+    telling: bool,
 ) -> Iterator[Floats]:
     """Largest |v| of drawn trials, then of those that climb from the worst of them."""
     bases = true.bases(rng, count)
     asked, pushes = _demands(rng, bases, true.push)
-    worst = driven(bases, filtering.sender(count), asked, pushes, T, true.force)
+    times = None if timely else _times(rng, count)
+
+    def run(asked: Floats, pushes: Floats, times: Floats | None) -> Floats:
+        sender = filtering.sender(len(asked))
+        return driven(bases, sender, asked, pushes, T, true.force, times, telling=telling)
+
+    worst = run(asked, pushes, times)
     yield worst
     best = np.argsort(worst)[-max(1, count // CLIMBERS) :]
     bases = bases[0][best], bases[1][best], bases[2][best]
     asked, pushes, worst = asked[best], pushes[best], worst[best]
+    times = None if times is None else times[best]
     for _ in range(CLIMBS):
-        other, pushed = asked.copy(), pushes.copy()
+        other, pushed, when = asked.copy(), pushes.copy(), None if times is None else times.copy()
         for i in range(len(best)):
             start, size = rng.integers(0, SAMPLES), rng.integers(1, 12)
             other[i, start : start + size] = rng.choice([-9.0, 0.0, 9.0, rng.uniform(-1, 1)])
             start = rng.integers(0, SAMPLES)
             pushed[i, start : start + size] *= -1
-        again = driven(bases, filtering.sender(len(best)), other, pushed, T, true.force)
+            if when is not None:
+                start, size = rng.integers(0, SAMPLES), rng.integers(1, 12)
+                when[i, start : start + size] = T * rng.choice(UNTIMELY)
+        again = run(other, pushed, when)
         yield again
         better = again > worst
         asked[better], pushes[better], worst[better] = other[better], pushed[better], again[better]
+        if times is not None and when is not None:
+            times[better] = when[better]
+
+
+def _times(rng: np.random.Generator, count: int) -> Floats:
+    """Times [s] from each sample to the next: in time but for some, or all; or none for long."""
+    share = np.repeat(rng.choice([0.0, 0.05, 0.3, 1.0], (count, SAMPLES // 20)), 20, axis=1)
+    late = rng.random((count, SAMPLES)) < share
+    some = np.where(late, rng.choice(UNTIMELY, (count, SAMPLES)), 1.0)
+    still = np.arange(SAMPLES) % 40 < rng.integers(20, 40, (count, 1))
+    stands = (np.arange(count) % 5 == 0)[:, None]
+    return T * np.where(stands, np.where(still, 0.0, 1.0), some)
 
 
 def _demands(
@@ -221,14 +256,16 @@ def _demands(
     return asked, pushes.reshape(count, SAMPLES, PARTS)
 
 
-def beyond(kind: str, family: Family, *ends: tuple[str, int]) -> Callable[[int, int], Floats]:
+def beyond(
+    kind: str, family: Family, *ends: tuple[str, int], timely: bool = True
+) -> Callable[[int, int], Floats]:
     """Trials of loops whose numbers ``ends`` are 5 % below their intervals (-1) or above (1)."""
     numbers = dict(family.numbers)
     for name, way in ends:
         end = 0.95 * numbers[name][0] if way < 0 else 1.05 * numbers[name][1]
         numbers[name] = (end, end)
     true = Family(numbers, family.push, {}, family.second_order, 1.0, family.force)
-    return linear(kind, family, true)
+    return linear(kind, family, true, timely=timely)
 
 
 def pushed(kind: str, family: Family) -> Callable[[int, int], Floats]:
@@ -313,6 +350,10 @@ STATEMENTS = (
         "mass": beyond("band", FREE_PI, ("M", 1)), "kp": beyond("band", FREE_PI, ("kp", -1)),
         "ki": beyond("band", FREE_PI, ("ki", 1)),
         "all three": beyond("band", FREE_PI, ("M", 1), ("kp", -1), ("ki", 1)),
+    }),
+    Statement("band, PI loops, steps at any time", linear("band", FREE_PI, FREE_PI, timely=False), {
+        "times not told": linear("band", FREE_PI, FREE_PI, timely=False, telling=False),
+        "all three": beyond("band", FREE_PI, ("M", 1), ("kp", -1), ("ki", 1), timely=False),
     }),
     Statement("band, PI loops with weak motors", linear("band", WEAK_PI, WEAK_PI), {
         "force": linear("band", WEAK_PI, replace(WEAK_PI, force=0.95 * WEAK_PI.force)),

@@ -54,28 +54,36 @@ def driven(
     pushes: np.ndarray,
     T: float,
     force: float = np.inf,
+    times: np.ndarray | None = None,
+    *,
+    telling: bool = True,
 ) -> np.ndarray:
     """Largest |v| of many bases (A, b, e stacked) for what each asks for, sample by sample.
 
     ``asked`` (bases, samples), ``pushes`` (bases, samples, parts of a period); ``send`` as the
     adversary's Sender.  With a ``force`` the largest share of it that a PI loop asks for counts,
-    too, if that is larger.
+    too, if that is larger.  ``times`` (bases, samples): from each sample to the next, of few sizes;
+    by default a period T.  The filter is told them, unless not ``telling``.
     """
     A, b, e = bases
     count, samples, parts = pushes.shape
     given = np.zeros((count, 4, 4))
     given[:, :2, :2], given[:, :2, 2], given[:, :2, 3] = A, b, e
-    both = expm(given * (T / parts))
+    sizes, which = np.unique(np.full((1, 1), T) if times is None else times, return_inverse=True)
+    every = np.stack([expm(given * (size / parts))[:, :2] for size in sizes])
+    which = np.broadcast_to(which.reshape(-1, 1 if times is None else samples), (count, samples))
     x, worst, u = np.zeros((count, 4)), np.zeros(count), np.zeros((3, count))
     for k in range(samples):
-        u[0] = asked[:, k]
+        u[0], both = asked[:, k], every[which[:, k], np.arange(count)]
+        if times is not None and telling and k:
+            u[2] = np.where(times[:, k - 1] > 0, times[:, k - 1], -1.0)
         x[:, 2] = send(u)[0]
         for part in range(parts):
             x[:, 3] = pushes[:, k, part]
             if np.isfinite(force):  # F = kp (u - v) + f jumps with the command
                 F = b[:, 0] / e[:, 0] * (x[:, 2] - x[:, 0]) + x[:, 1]
                 worst = np.maximum(worst, np.abs(F) / force)
-            x[:, :2] = np.einsum("nij,nj->ni", both[:, :2], x)
+            x[:, :2] = np.einsum("nij,nj->ni", both, x)
             worst = np.maximum(worst, np.abs(x[:, 0]))
     return worst
 
