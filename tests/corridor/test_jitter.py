@@ -5,17 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.corridor.further import simulated as safe
 from tests.corridor.late import farthest_held, farthest_jittered, jittered
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.corridor.overlap import jitter_overlap
-from wmr_ctrl.scenario import load_scenario, override
-
-ALONE = {"disturbance.std": 0.1, "guard.enabled": False, "changes": []}
 
 
 def simulated(**told):
-    changes = {key.replace("__", "."): value for key, value in told.items()}
-    return override(load_scenario("safe-simulation"), {**ALONE, **changes})
+    return safe({key.replace("__", "."): value for key, value in told.items()})
 
 
 @pytest.mark.slow

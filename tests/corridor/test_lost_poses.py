@@ -5,47 +5,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.corridor.adversary import Attacked, worst_errors, worst_pushes
+from tests.corridor.adversary import worst_errors, worst_pushes
+from tests.corridor.further import farthest_lost, lossy, simulated
 from wmr_ctrl.corridor import corridor_monitor, find_corridor
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import load_scenario, override
 
 SAMPLES = 200
-PUSHED = {"disturbance.std": 0.1, "changes": [], "guard.enabled": False}
-NOISY = {"disturbance.std": 0.0, "changes": [], "guard.enabled": False,
-         "sensor.velocity_noise": [1e-3, 4e-3]}  # fmt: skip
-
-
-def simulated(*parts):
-    told = {key: value for part in parts for key, value in part.items()}
-    return override(load_scenario("safe-simulation"), told)
-
-
-def farthest(scenario, pushes, come, velocities=None):
-    """The largest distance and turn where poses ``come`` (samples) at 1 and are lost at 0."""
-    found = []
-    for k, push in enumerate(pushes):
-        velocity = None if velocities is None else velocities[k]
-        loop = Attacked(scenario, "prox", push, np.zeros_like(push), velocity)
-        loop.sensor.chance = np.resize(come, len(push)).astype(float)
-        loop.run(None)
-        e = np.array(loop.errors)
-        found.append((np.hypot(e[:, 0], e[:, 1]).max(), np.abs(e[:, 2]).max()))
-    return np.max(found, axis=0)
-
-
-def lossy(times):
-    return {"sensor.pose_dropout": 0.1, "corridor.losses": times}
+NOISY = {"disturbance.std": 0.0, "sensor.velocity_noise": [1e-3, 4e-3]}
 
 
 @pytest.mark.parametrize("times", [1, 4])
 def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound(times):
-    scenario, exact = simulated(PUSHED, lossy(times)), simulated(PUSHED)
+    scenario, exact = simulated(lossy(times)), simulated()
     tube, rng = find_corridor(scenario, "prox"), np.random.default_rng(2)
     pushes = worst_pushes(exact, "prox", SAMPLES, 0.3)[:: 1 if times == 1 else 3]
-    always = farthest(scenario, pushes, [*[0] * times, 1])
-    some = farthest(scenario, pushes[:2], (rng.random(SAMPLES) < 0.4) | _each(times + 1))
-    beyond = farthest(scenario, [1.2 * push for push in pushes], [*[0] * times, 1])
+    always = farthest_lost(scenario, pushes, [*[0] * times, 1])
+    some = farthest_lost(scenario, pushes[:2], (rng.random(SAMPLES) < 0.4) | _each(times + 1))
+    beyond = farthest_lost(scenario, [1.2 * push for push in pushes], [*[0] * times, 1])
 
     assert tube.position / 1.35 <= max(always[0], some[0]) <= tube.position
     assert max(always[1], some[1]) <= tube.heading
@@ -65,17 +41,17 @@ def test_errors_of_velocities_add_up_while_poses_are_lost_and_beyond_the_bound_t
     each = [np.vstack([x, x])[:SAMPLES] for x in
             worst_errors(simulated(NOISY), "prox", SAMPLES, "velocity", size)]  # fmt: skip
     each += [np.tile(signs * size, (SAMPLES, 1)) for signs in np.array([[1, 1], [1, -1]])]
-    within = farthest(scenario, [still] * len(each), [0, 0, 0, 0, 1], each)
-    longer = farthest(scenario, [still] * len(each), [*[0] * 39, 1], each)
+    within = farthest_lost(scenario, [still] * len(each), [0, 0, 0, 0, 1], each)
+    longer = farthest_lost(scenario, [still] * len(each), [*[0] * 39, 1], each)
 
     assert tube.position / 4 < within[0] <= tube.position < longer[0]
     assert within[1] <= tube.heading
 
 
 def test_a_pose_every_few_samples_is_as_many_that_are_lost():
-    rare, lost = simulated(PUSHED, {"sensor.pose_period": 0.03}), simulated(PUSHED, lossy(2))
+    rare, lost = simulated({"sensor.pose_period": 0.03}), simulated(lossy(2))
     tube = find_corridor(rare, "prox")
-    reached = farthest(rare, worst_pushes(simulated(PUSHED), "prox", SAMPLES, 0.3)[::3], [1])
+    reached = farthest_lost(rare, worst_pushes(simulated(), "prox", SAMPLES, 0.3)[::3], [1])
 
     assert tube.position == find_corridor(lost, "prox").position
     assert tube.position / 1.35 <= reached[0] <= tube.position
@@ -91,9 +67,9 @@ def test_a_pose_every_few_samples_is_as_many_that_are_lost():
     ],
 )
 def test_what_is_not_covered_is_refused_by_name(changes, why):
-    assert why in find_corridor(simulated(PUSHED, changes), "prox", whole=True).refused
+    assert why in find_corridor(simulated(changes), "prox", whole=True).refused
 
 
 def test_a_monitor_does_not_see_whether_poses_come():
     with pytest.raises(ScenarioError, match="rare or partly corrected poses"):
-        corridor_monitor(simulated(PUSHED, lossy(1)), "prox")
+        corridor_monitor(simulated(lossy(1)), "prox")

@@ -1,0 +1,54 @@
+"""The certified corridor against further adversaries, each with a loop of its own.
+
+``python -m benchmarks.corridor_further [--quick] [--out docs/corridor.md]``.  Bases that take
+velocities, commands that take over when it hurts, poses that are lost (`tests.corridor.further`).
+A row has the most that worst signs reach at the bound and a fifth beyond it, and from how many
+times the bound on some of them leave the corridor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from benchmarks.parts import page_parser, renew
+from tests.corridor.further import ROWS
+from wmr_ctrl.corridor import find_corridor
+
+NAME = "corridor further"
+"""Of the part of the page that this writes."""
+HEAD = ("case (mm)", "certified", "adversary", "ratio", "a fifth beyond", "leaves", "leaves from")
+FIFTH, FINE = 1.2, 0.01
+"""What is looked at of each case, and the steps in which a bound is exceeded until one leaves."""
+
+
+def row(words: str) -> str:
+    """One line of the table; SystemExit where a run within its bounds is outside."""
+    case = ROWS[words]()
+    most = find_corridor(case.scenario, case.law).position or 0.0
+    first, beyond = case.reach(1.0), case.reach(FIFTH)
+    if first > most:
+        raise SystemExit(f"{words}: a run left the corridor")
+    times = max(1.0, FINE * int(most / first / FINE))
+    while case.reach(times) <= most:
+        times += FINE
+    lengths = (f"{1e3 * x:.2f}" for x in (most, first))
+    left = "yes" if beyond > most else "no"
+    cells = [words, *lengths, f"{most / first:.2f}", f"{1e3 * beyond:.2f}", left, f"{times:.2f}"]
+    return f"| {' | '.join(cells)} |"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the table, and with ``--out`` renew it."""
+    given = page_parser(__doc__, "two cases").parse_args(arguments)
+    rows = []
+    for words in list(ROWS)[: 2 if given.quick else None]:
+        rows.append(row(words))
+        print(rows[-1], flush=True)
+    if given.out:
+        renew(
+            given.out, NAME, "\n".join([f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|", *rows])
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,55 @@
+"""The page's table of further adversaries is what its command makes today."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.corridor_further import FIFTH, FINE, HEAD, NAME, row
+from tests.corridor.further import ROWS, Further
+
+PAGE = (Path(__file__).parents[2] / "docs" / "corridor.md").read_text(encoding="utf-8")
+LAST = 0.011
+"""The last digit of a length [mm] or a ratio may be another one elsewhere."""
+
+
+def cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.split("|")[1:-1]]
+
+
+def shown() -> dict[str, list[str]]:
+    part = PAGE.partition(f"<!-- begin {NAME} -->")[2].partition(f"<!-- end {NAME} -->")[0]
+    head, _, *rows = [cells(line) for line in part.strip().splitlines()]
+    assert tuple(head) == HEAD
+    return {words: others for words, *others in rows}
+
+
+def test_the_page_has_all_rows_and_none_contradicts_itself() -> None:
+    found = shown()
+
+    assert list(found) == list(ROWS)
+    for certified, reached, ratio, beyond, left, times in found.values():
+        assert float(reached) <= float(certified)
+        assert float(ratio) == pytest.approx(float(certified) / float(reached), rel=0.03)
+        assert (left == "yes") == (float(beyond) > float(certified)) == (float(times) <= FIFTH)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", ROWS)
+def test_a_row_comes_out_as_it_stands_on_the_page(words: str) -> None:
+    _, *made = cells(row(words))
+    *numbers, left, times = shown()[words]
+
+    assert [float(x) for x in made[:-2]] == pytest.approx([float(x) for x in numbers], abs=LAST)
+    assert made[-2] == left
+    assert float(made[-1]) == pytest.approx(float(times), abs=FINE + 1e-9)
+
+
+def test_a_run_outside_of_its_corridor_ends_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    words = "turtlebot3-burger, kanayama, 0.3 mN m"
+    case = ROWS[words]()
+    wild = Further(case.scenario, case.law, lambda times: 1.0)
+    monkeypatch.setitem(ROWS, words, lambda: wild)
+    with pytest.raises(SystemExit, match="a run left the corridor"):
+        row(words)

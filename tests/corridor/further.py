@@ -1,0 +1,166 @@
+"""Cases of the further adversaries: bases that take velocities, late commands, poses that are lost.
+
+`benchmarks.corridor_further` makes the page's table of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from tests.corridor import late, sending
+from tests.corridor.adversary import Attacked, worst_pushes
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+
+PUSHED = {"disturbance.std": 1e-4, "disturbance.truncate": 3.0, "clock.plant": 0.005}
+QUIET = {"clock.plant": 0.005}
+PI = {"base.loop": "pi", "base.kp": 10.0, "base.ki": 20.0, "filter.kind": "none"}
+WIDE = {"limits.v_u2": [0.21, 2.6], "filter.kind": "none"}
+POSES = {**QUIET, "sensor.pose_noise": 5e-4}
+RAMP = {"filter.kind": "clip", "base.accel": [0.5, 3.0], "base.decel": [0.5, 3.0],
+        "filter.d": [0.01, 0.1]}  # fmt: skip
+BASES = {
+    "pushes": ("kanayama", "push", PUSHED, 90),
+    "a gain that is not 1": ("kanayama", "push", {**PUSHED, "base.gain": [1.02, 0.98]}, 90),
+    "a ramp": ("kanayama", "push", {**PUSHED, **RAMP}, 90),
+    "a PI loop": ("kanayama", "push", {**PUSHED, **PI}, 90),
+    "mb through the adapter": ("mb", "push", PUSHED, 90),
+    "an observer": ("prox", "push", {**PUSHED, **WIDE, "disturbance.std": 3e-5}, 120),
+    "poses": ("kanayama", "pose", POSES, 90),
+    "poses in part": ("kanayama", "pose", {**POSES, "sensor.correction": 0.3}, 110),
+    "poses mostly": ("kanayama", "pose", {**POSES, "sensor.correction": 0.7}, 110),
+    "a ramp, poses": ("kanayama", "pose", {**QUIET, **RAMP, "sensor.pose_noise": 2e-4}, 110),
+    "velocities": ("mb", "velocity", {**QUIET, "sensor.velocity_noise": [2e-3, 1e-2]}, 90),
+    "a line": ("kanayama", "push",
+               {**PUSHED, "reference.kind": "line", "reference.speed": 0.15}, 90),
+}  # fmt: skip
+"""Law, what disturbs, changes of a TurtleBot3, and the samples that an attack takes."""
+
+
+@dataclass(frozen=True)
+class Further:
+    """A scenario and law, and how far off its place [m] an adversary brings it.
+
+    It may push, or mislead, so many times as far as the scenario's bound.
+    """
+
+    scenario: Scenario
+    law: str
+    reach: Callable[[float], float]
+
+
+def burger(*changes):
+    """A TurtleBot3 with some changes."""
+    return _changed("turtlebot3-burger", *changes)
+
+
+def simulated(*changes):
+    """safe-simulation, pushed by 0.3 N m, without guard and change, with some changes."""
+    alone = {"disturbance.std": 0.1, "guard.enabled": False, "changes": []}
+    return _changed("safe-simulation", alone, *changes)
+
+
+def _changed(preset, *changes):
+    told = {key: value for part in changes for key, value in part.items()}
+    return override(load_scenario(preset), told)
+
+
+def attack_on_base(case):
+    """The scenario and what `sending.farthest` is asked for a case of BASES."""
+    law, kind, changes, samples = BASES[case]
+    scenario = burger(changes)
+    size = {
+        "push": np.full(2, 3 * scenario.disturbance.std),
+        "pose": np.full(2, scenario.sensor.pose_noise),
+        "velocity": np.array(scenario.sensor.velocity_noise),
+    }[kind]
+    return scenario, law, partial(sending.farthest, scenario, law, samples, kind, size)
+
+
+def on_base(case):
+    """A case of BASES."""
+    scenario, law, farthest = attack_on_base(case)
+    return Further(scenario, law, lambda times: farthest(times).position)
+
+
+def lossy(times):
+    """Poses of which so many in a row may be lost."""
+    return {"sensor.pose_dropout": 0.1, "corridor.losses": times}
+
+
+def farthest_lost(scenario, pushes, come, velocities=None):
+    """The largest distance and turn where poses ``come`` (samples) at 1 and are lost at 0."""
+    found = []
+    for k, push in enumerate(pushes):
+        velocity = None if velocities is None else velocities[k]
+        loop = Attacked(scenario, "prox", push, np.zeros_like(push), velocity)
+        loop.sensor.chance = np.resize(come, len(push)).astype(float)
+        loop.run(None)
+        e = np.array(loop.errors)
+        found.append((np.hypot(e[:, 0], e[:, 1]).max(), np.abs(e[:, 2]).max()))
+    return np.max(found, axis=0)
+
+
+def with_losses(times):
+    """safe-simulation, of whose poses so many in a row are lost, from any one on."""
+    scenario = simulated(lossy(times))
+
+    def reach(more):
+        pushes = [more * push for push in worst_pushes(simulated(), "prox", 200, 0.3)]
+        each = [np.roll([*[0] * times, 1], k) for k in range(times + 1)]
+        return max(farthest_lost(scenario, pushes, come)[0] for come in each)
+
+    return Further(scenario, "prox", reach)
+
+
+def with_jitter(steps, size, *changes):
+    """safe-simulation under pushes of ``size`` [N m], with jitter of so many milliseconds."""
+    scenario = simulated({"actuator.jitter": 1e-3 * steps, "disturbance.std": size / 3}, *changes)
+
+    def reach(more):
+        return late.farthest_jittered(scenario, "prox", 250, size, steps, more).position
+
+    return Further(scenario, "prox", reach)
+
+
+def with_delay(steps, size, *changes):
+    """The same with a delay of so many milliseconds that the law is not told."""
+    told = {"actuator.unmodelled_delay": 1e-3 * steps, "disturbance.std": size / 3}
+    scenario = simulated(told, *changes)
+
+    def reach(more):
+        return late.farthest_held(scenario, "prox", 250, more * size, steps).position
+
+    return Further(scenario, "prox", reach)
+
+
+GUARDED = {"guard.enabled": True, "disturbance.truncate": 3.0}
+ROWS: dict[str, Callable[[], Further]] = {
+    "turtlebot3-burger, kanayama, 0.3 mN m": partial(on_base, "pushes"),
+    "the same, gains of 1.02 and 0.98": partial(on_base, "a gain that is not 1"),
+    "the same, acceleration limited to 0.5 m/s2 and 3 rad/s2": partial(on_base, "a ramp"),
+    "the same, a PI loop": partial(on_base, "a PI loop"),
+    "mb through the adapter": partial(on_base, "mb through the adapter"),
+    "prox through the adapter, 0.09 mN m, v_u2 = (0.21, 2.6)": partial(on_base, "an observer"),
+    "kanayama, poses off by 0.5 mm an axis": partial(on_base, "poses"),
+    "the same, three tenths of their difference corrected": partial(on_base, "poses in part"),
+    "the same, seven tenths": partial(on_base, "poses mostly"),
+    "kanayama, acceleration limited, poses off by 0.2 mm an axis": partial(
+        on_base, "a ramp, poses"
+    ),
+    "mb, velocities off by 2 mm/s and 10 mrad/s": partial(on_base, "velocities"),
+    "safe-simulation, prox, 0.3 N m, one pose in a row lost": partial(with_losses, 1),
+    "the same, two in a row": partial(with_losses, 2),
+    "the same, four in a row": partial(with_losses, 4),
+    "safe-simulation, prox, 0.3 N m, jitter of 2 ms, no guard": partial(with_jitter, 2, 0.3),
+    "the same, jitter of 5 ms, half a period": partial(with_jitter, 5, 0.3),
+    "safe-simulation, prox, 1.5 N m, an untold delay of 4 ms, the guard on": partial(
+        with_delay, 4, 1.5, GUARDED
+    ),
+    "the same, jitter of 2 ms in its place": partial(with_jitter, 2, 1.5, GUARDED),
+    "the same, jitter of 4 ms": partial(with_jitter, 4, 1.5, GUARDED),
+}
+"""The page's rows."""
