@@ -15,6 +15,7 @@ import pytest
 from wmr_ctrl import checks
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.checks.outlook import IN_PART
+from wmr_ctrl.cli import check
 from wmr_ctrl.cli.check_sentences import REMEDIES, remedies
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws import LAWS
@@ -171,6 +172,13 @@ def test_check_has_every_finding_by_its_name(wmr, monkeypatch):
     assert "--only 'gains.mb.eta' is not among the findings: pid, smc," in flat(
         wmr("check", "paper-simulation", "--only", "gains.mb.eta").stderr
     )
+
+
+def test_only_a_section_names_what_is_said_of_its_keys(monkeypatch):
+    keys = ("filter", "filter.hold", "filterless", "clock.control")
+    notes = [check.Note(None, key, f"on {key}") for key in keys]
+    monkeypatch.setattr(check, "_findings", lambda answers: iter(notes))
+    assert [item.key for item in check._about(None, "filter")] == ["filter", "filter.hold"]
 
 
 def test_check_says_what_concerns_all_laws_once(wmr):

@@ -14,6 +14,7 @@ from tests.filter.adversary import Base, fastest
 from wmr_ctrl import load_scenario
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.filter.channels import ROUNDING
+from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.scenario import Scenario
 
@@ -260,6 +261,10 @@ def test_a_run_says_that_no_filter_acts_in_it():
         ({"filter.tau": (200.0, 300.0)}, r"filter.tau\[1\] = 200 .*0.2 s"),
         ({"filter.age": 80.0, "clock.control": 50.0}, "0.08 s"),
         ({"limits.v_u1": (1000.0, 1.0)}, "1 m/s"),
+        ({"filter.delay": (0.0, 30.0)}, r"Milliseconds\? 30 ms is 0.03 s"),
+        ({"filter.age": 2.0, "filter.kind": "clip"}, r"Milliseconds\? 2 ms"),
+        ({"filter.jitter": 5.0}, r"Milliseconds\? 5 ms is 0.005 s"),
+        ({"filter.hold": 500.0}, r"Milliseconds\? 500 ms is 0.5 s"),
     ],
 )
 def test_numbers_in_another_unit_are_asked_about(changes, words):
@@ -274,6 +279,23 @@ def test_numbers_in_another_unit_are_asked_about(changes, words):
         except ScenarioError as error:
             said = str(error)
     assert re.search(words, said), said
+
+
+def test_whoever_builds_a_filter_is_asked_where_it_is_refused():
+    for stated in ({"delay": (0.0, 30.0)}, {"jitter": 5.0}):
+        with pytest.raises(ScenarioError, match="Milliseconds"):
+            filter_system(scenario(**stated))
+
+
+def test_a_time_in_milliseconds_is_asked_about_once():
+    governor = wmr_ctrl.command_filter(scenario())
+    with pytest.warns(UserWarning, match=r"dt = 52 s.*Milliseconds\? 52 ms is 0.052 s") as heard:
+        said = governor.step((0.5, 0.1), dt=52.0)
+    assert ([item.filename for item in heard], said.flags) == ([__file__], ("unused", "late"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for usual in (0.052, 4.0, 900.0):
+            governor.step((0.5, 0.1), dt=usual)
 
 
 def test_usual_numbers_are_not():

@@ -339,6 +339,9 @@ def test_a_scenario_without_filter_is_refused():
 
 
 def test_the_command_writes_it(tmp_path):
+    """And asks about a time that may be milliseconds."""
     command = ["codegen", "filter", "--set", "filter.kind=clip", "--out", str(tmp_path)]
-    assert CliRunner().invoke(root, command).exit_code == 0
+    done = CliRunner().invoke(root, [*command, "--set", "filter.hold=500"])
+    assert done.exit_code == 0
+    assert "Milliseconds? 500 ms is 0.5 s." in done.stderr
     assert {"wmr_filter.h", "wmr_filter.c"} <= {item.name for item in tmp_path.iterdir()}

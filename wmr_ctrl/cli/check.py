@@ -333,7 +333,7 @@ def _findings(answers: Answers) -> Iterator[Note]:
 def _about(answers: Answers, name: str) -> list[Note]:
     """The findings on a law, a key or a subject; ArgumentError where there is none."""
     every = list(_findings(answers))
-    chosen = [item for item in every if name in (item.law, item.key)]
+    chosen = [n for n in every if name in (n.law, n.key, n.key.partition(".")[0])]
     if not chosen:
         names = dict.fromkeys((*answers.warned, *(item.key for item in every)))
         raise ArgumentError(f"--only {name!r} is not among the findings: {', '.join(names)}.")

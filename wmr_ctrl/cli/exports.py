@@ -13,6 +13,7 @@ from wmr_ctrl.cli.console import Progress, say
 
 if TYPE_CHECKING:
     from wmr_ctrl.api_types import ExportOptions
+    from wmr_ctrl.scenario import Scenario
 
 
 @click.command(
@@ -71,13 +72,25 @@ def export(
     given = {name: value for name, value in options.items() if name in read_by(what)}
     _refuse_unread(what, options.keys() - given)
     opt.check_folder(out, "--out")
-    given |= {"scenario": opt.load(scenario, assignments), "out": out}
+    case = opt.load(scenario, assignments)
+    given |= {"scenario": case, "out": out}
     with Progress(f"export {what}", measured=False):
         paths = api.export_fmu(what, **cast("ExportOptions", given))
     for path in paths:
         say("wrote", str(path))
+    _ask_about_units(what, case)
     if "arrays" in read_by(what) and not steps_fmus():
         say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")
+
+
+def _ask_about_units(what: str, case: Scenario) -> None:
+    """Ask about a filter's numbers that look like another unit."""
+    from wmr_ctrl.codegen.package import FILTER
+    from wmr_ctrl.filter.filter import filter_questions
+
+    if what == FILTER:
+        for question in filter_questions(case):
+            say("note", question)
 
 
 def _refuse_unread(what: str, names: Collection[str]) -> None:
@@ -169,6 +182,7 @@ def codegen(
         paths = write_node(Path(out), case, node_settings(params))
     for path in paths:
         say("wrote", str(path))
+    _ask_about_units(law, case)
 
 
 @click.command(

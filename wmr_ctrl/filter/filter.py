@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -16,6 +16,7 @@ import casadi as ca
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.fields.units import meant
 from wmr_ctrl.filter.band import BandGovernor, check_beat
 from wmr_ctrl.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
@@ -142,10 +143,18 @@ def filter_system(scenario: Scenario) -> System:
 
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
-    check_filter(scenario)
-    if scenario.filter.force is not None:
-        return ForceBand(scenario).system
-    return BUILDERS[scenario.filter.kind](scenario).system
+    with asking_about_units(scenario):
+        check_filter(scenario)
+        if scenario.filter.force is not None:
+            return ForceBand(scenario).system
+        return BUILDERS[scenario.filter.kind](scenario).system
+
+
+def filter_questions(scenario: Scenario) -> Iterator[str]:
+    """Questions about numbers of a filter that look like another unit."""
+    for key, question in unit_questions(scenario):
+        if key.startswith(UNITS_COUNT):
+            yield question
 
 
 def called_filter(scenario: Scenario) -> System:
@@ -214,6 +223,7 @@ class CommandFilter:
         """Build the graph; ScenarioError where the filter is not set, or cannot be met."""
         self.system = called_filter(scenario)
         self.governs = scenario.filter.kind == "governor"
+        self.period = scenario.clock.control
         self._step = self.system.function("filter", [self.system.update, self.system.y])
         self._p = ca.DM(self.system.p0)
         self.start()
@@ -253,11 +263,20 @@ class CommandFilter:
         if self.governs:
             seen = (0.0, 0.0) if measured is None else _pair(measured, "measured")
             u += [*seen, -1.0 if measured is None else age]
+        if dt is not None and dt > 100 * self.period:
+            self._ask(dt)
         u.append(0.0 if dt is None else dt or STANDING)
         self._x, y = self._step(ca.DM(u), self._x, self._p)
         sent = y.full().ravel().tolist()
         names = tuple(name for bit, name in FLAG_NAMES.items() if int(sent[2]) & bit)
         return Filtered((sent[0], sent[1]), names)
+
+    def _ask(self, dt: float) -> None:
+        """Warn of a time that would be the clock's period in another unit."""
+        if asked := meant(dt, "s", (0.5 * self.period, 2 * self.period)):
+            warnings.warn(
+                f"dt = {dt:g} s: clock.control is {self.period:g} s. {asked}", stacklevel=4
+            )
 
 
 @checks_arguments
@@ -268,11 +287,9 @@ def command_filter(scenario: Scenario | str) -> CommandFilter:
     Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
     settings = load_scenario(scenario) if isinstance(scenario, str) else scenario
-    with asking_about_units(settings):
-        built = CommandFilter(settings)
-    for key, question in unit_questions(settings):
-        if key.startswith(UNITS_COUNT):
-            warnings.warn(question, stacklevel=3)
+    built = CommandFilter(settings)
+    for question in filter_questions(settings):
+        warnings.warn(question, stacklevel=3)
     return built
 
 

@@ -40,10 +40,10 @@ class Filter(Section, key="filter"):
         None, "m/s, rad/s", "bound of the odometry's error; left out: no odometry is used",
         minimum=0, size=2,
     )  # fmt: skip
-    age: float = quantity(0.0, "s", "largest age of odometry", minimum=0, usual=(0, 2))
+    age: float = quantity(0.0, "s", "largest age of odometry", minimum=0, usual=(0, 1))
     delay: tuple[float, float] = quantity(
         (0.0, 0.0), "s", "bounds of a command's delay, which may vary", minimum=0,
-        usual=(0, 2),
+        usual=(0, 1),
     )  # fmt: skip
     losses: int = quantity(0, "1", "largest number of consecutive lost commands", minimum=0)
     jitter: float = quantity(
@@ -51,6 +51,7 @@ class Filter(Section, key="filter"):
         "s",
         "largest deviation of a sample from the clock's period; of a band's from its beat",
         minimum=0,
+        usual=(0, 1),
     )
     hold: float = quantity(
         0.0, "s", "time for which the base keeps its last command before it stops",
