@@ -180,19 +180,41 @@ def test_the_worst_member_is_enclosed_as_balls_of_200_bits_have_it():
 
 
 @pytest.mark.parametrize(
-    ("name", "stated"),
+    ("end", "stated"),
     [
-        ("damping", {"loop": "second-order", "damping": (1e-4, 1.0), "push": (0.0, 0.0)}),
-        ("kp", {"kp": (0.1, 165.0), "push": (0.0, 0.0)}),
+        ("damping[1] of at least", {"loop": "second-order", "damping": (1e-4, 1.0)}),
+        ("kp[1] of at least", {"kp": (0.1, 165.0)}),
+        ("ki[2] of at most", {"ki": (270.0, 1e9)}),
+        ("mass[2] of at most", {"mass": (1.0, 1e6)}),
+        ("inertia[2] of at most", {"inertia": (1.0, 1e5)}),
     ],
 )
-def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(name, stated):
-    with pytest.raises(ScenarioError, match=r"N <= 100 filter.gain\[2\] is required") as error:
+def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(end, stated):
+    """And no interval is named that no change of its end makes right."""
+    stated = {"push": (0.0, 0.0), **stated}
+    linear = "damping" in stated
+    words = r"N <= 100 filter\.gain\[2\] is" if linear else "N <= 100 is"
+    with pytest.raises(ScenarioError, match=words) as error:
         command_filter(scenario(**stated))
-    least = float(str(error.value).split(f"filter.{name}[1] of at least ")[1].split(",")[0])
-    advised = scenario(**stated | {name: (least, stated[name][1])})
-    assert command_filter(advised).step((1.0, 0.0)).command[0] > 0
-    assert 90 < peak_gains(advised)[0].gain <= 100
+    said, (name, number) = str(error.value), (end.split("[")[0], int(end.split("[")[1][0]) - 1)
+    assert said.count("filter.") == (3 if linear else 2)
+    advised = list(stated[name])
+    advised[number] = float(said.split(f"filter.{end} ")[1].split(",")[0])
+    better = scenario(**stated | {name: tuple(advised)})
+    assert command_filter(better).step((1.0, 1.0)).command[0] > 0
+    assert 90 < max(item.gain for item in peak_gains(better)) <= 100
+
+
+def test_a_push_that_only_rounding_stops_is_told_with_digits_that_differ():
+    told = {"filter.kind": "clip", "filter.d": (0.999999999999, 0.0), "limits.v_u1": (1.0, 2.0)}
+    case = load_scenario("paper-simulation", told)
+    with pytest.raises(ScenarioError) as error:
+        command_filter(case)
+    assert "to 0.999999999999, which must be below limits.v_u1[1] less 1.5e-8 of it" in str(
+        error.value
+    )
+    assert "0.999999985" in str(error.value)
+    assert "State a push below 0.99, or a limit above 1.01." in str(error.value)
 
 
 def test_a_push_beyond_the_limit_is_told_with_the_largest_that_is_below():

@@ -32,12 +32,37 @@ from wmr_ctrl.signals import Signal
 
 
 def _damped(scenario: Scenario, axis: int) -> str:
-    """A change by which a loop's peak gain is at most LARGEST_PEAK, hardly larger than needed."""
-    fades = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi
-    if scenario.filter.loop == "second-order":
+    """Changes by which a loop's peak gain is at most LARGEST_PEAK, hardly larger than needed.
+
+    Of a PI loop those of one interval's end that leave an interval; all where none does.
+    """
+    fades, stated = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi, scenario.filter
+    if stated.loop == "second-order":
         return f"State filter.damping[1] of at least {fades:.3g}"
     loop = pi_loop(scenario, axis)
-    return f"State filter.kp[1] of at least {2 * fades * math.sqrt(loop.ki[1] * loop.M[1]):.3g}"
+    (least, most), (soft, stiff), (light, heavy) = loop.kp, loop.ki, loop.M
+    firm, bound = 2 * fades * math.sqrt(stiff * heavy), (least / (2 * fades)) ** 2
+    inert = scenario.robot.l**2 if axis else 1.0
+    ends = {
+        f"kp[1] of at least {firm:.3g}": firm <= most,
+        f"ki[2] of at most {bound / heavy:.3g}": bound / heavy >= soft,
+        f"{('mass', 'inertia')[axis]}[2] of at most {bound / stiff * inert:.3g}": (
+            bound / stiff >= light
+        ),
+    }
+    fit = [f"filter.{text}" for text, fits in ends.items() if fits or not any(ends.values())]
+    return f"State {' or '.join(fit)}"
+
+
+def _which(reached: float, limit: float, of: str) -> tuple[str, str, float, float]:
+    """What pushes reach and the bound that it is not below, in words.
+
+    Then a push that is, as a share of the stated one, and a limit, as a share of what is reached.
+    """
+    if reached >= limit:
+        return f"{reached:g}", f"{of} = {limit:g}", limit / reached, 1.0
+    room = limit * (1 - ROUNDING)
+    return f"{reached:.12g}", f"{of} less 1.5e-8 of it for rounding, {room:.12g}", 0.99, 1.01
 
 
 def check_filter(scenario: Scenario) -> None:
@@ -50,22 +75,23 @@ def check_filter(scenario: Scenario) -> None:
         )
     peaks = peak_gains(scenario) if settings.loop != "first-order" else None
     reached = [item.push for item in peaks] if peaks else settings.d
-    pushes = settings.loop == "pi" and any(settings.push)
+    pi = settings.loop == "pi"
+    pushes = pi and any(settings.push)
     name, stated = ("push", settings.push) if pushes else ("d", settings.d)
     for i in AXES:
         if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]:
+            most = f"{LARGEST_PEAK:g}{'' if pi else ' filter.gain[2]'}"
             raise ScenarioError(
                 f"filter.loop: commands of at most 1 can drive the base to {peaks[i].gain:.3g}, "
-                f"its peak gain N. N <= {LARGEST_PEAK:g} filter.gain[2] is required: a loop with "
-                "hardly any damping leaves no useful limit. "
-                f"{_damped(scenario, i)}, if the base has that much damping."
+                f"its peak gain N. N <= {most} is required: a loop with hardly any damping leaves "
+                f"no useful limit. {_damped(scenario, i)}, if that holds for the base."
             )
         if reached[i] >= limits[i] * (1 - ROUNDING):
-            least = f"{stated[i] * limits[i] / reached[i]:.3g}"
+            far, bound, less, more = _which(reached[i], limits[i], f"limits.v_u1[{i + 1}]")
             raise ScenarioError(
-                f"filter.{name}[{i + 1}] = {stated[i]:g} alone drives the base to {reached[i]:g}, "
-                f"which must be below limits.v_u1[{i + 1}] = {limits[i]:g}: no command is safe. "
-                f"State a push below {least}, or a limit above {reached[i]:.3g}."
+                f"filter.{name}[{i + 1}] = {stated[i]:.12g} alone drives the base to {far}, "
+                f"which must be below {bound}: no command is safe. State a push below "
+                f"{stated[i] * less:.3g}, or a limit above {reached[i] * more:.3g}."
             )
     if settings.kind == "band":
         check_beat(scenario)
@@ -75,10 +101,11 @@ def check_filter(scenario: Scenario) -> None:
     tops = [settings.wheel_speed] if settings.wheel_speed is not None else []
     tops += [limits[0], scenario.robot.l * limits[1]] if apart else []
     if tops and rim >= min(tops) * (1 - ROUNDING):
+        least = "the least of filter.wheel_speed, limits.v_u1[1] and robot.l limits.v_u1[2]"
+        far, bound, *_ = _which(rim, min(tops), f"{least} that limits it")
         raise ScenarioError(
-            f"filter.d drives a wheel to {rim:g} m/s by itself, which must be below {min(tops):g} "
-            "m/s, the least of filter.wheel_speed, limits.v_u1[1] and robot.l limits.v_u1[2] that "
-            "limits it: no command is safe. State a smaller push, or a higher limit."
+            f"filter.d drives a wheel to {far} m/s by itself, which must be below {bound}: no "
+            "command is safe. State a smaller push, or a higher limit."
         )
 
 
