@@ -185,6 +185,25 @@ def test_pairs_have_two_numbers():
         wmr_ctrl.command_filter(scenario()).step((1.0, 2.0, 3.0))
 
 
+def test_pairs_may_be_arrays():
+    listed = wmr_ctrl.command_filter(scenario()).step((1, 0.25), (0.5, 0.0))
+    for kind in (np.float64, np.float32):
+        asked, seen = np.array([1, 0.25], dtype=kind), np.array([0.5, 0.0], dtype=kind)
+        assert wmr_ctrl.command_filter(scenario()).step(asked, seen) == listed
+    whole = wmr_ctrl.command_filter(scenario()).step(np.array([1, 0]))
+    assert whole == wmr_ctrl.command_filter(scenario()).step((1.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [np.zeros((2, 1)), np.array(1.0), np.array([True, False]), np.array(["1", "2"]),
+     np.array([1j, 0]), np.zeros(3), {1.0, 2.0}, "12", (1.0, None)],
+)  # fmt: skip
+def test_what_is_no_pair_is_refused_by_name(asked):
+    with pytest.raises(ArgumentError, match="command"):
+        wmr_ctrl.command_filter(scenario()).step(asked)
+
+
 UNLIKE = {"channels": "wheels", "tau": None, "d": (0.0, 0.0), "gain": (1.0, 1.0)}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -164,8 +165,14 @@ def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_pa
     needs("gcc")
     written(tmp_path, kind, float32, **stated)
     command = ["gcc", *WARNINGS, "-O2", "-ffp-contract=off"]
+    run([*command, "-c", "wmr_filter.c"], tmp_path)
+    called = {line.split()[-1] for line in run(["nm", "-u", "wmr_filter.o"], tmp_path).splitlines()}
+    told = re.search("From the C library: (.*), the last", (tmp_path / "README.md").read_text())
+    assert told
+    assert called <= set(told[1].split(", "))
+    assert (kind == "governor" and float32) == ("expm1f" in told[1])
     for program in ("check", "example"):
-        run([*command, f"{program}.c", "wmr_filter.c", "-lm", "-o", program], tmp_path)
+        run([*command, f"{program}.c", "wmr_filter.o", "-lm", "-o", program], tmp_path)
     assert "72 samples, largest error" in run(["./check"], tmp_path)
     words = run(["./example"], tmp_path).split()
     assert 0.5 < float(words[1]) <= float(words[3])

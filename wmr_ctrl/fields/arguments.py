@@ -124,6 +124,8 @@ def _word(part: object) -> str:
     if kind in _LISTS:
         return f"a list of {_plural(inner[0])}" if inner else "a list"
     name = kind.__name__ if isinstance(kind, type) else str(kind)
+    if name == "ndarray":
+        return "an array"
     return WORDS.get(kind) or f"{'an' if name[0] in 'AEIO' else 'a'} {name}"
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
+import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
@@ -20,6 +21,7 @@ from wmr_ctrl.fields.units import meant
 from wmr_ctrl.filter.band import BandGovernor, check_beat
 from wmr_ctrl.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
+from wmr_ctrl.filter.enclosure import Floats
 from wmr_ctrl.filter.force_band import ForceBand
 from wmr_ctrl.filter.governor import largest_command
 from wmr_ctrl.filter.governor_step import Governor, check_jitter
@@ -267,8 +269,8 @@ class CommandFilter:
     @checks_arguments
     def step(
         self,
-        command: Sequence[float],
-        measured: Sequence[float] | None = None,
+        command: Sequence[float] | Floats,
+        measured: Sequence[float] | Floats | None = None,
         age: float = 0.0,
         dt: float | None = None,
     ) -> Filtered:
@@ -320,7 +322,12 @@ def command_filter(scenario: Scenario | str) -> CommandFilter:
     return built
 
 
-def _pair(values: Sequence[float], name: str) -> tuple[float, float]:
+def _pair(values: Sequence[float] | Floats, name: str) -> tuple[float, float]:
+    if isinstance(values, np.ndarray) and (values.ndim != 1 or values.dtype.kind not in "fiu"):
+        raise ArgumentError(
+            f"{name} is an array of {values.dtype} with shape {values.shape} and must be one of "
+            "two real numbers: v [m/s], omega [rad/s]."
+        )
     if len(values) != 2:
         raise ArgumentError(
             f"{name} has {len(values)} numbers and must have two: v [m/s], omega [rad/s]."
