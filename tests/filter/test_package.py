@@ -15,7 +15,7 @@ from tests.codegen.test_package import WARNINGS, needs, run
 from tests.filter.test_filter import scenario
 from tests.matrix import quick
 from wmr_ctrl.cli import root
-from wmr_ctrl.codegen.package import package_files
+from wmr_ctrl.codegen.package import known_footprint, package_files
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import command_filter
 from wmr_ctrl.filter.channels import FLAG_NAMES
@@ -343,6 +343,18 @@ def test_a_parameter_that_changes_counts_from_the_next_step_on(tmp_path):
 def test_a_scenario_without_filter_is_refused():
     with pytest.raises(ScenarioError, match="has no command filter"):
         package_files("filter", load_scenario("paper-simulation"))
+
+
+def test_a_package_that_was_not_measured_tells_of_one_like_it():
+    readme = package_files("filter", scenario("clip", scale="axes"))["README.md"]
+    told = re.search(r"number of operations, (\d+), takes (\d+) bytes", readme)
+    assert told
+    assert "were not measured" in readme
+    measured = known_footprint("filter", False, False, int(told[1]))
+    assert measured
+    assert measured.code == int(told[2])
+    own = package_files("filter", load_scenario("paper-simulation", FILTERS["clip"]))["README.md"]
+    assert "number of operations" not in own
 
 
 def test_the_command_writes_it(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 
 import wmr_ctrl
 from tests.page.test_numbers import assert_same_bits, from_page
-from wmr_ctrl.page.scenes import members_of
+from wmr_ctrl.page.scenes import members_of, scenes
 from wmr_ctrl.scenario import load_scenario
 
 STRONG = {"base.gain": [1.04, 1.04]}
@@ -21,6 +21,21 @@ SWINGING = {
     "filter.kp": [135, 165], "filter.ki": [270, 330],
 }  # fmt: skip
 WEAK = {"filter.kind": "band", "filter.force": [150.0, 60.0]}
+
+
+def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path: Path) -> None:
+    """Nor does a base without noise have that of a circle with noise."""
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        'extends = "paper-simulation"\n[base]\nkind = "velocity"\n[disturbance]\nstd = 0.0\n'
+    )
+    changed = load_scenario("turtlebot3-burger", {"robot.m": 1.2})
+    own = load_scenario("turtlebot3-burger")
+    named = load_scenario(file, {"title": "Mine"})
+    titles = [
+        scenes(each, ("pursuit",))[0].title for each in (load_scenario(file), changed, own, named)
+    ]
+    assert titles == ["mine", "turtlebot3-burger, changed", own.title, "Mine"]
 
 
 @pytest.mark.parametrize(

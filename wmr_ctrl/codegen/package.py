@@ -188,6 +188,7 @@ def _context(
         "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": _margin(law, scenario),
         "periods": [f"{1e3 * period:g} ms" for period in periods],
         "footprint": known_footprint(law, float32, guarded, step.operations),
+        "nearest": nearest_footprint(law, float32, guarded, step.operations),
         "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
         "watches": law == CORRIDOR,
         "queued": any(item.signal.name == "corridor_sent0" for item in system.state),
@@ -293,9 +294,15 @@ def known_footprint(law: str, float32: bool, guarded: bool, operations: int) -> 
     A record counts only for the kernel that it was made with, known by its number of operations: a
     scenario may ask for another one.
     """
+    nearest = nearest_footprint(law, float32, guarded, operations)
+    return nearest if nearest and nearest.operations == operations else None
+
+
+def nearest_footprint(law: str, float32: bool, guarded: bool, operations: int) -> Footprint | None:
+    """That of the measured package of a law whose number of operations is nearest."""
     recorded = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else {}
     listed = (Footprint(**item) for item in recorded.get(footprint_key(law, float32, guarded), ()))
-    return next((item for item in listed if item.operations == operations), None)
+    return min(listed, key=lambda item: abs(item.operations - operations), default=None)
 
 
 def footprint_key(law: str, float32: bool, guarded: bool = False) -> str:

@@ -23,7 +23,7 @@ from wmr_ctrl.filter.filter import worthwhile_slew
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.velocity_loop import VelocityLoopGains
 from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.scenario import Scenario, load_scenario, override, preset_titles
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 
@@ -179,13 +179,23 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     if scenario != load_scenario(steps[0].preset):
         most = MOST_WAYS if takes_velocity(scenario) else MOST_SHOWN
         shown = tuple(member.name for member in members_of(scenario, laws))[:most]
-        return (PageScene("own", scenario.title or scenario.name, "", scenario, shown),)
+        return (PageScene("own", _own_title(scenario), "", scenario, shown),)
     listed = []
     for step in steps:
         own = override(load_scenario(step.preset), step.overrides)
         shown = tuple(name for name in step.shown if name in laws) or laws[:2]
         listed.append(PageScene(step.key, step.title, step.text, own, shown))
     return tuple(listed)
+
+
+def _own_title(scenario: Scenario) -> str:
+    """A scenario's title, or its name where the title is that of a preset with other numbers."""
+    titles, name = preset_titles(), scenario.name
+    if scenario.title not in titles.values():
+        return scenario.title or name
+    if name not in titles:
+        return name
+    return scenario.title if scenario == load_scenario(name) else f"{name}, changed"
 
 
 MOST_SHOWN = 4
