@@ -187,6 +187,7 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> 
         ("disturbance.push", [3.0, 0.0], "filter.push[1]"),
         ("robot.mu", 0.1, "filter.push[1]"),
         ("base.loop", "first-order", "does not fit the base of this run"),
+        ("changes", [{"t": 3.0, "m": 54.0}], "`changes = []` takes out"),
     ],
 )
 def test_a_pi_base_outside_the_stated_family_is_refused(key: str, value: Any, words: str) -> None:

@@ -119,7 +119,8 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
     if any(change.m is not None or change.I is not None for change in scenario.changes):
         yield (
             "[[changes]] changes the robot's mass while it drives, and the peak gain holds for "
-            "loops that do not change. Leave mass and inertia constant."
+            "loops that do not change. Leave mass and inertia constant: `changes = []` takes out "
+            "those of a preset that the file extends."
         )
     yield from _of_weak_motors(scenario)
     pushes = bound.dbar[0] + largest_friction(scenario), bound.dbar[1]
