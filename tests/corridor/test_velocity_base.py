@@ -10,7 +10,7 @@ from tests.corridor.further import BASES, PUSHED, QUIET, WIDE, attack_on_base, b
 from tests.corridor.sending import course, farthest, farthest_on_the_way
 from wmr_ctrl import simulate
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import corridor_monitor, find_corridor
+from wmr_ctrl.corridor import corridor_monitor, find_corridor, run_corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.filter import CommandFilter, passing_commands
@@ -167,3 +167,31 @@ def test_a_ramp_behind_a_small_dead_band_has_a_corridor():
     scenario = override(load_scenario("turtlebot3-burger"), told)
 
     assert find_corridor(scenario, "kanayama").position is not None
+
+
+@pytest.mark.parametrize(
+    ("base", "law"),
+    [
+        ("clearpath-jackal", "kanayama"),
+        pytest.param("clearpath-jackal", "prox", marks=pytest.mark.slow),
+        pytest.param("clearpath-husky", "mb", marks=pytest.mark.slow),
+    ],
+)
+def test_a_ramp_that_nothing_disturbs_has_a_corridor_of_nearly_nothing(base, law):
+    tube = find_corridor(load_scenario(base), law)
+
+    assert tube.position is not None
+    assert tube.position < 1e-9
+
+
+def test_a_dead_band_below_all_commands_of_a_run_is_not_counted_as_if_they_were_0():
+    told = {"filter.kind": "clip", "reference.rate": 0.15, "base.deadband": [0.01, 0.02]}
+    rough = burger(QUIET, told, {"clock.duration": 3.0})
+    heard = override(rough, {"base.deadband": [0.0, 0.0]})
+    over, plain = (find_corridor(item, "kanayama", whole=True).whole for item in (rough, heard))
+    slow = override(rough, {"base.deadband": [0.13, 0.02]})
+
+    assert over.position == pytest.approx(plain.position, rel=1e-6)
+    assert over.share == pytest.approx(plain.share, rel=1e-6)
+    missed = run_corridor(slow, "kanayama")
+    assert missed.position is None or missed.position > 2 * plain.position

@@ -35,11 +35,11 @@ from wmr_ctrl.corridor.inputs import (
 from wmr_ctrl.corridor.late_guard import counts_late, sizes_counted
 from wmr_ctrl.corridor.loop import NOTHING, UP, SampledLoop
 from wmr_ctrl.corridor.overlap import ALONE, Overlap, jitter_overlap, ramp_overlap, ramps
-from wmr_ctrl.corridor.peaks import LEAST, Peaks, Tube, reckoned_inputs, reference_gap
+from wmr_ctrl.corridor.peaks import Peaks, Tube, reckoned_inputs, reference_gap
 from wmr_ctrl.corridor.sample import SlowLoopError
 
 ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
-"""Rounds of the fixed point, the change at which they end, and what is added before the check."""
+"""Rounds of the fixed point, the change at which they end, and what each of them adds."""
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
 FAR, DUST = 30.0, 1e-9
@@ -181,22 +181,21 @@ class Certifier:
     def _closed(self, inputs: Inputs) -> Tube:
         peaks = first = self.linear(inputs)
         for _ in range(ROUNDS):
-            following = self.image(inputs, peaks)
-            change = np.abs(following.every - peaks.every) <= CLOSE * following.every + LEAST
+            following = self.image(inputs, peaks).times(1 + INFLATED)
+            change = np.abs(following.every - peaks.every) <= CLOSE * following.every
             peaks = following
             if change.all():
                 break
             if (peaks.fast[:ROBOT] > FAR * first.fast[:ROBOT] + DUST).any():
                 raise NoCorridorError(self._blamed(inputs, first))
-        grown = peaks.times(1 + INFLATED)
-        if not self.image(inputs, grown).within(grown):
+        if not self.image(inputs, peaks).within(peaks):
             raise NoCorridorError(self._blamed(inputs, first))
-        late = grown
+        late = peaks
         starts = self.gains.fast.start, self.gains.fast.misled, inputs.velocity
         off = any(part.any() for part in starts)
         for _ in range(SETTLING if off else 0):
             late = self.image(inputs, late, started=False)
-        return replace(self._tube(grown), position_late=self.position(late))
+        return replace(self._tube(peaks), position_late=self.position(late))
 
     def position(self, peaks: Peaks) -> float:
         """Distance [m] from the place on the path of anything within these deviations."""

@@ -212,6 +212,11 @@ class Following(Remainders):
         outs = len(self.read)
         beside = _each(until.wide, state) + (direct + added)[:, self.read]
         law = (inner[:, :outs] + beside) * UP
+        sizes = np.abs(self.along.outs[:, :COMMAND]) * (1 - 2**-50)
+        least = now.least(sizes) - law[:, :COMMAND] * UP
+        misheard = self.inputs.misheard(least)
+        added[:, :COMMAND] += misheard
+        law[:, :COMMAND] += misheard
         box = _each(until.box_by_state, state) + _each(until.box_by_law, added) + until.box
         ask = added[:, :COMMAND] + direct[:, :COMMAND]
         extra, knots = self._within(now, state, ask, inner[:, outs:])

@@ -56,6 +56,10 @@ class Instant:
         most = course[self.k : self.end].max(axis=0)
         return np.broadcast_to(most, (self.count, *most.shape))
 
+    def least(self, course: Floats) -> Floats:
+        """The same with the least of them."""
+        return -self.most(-course)
+
 
 @dataclass(frozen=True)
 class Guess:

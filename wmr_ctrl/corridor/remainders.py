@@ -28,8 +28,6 @@ class Remainders:
         self.along, self.inputs, self.loop = along, inputs, along.loop
         self.nz = len(self.loop.names)
         self.error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
-        self.misheard = np.zeros(along.outs.shape[1])
-        self.misheard[:COMMAND] = inputs.misheard(np.zeros(COMMAND))
         self.commands = np.zeros((self.loop.queue, COMMAND))
         self.curves = self.loop.law_curve, self.loop.step_curve
         self.latest = [np.zeros((1, curve.by.numel())) for curve in self.curves]
@@ -86,13 +84,13 @@ class Remainders:
         return now.here.secants is None and bool(left)
 
     def _law_added(self, reach: Floats, state: Floats, now: Instant) -> Floats:
-        """Largest errors of the linear part of the law's outputs, with doubles' rounding."""
+        """Largest errors of the linear part of what the law sends, with doubles' rounding."""
         loop, queue = self.loop, self.nz + COMMAND * self.loop.queue
         own, acting = np.split(state[:, queue:], [loop.memory], axis=1)
         robot = state[:, :ROBOT] + self.error
         sizes = np.hstack([robot, own, state[:, self.nz : queue], acting])
         products = self._products(reach, self.error)
-        return self._left(0, sizes, products, now) + self.misheard
+        return self._left(0, sizes, products, now)
 
     def _step(self, guess: Floats, commands: Floats, now: Instant) -> Floats:
         """Largest errors of a plant step's linear part while the state stays within Z."""
