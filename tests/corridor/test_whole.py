@@ -150,6 +150,20 @@ def test_what_stops_it_is_named_with_its_time(changes, words):
     assert "where v_d = " in tube.refused
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("changes", [[], [{"t": 4.0, "m": 65.0, "I": 7.0}]])
+def test_what_is_said_to_close_does_and_twice_as_much_does_not(changes):
+    told = {"reference.kind": "stop-and-go", "reference.period": 4.0, "clock.control": PERIOD,
+            "clock.duration": 6.0, "guard.enabled": False, "changes": changes}  # fmt: skip
+    scenario = override(load_scenario("safe-simulation"), told)
+    closes = find_corridor(scenario, "prox", whole=True).closes
+
+    assert closes is not None
+    for share, closed in ((closes, True), (2 * closes, False)):
+        less = override(scenario, {"disturbance.std": share * scenario.disturbance.std})
+        assert (certified_run(settle(less, "prox"), closing=False).position is not None) == closed
+
+
 LOADED = {
     "guard.M_min": [58.0, 6.2], "guard.M_max": [64.0, 6.9], "robot.m": 61.0, "robot.I": 6.5,
     "model.m": 50.0, "model.I": 5.4, "guard.trust": True, "clock.control": PERIOD,

@@ -34,8 +34,8 @@ from wmr_ctrl.world.references.kind import reference
 OPEN = "the undisturbed loop cannot be followed"
 LEAST = 8
 """Most halvings of pushes and errors that are tried where all of them have no corridor."""
-BEYOND = 1.0
-"""Seconds for which they are followed after what may stop them."""
+BEYOND, EARLY = 1.0, 0.25
+"""Seconds for which they are followed after what may stop them; share of the run that is early."""
 
 
 def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
@@ -120,13 +120,17 @@ def _closing(refused: Passing, start: Floats) -> float | None:
 
     If the half has none, the others are bisected, as if there were one with all that is less.  They
     are tried about what was refused and about the robot's changes, begun there without deviations,
-    which takes little time; what passes there is followed over the whole run.
+    which takes little time; what passes there is followed over the whole run, and so is the half if
+    all of them were refused EARLY.
     """
     along, inputs = refused.along, refused.inputs
     critical = [refused.tried, *along.motion.moved]
+    early = refused.tried < EARLY * len(along.states)
     lost: set[int] = set()
 
     def passes(halved: int) -> bool:
+        if early and halved == 1 and not lost:
+            return True
         less = inputs.scaled(0.5**halved)
         return halved not in lost and all(_passes(along, less, start, k) for k in critical)
 
@@ -144,7 +148,9 @@ def _closing(refused: Passing, start: Floats) -> float | None:
         try:
             _followed(passing)
         except NoCorridorError:
-            critical.append(passing.tried)
+            beyond = round(BEYOND / along.setup.scenario.clock.control)
+            if all(abs(k - passing.tried) >= beyond for k in critical):
+                critical.append(passing.tried)
             lost.update(range(best + 1))
         else:
             return 0.5**best
