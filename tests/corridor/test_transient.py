@@ -9,9 +9,10 @@ from flint import ctx
 
 from tests.corridor.adversary import Attacked, worst_pushes
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import affine, find_corridor
+from wmr_ctrl.corridor import affine, find_corridor, transient
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.limited import LimitedLoop, _secant_of
+from wmr_ctrl.corridor.masses import certified
 from wmr_ctrl.corridor.sample import SampleMatrices, doubles
 from wmr_ctrl.corridor.settling import Settling
 from wmr_ctrl.scenario import load_scenario, override
@@ -73,7 +74,10 @@ def test_cells_hold_all_runs_of_the_oracle_while_limits_act(limited, middle):
 
 @pytest.mark.parametrize(
     "start",
-    [(0.008, 0.008, 0.03), pytest.param((0.05, 0.01, 0.05), marks=pytest.mark.slow)],
+    [
+        (0.008, 0.008, 0.03),
+        pytest.param((0.05, 0.01, 0.05), marks=pytest.mark.slow),
+    ],
 )
 def test_a_start_from_which_limits_act_comes_into_its_corridor(start):
     scenario = override(load_scenario("safe-simulation"), {"corridor.start": start})
@@ -94,6 +98,84 @@ def test_a_start_from_which_limits_act_comes_into_its_corridor(start):
         beyond, _, _ = driven(scenario, 1.3 * corner, 1.3 * push)
         farthest = max(farthest, np.hypot(beyond[:, 0], beyond[:, 1]).max())
     assert farthest > tube.position
+
+
+def test_a_cell_is_held_by_its_halves(limited):
+    cells = limited.start(np.zeros((1, 3)), np.array([[0.003, 0.003, 0.02]]))
+    for _ in range(4):
+        cells, _, _ = limited.after(cells, limited.certifier.inputs)
+    rng, (c, G) = np.random.default_rng(7), (cells.c[0], cells.G[0])
+    xi = rng.uniform(-1.0, 1.0, (G.shape[1], 300))
+    xi[:, :150] = np.sign(xi[:, :150])
+    x, n = c[:, None] + G @ xi, limited.n
+    for row in (0, 2, 4):
+        halves, held = cells.halves(row), np.zeros(300, dtype=bool)
+        known = [
+            (cells.velocities[i][0, row - 3] if row > 2 else (-1) ** (i + 1) * 9.0) for i in (0, 1)
+        ]
+        for middle, columns in zip(halves.c, halves.G, strict=True):
+            width = columns[row, -1]
+            share = (x[row] - middle[row]) / width
+            assert width < 0.6 * np.abs(G[row]).sum()
+            assert np.abs(columns[row, :-1]).max() < 1e-9 * width
+            again = middle[:, None] + columns @ np.vstack([xi, np.zeros((n, 300)), share])
+            assert again == pytest.approx(x, abs=1e-12)
+            held |= np.abs(share) <= 1
+        assert held[(x[row] >= known[0]) & (x[row] <= known[1])].all()
+        assert not halves.pushes
+
+
+def test_runs_of_the_oracle_stay_in_one_of_the_halves(limited):
+    scenario, first, samples = load_scenario("safe-simulation"), 10, 16
+    middle, width = np.array([0.05, 0.05, 0.15]), np.array([0.001, 0.001, 0.005])
+    inputs, steps, rng = limited.certifier.inputs, scenario.clock.substeps, np.random.default_rng(3)
+    cells = limited.start(middle[None], width[None])
+    for _ in range(first):
+        cells, _, _ = limited.after(cells, inputs)
+    whole, cells, boxes = cells, cells.halves(4), []
+    for _ in range(first, samples):
+        cells, _, _ = limited.after(cells, inputs)
+        whole, _, _ = limited.after(whole, inputs)
+        boxes.append((cells.c[:, :3], cells.radius[:, :3], *cells.velocities))
+    assert (cells.radius[:, 2] < 0.9 * whole.radius[:, 2]).all()
+
+    inside = np.zeros(2, dtype=int)
+    for _ in range(12):
+        start = middle + width * rng.choice([-1.0, 1.0], size=3)
+        push = 3.0 * rng.choice([-1.0, 1.0], size=(1 if rng.random() < 0.5 else samples, 2))
+        e, v, _ = driven(scenario, start, np.broadcast_to(push, (samples, 2)))
+        held = np.ones(2, dtype=bool)
+        for k, (center, radius, low, high) in enumerate(boxes, first):
+            held &= (np.abs(e[steps * (k + 1) - 1] - center) <= radius).all(axis=1)
+            if k + 1 < samples:
+                held &= ((low <= v[k + 1]) & (v[k + 1] <= high)).all(axis=1)
+        assert held.any()
+        inside += held
+    assert (inside > 0).all()
+
+
+@pytest.mark.slow
+def test_a_corner_that_is_five_centimetres_off_both_ways_comes_in_cut_on_its_way(monkeypatch):
+    scenario = override(load_scenario("safe-simulation"), {"corridor.start": (0.05, 0.05, 0.15)})
+    middle, width = np.array([0.049, 0.049, 0.145]), np.array([0.001, 0.001, 0.005])
+    batches = []
+    run = transient._Search._run
+
+    def counted(search, parts):
+        batches.append((parts[0].k, len(parts)))
+        return run(search, parts)
+
+    monkeypatch.setattr(transient, "_cut", lambda _: (middle[None], width[None]))
+    monkeypatch.setattr(transient._Search, "_run", counted)
+    certifier = Certifier(settle(scenario, "prox"))
+    before, _ = transient.transient(certifier, certifier.inputs)
+    assert sum(count for k, count in batches if k) > 1
+
+    for push, signs in zip(worst_pushes(scenario, "prox", 200, 3.0), range(8), strict=True):
+        corner = middle + width * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
+        e, _, _ = driven(scenario, corner, push)
+        assert np.hypot(e[:, 0], e[:, 1]).max() <= before.position
+        assert np.abs(e[:, 2]).max() <= before.heading
 
 
 def test_what_is_followed_without_limits_holds_runs_and_is_forgotten(limited):
@@ -118,7 +200,9 @@ def test_what_would_reach_limits_does_not_come_through(limited):
         limited.certifier.started(np.zeros((n, 1))), limited.certifier.inputs, samples=20
     )
     far = limited.start(np.array([[0.0, 0.05, 0.15], [0.0, 0.001, 0.0]]), np.full((2, 3), 1e-4))
-    assert settling.course(limited.rest(far, np.zeros((n, 0)))).through.tolist() == [1]
+    rest = limited.rest(far, np.zeros((n, 0)))
+    assert settling.likely(rest).tolist() == [False, True]
+    assert settling.course(rest).through.tolist() == [1]
 
 
 def test_a_cell_of_which_the_guard_may_change_the_force_is_given_up(limited):
@@ -146,6 +230,16 @@ def test_a_start_that_is_too_far_off_is_refused_with_its_place(monkeypatch):
         ("mb", {}, "covered for prox"),
         ("prox", {"sensor.pose_noise": 1e-5}, "errors of measurements"),
         ("prox", {"gains.prox.transport": "level"}, "covered for prox"),
+        (
+            "prox",
+            {"actuator.jitter": 2e-3, "guard.enabled": False, "disturbance.std": 0.1},
+            "jitter of",
+        ),
+        (
+            "prox",
+            {"sensor.pose_period": 0.05, "disturbance.std": 0.1},
+            "poses that are rare or lost",
+        ),
     ],
 )
 def test_what_a_transient_does_not_cover_is_refused_by_name(law, changes, words):
@@ -153,6 +247,12 @@ def test_what_a_transient_does_not_cover_is_refused_by_name(law, changes, words)
     tube = find_corridor(override(load_scenario("safe-simulation"), far), law)
 
     assert words in tube.refused
+    assert "from which limits act" in tube.refused
+    assert f"it closes from a start moved by {100 * tube.near:.2g} % of that" in tube.sentence
+    for share, closes in ((0.98, True), (1.1, False)):
+        near = {**far, "corridor.start": [share * tube.near * x for x in far["corridor.start"]]}
+        setup = settle(override(load_scenario("safe-simulation"), near), law)
+        assert (certified(setup, closing=False).position is not None) == closes
 
 
 def test_an_operation_without_a_rule_is_refused_by_name(monkeypatch):

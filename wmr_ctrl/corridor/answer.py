@@ -25,7 +25,8 @@ class Corridor:
     measured position is off [m]; ``velocity``: the same of each measured velocity; ``mass`` [kg].
     ``until`` [s]: the robot's first change, None without one.
 
-    ``refused`` says why there is none; ``closes``: share of push and errors with which there is.
+    ``refused`` says why there is none; ``closes``: share of push and errors with which there is,
+    from a share ``near`` of ``start``; None where none was found.
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
     ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
@@ -52,6 +53,7 @@ class Corridor:
     until: float | None = None
     refused: str = ""
     closes: float | None = None
+    near: float = 1.0
     clearance: Clearance | None = None
     masses: tuple[tuple[float, float], ...] | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -85,7 +87,7 @@ class Corridor:
     @property
     def _promise(self) -> str:
         if self.position is None:
-            closes = "" if self.closes is None else f"; it closes {self._while(self.closes)}"
+            closes = "" if self.closes is None else f"; it closes {self._closing(self.closes)}"
             return f"no corridor: {self.refused}{closes}"
         loaded = f", with {self.late}" if self.late else ""
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
@@ -154,14 +156,22 @@ class Corridor:
             reckoned = f", no pose comes to up to {self.missing} samples in a row"
         return f"while {bounds(share * self.push, share * self.pose, velocity)}{reckoned}"
 
+    def _closing(self, share: float) -> str:
+        """With which pushes and errors, and from where."""
+        if self.near == 1 or not any(self.start):
+            return self._while(share)
+        if not self.near:
+            return f"from a start on the path {self._while(share)}"
+        return f"from a start moved by {100 * self.near:.2g} % of that"
+
     @property
     def figures(self) -> dict[str, object]:
         """Its figures in `check --json`."""
         clearance = None if self.clearance is None else asdict(self.clearance)
         if self.position is None:
             return {
-                "refused": self.refused, "closes": self.closes, "clearance": clearance,
-                "run": self.run, "linear": self.linear,
+                "refused": self.refused, "closes": self.closes, "near": self.near,
+                "clearance": clearance, "run": self.run, "linear": self.linear,
             }  # fmt: skip
         return {
             "position": self.position, "heading": self.heading,

@@ -8,7 +8,7 @@ q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import ceil, cos, log, log2, pi, sin
 
@@ -81,6 +81,19 @@ class LoopGains:
     damping: float
     samples: int
     scale: Floats
+
+    @property
+    def starts(self) -> bool:
+        """Whether they are those of a start off the reference."""
+        return bool(self.state.start.any())
+
+    def nearer(self, share: float) -> LoopGains:
+        """The same from a share of the start, whose responses are linear."""
+        fast, state, law = (
+            replace(item, start=item.start * share * UP)
+            for item in (self.fast, self.state, self.law)
+        )
+        return replace(self, fast=fast, state=state, law=law)
 
 
 def loop_gains(

@@ -49,11 +49,11 @@ OF_BASE = (
 
 
 class NoCorridorError(ArithmeticError):
-    """Why there is no certificate, as a clause; the share of inputs with which there is one."""
+    """Why there is no certificate, as a clause; shares of inputs and start with which there is."""
 
-    def __init__(self, text: str, closes: float | None = None) -> None:
+    def __init__(self, text: str, closes: float | None = None, near: float = 1.0) -> None:
         super().__init__(text)
-        self.closes = closes
+        self.closes, self.near = closes, near
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ which the guard might change the force is given up (ledger: corridor.transient).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -24,7 +25,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.affine import ROUNDING, SUMS, AffineGraph, Form, boxes, number
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.limits import AskedForce, ForceLimits
+from wmr_ctrl.corridor.limits import FAR_START, AskedForce, ForceLimits, uncovered
 from wmr_ctrl.corridor.peaks import reference_gap
 from wmr_ctrl.corridor.zonotopes import (
     COARSE,
@@ -81,6 +82,39 @@ class StartCells:
         c, G, low, high = (item[which] for item in (self.c, self.G, self.low, self.high))
         return StartCells(c, G, self.pushes, low, high, self.begin[which])
 
+    def joined(self, others: Sequence[StartCells]) -> StartCells:
+        """With others behind, of no pushes all of them, and places anew."""
+        every = [self, *others]
+        c, low, high = (
+            np.concatenate([getattr(item, name) for item in every]) for name in ("c", "low", "high")
+        )
+        G = np.concatenate(alike([item.G for item in every]))
+        return StartCells(c, G, 0, low, high, np.arange(len(c)))
+
+    def halves(self, row: int) -> StartCells:
+        """Of one cell, cut across an element of the state: each half is a cell of no pushes.
+
+        With l any vector, x_row = d + w s and |s| <= 1: x = c + l (d - c_row) + (G - l G_row) xi +
+        l w s, as adding and taking away l x_row does nothing.
+        """
+        c, G, g = self.c[0], self.G[0], self.G[0, row]
+        away = G @ g / max(float(g @ g), np.finfo(float).tiny)
+        half = float(np.abs(g).sum() * SUMS + COARSE * abs(c[row]))
+        low, high = c[row] - half, c[row] + half
+        ends = self.low.repeat(2, axis=0), self.high.repeat(2, axis=0)
+        if row in range(V.start, V.stop):
+            low, high = (x[0, row - V.start] for x in self.velocities)
+            ends[0][1, row - V.start] = ends[1][0, row - V.start] = (low + high) / 2
+        w = (high - low) / 4 * (1 + COARSE) + COARSE * abs(low + high)
+        middles = np.array([(3 * low + high) / 4, (low + 3 * high) / 4])
+        lost = (
+            np.abs(c) + np.abs(G).sum(axis=1) + np.abs(away) * (np.abs(g).sum() + abs(high - low))
+        )
+        more = with_errors((G - np.outer(away, g))[None], COARSE * lost[None])
+        whole = np.concatenate([more, (away * w)[None, :, None]], axis=2).repeat(2, axis=0)
+        moved = c + away * (middles - c[row])[:, None]
+        return StartCells(moved, whole, 0, *ends, np.arange(2))
+
     def with_push(self) -> StartCells:
         """With two more columns behind those of the pushes, still empty."""
         own, others = self.G[:, :, : self.pushes], self.G[:, :, self.pushes :]
@@ -95,24 +129,15 @@ class LimitedLoop:
         """NoCorridorError for a loop of which this is not known."""
         self.certifier, self.loop = certifier, certifier.loop
         loop, setup = self.loop, self.loop.setup
-        own, inputs = setup.gains, certifier.inputs
+        own = setup.gains
         plain = (
             isinstance(own, ProxGains) and own.transport == "two-part" and own.barrier != "smooth"
         )
         if setup.control_law.in_parts is None or not plain:
-            raise NoCorridorError("a start so far off is covered for prox as shipped alone")
-        if (
-            setup.predicted
-            or loop.filter
-            or loop.acting
-            or loop.queue > 1
-            or loop.late
-            or loop.overlap.steps
-            or len(loop.names) > ROBOT
-        ):
-            raise NoCorridorError("a start so far off is not covered with delay, lag or filter")
-        if inputs.pose or inputs.missing or inputs.velocity.any():
-            raise NoCorridorError("a start so far off is not covered with errors of measurements")
+            raise NoCorridorError(f"{FAR_START} is covered for prox as shipped alone")
+        more = [words for words, there in uncovered(certifier).items() if there]
+        if more:
+            raise NoCorridorError(f"{FAR_START} is not covered with {', '.join(more)}")
         self.n = len(loop.at)
         self._compose_law(setup)
         self.limits = ForceLimits(setup)

@@ -8,13 +8,17 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.world import COMMAND, Floats
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.affine import AffineGraph, Form
+from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import NoCorridorError, conditions
-from wmr_ctrl.corridor.zonotopes import COARSE, Ends, Rows, with_errors
+from wmr_ctrl.corridor.zonotopes import COARSE, SUMS, Ends, Rows, with_errors
 from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.model.dynamics import full_thrust
 
+FAR_START = "a start so far off, from which limits act,"
+"""Begin of what is said where such a start is not covered."""
 SHARES = (0.0, 0.125, 0.25, 0.5)
 """Of what the proximal map is given, in bounds of what it gives: the rest is its ends'."""
 BEYOND = 1e9
@@ -69,11 +73,13 @@ class ForceLimits:
         """NoCorridorError for another order than thrust first, and without a limit of torque."""
         scenario, robot = setup.scenario, setup.scenario.robot
         if scenario.guard.enabled and scenario.guard.map != "linear-first":
-            raise NoCorridorError("a start so far off is covered for guard.map linear-first alone")
+            raise NoCorridorError(f"{FAR_START} is covered for guard.map linear-first alone")
         if not np.isfinite(setup.tau_max):
-            raise NoCorridorError("a start so far off is covered with a limit of torque alone")
+            raise NoCorridorError(f"{FAR_START} is covered with a limit of torque alone")
         asked, v = ca.SX.sym("asked", 2), ca.SX.sym("v", 2)
         phi = full_thrust(ca.SX(robot.r), ca.SX(setup.tau_max))
+        alone = linear_first(ca.vertcat(asked[0], BEYOND), phi, ca.SX(robot.l))
+        self.thrust = AffineGraph(asked[0], alone)
         self.wheels = ca.Function("wheels", [asked], [linear_first(asked, phi, ca.SX(robot.l))])
         guarded = [item for item in conditions(setup, asked, v) if "guard" in item.name]
         value = ca.vertcat(ca.SX(0, 1), *(item.value for item in guarded))
@@ -104,21 +110,21 @@ class ForceLimits:
 
     def sent(self, asked: AskedForce) -> tuple[Rows, Floats]:
         """Force within the wheels' reach; what is sure to be within it on each axis (C, 2)."""
-        low, high = span = asked.span(self.kink)
+        low, high = asked.span(self.kink)
         size = np.maximum(np.abs(low), np.abs(high))[:, 0]
         near = np.maximum(np.maximum(low, -high), 0.0)[:, 0]
         spare, most = self._reach(size) * (1 - COARSE), self._reach(near) * (1 + COARSE)
-        ends = [(np.clip(x, -spare, spare) + np.clip(x, -most, most)) / 2 for x in span]
-        apart = high - low > 1e-9
-        secant = np.where(apart, (ends[1] - ends[0]) / np.where(apart, high - low, 1.0), 0.0)
-        inside = (low >= -spare) & (high <= spare)
-        slope = np.where(inside, 1.0, np.clip(secant, 0.0, 1.0))
-        points = [low, high, *(np.clip(x, low, high) for x in (spare, -spare, most, -most))]
-        left = np.array([np.clip(x, -b, b) - slope * x for x in points for b in (spare, most)])
-        least, top = left.min(axis=0), left.max(axis=0)
-        off = (top - least) / 2 + COARSE * (np.abs(low) + np.abs(high)) * ~inside
-        rows = with_errors(slope[:, :, None] * asked.force.rows, off)
-        return Rows.of(slope * asked.force.c + (least + top) / 2, rows), spare
+        force, columns = asked.force, asked.force.rows.shape[2]
+        thrust, room = (_row(item, columns) for item in self.thrust([_form(force, 0)]))
+        moment = _clipped(
+            force.of_axis(1), room, (low[:, 1:], high[:, 1:]), (spare[:, 1:], most[:, 1:])
+        )
+        both = [thrust, moment]
+        c, rows, error = (
+            np.concatenate(parts, axis=1)
+            for parts in zip(*((item.c, item.rows, item.error) for item in both), strict=True)
+        )
+        return Rows.of(c, with_errors(rows, error)), spare
 
     def _reach(self, thrust: Floats) -> Floats:
         """Largest force (C, 2) beside an asked thrust of such a size."""
@@ -126,3 +132,52 @@ class ForceLimits:
         first = np.asarray(self.wheels(np.array([most, 0 * most])))[0]
         second = np.asarray(self.wheels(np.array([thrust, most])))[1]
         return np.stack([first, second], axis=1)
+
+
+def _form(rows: Rows, axis: int) -> Form:
+    """One number of each cell, by the cell's columns."""
+    c, L, r = rows.c[:, axis], rows.rows[:, axis], rows.error[:, axis]
+    return Form(c, L, r, np.abs(c) + np.abs(L).sum(axis=1) + r)
+
+
+def _row(form: Form, columns: int) -> Rows:
+    """The same the other way round."""
+    L = np.zeros((len(form.c), columns)) if form.L is None else form.L
+    return Rows(form.c[:, None], L[:, None], (form.r * SUMS + form.size * COARSE)[:, None])
+
+
+def _clipped(force: Rows, bound: Rows, span: Ends, between: Ends) -> Rows:
+    """A force within its ends ``span``, cut off at +- a bound within ``between``.
+
+    That is F - max(F - b, 0) + max(-F - b, 0); between the ends of D max(D, 0) is a share of D and
+    what the share leaves at the ends, at least 0.
+    """
+    cut = force
+    for sign in (1.0, -1.0):
+        over = force.times(np.full_like(force.c, sign)).plus(bound, -1.0)
+        least, top = over.ends
+        ends = span if sign > 0 else (-span[1], -span[0])
+        rounding = COARSE * (np.abs(ends[0]) + np.abs(ends[1]) + between[1])
+        least = np.maximum(least, ends[0] - between[1] - rounding)
+        top = np.minimum(top, ends[1] - between[0] + rounding)
+        apart = np.where(top > least, top - least, 1.0)
+        share = np.where(least >= 0, 1.0, np.where(top <= 0, 0.0, np.clip(top / apart, 0.0, 1.0)))
+        left = np.maximum(np.maximum(-share * least, (1 - share) * top), 0.0) / 2
+        cut = cut.plus(over, -sign * share)
+        cut = Rows(cut.c - sign * left, cut.rows, cut.error + left * SUMS + rounding)
+    return cut
+
+
+def uncovered(certifier: Certifier) -> dict[str, bool]:
+    """What a far start is not covered with, in words, and whether a loop has it."""
+    loop, inputs, setup = certifier.loop, certifier.inputs, certifier.loop.setup
+    return {
+        "a base that takes velocities": setup.takes_velocity,
+        "a law that predicts": setup.predicted > 0,
+        "jitter of the drives": loop.overlap.steps > 0 and not setup.takes_velocity,
+        "a delay of drives or commands": loop.queue > 1 or loop.late > 0,
+        "a lag of the drives": len(loop.names) > ROBOT and not setup.takes_velocity,
+        "poses that are corrected in part": loop.filter > 0,
+        "poses that are rare or lost": inputs.missing > 0,
+        "errors of measurements": inputs.pose > 0 or bool(inputs.velocity.any()),
+    }

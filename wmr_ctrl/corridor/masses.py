@@ -5,8 +5,9 @@ Where there is none: the share of pushes and errors with which there is one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import replace
 from itertools import product
 from typing import TypeAlias
@@ -59,7 +60,10 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
             known = replace(known, linear=linear)
             tubes.append(_certified_tube(certifier, inputs, closing))
     except NoCorridorError as error:
-        return replace(known, refused=f"{here}{error}", closes=error.closes)
+        return replace(
+            known, refused=f"{here}{error}", closes=error.closes, near=error.near,
+            start=setup.scenario.corridor.start,
+        )  # fmt: skip
     worst = max(tubes, key=lambda tube: tube.share)
     return replace(
         known,
@@ -189,8 +193,8 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
                 raise
             return _brought_in(certifier, inputs)
     except NoCorridorError as error:
-        closes = _closing(certifier, inputs) if closing else None
-        raise NoCorridorError(str(error), closes) from error
+        closes, near = _closing(certifier, inputs) if closing else (None, 1.0)
+        raise NoCorridorError(str(error), closes, near) from error
 
 
 def _brought_in(certifier: Certifier, inputs: Inputs) -> Tube:
@@ -206,13 +210,34 @@ def _brought_in(certifier: Certifier, inputs: Inputs) -> Tube:
     )
 
 
-def _closing(certifier: Certifier, inputs: Inputs) -> float | None:
-    """Largest share of the inputs, of those tried, with which there is a corridor."""
+def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]:
+    """Largest shares of inputs and of the start, of those tried, with which there is a corridor.
+
+    Of a start from which limits would act one of all inputs; else, from the path, one of these.
+    """
+    if not certifier.gains.starts:
+        return _largest(lambda share: certifier.tube(inputs.scaled(share))), 1.0
+    near = _largest(lambda share: _nearer(certifier, share).tube(inputs))
+    if near is not None:
+        return 1.0, near
+    alone = _nearer(certifier, 0.0)
+    return _largest(lambda share: alone.tube(inputs.scaled(share))), 0.0
+
+
+def _nearer(certifier: Certifier, share: float) -> Certifier:
+    """The same from a share of its start."""
+    other = copy(certifier)
+    other.gains = certifier.gains.nearer(share)
+    return other
+
+
+def _largest(closed: Callable[[float], object]) -> float | None:
+    """Largest of some shares with which something closes, None where none does."""
     low, high = 0.0, 1.0
     for _ in range(SHARES):
         middle = (low + high) / 2
         try:
-            certifier.tube(inputs.scaled(middle))
+            closed(middle)
             low = middle
         except NoCorridorError:
             high = middle

@@ -33,8 +33,8 @@ ROUNDS, MORE = 12, 1.01
 """Rounds in which a sample's remainders are found, and by how much a guess exceeds the last one."""
 ROOM, WIDE, FAINT = 1.03, 1.15, 1e-9
 """How much wider than needed a box of bends is made, and with which another one is, and more."""
-
-
+LOOK = 4
+"""Of so many samples one is looked at for what breaks a condition in any case."""
 SLOWEST = 0.65
 """Deviation of v1, as a share of v1_d, with which a cell is too near standstill."""
 
@@ -133,6 +133,17 @@ class Settling:
         queue = COMMAND * loop.queue
         sent, memory, acting = np.split(state[:, self.nz :], [queue, queue + loop.memory], axis=1)
         return np.hstack([fast[:, :ROBOT], memory, sent, acting])
+
+    def likely(self, rest: Floats) -> NDArray[np.bool_]:
+        """Which deviations (C, n, columns) break no condition even in the linear loop."""
+        own, live = self.law[-self.certifier.loop.count :], np.arange(len(rest))
+        most = self.linear.law[-len(own) :]
+        for power in self.powers[::LOOK]:
+            law = np.abs((own @ power) @ rest[live]).sum(axis=2) + most
+            live = live[self._inside(law)]
+        likely = np.zeros(len(rest), dtype=bool)
+        likely[live] = True
+        return likely
 
     def course(self, rest: Floats) -> SettledCells:
         """Carry deviations (C, n, columns), the first column their middle, over the samples."""

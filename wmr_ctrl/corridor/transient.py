@@ -9,31 +9,37 @@ corridor holds from there on if its box closes with it (ledger: corridor.transie
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from flint import arb_mat, ctx
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.checks.world import ROBOT, Floats
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.limited import LimitedLoop, StartCells, V
+from wmr_ctrl.corridor.limited import NARROW, LimitedLoop, StartCells, V
 from wmr_ctrl.corridor.peaks import Tube
 from wmr_ctrl.corridor.sample import SampleMatrices, doubles
 from wmr_ctrl.corridor.settling import BITS, Settling
 from wmr_ctrl.corridor.zonotopes import COARSE
 
-WIDEST, FINEST = (0.005, 0.005, 0.025), (0.0012, 0.0012, 0.006)
-"""Half-widths of the first cells at most, and of cells that are given up [m, m, rad]."""
-CELLS, BATCH = 4_000, 64
+WIDEST = (0.005, 0.005, 0.025)
+"""Half-widths of the first cells at most [m, m, rad]."""
+CELLS, BATCH = 20_000, 256
 """Cells that are tried at most, and together."""
-LOST = (0.6, 2.0)
+LOST = (0.15, 0.6)
 """Half-width of e3 [rad], and of velocities in v_u1, with which a cell is lost."""
-LOOKS = (20, 30, 40, 60, 80, 100, 120)
+LOOKS = (20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120)
 """Samples after which a cell may need no limits any more; after the last it is given up."""
 SAMPLES = 200
 """That are followed from there on."""
+CUTS, WIDTHS = (10, 15, 20), (0.01, 0.006, 0.03, 0.12, 0.2)
+"""Samples at which a lost cell may be cut, if one of its half-widths of errors [m, m, rad] and
+velocities [m/s, rad/s] is larger than ``share`` of these."""
+BEGUN, FINER, FINEST = 0.25, 0.7, 0.1
+"""Share of WIDEST down to which a start is cut first; of ``share``, its next one, and its least."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +51,39 @@ class Transient:
     heading: float
 
 
+@dataclass(frozen=True)
+class StartPart:
+    """One cell of the starts about ``start`` (3) after ``k`` samples, the most so far [m], [rad].
+
+    ``share``: of WIDTHS, at which it is cut.
+    """
+
+    cell: StartCells
+    k: int
+    start: Floats
+    far: float = 0.0
+    turned: float = 0.0
+    share: float = 1.0
+
+
+@dataclass(frozen=True)
+class PassedCells:
+    """Cells after ``k`` samples, and the most so far of all of a batch."""
+
+    k: int
+    cells: StartCells
+    far: Floats
+    turned: Floats
+
+    def part(self, place: int, of: StartPart) -> StartPart | None:
+        """What has begun as one of the batch; None where it is over."""
+        which = np.flatnonzero(self.cells.begin == place)
+        if not len(which):
+            return None
+        far, turned = float(self.far[place]), float(self.turned[place])
+        return replace(of, cell=self.cells.only(which), k=self.k, far=far, turned=turned)
+
+
 def transient(certifier: Certifier, inputs: Inputs) -> tuple[Transient, Tube]:
     """From all starts within `corridor.start` into a tube that holds from then on.
 
@@ -54,7 +93,7 @@ def transient(certifier: Certifier, inputs: Inputs) -> tuple[Transient, Tube]:
 
 
 class _Search:
-    """Cells by cells, from the corners inwards; those that are lost are cut in two."""
+    """Batch by batch, the earliest first, so that batches are large; a lost cell is cut in two."""
 
     def __init__(self, certifier: Certifier, inputs: Inputs) -> None:
         self.certifier, self.inputs, self.limited = certifier, inputs, LimitedLoop(certifier)
@@ -68,39 +107,43 @@ class _Search:
     def result(self) -> tuple[Transient, Tube]:
         """Run all of them."""
         middle, width = _cut(self.start)
-        tried = len(middle)
-        if tried > CELLS:
-            raise NoCorridorError(f"so large a start takes {tried} cells, more than {CELLS}")
+        if len(middle) > CELLS:
+            raise NoCorridorError(f"so large a start takes {len(middle)} cells, more than {CELLS}")
         outer = np.abs(middle) / np.maximum(self.start, np.finfo(float).tiny)
-        order = np.argsort(-outer.sum(axis=1), kind="stable")
-        middle, width = middle[order], width[order]
-        while len(middle):
-            lost = self._run(middle[:BATCH], width[:BATCH])
-            halves = _halved(middle[:BATCH][lost], width[:BATCH][lost])
-            tried += len(halves[0])
-            if tried > CELLS or (halves[1] < FINEST).all(axis=1).any():
-                place = ", ".join(f"{x:.2g}" for x in middle[lost][0])
-                raise NoCorridorError(
-                    f"limits may act, and from a start off by about ({place}) m, m, rad it is not "
-                    "known to come back"
-                )
-            left = middle[BATCH:], width[BATCH:]
-            middle, width = (np.vstack(item) for item in zip(halves, left, strict=True))
+        cells = self.limited.start(middle, width)
+        order = np.argsort(outer.sum(axis=1), kind="stable")
+        begun = [StartPart(cells.only(order[[i]]), 0, middle[order[i]]) for i in range(len(order))]
+        waiting = {0: begun}
+        tried = 0
+        while waiting:
+            k = min(waiting)
+            parts, rest = waiting[k][-BATCH:], waiting.pop(k)[:-BATCH]
+            if rest:
+                waiting[k] = rest
+            tried += len(parts)
+            for part in self._run(parts):
+                waiting.setdefault(part.k, []).append(part)
+            if tried > CELLS:
+                raise _lost(parts[-1])
         period = self.certifier.loop.setup.scenario.clock.control
         tube = self.certifier.started(np.diag(self.entry)).tube(self.inputs)
         return Transient(self.samples * period, self.position, self.heading), tube
 
-    def _run(self, middle: Floats, width: Floats) -> NDArray[np.intp]:
-        """Carry cells until all are in; places of those that are lost."""
-        cells, count = self.limited.start(middle, width), len(middle)
-        far, turned, through = np.zeros(count), np.zeros(count), np.zeros(count, dtype=bool)
-        for k in range(1, LOOKS[-1] + 1):
+    def _run(self, parts: list[StartPart]) -> list[StartPart]:
+        """Carry parts until all are in; halves of those that are lost."""
+        cells = parts[0].cell.joined([item.cell for item in parts[1:]])
+        far = np.array([item.far for item in parts])
+        turned = np.array([item.turned for item in parts])
+        through, over = np.zeros(len(parts), dtype=bool), np.full(len(parts), LOOKS[-1])
+        saved = [PassedCells(parts[0].k, cells, far.copy(), turned.copy())]
+        for k in range(parts[0].k + 1, LOOKS[-1] + 1):
             cells, way, heading = self.limited.after(cells, self.inputs)
             far[cells.begin] = np.maximum(far[cells.begin], way)
             turned[cells.begin] = np.maximum(turned[cells.begin], heading)
             radius = cells.radius
             good = np.isfinite(cells.c).all(axis=1) & (radius[:, 2] < LOST[0])
             good &= (radius[:, V] < LOST[1] * self.limited.largest).all(axis=1)
+            over[cells.begin[~good]] = k
             cells = cells.only(good)
             if len(cells.c) and k in LOOKS:
                 inside = self._settled(cells, k)
@@ -108,22 +151,73 @@ class _Search:
                 cells = cells.only(~inside)
             if not len(cells.c):
                 break
+            if k in CUTS:
+                saved.append(PassedCells(k, cells, far.copy(), turned.copy()))
         self.position = max(self.position, far[through].max(initial=0.0))
         self.heading = max(self.heading, turned[through].max(initial=0.0))
-        return np.flatnonzero(~through)
+        lost = np.flatnonzero(~through)
+        return [half for i in lost for half in _halved(saved, int(i), parts[i], int(over[i]))]
 
     def _settled(self, cells: StartCells, k: int) -> NDArray[np.bool_]:
         """Which cells need no limits any more and come in."""
-        rest = self.limited.rest(cells, self.pushed[:, -cells.pushes :])
-        course = self.settling.course(rest)
         inside = np.zeros(len(cells.c), dtype=bool)
-        inside[course.through] = True
+        rest = self.limited.rest(cells, self.pushed[:, self.pushed.shape[1] - cells.pushes :])
+        likely = np.flatnonzero(self.settling.likely(rest))
+        if not len(likely):
+            return inside
+        course = self.settling.course(rest[likely])
+        inside[likely[course.through]] = True
         if inside.any():
             self.samples = max(self.samples, k)
             self.position = max(self.position, course.position)
             self.heading = max(self.heading, course.heading)
             self.entry = np.maximum(self.entry, course.rest.max(axis=0))
         return inside
+
+
+def _halved(
+    saved: Sequence[PassedCells], place: int, part: StartPart, over: int
+) -> list[StartPart]:
+    """The halves of a part that was lost after ``over`` samples, cut as early as it is wide.
+
+    NoCorridorError where it is not wide at all.
+    """
+    share = part.share
+    while share > FINEST:
+        for item in saved:
+            at = item.part(place, part)
+            if at is None or item.k >= over:
+                break
+            row = _widest(at, share)
+            if row is not None:
+                halves = at.cell.halves(row)
+                starts = halves.c[:, :3] if at.k == 0 else [part.start, part.start]
+                cells = [halves.only(np.array([i])) for i in (0, 1)]
+                return [
+                    replace(at, cell=cell, start=start, share=share)
+                    for cell, start in zip(cells, starts, strict=True)
+                ]
+        share *= FINER
+    raise _lost(part)
+
+
+def _widest(part: StartPart, share: float) -> int | None:
+    """Element of the state in which a part is widest, None where it is not too wide."""
+    size, most = part.cell.radius[0, :ROBOT], np.array(WIDTHS) * share
+    if part.k == 0:
+        size, most = size[:3], np.array(WIDEST) * min(share, BEGUN)
+    else:
+        low, high = part.cell.velocities
+        size[V] = (high - low)[0] / 2
+    return int((size / most).argmax()) if (size > most * (1 + NARROW)).any() else None
+
+
+def _lost(part: StartPart) -> NoCorridorError:
+    place = ", ".join(f"{x:.2g}" for x in part.start)
+    return NoCorridorError(
+        f"limits may act, and from a start off by about ({place}) m, m, rad it is not known to "
+        "come back"
+    )
 
 
 def _pushed(certifier: Certifier, inputs: Inputs) -> Floats:
@@ -143,12 +237,3 @@ def _cut(start: Floats) -> tuple[Floats, Floats]:
     ways = [s / n * (2 * np.arange(n) + 1 - n) for s, n in zip(start, counts, strict=True)]
     middle = np.stack(np.meshgrid(*ways, indexing="ij"), axis=-1).reshape(-1, 3)
     return middle, np.tile(start / counts * (1 + COARSE), (len(middle), 1))
-
-
-def _halved(middle: Floats, width: Floats) -> tuple[Floats, Floats]:
-    """Cells cut in two where they are widest."""
-    rows, axis = np.arange(len(middle)), (width / WIDEST).argmax(axis=1)
-    half, step = width.copy(), np.zeros_like(middle)
-    half[rows, axis] *= 0.5 * (1 + COARSE)
-    step[rows, axis] = width[rows, axis] / 2
-    return np.vstack([middle - step, middle + step]), np.vstack([half, half])

@@ -44,6 +44,11 @@ class Rows:
             self.c + far, one + two, self.error + np.abs(times) * other.error + COARSE * lost
         )
 
+    def of_axis(self, axis: int) -> Rows:
+        """Of one axis alone."""
+        one = slice(axis, axis + 1)
+        return Rows(self.c[:, one], self.rows[:, one], self.error[:, one])
+
     def times(self, by: Floats) -> Rows:
         """So many times each."""
         none = Rows(np.zeros_like(self.c), np.zeros((*self.c.shape, 0)), np.zeros_like(self.c))

@@ -1,0 +1,59 @@
+"""Starts from which limits act: from how far off there is a corridor, and what that costs.
+
+``python -m benchmarks.starts [--quick] [--out docs/corridor.md]``.  prox on ``safe-simulation``
+until the robot changes, as it ships and with a slower observer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from time import process_time
+
+from benchmarks.parts import page_parser, renew
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor.clearance import length, rounded
+
+NAME = "starts"
+"""Of the part of the page that this writes."""
+Start = tuple[float, float, float]
+SHIPS: Sequence[Start] = (
+    (0.003, 0.003, 0.02), (0.005, 0.005, 0.02), (0.01, 0.01, 0.05), (0.02, 0.02, 0.075),
+    (0.05, 0.01, 0.05), (0.01, 0.05, 0.15), (0.03, 0.03, 0.075),
+)  # fmt: skip
+"""Ahead, aside, turned [m, m, rad]."""
+SLOWER: Sequence[Start] = ((0.03, 0.03, 0.075), (0.01, 0.05, 0.15))
+"""The same with the observer of SLOW [1/s]."""
+SLOW = 2.301
+
+
+def row(start: Start, more: dict[str, object]) -> str:
+    """A start: what the corridor of prox takes and is."""
+    begun = process_time()
+    tube = find_corridor(scenario_of("safe-simulation", {"corridor.start": start, **more}), "prox")
+    spent = process_time() - begun
+    ahead, aside = (f"{1e3 * x:g} mm" for x in start[:2])
+    words = f"{ahead}, {aside}, {start[2]:g} rad{f', wo = {SLOW:g}' if more else ''}"
+    if tube.position is None or tube.heading is None:
+        return f"| {words} | {spent:.1f} s | none: {tube.refused} | | |"
+    acts = f"{tube.settling:g} s" if tube.settling else "never"
+    within = f"{length(tube.position)} | {rounded(tube.heading, 2)} rad"
+    return f"| {words} | {spent:.2g} s | {acts} | {within} |"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the table, and with ``--out`` renew it."""
+    given = page_parser(__doc__, "the nearest two starts").parse_args(arguments)
+    slow: dict[str, object] = {"gains.prox.wo": SLOW}
+    every = [(item, {}) for item in SHIPS] + [(item, slow) for item in SLOWER]
+    head = ("start: ahead, aside, turned", "CPU time", "limits may act for", "within", "turned")
+    rows = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    for start, more in every[:2] if given.quick else every:
+        rows.append(row(start, more))
+        print(rows[-1], flush=True)
+    if given.out:
+        renew(given.out, NAME, "\n".join(rows))
+
+
+if __name__ == "__main__":
+    main()
