@@ -174,11 +174,12 @@ def test_check_has_every_finding_by_its_name(wmr, monkeypatch):
     )
 
 
-def test_only_a_section_names_what_is_said_of_its_keys(monkeypatch):
-    keys = ("filter", "filter.hold", "filterless", "clock.control")
+def test_only_filter_lists_what_is_asked_of_its_numbers(monkeypatch):
+    keys = ("filter", "filter.hold", "filterless", "guard", "guard.alpha")
     notes = [check.Note(None, key, f"on {key}") for key in keys]
     monkeypatch.setattr(check, "_findings", lambda answers: iter(notes))
     assert [item.key for item in check._about(None, "filter")] == ["filter", "filter.hold"]
+    assert [item.key for item in check._about(None, "guard")] == ["guard"]
 
 
 def test_check_says_what_concerns_all_laws_once(wmr):

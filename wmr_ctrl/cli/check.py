@@ -333,7 +333,8 @@ def _findings(answers: Answers) -> Iterator[Note]:
 def _about(answers: Answers, name: str) -> list[Note]:
     """The findings on a law, a key or a subject; ArgumentError where there is none."""
     every = list(_findings(answers))
-    chosen = [n for n in every if name in (n.law, n.key, n.key.partition(".")[0])]
+    own = name == "filter"  # whose numbers are asked about, too
+    chosen = [n for n in every if name in (n.law, n.key) or (own and n.key.startswith("filter."))]
     if not chosen:
         names = dict.fromkeys((*answers.warned, *(item.key for item in every)))
         raise ArgumentError(f"--only {name!r} is not among the findings: {', '.join(names)}.")
