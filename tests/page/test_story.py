@@ -67,7 +67,8 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
 def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wmr_ctrl.page.scenes.PERIODS", ())
     monkeypatch.setattr("wmr_ctrl.page.scenes.LATE", ())
-    scenario = load_scenario("safe-simulation")
+    brief = {"clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60.0}]}
+    scenario = override(load_scenario("safe-simulation"), brief)
     scene = PageScene("near", "Near", "", scenario, ("prox",))
 
     tubes = content_of([scene], ("prox", "pid"), 0, lambda share: None).data["scenes"][0]["tubes"]
@@ -75,11 +76,11 @@ def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> 
     course = run_corridor(scenario, "prox").course
     assert course is not None
     assert list(tubes) == ["prox"]
-    assert len(tubes["prox"]["widths"]) == 800
-    assert tubes["prox"]["widths"] == [max(course[0, k : k + 10]) for k in range(0, 8000, 10)]
+    assert len(tubes["prox"]["widths"]) == 30
+    assert tubes["prox"]["widths"] == [max(course[0, k : k + 10]) for k in range(0, 300, 10)]
     shown = length(course[0].max())
     assert {**tubes["prox"], "widths": 0} == {
-        "widths": 0, "every": pytest.approx(0.1), "shown": shown, "until": 80.0,
+        "widths": 0, "every": pytest.approx(0.1), "shown": shown, "until": 3.0,
     }  # fmt: skip
 
 
