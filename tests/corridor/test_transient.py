@@ -125,6 +125,7 @@ def test_a_cell_is_held_by_its_halves(limited):
         assert not halves.pushes
 
 
+@pytest.mark.slow
 def test_runs_of_the_oracle_stay_in_one_of_the_halves(limited):
     scenario, first, samples = load_scenario("safe-simulation"), 10, 16
     middle, width = np.array([0.05, 0.05, 0.15]), np.array([0.001, 0.001, 0.005])
