@@ -38,7 +38,7 @@ PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.1, 10, 0.5, 0.03
 """Seconds and samples that are followed at once; seconds after which some samples' columns stand
 for all, and between these."""
-BRIEF, SLOW, SPREAD = 0.2, 2.0, 1.2
+BRIEF, SLOW, SPREAD = 0.05, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
 KEPT, MOST_TOGETHER = 4, 8
 """Stretches that are kept, and the most chunks of one."""
