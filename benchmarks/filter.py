@@ -27,23 +27,29 @@ BANDED = {
     "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
     "filter.frequency": (2.9, 3.6), "clock.control": 0.05,
 }  # fmt: skip
-CASES: Mapping[str, tuple[Mapping[str, Any], int]] = {
-    "clip": ({"filter.kind": "clip"}, 100_000),
-    "governor": (GOVERNED, 100_000),
-    "governor, delay of 0 to 30 ms": ({**GOVERNED, "filter.delay": (0.0, 0.03)}, 100_000),
-    "governor, all at once": ({
-        **GOVERNED, "filter.delay": (0.02, 0.06), "filter.losses": 1, "filter.jitter": 0.004,
-        "filter.age": 0.12,
-    }, 20_000),
-    "band of 50 commands": (BANDED, 10_000),
+ALL = {
+    **GOVERNED, "filter.delay": (0.02, 0.06), "filter.losses": 1, "filter.jitter": 0.004,
+    "filter.age": 0.12,
 }  # fmt: skip
+BESIDE = {**ALL, "filter.wheel_speed": 1.2, "filter.scale": "turn"}
+CASES: Mapping[str, tuple[Mapping[str, Any], int, float]] = {
+    "clip": ({"filter.kind": "clip"}, 100_000, 0.0),
+    "governor": (GOVERNED, 100_000, 0.0),
+    "governor, delay of 0 to 30 ms": ({**GOVERNED, "filter.delay": (0.0, 0.03)}, 100_000, 0.0),
+    "governor, all at once": (ALL, 50_000, 0.0),
+    "the same, odometry 100 ms old": (ALL, 50_000, 0.1),
+    "the same with a limit for wheels, turning first": (BESIDE, 20_000, 0.0),
+    "that, odometry 100 ms old": (BESIDE, 20_000, 0.1),
+    "band of 50 commands": (BANDED, 10_000, 0.0),
+}
+"""Settings, steps of a round, and the age of odometry [s]."""
 FLOOR = "clip by hand"
 
 
 def candidates() -> dict[str, Candidate]:
     """The floor and every case."""
     found = {}
-    for name, (changes, steps) in CASES.items():
+    for name, (changes, steps, age) in CASES.items():
         scenario = load_scenario("paper-simulation", {**STATED, **changes})
         system, draw = filter_system(scenario), np.random.default_rng(0)
         library = load_filter(scenario, "filter_step")
@@ -52,7 +58,7 @@ def candidates() -> dict[str, Candidate]:
         rows = np.zeros((64, width))
         rows[:, :2] = np.repeat(draw.uniform(-2, 2, (16, 2)), 4, axis=0)
         if width > 3:
-            rows[:, 2:4] = draw.uniform(-0.3, 0.3, (64, 2))
+            rows[:, 2:4], rows[:, 4] = draw.uniform(-0.3, 0.3, (64, 2)), age
         if not found:
             run = in_place(library.hand_step, rows, state, system.y.numel())
             found[FLOOR] = Candidate(partial(run, 500_000), 500_000)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -209,3 +210,22 @@ def test_what_parameters_make_alone_leaves_the_kernel() -> None:
         assert slow in before
         assert slow not in rest
     assert "p[1]" in rest
+
+
+@pytest.mark.parametrize("first", ["", "#undef __SSE2__"])
+@pytest.mark.parametrize("seed", range(4))
+def test_pairs_have_the_bits_of_single_values(seed: int, first: str) -> None:
+    """Two copies of a random graph, results side by side; with vectors, and without."""
+    graph, x = random_graph(f"twice{seed}", seed), ca.SX.sym("x", 2 * INPUTS)
+    both = [ca.if_else(x[0] > 0, graph.function(ca.expm1(0.1 * x[k::2])), x[k]) for k in (0, 1)]
+    named, y = {"x": x}, ca.vec(ca.horzcat(*both).T)
+    single = kernel(f"single{seed}", "One by one.", named, {"y": y})
+    paired = replace(kernel(f"paired{seed}", "In pairs.", named, {"y": y}), pairs=True)
+    text, draw = definition(paired), np.random.default_rng(seed)
+    one_by_one, in_pairs = compiled([single, paired], first=first)
+
+    assert text.count("wmr_two_") > 100
+    assert "if (" in text
+    for size in (1.0, 1.0, -1.0, 30.0, 600.0):
+        given = size * np.abs(draw.normal(size=2 * INPUTS))
+        assert np.array_equal(in_pairs(given), one_by_one(given), equal_nan=True)

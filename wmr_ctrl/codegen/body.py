@@ -12,26 +12,33 @@ from wmr_ctrl.codegen.items import (
     Item,
     Operation,
     PackedStore,
+    Pair,
     ResultStore,
     SinCos,
     Slice,
+    Two,
     branched,
     computed,
     replaced,
     statements,
 )
-from wmr_ctrl.codegen.reroll import Place, fused, reroll
+from wmr_ctrl.codegen.pairs import CHOSEN, COMPARED, PAIRED, Paired, PairStore, in_pairs
+from wmr_ctrl.codegen.reroll import Place, fused, reroll, shared_rooms
 from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
 FEWEST = 4
 """Exponentials that are worth an array."""
-AMPLE = 1024
-"""Numbers of local arrays up to which each has room of its own."""
 
 
-def body(graph: Graph, dialect: Dialect) -> list[str]:
-    """Statements of a function that computes the graph: branches, loops, and results last."""
+def body(graph: Graph, dialect: Dialect, *, pairs: bool = False) -> list[str]:
+    """Statements of a function that computes the graph: branches, loops, and results last.
+
+    ``pairs``: what is alike is computed in pairs instead, where the dialect has them (`in_pairs`).
+    """
+    if pairs and dialect.pairs:
+        paired = in_pairs(graph, statements(graph))
+        return _Writer(graph, dialect, branched(graph, paired.items), {}, paired).text()
     items = branched(graph, statements(graph))
     if dialect.exp_batch:
         items = batch_exponentials(graph, items)
@@ -99,46 +106,18 @@ def pack_stores(items: Sequence[Item], places: Mapping[int, tuple[str, int]]) ->
     return replaced(items, packs) if packs else list(items)
 
 
-def shared_rooms(
-    items: Sequence[Item], places: Mapping[int, Place], folded: Iterable[ArrayLoop]
-) -> tuple[dict[str, str], dict[str, int]]:
-    """Name in C of every local array, and sizes by name: what is read no more makes room."""
-    sizes, ends, inner = dict[str, int](), dict[str, int](), set(folded)
-    reads = {number: item.reads for item in inner for number in item.defines}
-    begins = dict[str, int]()
-    for at, item in enumerate(items):
-        if item in inner:
-            continue
-        wanted, seen = [*item.reads, *item.defines], set[int]()
-        while wanted:
-            number = wanted.pop()
-            if number in seen:
-                continue
-            seen.add(number)
-            if number in reads:
-                wanted.extend(reads[number])
-            elif number in places:
-                array, index = places[number]
-                sizes[array] = max(sizes.get(array, 0), index + 1)
-                begins.setdefault(array, at)
-                ends[array] = at
-    if sum(sizes.values()) <= AMPLE:
-        return {}, sizes
-    rooms, taken = dict[str, str](), dict[str, tuple[int, int]]()
-    for array in sorted(sizes, key=lambda name: (begins[name], -sizes[name])):
-        free = [name for name, (_, end) in taken.items() if end < begins[array]]
-        room = min(free, key=lambda name: abs(taken[name][0] - sizes[array]), default=array)
-        size = max(sizes[array], taken.get(room, (0, 0))[0])
-        rooms[array], taken[room] = room, (size, ends[array])
-    return rooms, {name: size for name, (size, _) in taken.items()}
-
-
 class _Writer:
     """Writes the items of one function."""
 
     def __init__(
-        self, graph: Graph, dialect: Dialect, items: Sequence[Item], places: Mapping[int, Place]
+        self,
+        graph: Graph,
+        dialect: Dialect,
+        items: Sequence[Item],
+        places: Mapping[int, Place],
+        paired: Paired | None = None,
     ) -> None:
+        self.paired = paired
         self.graph, self.dialect, self.items, self.places = graph, dialect, items, places
         self.grouped = {
             number: (item.array, index)
@@ -171,6 +150,12 @@ class _Writer:
             elif isinstance(item, IfElse):
                 write = self._lane_block if self.dialect.lanes else self._branch
                 found.extend(write(item, indent))
+            elif isinstance(item, Pair):
+                kind = "wmr_two_bits" if item.op in COMPARED else "wmr_two"
+                found.append(f"{indent}const {kind} {item.name} = {self._paired(item)};")
+            elif isinstance(item, PairStore):
+                at = f"{item.vector} + {item.index}" if item.index else item.vector
+                found.append(f"{indent}wmr_two_to({at}, {self._two(item.values)});")
             elif isinstance(item, PackedStore):
                 four = self._four(item.target, map(self._expression, item.defines))
                 found.append(indent + four)
@@ -198,6 +183,30 @@ class _Writer:
         ]
         return [f"{indent}{name}[{size}];", *fours, called]
 
+    def _paired(self, item: Pair) -> str:
+        if item.op is None:
+            ((one, other),) = item.operands
+            return f"wmr_two_of({self._real(one)}, {self._real(other)})"
+        if item.op == SELECT:
+            (condition, other), *arms = item.operands
+            if condition != other:
+                assert self.paired is not None
+                mask = self.paired.masks[condition, other].name
+                return CHOSEN.format(mask, *map(self._two, arms))
+            return PAIRED[SELECT].format(self._truth(condition), *map(self._two, arms))
+        return {**PAIRED, **COMPARED}[item.op].format(*map(self._two, item.operands))
+
+    def _two(self, values: Two) -> str:
+        """Two values as a pair."""
+        assert self.paired is not None
+        if values in self.paired.names:
+            return self.paired.names[values]
+        one, other = values
+        if one == other:
+            return f"wmr_two_all({self._real(one)})"
+        array, start = self.graph.nodes[one].place or ("", 0)
+        return f"wmr_two_at({array} + {start})" if start else f"wmr_two_at({array})"
+
     def _four(self, target: Slice, given: Iterable[str]) -> str:
         array = self._room(target.array)
         at = f"{array} + {target.start}" if target.start else array
@@ -218,8 +227,14 @@ class _Writer:
 
     def _name(self, number: int) -> str:
         node = self.graph.nodes[number]
+        if self.paired is not None and number in self.paired.place:
+            pair, k = self.paired.place[number]
+            return f"wmr_two_{'second' if k else 'first'}({pair})"
         place = node.place or self.places.get(number) or self.grouped.get(number)
         if place is not None:
+            inner = None if node.place else self._folded_at(*place)
+            if inner is not None:
+                return f"({self._looped(inner, place[1] - inner.target.start, '')})"
             return f"{self._room(place[0])}[{place[1]}]"
         return self.dialect.number(node.number) if node.leaf else f"t{number}"
 
@@ -240,23 +255,23 @@ class _Writer:
         head = f"{indent}for (int j = 0; j < {loop.length}; ++j) {{"
         return [head, f"{indent}{_STEP}{target} = {self._looped(loop, 0)};", f"{indent}}}"]
 
-    def _looped(self, loop: ArrayLoop, shift: int) -> str:
-        """Element ``shift + j`` of a loop's result."""
+    def _looped(self, loop: ArrayLoop, shift: int, j: str = "j") -> str:
+        """Element ``shift + j`` of a loop's result; without ``j`` that of one line."""
         if loop.op == SELECT:
             condition, *arms = loop.operands
             assert isinstance(condition, int)  # the same for all elements
-            yes, no = (self._element(operand, shift) for operand in arms)
+            yes, no = (self._element(operand, shift, j) for operand in arms)
             return self.dialect.choice(self._truth(condition), yes, no)
-        shown = [self._element(operand, shift) for operand in loop.operands]
+        shown = [self._element(operand, shift, j) for operand in loop.operands]
         return shown[0] if loop.op is None else self.dialect.pattern(loop.op).format(*shown)
 
-    def _element(self, operand: Slice | int, shift: int) -> str:
+    def _element(self, operand: Slice | int, shift: int, j: str) -> str:
         if isinstance(operand, int):
             return self._real(operand)
         inner = self._folded_at(operand.array, operand.start + shift)
         if inner is not None:
-            return f"({self._looped(inner, operand.start + shift - inner.target.start)})"
-        return f"{self._room(operand.array)}[{_shifted(operand.start + shift)}]"
+            return f"({self._looped(inner, operand.start + shift - inner.target.start, j)})"
+        return f"{self._room(operand.array)}[{_shifted(operand.start + shift, j)}]"
 
     def _folded_at(self, array: str, index: int) -> ArrayLoop | None:
         for loop in self.loops:
@@ -266,11 +281,17 @@ class _Writer:
         return None
 
     def _branch(self, block: IfElse, indent: str) -> list[str]:
-        found = [f"{indent}{self._type(k)} {self._name(k)};" for k in block.defines]
+        twos = [item for item in block.choices if isinstance(item, Pair)]
+        single = [item.node for item in block.choices if isinstance(item, Operation)]
+        found = [f"{indent}{self._type(k)} {self._name(k)};" for k in single]
+        found += [f"{indent}wmr_two {item.name};" for item in twos]
+        inner = indent + _STEP
         found.append(f"{indent}if ({self._truth(block.condition)}) {{")
-        found += self._arm(block.then, block.defines, 1, indent + _STEP)
+        found += self._arm(block.then, single, 1, inner)
+        found += [f"{inner}{item.name} = {self._two(item.operands[1])};" for item in twos]
         found.append(f"{indent}}} else {{")
-        found += self._arm(block.other, block.defines, 2, indent + _STEP)
+        found += self._arm(block.other, single, 2, inner)
+        found += [f"{inner}{item.name} = {self._two(item.operands[2])};" for item in twos]
         return [*found, f"{indent}}}"]
 
     def _arm(
@@ -304,5 +325,5 @@ class _Writer:
         return [*found, f"{indent}}}"]
 
 
-def _shifted(start: int) -> str:
-    return f"j + {start}" if start else "j"
+def _shifted(start: int, j: str = "j") -> str:
+    return f"{j} + {start}" if j and start else j or f"{start}"

@@ -58,7 +58,7 @@ class Dialect:
 
     ``exp_batch``: independent exponentials are computed side by side, in arrays of multiples of
     this size; 0: one by one.  ``packs_stores``: single operations that fill an array do so four at
-    a time.  ``pairs_sines``: sine and cosine of one angle are one call.
+    a time.  ``pairs_sines``: sine and cosine of one angle are one call.  ``pairs``: it has pairs.
     """
 
     header: str
@@ -69,6 +69,7 @@ class Dialect:
     exp_batch: int = 0
     packs_stores: bool = False
     pairs_sines: bool = False
+    pairs: bool = False
 
     def pattern(self, op: int) -> str:
         """The expression of an operation, with {0} and {1} for its operands."""
@@ -103,7 +104,14 @@ class Dialect:
 HEADER = "arithmetic.h"
 """The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
 SCALAR = Dialect(
-    HEADER, "double", "int", MappingProxyType(_SCALAR), lanes=False, exp_batch=8, packs_stores=True
+    HEADER,
+    "double",
+    "int",
+    MappingProxyType(_SCALAR),
+    lanes=False,
+    exp_batch=8,
+    packs_stores=True,
+    pairs=True,
 )
 LANES = Dialect(
     HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, exp_batch=1, pairs_sines=True

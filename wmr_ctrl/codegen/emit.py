@@ -43,7 +43,8 @@ class Kernel:
     """One C function: its name, what it does, its graph, and the C names of its vectors.
 
     ``prepared``: what is slow and hangs on the parameters alone is computed by a second function,
-    wmr_NAME_prepare, when they are set.
+    wmr_NAME_prepare, when they are set.  ``pairs``: so is all that hangs on them alone, and what is
+    alike is computed in pairs.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Kernel:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     prepared: bool = False
+    pairs: bool = False
 
     @cached_property
     def graph(self) -> Graph:
@@ -99,15 +101,19 @@ def definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
     """
     graph, names = item.graph, (*_given(item), *item.outputs)
     if not item.prepared:
-        return framed(item, prototype(item, dialect), graph, names, body(graph, dialect))
-    before, graph = split(graph)
+        return framed(
+            item, prototype(item, dialect), graph, names, body(graph, dialect, pairs=item.pairs)
+        )
+    before, graph = split(graph, whole=item.pairs)
     first = replace(item, meaning=f"What {item.name} takes of the parameters alone.")
     vectors = (PARAMETERS, PREPARED)
     return (
         f"#define {length(item)} {len(before.stores)}\n"
         + framed(first, preparation(item, dialect), before, vectors, body(before, dialect))
         + "\n"
-        + framed(item, prototype(item, dialect), graph, names, body(graph, dialect))
+        + framed(
+            item, prototype(item, dialect), graph, names, body(graph, dialect, pairs=item.pairs)
+        )
     )
 
 
@@ -136,13 +142,13 @@ def _signature(name: str, inputs: Iterable[str], outputs: Iterable[str], dialect
     return f"WMR_KERNEL void wmr_{name}({', '.join(given + wanted)})"
 
 
-def split(graph: Graph) -> tuple[Graph, Graph]:
+def split(graph: Graph, *, whole: bool = False) -> tuple[Graph, Graph]:
     """The graph of slow values of parameters alone, and the graph that reads them as a vector.
 
-    Slow: a division, root or function stands somewhere in the value.  Together they compute what
-    the whole does, in the same bits.
+    Slow: a division, root or function stands somewhere in the value; with ``whole`` all values of
+    parameters alone count.  Together both compute what the whole does, in the same bits.
     """
-    wanted = _wanted(graph)
+    wanted = _wanted(graph, whole)
     nodes = list(graph.nodes)
     before = [Store(PREPARED, index, number) for index, number in enumerate(wanted)]
     places = {number: (PREPARED, index) for index, number in enumerate(wanted)}
@@ -154,16 +160,23 @@ def split(graph: Graph) -> tuple[Graph, Graph]:
     return graphs.without_unused(nodes, before), after
 
 
-def _wanted(graph: Graph) -> list[int]:
-    """Slow steady values that something changing, or a result, reads."""
+def _wanted(graph: Graph, whole: bool) -> list[int]:
+    """Slow steady values, or all, that something changing or a result reads; like ones together."""
     kind, slow = graphs.kinds(graph.nodes), list[bool]()
     for number, node in enumerate(graph.nodes):
         slow.append(graph.cost(number) > 1 or any(slow[k] for k in node.operands))
     readers = [node for number, node in enumerate(graph.nodes) if kind[number] == graphs.CHANGING]
     read = {number for node in readers for number in node.operands}
     read |= {store.node for store in graph.stores}
-    return sorted(
-        number
-        for number in read
-        if kind[number] == graphs.STEADY and slow[number] and not graph.is_logical(number)
-    )
+    steady = sorted(number for number in read if kind[number] == graphs.STEADY)
+    if not whole:
+        return [k for k in steady if slow[k] and not graph.is_logical(k)]
+    free = [number for number in steady if not graph.nodes[number].leaf]
+    return sorted(free, key=lambda number: _form(graph, number))
+
+
+def _form(graph: Graph, number: int) -> tuple[int, list[float]]:
+    """Operation of a value, and the plain numbers that it takes."""
+    node = graph.nodes[number]
+    operands = (graph.nodes[k] for k in node.operands)
+    return node.op, [item.number for item in operands if item.op == ca.OP_CONST]

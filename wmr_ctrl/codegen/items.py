@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 
 from wmr_ctrl.model.graph import SELECT, Graph, Store
 
+Two = tuple[int, int]
+"""Numbers of two values."""
+
 
 @dataclass(frozen=True, eq=False)
 class Item:
@@ -39,12 +42,29 @@ class ResultStore(Item):
 
 
 @dataclass(frozen=True, eq=False)
+class Pair(Item):
+    """A pair by its name: ``op`` of pairs, of single values for both, of neighbours in a vector.
+
+    None joins two values.  ``needs``: what has to be computed before, by operand.
+    """
+
+    name: str = ""
+    op: int | None = None
+    operands: tuple[Two, ...] = ()
+    needs: tuple[frozenset[int], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
 class IfElse(Item):
-    """``if (condition) then else other``; it defines the choices that share the condition."""
+    """``if (condition) then else other``; it defines the choices that share the condition.
+
+    ``choices`` are these, as they stood before.
+    """
 
     condition: int = 0
     then: tuple[Item, ...] = ()
     other: tuple[Item, ...] = ()
+    choices: tuple[Operation | Pair, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -136,6 +156,7 @@ def replaced(items: Iterable[Item], new: Sequence[Item]) -> list[Item]:
     return scheduled([*new, *rest])
 
 
+Choice = Operation | Pair
 WORTH = 15
 """Cost (see `Graph.cost`) of what a branch saves, from which on it is made."""
 
@@ -173,12 +194,18 @@ class _Scope:
         self.uses = Counter(
             self.maker[number] for item in items for number in item.reads if number in self.maker
         )
-        self.choices: dict[int, list[Operation]] = {}
+        self.choices: dict[int, list[Choice]] = {}
         for item in items:
             if isinstance(item, Operation) and graph.nodes[item.node].op == SELECT:
                 condition = graph.nodes[item.node].operands[0]
-                if not graph.nodes[condition].leaf:
-                    self.choices.setdefault(condition, []).append(item)
+            elif isinstance(item, Pair) and item.op == SELECT:
+                condition, other = item.operands[0]
+                if condition != other:
+                    continue
+            else:
+                continue
+            if not graph.nodes[condition].leaf:
+                self.choices.setdefault(condition, []).append(item)
 
 
 class _Branch:
@@ -192,21 +219,33 @@ class _Branch:
 
     def contracted(self) -> list[Item]:
         """The scope with choices and cones replaced by one block."""
-        defines = tuple(item.node for item in self.choices)
-        operands = [self.graph.nodes[number].operands for number in defines]
-        arms = [computed(self.graph, [pair[side] for pair in operands]) for side in (1, 2)]
-        inner = [
+        defines = tuple(number for item in self.choices for number in item.defines)
+        arms = [
+            frozenset().union(*(self._needs(item)[side - 1] for item in self.choices))
+            for side in (1, 2)
+        ]
+        then, other = (
             tuple(branched(self.graph, cone, arm, worth=self.worth))
             for cone, arm in zip((self.then, self.other), arms, strict=True)
-        ]
+        )
         parts = [*self.then, *self.other]
         made = {number for item in parts for number in item.defines}
         reads = frozenset({self.condition}).union(*arms, *(item.reads for item in parts)) - made
-        block = IfElse(defines, reads, _cost(parts) + len(defines), self.condition, *inner)
+        cost = _cost(parts) + len(defines)
+        block = IfElse(defines, reads, cost, self.condition, then, other, tuple(self.choices))
         gone = {*self.choices, *parts}
         return [*(item for item in self.scope.items if item not in gone), block]
 
-    def _independent_choices(self) -> list[Operation]:
+    def _needs(self, item: Choice) -> tuple[frozenset[int], frozenset[int]]:
+        """What has to be computed before, on either side."""
+        if isinstance(item, Pair):
+            _, yes, no = item.needs
+            return yes, no
+        _, *arms = self.graph.nodes[item.node].operands
+        yes, no = (computed(self.graph, [arm]) for arm in arms)
+        return yes, no
+
+    def _independent_choices(self) -> list[Choice]:
         """Choices on the condition none of which depends on another."""
         listed, position = self.scope.choices[self.condition], self.scope.position
         first, last = position[listed[0]], position[listed[-1]]
@@ -229,8 +268,9 @@ class _Branch:
         scope, left = self.scope, dict[Item, int]()
         inside: list[Item] = []
         choices = set(self.choices)
-        read = (self.graph.nodes[item.node].operands for item in self.choices)
-        waiting = [pair[side] for pair in read if pair.count(pair[side]) == 1]
+        read = (self._needs(item) for item in self.choices)
+        own = (both[side - 1] - both[2 - side] - {self.condition} for both in read)
+        waiting = [number for numbers in own for number in sorted(numbers)]
         while waiting:
             item = scope.maker.get(waiting.pop())
             if item is None or item in choices or item in scope.kept:

@@ -95,7 +95,8 @@ def files_of(
     law: str, system: System, scenario: Scenario, *, float32: bool = False
 ) -> dict[str, str]:
     """The same of a System that is called ``law``: a law's, the filter, the corridor's monitor."""
-    context = _context(law, scenario, system, step_kernel(system), float32)
+    governs = law == FILTER and scenario.filter.kind == "governor"
+    context = _context(law, scenario, system, replace(step_kernel(system), pairs=governs), float32)
     engine = text_engine(_TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
     if law in (FILTER, CORRIDOR):
@@ -142,7 +143,7 @@ def prepared_from(step: Kernel) -> tuple[tuple[int, ...], int]:
 
     None where making them each time costs no more than seeing that they need not be made.
     """
-    before, _ = split(step.graph)
+    before, _ = split(step.graph, whole=step.pairs)
     if sum(before.cost(number) for number in range(len(before.nodes))) < WORTH_KEEPING:
         return (), 0
     places = {node.place[1] for node in before.nodes if node.op == ca.OP_INPUT and node.place}
@@ -175,6 +176,7 @@ def _context(
     return {
         "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
         "period": scenario.clock.control, "float32": float32,
+        "bits": "uint32_t" if float32 else "uint64_t",
         "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
         "largest": largest, "digits": 9 if float32 else 17,
         "inputs": _fields(system.inputs), "state": _fields(system.state),
@@ -195,6 +197,7 @@ def _context(
         "governs": law == FILTER and scenario.filter.kind == "governor",
         "first_order": scenario.filter.loop == "first-order", "gain": scenario.filter.gain[1],
         "made_of": made_of, "prepared": prepared, "tabled": tabled,
+        "made_of_all": made_of == tuple(range(system.p.numel())),
         "tables": TABLE, "form": (form := _form(scenario)),
         "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
         "idle": ["filter_d"] if form == "slew" else [],

@@ -8,7 +8,7 @@ Values of one depth never depend on each other, so any grouping of them can be p
 """
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
@@ -33,6 +33,9 @@ SHORTEST_PART = 4
 """Fewest elements of a loop that fills part of an array which a longer loop reads."""
 SHORTEST_FUSED = 8
 """Loops shorter than this take no other loop into their expression: eight lanes stay eight."""
+
+AMPLE = 1024
+"""Numbers of local arrays up to which each has room of its own."""
 
 _LOOPED = frozenset(
     {ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE, ca.OP_FMIN,
@@ -59,7 +62,7 @@ class _Rerolling:
 
     def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
         self.graph, self.loops = graph, list[ArrayLoop]()
-        self.depth = _depths(items)
+        self.depth = depths(items)
         self.lines = {item.node for item in items if isinstance(item, Operation)}
         self.place = {k: node.place for k, node in enumerate(graph.nodes) if node.place}
         self.given = frozenset(self.place)
@@ -220,7 +223,7 @@ def _alike(before: list[int], operand: int) -> bool:
     return operand == before[0] if before[0] == before[1] else operand not in before
 
 
-def _depths(items: Iterable[Item]) -> dict[int, int]:
+def depths(items: Iterable[Item]) -> dict[int, int]:
     """Longest way from the scope's inputs to each value."""
     depth: dict[int, int] = {}
     for item in items:
@@ -251,9 +254,10 @@ def _looped_results(results: Iterable[ResultStore], local: dict[int, Place]) -> 
 
 
 def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:
-    """Loops whose elements are each read once, by a long loop that reads nothing else of the array.
+    """Loops whose elements are each read once, by long loops that read nothing else of the array.
 
-    Their expressions are written where they are read, with the index shifted.
+    Some few may be read by lines.  Their expressions are written where they are read, with the
+    index shifted.
     """
     reads = _reads(graph, items)
     loops = [item for item in items if isinstance(item, ArrayLoop)]
@@ -287,7 +291,7 @@ def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:
 
 
 def _read_by_loops(loop: ArrayLoop, users: Iterable[ArrayLoop]) -> bool:
-    """True if long loops read all of it, each within its bounds."""
+    """True if long loops read most of it, each within its bounds."""
     covered = 0
     for user in users:
         for operand in user.operands:
@@ -300,4 +304,38 @@ def _read_by_loops(loop: ArrayLoop, users: Iterable[ArrayLoop]) -> bool:
             if start < low or end > high or user.length < SHORTEST_FUSED:
                 return False
             covered += user.length
-    return covered == loop.length
+    return 4 * covered >= 3 * loop.length
+
+
+def shared_rooms(
+    items: Sequence[Item], places: Mapping[int, Place], folded: Iterable[ArrayLoop]
+) -> tuple[dict[str, str], dict[str, int]]:
+    """Name in C of every local array, and sizes by name: what is read no more makes room."""
+    sizes, ends, inner = dict[str, int](), dict[str, int](), set(folded)
+    reads = {number: item.reads for item in inner for number in item.defines}
+    begins = dict[str, int]()
+    for at, item in enumerate(items):
+        if item in inner:
+            continue
+        wanted, seen = [*item.reads, *item.defines], set[int]()
+        while wanted:
+            number = wanted.pop()
+            if number in seen:
+                continue
+            seen.add(number)
+            if number in reads:
+                wanted.extend(reads[number])
+            elif number in places:
+                array, index = places[number]
+                sizes[array] = max(sizes.get(array, 0), index + 1)
+                begins.setdefault(array, at)
+                ends[array] = at
+    if sum(sizes.values()) <= AMPLE:
+        return {}, sizes
+    rooms, taken = dict[str, str](), dict[str, tuple[int, int]]()
+    for array in sorted(sizes, key=lambda name: (begins[name], -sizes[name])):
+        free = [name for name, (_, end) in taken.items() if end < begins[array]]
+        room = min(free, key=lambda name: abs(taken[name][0] - sizes[array]), default=array)
+        size = max(sizes[array], taken.get(room, (0, 0))[0])
+        rooms[array], taken[room] = room, (size, ends[array])
+    return rooms, {name: size for name, (size, _) in taken.items()}

@@ -45,7 +45,12 @@ class FirstOrder:
 
 def drive(u: ca.SX, b: FirstOrder) -> ca.SX:
     """Largest speed towards which the command u may drive the base [m/s or rad/s]."""
-    return b.K_max * ca.fmax(u, 0) - b.K_min * ca.fmax(-u, 0) + b.dbar
+    return ca.fmax(b.K_max * u, b.K_min * u) + b.dbar
+
+
+def drive_back(u: ca.SX, b: FirstOrder) -> ca.SX:
+    """The same of the speed's negative, `drive` of -u, of the products that `drive` has of u."""
+    return b.dbar - ca.fmin(b.K_max * u, b.K_min * u)
 
 
 def largest_command(v_bar: ca.SX, b: FirstOrder) -> ca.SX:
@@ -56,9 +61,11 @@ def largest_command(v_bar: ca.SX, b: FirstOrder) -> ca.SX:
 def relaxed(v: ca.SX, target: ca.SX, most: ca.SX, least: ca.SX) -> ca.SX:
     """Bound of the speed after a while in which it is driven towards at most ``target``.
 
-    ``most`` and ``least`` bound the share of the way that it goes, 1 - exp(-time/tau).
+    ``most`` and ``least`` bound the share of the way that it goes, 1 - exp(-time/tau); the larger
+    of both ways is that of ``most`` towards a target above v, of ``least`` towards one below.
     """
-    return v + ca.if_else(target >= v, most, least) * (target - v)
+    away = v - target
+    return v + ca.fmax(-most * away, -least * away)
 
 
 def admitted(r: Sequence[ca.SX], lo: Sequence[ca.SX], hi: Sequence[ca.SX]) -> list[ca.SX]:
@@ -159,15 +166,15 @@ class SpeedBound:
 
         Pieces before that age do not count, and of the one that it lies in a part.
         """
-        v = ca.fmin(y + self.bounds.nbar, self.bounds.V)
+        v = start = ca.fmin(y + self.bounds.nbar, self.bounds.V)
         pieces = self.schedule.pieces(-self.schedule.age, 0.0, 1) if self.schedule.age else []
         part = self.shares(self.rest(age, pieces))
         for piece in pieces:
             began, over = -age <= piece.start * self.period, -age >= piece.end * self.period
             pairs = zip(self._whole(piece), part, strict=True)
-            most, least = (ca.if_else(began, whole, some) for whole, some in pairs)
+            most, least = (-ca.if_else(began, -whole, -some) for whole, some in pairs)
             v = ca.if_else(over, v, self.carried(v, piece, targets, (most, least)))
-        return v
+        return ca.if_else(age > 0, v, start) if pieces else start
 
     def rest(self, age: ca.SX, pieces: Sequence[Piece]) -> ca.SX:
         """What is left, at this age, of the piece in which it lies [s]."""
@@ -193,12 +200,17 @@ class SpeedBound:
     ) -> ca.SX:
         """Largest bound at any of the instants ``when`` [periods], first and last, after a sample.
 
-        Between the ends of pieces it is monotone.
+        Between the ends of pieces it is monotone.  Pieces with the same commands count from the
+        start of the first of them, so that none has to wait for another.
         """
         first, last = when
         ends = [v] if first <= NEAR else []
+        began, ages = 0.0, None
         for piece in self.schedule.pieces(0.0, last, newest, first) if last else []:
-            v = self.carried(v, piece, targets, self._whole(piece))
+            if piece.ages != ages:  # else carried from where the same commands began to act
+                began, ages, start = piece.start, piece.ages, v
+            shares = self.shares((piece.end - began) * self.period)
+            v = self.carried(start, piece, targets, shares)
             ends += [v] if piece.end >= first - NEAR else []
         return largest(ends)
 

@@ -29,7 +29,7 @@ from wmr_ctrl.filter.channels import (
     usable_command,
     within,
 )
-from wmr_ctrl.filter.governor import NEAR, Schedule, SpeedBound, drive, largest_command
+from wmr_ctrl.filter.governor import NEAR, Schedule, SpeedBound, drive, drive_back, largest_command
 from wmr_ctrl.guard.lateness import Times
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.scenario import Scenario
@@ -162,11 +162,11 @@ class Governor:
     def limits(self) -> Sides:
         """Largest commands that are safe, forwards and backwards, of all channels."""
         sides = []
-        for way, side in zip(WAYS, self.now, strict=True):
-            taken = [m.takeover(side[i], self._targets(way, i)) for i, m in enumerate(self.motions)]
-            v_bar = [
-                ca.if_else(self.trusted, v, b.V) for v, b in zip(taken, self.bounds, strict=True)
-            ]
+        for way, side in zip(WAYS, self.start, strict=True):
+            v_bar = [m.takeover(side[i], self._targets(way, i)) for i, m in enumerate(self.motions)]
+            if self.plan.delay[1]:
+                pairs = zip(v_bar, self.bounds, strict=True)
+                v_bar = [ca.if_else(self.trusted, v, b.V) for v, b in pairs]
             sides.append([largest_command(*pair) for pair in zip(v_bar, self.bounds, strict=True)])
         return sides
 
@@ -193,7 +193,8 @@ class Governor:
         """Speed towards which each command may drive a channel, by its age; [0]: the newest."""
         first = self.before[0].sym if newest is None else newest
         commands, channel = [first, *(item.sym for item in self.before)], self.channels[number]
-        return [drive(way * channel.of(command), channel.bounds) for command in commands]
+        most = drive if way > 0 else drive_back
+        return [most(channel.of(command), channel.bounds) for command in commands]
 
     @property
     def system(self) -> System:

@@ -5,11 +5,19 @@ E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean
 """
 
 from functools import cached_property
+from itertools import product
 
 import casadi as ca
 
 from wmr_ctrl.filter.channels import WAYS
-from wmr_ctrl.filter.governor import FirstOrder, admitted, drive, largest_command, relaxed
+from wmr_ctrl.filter.governor import (
+    FirstOrder,
+    admitted,
+    drive,
+    drive_back,
+    largest_command,
+    relaxed,
+)
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
@@ -61,16 +69,24 @@ class FilterAxis:
 
 @claim("filter.drive", given=INTERVALS)
 def driven(mutation: Mutation) -> Statement:
-    """K u + d <= drive(u) for every u.
+    """K u + d <= drive(u) <= max(K_max u, 0) + dbar, and the same of -u and drive_back(u), for
+    every u.
 
     The speed towards which a command can drive the base, gain and push at their worst.
     """
     a = FilterAxis()
     inside = at_least(a["K"], a["K_min"]), at_least(a["K_max"], a["K"])
     given = (*a.intervals, *inside, at_least(a["dbar"], mutation(1, 0.9) * a["d"]))
-    return Statement(
-        a.symbols, (at_least(drive(a["u"], a.bounds), a["K"] * a["u"] + a["d"]),), given
-    )
+    u, b, reached = a["u"], a.bounds, a["K"] * a["u"]
+    ahead, back = drive(u, b), drive_back(u, b)
+    least = at_least(ahead, reached + a["d"]), at_least(back, a["d"] - reached)
+    most = at_least(highest(u, b), ahead), at_least(highest(-u, b), back)
+    return Statement(a.symbols, (*least, *most), given)
+
+
+def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
+    """What drive(u) does not exceed."""
+    return ca.fmax(b.K_max * u, 0) + b.dbar
 
 
 @claim(
@@ -257,7 +273,7 @@ class AssembledStep:
         """Largest command that the step admits in this direction."""
         return self.graph.limits[self.side][self.axis]
 
-    def given(self, mutation: Mutation, command: ca.SX) -> tuple[Relation, ...]:
+    def given(self, mutation: Mutation, target: ca.SX) -> tuple[Relation, ...]:
         """Hypotheses on base, speed, odometry and exponentials; the mean under a command."""
         graph, axis, f = self.graph, self.axis, self.free
         b, v, y = graph.bounds[axis], f["v"], graph.odometry.sym[axis]
@@ -272,7 +288,7 @@ class AssembledStep:
             above(-least), at_least(least, most), above(1 + most),
             at_least(up, v), at_least(down, -v), at_least(error, y - v), at_least(error, v - y),
             at_least(f["E"], 1 + most), at_least(ca.SX(1), f["E"]), above(graph.T),
-            at_least(drive(command, b), f["mean"]),
+            at_least(target, f["mean"]),
         )  # fmt: skip
 
 
@@ -284,11 +300,7 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
     """
     step = AssembledStep(side, axis)
-    every = {
-        f"limit {s} {i}": step.graph.limits[s][i]
-        for s in range(len(WAYS))
-        for i in range(len(WAYS))
-    }
+    every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
     given = tuple(above(limit) for limit in every.values())
     every["numbers are sound"] = step.graph.sound
     goal = at_least(mutation(1, 0.99) * step.limit, step.way * step.graph.sent[axis])
@@ -308,7 +320,7 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     u, E = step.free["u"], step.free["E"]
-    given = (*step.given(mutation, u), at_least(step.limit, u))
+    given = (*step.given(mutation, drive(u, step.graph.bounds[axis])), at_least(step.limit, u))
     end = E * step.way * step.free["v"] + (1 - E) * step.free["mean"]
     return Statement(step.symbols, (at_least(step.graph.bounds[axis].V, end),), given, step.cuts)
 
@@ -316,7 +328,7 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
 @claim(
     "filter.carried-{id}",
     given=f"{ASSEMBLED}; 0 < tau_min; sent at most the step's limit (filter.sent)",
-    premises="filter.sent-{id}",
+    premises="filter.sent-{id} filter.drive",
     over=SIDES,
 )
 def carried(mutation: Mutation, side: int, axis: int) -> Statement:
@@ -327,10 +339,11 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     v, share, (_, most, least) = step.way * step.free["v"], step.free["share"], step.cuts.values()
-    sent = step.way * step.graph.sent[axis]
+    sent, b = step.way * step.graph.sent[axis], step.graph.bounds[axis]
+    target = (drive, drive_back)[side](step.graph.sent[axis], b)
     within = at_least(step.limit, sent), at_least(share, -least), at_least(-most, share)
-    given = (*step.given(mutation, sent), *within, *step.slow)
+    given = (*step.given(mutation, target), *within, *step.slow, at_least(highest(sent, b), target))
     end = v + share * (step.free["mean"] - v)
-    names = {axis: "sent command", 1 - axis: "other command"}
-    cuts = step.cuts | {name: step.graph.sent[i] for i, name in names.items()}
+    commands = {"sent command": step.graph.sent[axis], "other command": step.graph.sent[1 - axis]}
+    cuts = step.cuts | commands | {"driven towards": target}
     return Statement(step.symbols, (at_least(step.graph.following[side][axis], end),), given, cuts)

@@ -123,8 +123,8 @@ def carried_on(mutation: Mutation) -> Statement:
 
 
 WAYS: tuple[dict[str, Any], ...] = (
-    {"word": "rising", "sign": 1, "told": "target >= w"},
-    {"word": "falling", "sign": -1, "told": "target <= w"},
+    {"word": "rising", "sign": 1, "told": "target >= w", "goes": "most_as"},
+    {"word": "falling", "sign": -1, "told": "target <= w", "goes": "least_as"},
 )
 
 
@@ -136,7 +136,7 @@ WAYS: tuple[dict[str, Any], ...] = (
     premises="filter.rounding.target filter.rounding.rim filter.rounding.relaxed",
     over=WAYS,
 )
-def piece(mutation: Mutation, sign: int) -> Statement:
+def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     """v + share (mean - v) <= relaxed(w, target) - 2^-48 V + (1 - least) e + 2^-44 V.
 
     However short a piece of time is, the speed gains on its computed bound by at most 2^-44 of V.
@@ -144,6 +144,7 @@ def piece(mutation: Mutation, sign: int) -> Statement:
     s = symbols("V w v d target mean share most least most_as least_as e off", "V")
     V, e, most, share = s["V"], s["e"], s["most"], s["share"]
     following = relaxed(s["w"], s["target"], s["most_as"], s["least_as"])
+    least = relaxed(s["w"], s["target"], s[goes], s[goes])
     given = (
         above(V), at_least(s["least"]), at_least(most, s["least"]), at_least(ca.SX(1), most),
         *_computed(s["most_as"], most, s["off"]), *_computed(s["least_as"], s["least"], s["off"]),
@@ -156,7 +157,8 @@ def piece(mutation: Mutation, sign: int) -> Statement:
     )  # fmt: skip
     gained = (1 - s["least"]) * e + mutation(1, 2.0**-7) * PIECE * V
     reached = s["v"] + share * (s["mean"] - s["v"])
-    return Statement(s, (at_least(following - MARGIN * V + gained, reached),), given)
+    goals = at_least(following, least), at_least(least - MARGIN * V + gained, reached)
+    return Statement(s, goals, given)
 
 
 @claim(

@@ -1,0 +1,235 @@
+"""Like operations on two values that lie side by side as one operation on a pair.
+
+What a filter computes of its channels is the same for each, forwards and backwards.  From results
+that lie side by side this walks backwards through the graph: two values of one operation become a
+pair (`wmr_two` of arithmetic.h), which a processor with vectors computes at once, and so do their
+operands, as far as they are alike; two that are not are computed one by one and joined.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from wmr_ctrl.codegen.items import Item, Operation, Pair, ResultStore, Two, computed, replaced
+from wmr_ctrl.codegen.reroll import depths
+from wmr_ctrl.model.graph import SELECT, Graph, Node
+
+PAIRED = {
+    ca.OP_ADD: "wmr_two_add({0}, {1})",
+    ca.OP_SUB: "wmr_two_sub({0}, {1})",
+    ca.OP_MUL: "wmr_two_mul({0}, {1})",
+    ca.OP_DIV: "wmr_two_div({0}, {1})",
+    ca.OP_FMIN: "wmr_two_min({0}, {1})",
+    ca.OP_FMAX: "wmr_two_max({0}, {1})",
+    ca.OP_NEG: "wmr_two_neg({0})",
+    ca.OP_FABS: "wmr_two_abs({0})",
+    ca.OP_EXPM1: "wmr_two_expm1({0})",
+    SELECT: "wmr_two_pick({0}, {1}, {2})",
+}
+"""Operations on pairs as C."""
+CHOSEN = "wmr_two_choose({0}, {1}, {2})"
+"""A choice in which each has its own condition."""
+COMPARED = {ca.OP_LT: "wmr_two_lt({0}, {1})", ca.OP_LE: "wmr_two_le({0}, {1})"}
+"""Comparisons of pairs, as conditions of such choices."""
+
+
+@dataclass(frozen=True, eq=False)
+class PairStore(Item):
+    """Two results side by side, as one."""
+
+    vector: str = ""
+    index: int = 0
+    values: Two = (0, 0)
+
+
+@dataclass(frozen=True)
+class Paired:
+    """Items with pairs; name of each pair, and the pair and position of each value in one.
+
+    ``masks``: pairs of conditions.
+    """
+
+    items: list[Item]
+    names: dict[Two, str]
+    masks: dict[Two, Pair]
+    place: dict[int, tuple[str, int]]
+
+
+def in_pairs(graph: Graph, items: Sequence[Item]) -> Paired:
+    """The items, where what is alike is computed in pairs."""
+    pairing = _Pairing(graph, items)
+    stores, singles = list[Item](), list[Item]()
+    results = [item for item in items if isinstance(item, ResultStore)]
+    waiting = list(results)
+    while waiting:
+        first, second = waiting[0], waiting[1] if len(waiting) > 1 else None
+        two = second and pairing.stored(first, second)
+        if two is None:
+            singles.append(waiting.pop(0))
+            continue
+        stores.append(two)
+        del waiting[:2]
+    pairing.join_twins()
+    others = [item for item in items if not isinstance(item, ResultStore)]
+    listed = replaced([*others, *singles, *stores], pairing.made)
+    return Paired(_needed(listed), pairing.names, pairing.masks, pairing.place)
+
+
+def _needed(items: Sequence[Item]) -> list[Item]:
+    """Those that results hang on: a comparison of a pair leaves its single ones without readers."""
+    found, read = list[Item](), set[int]()
+    for item in reversed(items):
+        if not item.defines or not read.isdisjoint(item.defines):
+            found.append(item)
+            read |= item.reads
+    return found[::-1]
+
+
+class _Pairing:
+    """Pairs of one scope, from results to inputs."""
+
+    def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
+        self.graph, self.made = graph, list[Pair]()
+        self.lines = {item.node for item in items if isinstance(item, Operation)}
+        self.depth = depths(items)
+        self.names, self.maker = dict[Two, str](), dict[Two, Pair]()
+        self.masks = dict[Two, Pair]()
+        self.place = dict[int, tuple[str, int]]()
+
+    def stored(self, first: ResultStore, second: ResultStore) -> PairStore | None:
+        """Two results that are stored as a pair; None where they do not lie side by side."""
+        one, other = first.store, second.store
+        if (one.vector, one.index + 1) != (other.vector, other.index) or one.node == other.node:
+            return None
+        two = one.node, other.node
+        if two not in self.names:
+            if self.beside(two) is None and not self._alike(two) and not self._apart(two):
+                return None
+            self.pair(two)
+        return PairStore((), self._reads(two), 1, one.vector, one.index, two)
+
+    def join_twins(self) -> None:
+        """Make pairs of exponentials that nothing paired yet, and of choices between these."""
+        groups: dict[tuple[int, ...], list[int]] = {}
+        for number in sorted(self.lines - self.place.keys()):
+            node = self.graph.nodes[number]
+            if node.op in (ca.OP_EXPM1, SELECT):
+                key = node.op, self.depth[number], *node.operands[: node.op == SELECT]
+                groups.setdefault(key, []).append(number)
+        for key in sorted(groups, key=lambda key: key[0] == SELECT):
+            two = tuple(groups[key])
+            if len(two) == 2 and (key[0] != SELECT or self._between_pairs(two)):
+                self.pair(two)
+
+    def _between_pairs(self, two: Two) -> bool:
+        return any(o in self.names or self.beside(o) for o in self._operands(two)[1:])
+
+    def pair(self, two: Two) -> None:
+        """Make a pair of two values, and of what they are computed from, where they are alike."""
+        waiting, begun = [(two, False)], set[Two]()
+        while waiting:
+            own, ready = waiting.pop()
+            if self._known(own) or (own in begun and not ready):
+                continue
+            begun.add(own)
+            if not self._alike(own):
+                self._add(own, None, (own,), (computed(self.graph, own),))
+                if self._apart(own):  # what they are computed from may be alike all the same
+                    waiting += [(other, False) for other in self._operands(own)]
+            elif ready:  # by now neither value is in another pair
+                operands = self._operands(own)
+                needs = tuple(map(self._reads, operands))
+                if self._is_choice(own):
+                    needs = frozenset(self._mask(operands[0]).defines), *needs[1:]
+                self._add(own, self.graph.nodes[own[0]].op, operands, needs)
+                self.place |= {number: (self.names[own], k) for k, number in enumerate(own)}
+            else:
+                waiting.append((own, True))
+                operands = self._operands(own)
+                if self._is_choice(own):
+                    operands = *self._operands(operands[0]), *operands[1:]
+                waiting += [(other, False) for other in operands]
+
+    def beside(self, two: Two) -> tuple[str, int] | None:
+        """Where these values lie side by side in a vector."""
+        one, other = (self.graph.nodes[number].place for number in two)
+        if one is None or other != (one[0], one[1] + 1):
+            return None
+        return one
+
+    def _known(self, two: Two) -> bool:
+        return two in self.names or two[0] == two[1] or self.beside(two) is not None
+
+    def _add(
+        self,
+        two: Two,
+        op: int | None,
+        operands: tuple[Two, ...],
+        needs: tuple[frozenset[int], ...],
+    ) -> None:
+        self.names[two] = f"r{len(self.made) + 1}"
+        defines = (-1 - len(self.made),) if op is None else two
+        reads = frozenset().union(*needs)
+        made = Pair(defines, reads, 2, self.names[two], op, operands, needs)
+        self.made.append(made)
+        self.maker[two] = made
+
+    def _reads(self, two: Two) -> frozenset[int]:
+        if two in self.names:
+            return frozenset(self.maker[two].defines)
+        return computed(self.graph, two)
+
+    def _alike(self, two: Two) -> bool:
+        """True where these values are free lines of one operation.
+
+        And of one depth: then neither needs the other, and no pairs need each other.
+        """
+        nodes = [self.graph.nodes[number] for number in two]
+        return (
+            all(number in self.lines and number not in self.place for number in two)
+            and nodes[0].op == nodes[1].op
+            and self.depth[two[0]] == self.depth[two[1]]
+            and nodes[0].op in PAIRED
+            and not any(map(self.graph.is_logical, two))
+            and (nodes[0].op != SELECT or self._chosen(_condition(nodes[0]), _condition(nodes[1])))
+        )
+
+    def _chosen(self, one: int, other: int) -> bool:
+        """True where pairs can be chosen by these conditions."""
+        return one == other or self._compared((one, other))
+
+    def _compared(self, two: Two) -> bool:
+        """True for two comparisons that can be one."""
+        ops = {self.graph.nodes[number].op for number in two}
+        depths = {self.depth.get(number) for number in two}
+        return len(ops) == len(depths) == 1 and two[0] != two[1] and ops <= set(COMPARED)
+
+    def _is_choice(self, two: Two) -> bool:
+        """True for a choice in which each has its own condition."""
+        nodes = [self.graph.nodes[number] for number in two]
+        return nodes[0].op == SELECT and _condition(nodes[0]) != _condition(nodes[1])
+
+    def _mask(self, two: Two) -> Pair:
+        """The pair of conditions of two comparisons, whose operands are pairs by now."""
+        if two not in self.masks:
+            operands, name = self._operands(two), f"r{len(self.made) + 1}"
+            needs = tuple(map(self._reads, operands))
+            reads, mark = frozenset().union(*needs), -1 - len(self.made)
+            op = self.graph.nodes[two[0]].op
+            self.masks[two] = Pair((mark,), reads, 2, name, op, operands, needs)
+            self.made.append(self.masks[two])
+        return self.masks[two]
+
+    def _apart(self, two: Two) -> bool:
+        """True for lines of one operation of which one needs more to be computed before."""
+        ops = {self.graph.nodes[number].op for number in two}
+        return len(ops) == 1 and all(number in self.lines for number in two)
+
+    def _operands(self, two: Two) -> tuple[Two, ...]:
+        one, other = (self.graph.nodes[number].operands for number in two)
+        return tuple(zip(one, other, strict=True))
+
+
+def _condition(node: Node) -> int:
+    return node.operands[0]
