@@ -217,22 +217,14 @@ class GuardSection:
         return " | ".join(map(cell, both))
 
     @property
-    def price_table(self) -> TextTable | None:
-        """Usable speeds under the bounds of two cases of each base; None where none was run."""
-        head = ("bounds of", "M_min [kg]", "d̄ [N]", "friction f [N]", "v_use [m/s]",
-                "reference v₁d [m/s]", "ω_use [rad/s]", "reference |ωd| [rad/s]",
-                "T with v_use = 0 [ms]", "samples changed: thrust, moment [%]")  # fmt: skip
-        body = tuple(
-            (
-                f"{factor}, {base}",
-                *map(shown, _prices(base, factor)),
-                _clip(self._runs(base, factor)),
-            )
+    def usable_speeds(self) -> list[tuple[str, str, tuple[float, ...], str]]:
+        """Two cases of each base that was run: `_usable`, and the samples changed [%]."""
+        return [
+            (factor, base, _usable(base, factor), _clip(self._runs(base, factor)))
             for factor in (BASE, PUSHED)
             for base in self.rows.different("base")
             if factor in self._cases(base)
-        )
-        return TextTable(head, body) if body else None
+        ]
 
 
 def _grown(cells: Cells, least: float) -> Cells:
@@ -276,7 +268,7 @@ def _refused(runs: RunTable) -> str:
     return REFUSED if runs.rows and (runs["outcome"] == REFUSED).all() else ""
 
 
-def _prices(base: str, factor: str) -> tuple[float, ...]:
+def _usable(base: str, factor: str) -> tuple[float, ...]:
     """Bounds of a case, and the speeds that they leave.
 
     M_min [kg], dbar and the largest friction of the paper's robot [N]; by axis the usable speed and

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from collections import Counter
@@ -35,7 +36,6 @@ from wmr_ctrl.report.style import (
     shown,
     with_unit,
 )
-from wmr_ctrl.report.tables import TextTable
 from wmr_ctrl.results import atomic_text
 
 if TYPE_CHECKING:
@@ -49,11 +49,6 @@ LEVELS = {3.0: "95 %", 4.61: "99 %"}
 """Falls of the log-likelihood that bound regions of two numbers at these confidences."""
 _MARGINS = Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
 _AXES = (("v₁", "m/s", "thrust", "N"), ("ω", "rad/s", "moment", "N m"))
-PAIRS = {
-    "kg, kg m²": "mass, moment of inertia", "N, N m": "thrust, moment",
-    "m/s, rad/s": "ahead, turning", "1": "ahead, turning",
-}  # fmt: skip
-"""Meaning of a bound's two numbers, by their unit: with other units the ends of an interval."""
 FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from commands"}
 
 
@@ -94,69 +89,18 @@ def _page(
     result: BaseIdentification, traces: Traces, image: str, drive: ProposedDrive | None
 ) -> str:
     environment = page_environment()
-    environment.filters["shown"] = shown
+    environment.filters |= {"shown": shown, "with_unit": with_unit}
+    environment.tests["finite"] = math.isfinite
     return environment.get_template("identified.html.j2").render(
         result=result,
         scenario=result.scenario,
-        parameters=_parameters(result),
-        bounds=_bounds(result),
         verdicts=Counter(item.verdict for item in result.parameters.values()),
         visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
         seconds=float(np.ptp(traces.t)),
         picture=lambda name: image,
         guarded=result.bounds.section == "guard",
         section=result.bounds.section,
-        next_drive=_next_drive(drive),
-    )
-
-
-def _parameters(result: BaseIdentification) -> TextTable:
-    rows = []
-    for name, (words, unit) in result.described().items():
-        item = result.parameters[name]
-        open_ended = not np.isfinite(item.high)
-        end = "" if open_ended else f" to {shown(item.high, 4)}"
-        interval = f"{'above ' * open_ended}{shown(item.low, 4)}{end}"
-        value = "" if open_ended else shown(item.value, 4)
-        when = f"{item.seconds[0]:.3g} to {item.seconds[1]:.3g} s" if item.seconds[1] else ""
-        label = f"{name}: {with_unit(words, unit)}"
-        rows.append((label, value, interval, item.verdict, when))
-    head = (
-        "",
-        "value",
-        "95 % interval",
-        "does the log determine it?",
-        "half of the information came from",
-    )
-    return TextTable(head, tuple(rows))
-
-
-def _bounds(result: BaseIdentification) -> TextTable:
-    rows = [
-        (with_unit(_label(result, name), unit), PAIRS.get(unit, "least, most"),
-         *(shown(part, 4) for part in pair))
-        for name, (pair, unit) in result.bounds.pairs().items()
-    ]  # fmt: skip
-    return TextTable(("", "the two numbers are", "first", "second"), tuple(rows))
-
-
-def _label(result: BaseIdentification, name: str) -> str:
-    return "peak gain" if name == "peak_gain" else f"{result.bounds.section}.{name}"
-
-
-def _next_drive(drive: ProposedDrive | None) -> str:
-    if drive is None:
-        return (
-            "None was asked for: --propose drive.csv writes one, within the limits and the floor."
-        )
-    expected = Counter(drive.expected.values())
-    counts = ", ".join(
-        f"{expected[word]} {word}" for word in ("determined", "roughly", "undetermined")
-    )
-    return (
-        f"{np.ptp(drive.t):.3g} s, simulated at the corners of the intervals: at most "
-        f"{drive.farthest:.3g} m from the start, {drive.fastest[0]:.3g} m/s and "
-        f"{drive.fastest[1]:.3g} rad/s. Parameters by the Fisher information alone: {counts}."
+        drive=drive,
     )
 
 

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from jinja2 import Environment
@@ -10,7 +11,7 @@ from jinja2 import Environment
 from wmr_ctrl.campaign import Campaign
 from wmr_ctrl.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
 from wmr_ctrl.campaign.paper import BARRIER_LAWS, STUDIES
-from wmr_ctrl.paper import CITATION
+from wmr_ctrl.paper import CITATION, PAPER_TIMES
 from wmr_ctrl.proofs.ledger import load
 from wmr_ctrl.report.claims import RULE, Judged, Verdict, load_readings
 from wmr_ctrl.report.course import switch_time
@@ -18,27 +19,12 @@ from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guard_section import GuardSection
 from wmr_ctrl.report.rigid_section import RigidSection
 from wmr_ctrl.report.style import page_environment, picture, shown
-from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
+from wmr_ctrl.report.tables import TextTable, headed, ranged, scenario_table, stress_table
 from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, seconds
 from wmr_ctrl.scenario import preset_titles
 
-_STRESS_CASES = {
-    "far start, exact model": "far-start",
-    "far start, friction believed 50 % too high": "far-start-friction-overestimated",
-    "far start, mass and friction drop at 3 s": "far-start-drop",
-    "start outside the limits": "outside-start",
-    "Section VI, torque held for 100 ms": "paper-experiment-literal",
-    "reference at 0.9 m/s": "fast-reference",
-}
-_STATED_CASES = {
-    "the paper’s start, a sample every 0.1 ms": "as-stated",
-    "a start at 0.99 of both limits, 0.1 ms": "as-stated-fast-start",
-    "the far start, 0.1 ms": "as-stated-far-start",
-    "a start 22 m away, 0.1 ms": "as-stated-farther-start",
-    "the same start, a sample every 1 ms": "farther-start-1ms",
-}
 _ALWAYS_COUNTED = (Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS)
 
 
@@ -96,7 +82,10 @@ def write_page(
             table=campaign.table,
             picture=lambda name: picture(figures / f"{name}.svg"),
             panels=[one for one in drawings if one.title],
-            tables=_tables(campaign, facts.timings),
+            figures_of=partial(_figures_of, campaign),
+            stress=partial(stress_table, campaign.table),
+            barrier_laws=BARRIER_LAWS,
+            paper_times=PAPER_TIMES,
             readings=load_readings(),
             facts=facts,
             scenarios=_scenarios(campaign),
@@ -115,27 +104,17 @@ def report_environment() -> Environment:
     environment.globals |= {"before": seconds(*BEFORE), "late": seconds(*LATE)}
     environment.globals |= {"away": AWAY, "farthest": FARTHEST, "e1": E1, "e1_before": E1_BEFORE}
     environment.filters.update(
-        shown=shown, thousandths=lambda value: shown(value and 1e3 * value, 2)
+        shown=shown,
+        thousandths=lambda value: shown(value and 1e3 * value, 2),
+        headed=headed,
+        ranged=ranged,
     )
     return environment
 
 
-def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextTable]:
-    table, tables = campaign.table, dict[str, TextTable]()
-    for key, scenario in (
-        ("simulation", "paper-simulation"),
-        ("control", "paper-simulation-no-switch"),
-        ("experiment", "paper-experiment"),
-    ):
-        changes = switch_time(campaign.runs[scenario, table.laws[0]]) is not None
-        tables[key] = scenario_table(campaign, scenario, changes=changes)
-        tables[f"{key}_short"] = scenario_table(campaign, scenario, changes=changes, short=True)
-    return {
-        **tables,
-        "stated": stress_table(table, _STATED_CASES, BARRIER_LAWS),
-        "stress": stress_table(table, _STRESS_CASES),
-        "times": times_table(timings, table.laws),
-    }
+def _figures_of(campaign: Campaign, scenario: str, short: bool = False) -> TextTable:
+    changes = switch_time(campaign.runs[scenario, campaign.table.laws[0]]) is not None
+    return scenario_table(campaign, scenario, changes=changes, short=short)
 
 
 def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:

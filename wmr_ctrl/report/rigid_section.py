@@ -1,4 +1,4 @@
-"""Numbers, tables and figures of the section on the rigid body, beside the plane model."""
+"""Numbers and figures of the section on the rigid body, beside the plane model."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -9,12 +9,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from wmr_ctrl.campaign import Campaign
-from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES, rigid_claims
+from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES, RigidClaim, rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
-from wmr_ctrl.report.tables import TextTable, headed, ranged
 from wmr_ctrl.results import PLANTS, Run
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results.table import RunTable, Spread
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
 ISE = "ise_total"
@@ -25,18 +24,20 @@ _BACK = 1.0
 
 @dataclass(frozen=True, slots=True)
 class RigidFinding:
-    """Runs of a law on the rigid body: how many fell, slid and broke a limit.
+    """Runs of a law on the rigid body: how many broke a limit, when they fell and slid [s].
 
-    ``first_fall`` [s]; ``apart``: largest distance of a seed's ISE from the plane model's, a share.
+    ``apart``: largest distance of a seed's ISE from the plane model's, a share; ``ise`` (on tyres
+    of those that stayed up) and ``e1`` [m] on both plants.
     """
 
     law: str
     runs: int
-    fell: int
-    first_fall: float | None
-    slid: int
     broke: int
+    falls: Spread
+    slips: Spread
     apart: float | None
+    ise: tuple[Spread, Spread]
+    e1: tuple[Spread, Spread]
 
 
 @dataclass(frozen=True)
@@ -48,34 +49,19 @@ class RigidSection:
     @property
     def findings(self) -> dict[str, list[RigidFinding]]:
         """Findings by case, of the laws that ran on both plants."""
+        plants = [self.campaign.table.where(plant=plant) for plant in PLANTS]
         by_case: dict[str, list[RigidFinding]] = {}
-        for name, law, plane, body in self._pairs():
-            if plane.rows:
-                by_case.setdefault(name, []).append(_finding(law, plane, body))
+        for study in RIGID_STUDIES["ode"]:
+            for law in study.laws:
+                plane, body = (rows.where(case=study.label, law=law) for rows in plants)
+                if plane.rows and body.rows:
+                    by_case.setdefault(study.label, []).append(_finding(law, plane, body))
         return by_case
 
     @property
-    def claims(self) -> TextTable:
+    def claims(self) -> tuple[RigidClaim, ...]:
         """Expectations of a robot with tyres, and the verdicts."""
-        verdict = {True: "HOLDS", False: "DOES NOT HOLD"}
-        return TextTable(
-            ("asked", "law", "verdict", "found"),
-            tuple(
-                (claim.text, headed(claim.law), verdict[claim.holds], claim.numbers)
-                for claim in rigid_claims(self.campaign.table)
-            ),
-        )
-
-    @property
-    def table(self) -> TextTable:
-        """Both plants side by side."""
-        head = ("case", "ISE, plane", "ISE, tyres", "e₁, plane [mm]", "e₁, tyres [mm]",
-                "slips [s]", "falls [s]")  # fmt: skip
-        body = tuple(
-            (f"{name}: {headed(law)}", *_cells(plane, tyres))
-            for name, law, plane, tyres in self._pairs()
-        )
-        return TextTable(head, body)
+        return rigid_claims(self.campaign.table)
 
     @property
     def fallen(self) -> dict[str, Run]:
@@ -87,43 +73,20 @@ class RigidSection:
             if run and run.rows > 1 and run.monitor.rigid and run.monitor.rigid.tipped
         }
 
-    @property
-    def last_fallen(self) -> str:
-        """Label of the law whose fall is drawn."""
-        return look([*self.fallen][-1]).label
-
-    def _pairs(self) -> list[tuple[str, str, RunTable, RunTable]]:
-        """Case, law and the rows of both plants, of each case and law that ran on tyres."""
-        plane, body = (self.campaign.table.where(plant=plant) for plant in PLANTS)
-        return [
-            (name, law, plane.where(case=name, law=law), tyres)
-            for name, laws in ((case.label, case.laws) for case in RIGID_STUDIES["ode"])
-            for law in laws
-            if (tyres := body.where(case=name, law=law)).rows
-        ]
-
 
 def _finding(law: str, plane: RunTable, body: RunTable) -> RigidFinding:
-    falls, slips = (body.spread(event) for event in ("tipped", "slipped"))
     apart = np.abs(body[ISE] / plane[ISE] - 1)
     ratios = apart[np.isfinite(apart)]
-    return RigidFinding(
-        headed(law),
-        body.rows,
-        falls.count,
-        falls.min,
-        slips.count,
-        int((body["limit_ratio"] > 1).sum()),
-        float(ratios.max()) if ratios.size else None,
-    )
-
-
-def _cells(plane: RunTable, body: RunTable) -> tuple[str, ...]:
     upright = body.at(np.isnan(body["tipped"]))
-    return (
-        *(ranged(rows.spread(ISE)) for rows in (plane, upright)),
-        *(ranged(rows.spread(E1), 1e3) for rows in (plane, body)),
-        *(ranged(body.spread(event)) for event in ("slipped", "tipped")),
+    return RigidFinding(
+        law,
+        body.rows,
+        int((body["limit_ratio"] > 1).sum()),
+        body.spread("tipped"),
+        body.spread("slipped"),
+        float(ratios.max()) if ratios.size else None,
+        (plane.spread(ISE), upright.spread(ISE)),
+        (plane.spread(E1), body.spread(E1)),
     )
 
 

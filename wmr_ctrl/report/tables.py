@@ -1,12 +1,10 @@
 """The report's tables as plain rows of text; their captions are in the templates."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
 from wmr_ctrl.campaign import Campaign
-from wmr_ctrl.paper import PAPER_TIMES
 from wmr_ctrl.report.claims import STAND_IN_LAW
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results import Settings
@@ -29,10 +27,6 @@ class TextTable:
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     best: tuple[frozenset[int], ...] = ()
-
-    def is_best(self, row: int, place: int) -> bool:
-        """True for a best cell; both indices from 0, the row's name included."""
-        return bool(self.best) and place in self.best[row]
 
 
 def table_by_law(
@@ -168,15 +162,3 @@ def stress_table(
         return f"{_broken(runs)}: {ranged(runs.spread('limit_ratio'), digits=4)}"
 
     return table_by_law(scenarios, laws or table.laws, cell)
-
-
-def times_table(times: Mapping[str, float], laws: Sequence[str]) -> TextTable:
-    """Milliseconds per 10,000 evaluations: the paper's and ours [s], side by side."""
-    head = ("law", "paper (MATLAB, i5-3210M)", "here (compiled C, each call from Python)")
-    return TextTable(
-        head,
-        tuple(
-            (headed(law), *(shown(1e3 * t.get(law, math.nan), 2) for t in (PAPER_TIMES, times)))
-            for law in laws
-        ),
-    )
