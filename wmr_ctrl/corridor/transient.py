@@ -27,7 +27,7 @@ from wmr_ctrl.corridor.zonotopes import COARSE
 
 WIDEST = (0.005, 0.005, 0.025)
 """Half-widths of the first cells at most [m, m, rad]."""
-CELLS, BATCH = 20_000, 256
+CELLS, BATCH = 4_000, 256
 """Cells that are tried at most, and together."""
 LOST = (0.15, 0.6)
 """Half-width of e3 [rad], and of velocities in v_u1, with which a cell is lost."""
