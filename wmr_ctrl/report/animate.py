@@ -128,17 +128,13 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
     colours = {**laws, "muted": style.MUTED, "limit": style.LIMIT, "ink": style.INK,
                "paper": style.PAPER, "line": style.RULE_LINE}  # fmt: skip
     dark = {name: style.AFTER_DARK.get(colour, colour) for name, colour in colours.items()}
-    text = (
-        style.page_environment()
-        .get_template("animation.html.j2")
-        .render(
-            title=scene.title,
-            said=list(zip([one.label for one in scene.actors], said, strict=True)),
-            aimed=scene.target is not None,
-            tubes=scene.tube_sentence,
-            data=_json(scene),
-            schemes=(colours, dark),
-        )
+    environment = style.page_environment()
+    environment.filters["distance"] = length
+    text = environment.get_template("animation.html.j2").render(
+        scene=scene,
+        said=list(zip([one.label for one in scene.actors], said, strict=True)),
+        data=_json(scene),
+        schemes=(colours, dark),
     )
     path.write_text(text, encoding="utf-8", newline="\n")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import tempfile
 from collections import Counter
@@ -33,8 +32,6 @@ from wmr_ctrl.report.style import (
     house_style,
     page_environment,
     picture,
-    shown,
-    with_unit,
 )
 from wmr_ctrl.results import atomic_text
 
@@ -88,19 +85,20 @@ def drawing_of(result: BaseIdentification, traces: Traces) -> Drawing:
 def _page(
     result: BaseIdentification, traces: Traces, image: str, drive: ProposedDrive | None
 ) -> str:
-    environment = page_environment()
-    environment.filters |= {"shown": shown, "with_unit": with_unit}
-    environment.tests["finite"] = math.isfinite
-    return environment.get_template("identified.html.j2").render(
-        result=result,
-        scenario=result.scenario,
-        verdicts=Counter(item.verdict for item in result.parameters.values()),
-        visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
-        seconds=float(np.ptp(traces.t)),
-        picture=lambda name: image,
-        guarded=result.bounds.section == "guard",
-        section=result.bounds.section,
-        drive=drive,
+    return (
+        page_environment()
+        .get_template("identified.html.j2")
+        .render(
+            result=result,
+            scenario=result.scenario,
+            verdicts=Counter(item.verdict for item in result.parameters.values()),
+            visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
+            seconds=float(np.ptp(traces.t)),
+            picture=lambda name: image,
+            guarded=result.bounds.section == "guard",
+            section=result.bounds.section,
+            drive=drive,
+        )
     )
 
 

@@ -104,7 +104,6 @@ def report_environment() -> Environment:
     environment.globals |= {"before": seconds(*BEFORE), "late": seconds(*LATE)}
     environment.globals |= {"away": AWAY, "farthest": FARTHEST, "e1": E1, "e1_before": E1_BEFORE}
     environment.filters.update(
-        shown=shown,
         thousandths=lambda value: shown(value and 1e3 * value, 2),
         headed=headed,
         ranged=ranged,

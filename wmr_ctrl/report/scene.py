@@ -125,21 +125,6 @@ class Scene:
             f"off its place,\n{f'certified {widths.pop()}' if same else 'over what is certified'}"
         )
 
-    @property
-    def tube_sentence(self) -> str:
-        """Caption of the bands about the path, "" without any."""
-        known = [one for one in self.actors if one.tube is not None]
-        ends = sorted(one.certified for one in known)
-        until = f", until {ends[0]:g} s" if ends and math.isfinite(ends[0]) else ""
-        widths = ", ".join(
-            f"{'' if one.has_one_width else 'up to '}{length(one.widest)} ({one.label})"
-            for one in known
-        )
-        words = (
-            f"Shaded about the path: the certified corridor from a start on it{until}, {widths}."
-        )
-        return words if known else ""
-
     def band(self, one: Actor) -> FloatArray:
         """Corners (2, m) of a robot's corridor about the path; none without one."""
         if self.target is None or one.tube is None:

@@ -174,13 +174,16 @@ def shown(value: float | None, digits: int = 3) -> str:
 @cache
 def page_environment(package: str = "wmr_ctrl.report") -> Environment:
     """A package's templates; texts are escaped, and a name that is not given is an error."""
-    return Environment(
+    environment = Environment(
         loader=PackageLoader(package, "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters |= {"shown": shown, "with_unit": with_unit}
+    environment.tests["finite"] = math.isfinite
+    return environment
 
 
 def picture(path: Path) -> str:
