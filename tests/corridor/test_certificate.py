@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import casadi as ca
@@ -237,7 +238,11 @@ REFUSED = {
     "counts a lag or late velocities": ("safe-simulation", {"actuator.lag": 0.005}, "prox"),
     "unstable": ("safe-simulation", {"clock.control": 0.1, "guard.enabled": False}, "prox"),
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
-    "may grow as large": ("safe-experiment", EXACT_POSE, "prox"),
+    "may grow as large as what the loop corrects, beyond the 11.9 mm that the linear loop leaves": (
+        "safe-experiment",
+        EXACT_POSE,
+        "prox",
+    ),
 }
 
 
@@ -261,6 +266,33 @@ def test_where_none_closes_it_says_for_which_share_one_would():
 
     assert find_corridor(with_less, "prox").position is not None
     assert find_corridor(with_more, "prox").position is None
+
+
+FAR_OFF = {"corridor.start": [10, 10, 0.05]}
+LESS = {
+    "with M = 58.2 kg the box": {"corridor.cells": 1},
+    "cells as narrow as those of corridor.cells = 3": {"corridor.cells": 1},
+    "(is corridor.start = [10, 10, 0.05] in m, m and rad?)": FAR_OFF,
+    "leave out sensor.velocity_window = 0.02": {"sensor.velocity_window": 0.02},
+}
+
+
+@pytest.mark.parametrize("words", LESS)
+def test_a_refusal_has_numbers_and_says_what_to_change(words):
+    told = {"guard.enabled": "corridor.cells" in LESS[words], **LESS[words]}
+    tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox")
+
+    assert tube.position is None
+    assert words in tube.refused
+
+
+def test_with_as_few_lost_poses_as_a_refusal_says_there_is_a_corridor():
+    told = {"sensor.pose_dropout": 0.1, "corridor.losses": 1000}
+    scenario = override(load_scenario("safe-simulation"), told)
+    refused = find_corridor(scenario, "prox").refused
+    less = {"corridor.losses": int(re.search(r"at most (\d+) samples in a row", refused)[1])}
+
+    assert find_corridor(override(scenario, less), "prox").position is not None
 
 
 def test_without_ball_arithmetic_it_is_not_checked(monkeypatch):

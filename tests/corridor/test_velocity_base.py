@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -195,3 +198,16 @@ def test_a_dead_band_below_all_commands_of_a_run_is_not_counted_as_if_they_were_
     assert over.share == pytest.approx(plain.share, rel=1e-6)
     missed = run_corridor(slow, "kanayama")
     assert missed.position is None or missed.position > 2 * plain.position
+
+
+def test_a_dead_band_that_is_too_wide_is_named_with_what_would_do():
+    told = {"filter.kind": "clip", "base.deadband": [0.05, 0.4], "clock.duration": 3.0}
+    path = {"reference.kind": "lemniscate", "reference.size": 1.0}
+    for changes in ({}, path):
+        tube = find_corridor(burger(QUIET, told, changes), "kanayama", whole=True)
+        found = re.search(r"it closes with (\S+) (times|of) base.deadband and", tube.refused)
+        share = float(Fraction(found[1]))
+        less = {"base.deadband": [share * 0.05, share * 0.4]}
+
+        assert 0.01 < share < 1
+        assert find_corridor(burger(QUIET, told, changes, less), "kanayama", whole=True).position

@@ -275,4 +275,7 @@ def test_what_pushes_at_each_plant_step_by_chance_is_refused_by_name(monkeypatch
     told = {"toy_gust.torque": 1.0, "guard.enabled": False, "reference.kind": kind}
     tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox", whole=True)
 
-    assert tube.refused == "the loop with the effect toy gust ([toy_gust]) is not covered"
+    assert tube.refused == (
+        "the loop with the effect toy gust ([toy_gust]) is not covered: leave out "
+        "toy_gust.torque = 1.0"
+    )

@@ -8,6 +8,7 @@ matrices and every rounding, is a box.  Columns that have become old are counted
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -328,7 +329,8 @@ class Along:
         a, b = sorted((i[worst], j[worst]))
         term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
         why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""
-        return f"{term} may grow as large as what the loop corrects{why} {self.place(k)}"
+        far = f"beyond {1e3 * np.hypot(reach[0], reach[1]):.3g} mm"
+        return f"{term} may grow as large as what the loop corrects{why} {far} {self.place(k)}"
 
     def _bends_near(self, reach: Floats, k: int) -> Floats:
         """Of a plant step, on the largest part of the box that has any."""
@@ -336,10 +338,8 @@ class Along:
         wide, nz = np.zeros(by.middle.shape), len(self.loop.names)
         for share in PARTS:
             wide[:nz] = share * reach[:nz]
-            try:
+            with suppress(OpenBoxError):
                 return self.loop.step_curve.bend(MidRadius(by.middle, wide), numbers)
-            except OpenBoxError:
-                continue
         return np.ones(len(self.loop.step_curve.bends))
 
 

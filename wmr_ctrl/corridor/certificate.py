@@ -21,6 +21,7 @@ import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.corridor.enclosure import OpenBoxError, upper
 from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, Gains, loop_gains
 from wmr_ctrl.corridor.inputs import (
@@ -138,11 +139,13 @@ class Certifier:
 
     def tube(self, inputs: Inputs) -> Tube:
         """The closed box for some inputs; NoCorridorError where none closes or something cuts."""
-        self._check(self._tube(self.linear(inputs)), ", which is so for the linear loop already")
+        linear = self._tube(self.linear(inputs))
+        self._check(linear, ", which is so for the linear loop already")
         try:
             tube = self._closed(inputs)
         except OpenBoxError as error:
-            raise NoCorridorError(f"the box that it needs grows without end ({error})") from error
+            text = f"the box that it needs grows without end from {length(linear.position)} on"
+            raise NoCorridorError(f"{text} ({error})") from error
         self._check(tube)
         return tube
 
@@ -168,9 +171,7 @@ class Certifier:
         return rest
 
     def _rest(self, inputs: Inputs) -> Floats:
-        """Increment of a plant step on the reference, the effect of another mass on its forces
-        included.
-        """
+        """Increment of a plant step on the reference, by another mass included."""
         return np.asarray((self.step_rest + self.by_body @ inputs.body) * UP)
 
     @property
@@ -265,9 +266,7 @@ class Certifier:
         return self.gains.fast, self.gains.state, self.gains.law
 
     def _added(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
-        """Remainders that a plant step and the law add to their linear parts within these
-        deviations.
-        """
+        """Remainders that a plant step and the law add within these deviations."""
         step, law = self._remainders(inputs, peaks)
         return (
             (self._rest(inputs) + step.sum(axis=(1, 2))) * UP,
@@ -283,9 +282,7 @@ class Certifier:
         return np.concatenate((inputs.push, law, late, error))
 
     def _remainders(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
-        """Remainders of the robot's step and of the law beyond their linear parts, by pairs of
-        variables.
-        """
+        """Remainders of the robot's step and of the law, by pairs of variables."""
         loop, nz = self.loop, len(self.loop.names)
         queue, memory = COMMAND * loop.queue, loop.memory
         pairs = np.outer(peaks.fast[:ROBOT], peaks.fast[:ROBOT])
@@ -325,7 +322,10 @@ class Certifier:
         added = added + np.einsum("i,ijk->jk", by, law)[:ROBOT, :ROBOT]
         a, b = np.unravel_index((added + added.T).argmax(), added.shape)
         term = f"{WORDS[a]}^2" if a == b else f"{WORDS[min(a, b)]} {WORDS[max(a, b)]}"
-        return f"{term} may grow as large as what the loop corrects"
+        return (
+            f"{term} may grow as large as what the loop corrects, beyond the "
+            f"{length(self.position(peaks))} that the linear loop leaves"
+        )
 
 
 def _overlap(setup: Setup) -> Overlap:

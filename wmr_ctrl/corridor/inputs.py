@@ -19,6 +19,8 @@ from wmr_ctrl.corridor.condition import AXES, Condition
 from wmr_ctrl.corridor.late_guard import counts_late, is_plain
 from wmr_ctrl.corridor.loop import MOST_NUMBERS, SampledLoop, punctual
 from wmr_ctrl.corridor.overlap import ramps
+from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -83,6 +85,10 @@ class Inputs:
             self, push=share * self.push, pose=share * self.pose, velocity=share * self.velocity
         )
 
+    def hearing(self, share: float) -> Inputs:
+        """Errors of commands so many times as large."""
+        return replace(self, command=share * self.command, dead=share * self.dead)
+
     def misheard(self, least: Floats) -> Floats:
         """Error (2) of the command that acts, where its size is at least ``least`` (2)."""
         acts = least - self.command > self.dead
@@ -107,12 +113,15 @@ def bounded_inputs(setup: Setup) -> Inputs:
         if effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.SAMPLE:
             push = push + _push(effect, setup)
         elif effect not in counted and not _in_the_step(effect, scenario):
-            raise NoCorridorError(f"the loop with the effect {effect.title} is not covered")
+            raise NoCorridorError(
+                f"the loop with the effect {effect.title} is not covered: leave out "
+                f"{_told_by(effect, scenario)}"
+            )
     if scenario.section(Lag).lag_spread > 0:
         raise NoCorridorError("actuator.lag_spread > 0: a lag that varies is not covered")
     if _turns(setup, acting):
         raise NoCorridorError(
-            "an effect that depends on the heading, such as a slope, is not covered"
+            "an effect that depends on the heading, such as a slope, is not covered: leave it out"
         )
     sensor = scenario.section(PoseSensor)
     pose = math.sqrt(2.0) * sensor.pose_noise * (1 + 1e-15)
@@ -122,6 +131,16 @@ def bounded_inputs(setup: Setup) -> Inputs:
         return Inputs(push, pose, noise, missing=missing)
     rounded, dead = np.array(scenario.base.quantum) / 2, np.array(scenario.base.deadband)
     return Inputs(push, pose, noise, command=rounded * (1 + 1e-15), dead=dead, missing=missing)
+
+
+def _told_by(effect: Effect, scenario: Scenario) -> str:
+    """The keys that switch an effect on, with their numbers."""
+    section, defaults = scenario.section(effect.section), dict(quantities(effect.section))
+    names = effect.switches or tuple(defaults)
+    numbers = {name: getattr(section, name) for name in names}
+    keys = [f"{section.KEY}.{name} = {show(value)}" for name, value in numbers.items()
+            if value != defaults[name].default]  # fmt: skip
+    return ", ".join(keys) or f"[{section.KEY}]"
 
 
 def _missing(scenario: Scenario) -> int:
@@ -285,7 +304,8 @@ def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
     if counts_late(setup):
         if not is_plain(setup):
             raise NoCorridorError(
-                "the guard counts a lag or late velocities, and whether it acts then is not covered"
+                "the guard counts a lag or late velocities, and whether it acts then is not "
+                "covered: leave out what makes them late, or set guard.enabled = false"
             )
         return
     errors = pair_of(guard.nbar)

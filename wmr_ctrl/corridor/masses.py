@@ -5,10 +5,12 @@ Where there is none: the share of pushes and errors with which there is one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import TypeAlias
 
@@ -18,6 +20,7 @@ from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor
 from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.corridor.clearance import rounded
 from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first
 from wmr_ctrl.corridor.loop import BODY
@@ -51,7 +54,7 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
     try:
         cells = mass_cells(setup)
         for cell, widths in cells:
-            here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
+            here = f"with M = {cell.scenario.robot.m:.3g} kg " if widths.any() else ""
             with refused_open("the undisturbed loop cannot be enclosed"):
                 certifier = Certifier(cell)
             inputs = replace(certifier.inputs, body=widths)
@@ -194,7 +197,8 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
             return _brought_in(certifier, inputs)
     except NoCorridorError as error:
         closes, near = _closing(certifier, inputs) if closing else (None, 1.0)
-        raise NoCorridorError(str(error), closes, near) from error
+        others = _others(certifier, inputs) if closing and closes is None else ""
+        raise NoCorridorError(f"{error}{others}", closes, near) from error
 
 
 def _brought_in(certifier: Certifier, inputs: Inputs) -> Tube:
@@ -222,6 +226,32 @@ def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]
         return 1.0, near
     alone = _nearer(certifier, 0.0)
     return _largest(lambda share: alone.tube(inputs.scaled(share))), 0.0
+
+
+def _others(certifier: Certifier, inputs: Inputs) -> str:
+    """Where no share of the inputs has a corridor: less of what else is stated that has one."""
+    result, tried = list[str](), ["pushes and errors"] * inputs.any
+    if inputs.body.any():
+        tried.append("the cells' widths")
+        share = _largest(lambda x: certifier.tube(replace(inputs, body=x * inputs.body)))
+        if share is not None:
+            count = math.ceil(certifier.loop.setup.scenario.corridor.cells / share)
+            result.append(f"cells as narrow as those of corridor.cells = {count}")
+    if inputs.missing:
+        tried.append("the samples without a pose")
+        few = partial(replace, inputs)
+        share = _largest(lambda x: certifier.tube(few(missing=int(x * inputs.missing))))
+        if share is not None:
+            most = int(share * inputs.missing)
+            result.append(f"at most {most} samples in a row without a pose")
+    if inputs.dead.any() or inputs.command.any():
+        tried.append("base.deadband and base.quantum")
+        share = _largest(lambda x: certifier.tube(inputs.hearing(x)))
+        if share is not None:
+            result.append(f"{rounded(share, 2, up=False)} times base.deadband and base.quantum")
+    if result:
+        return f"; it closes with {', or with '.join(result)}"
+    return f"; nor is there one with 1/{2**SHARES} of {', or of '.join(tried)}" if tried else ""
 
 
 def _nearer(certifier: Certifier, share: float) -> Certifier:

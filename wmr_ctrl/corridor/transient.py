@@ -108,7 +108,11 @@ class _Search:
         """Run all of them."""
         middle, width = _cut(self.start)
         if len(middle) > CELLS:
-            raise NoCorridorError(f"so large a start takes {len(middle)} cells, more than {CELLS}")
+            stated = ", ".join(f"{x:g}" for x in self.start)
+            raise NoCorridorError(
+                f"so large a start takes {len(middle)} cells, more than {CELLS} (is corridor.start "
+                f"= [{stated}] in m, m and rad?)"
+            )
         outer = np.abs(middle) / np.maximum(self.start, np.finfo(float).tiny)
         cells = self.limited.start(middle, width)
         order = np.argsort(outer.sum(axis=1), kind="stable")

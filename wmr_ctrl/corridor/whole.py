@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -58,18 +59,20 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
             raise NoCorridorError("a reference that has a state of its own is not covered")
         if scenario.actuator.jitter > 0 or (setup.takes_velocity and ramps(scenario)):
             name = "base.accel" if setup.takes_velocity else "actuator.jitter"
-            raise NoCorridorError(f"{name} is not covered over a whole run")
+            raise NoCorridorError(f"{name} is not covered over a whole run: leave it out")
         if counts_late(setup):
             raise NoCorridorError(
-                "a guard that counts late commands is not covered over a whole run"
+                "a guard that counts late commands is not covered over a whole run: leave out what "
+                "makes them late, or set guard.enabled = false"
             )
         cells = mass_courses(setup)
         for cell, widths in cells:
-            here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
+            here = f"with M = {cell.scenario.robot.m:.3g} kg " if widths.any() else ""
             inputs = replace(bounded_inputs(cell), body=widths)
             if inputs.missing:
                 raise NoCorridorError(
-                    "[sensor]: poses that are rare or lost are not covered over a whole run"
+                    "[sensor]: poses that are rare or lost are not covered over a whole run: leave "
+                    "out sensor.pose_period and sensor.pose_dropout"
                 )
             known = with_inputs(known, inputs, first=not result)
             result.append(_passed(cell, inputs, closing))
@@ -107,7 +110,8 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
         return along, _followed(passing)
     except NoCorridorError as error:
         closes = _closing(passing, start) if closing else None
-        raise NoCorridorError(str(error), closes) from error
+        less = _hearing(passing, start) if closing and closes is None else ""
+        raise NoCorridorError(f"{error}{less}", closes) from error
 
 
 def _followed(passing: Passing, until: int | None = None) -> RunBounds:
@@ -155,6 +159,19 @@ def _closing(refused: Passing, start: Floats) -> float | None:
         else:
             return 0.5**best
     return None
+
+
+def _hearing(refused: Passing, start: Floats) -> str:
+    """Where no share of the inputs has a corridor: which part of what a base does not hear has."""
+    along, inputs = refused.along, refused.inputs
+    tried = [f"1/{2**LEAST} of pushes and errors"] * inputs.any
+    if inputs.dead.any() or inputs.command.any():
+        for halved in range(1, LEAST + 1):
+            with suppress(NoCorridorError):
+                _followed(Passing(along, inputs.hearing(0.5**halved), start))
+                return f"; it closes with 1/{2**halved} of base.deadband and base.quantum"
+        tried.append(f"1/{2**LEAST} of base.deadband and base.quantum")
+    return f"; nor is there one with {' or with '.join(tried)}" if tried else ""
 
 
 def _passes(along: Along, inputs: Inputs, start: Floats, k: int) -> bool:
