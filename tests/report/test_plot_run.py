@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from html import unescape
 
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 
 from tests.results.conftest import build
 from wmr_ctrl.api import simulate
@@ -81,15 +83,15 @@ def test_a_velocity_out_of_view_is_said_and_its_limit_seen():
 
 
 def test_no_remark_lies_over_curves():
-    errors = np.linspace([3.0, -2.0, 20.0], [0.0, 0.0, -70.0], 100)
+    errors = np.linspace([20.0, -2.0, 3.0], [-70.0, 0.0, 0.0], 100)
     figure = plot_run(build(duration=1.0, e=errors))
     texts = [text.get_text() for axes in figure.findobj(Axes) for text in axes.texts]
     titles = [axes.get_title("left") for axes in figure.findobj(Axes)]
 
     assert texts == []
-    assert "t [s]   (logarithmic beyond ±10 mm)" in labels(figure)
-    assert "Position errors, Eq. (8) [mm]" in titles
-    assert "Orientation error e₃ [rad]" in titles
+    assert "t [s]   (logarithmic beyond ±10 mrad)" in labels(figure)
+    assert "Position errors, Eq. (8) [m]" in titles
+    assert "Orientation error e₃ [mrad]" in titles
 
 
 def test_a_course_is_drawn_and_filmed():
@@ -142,3 +144,19 @@ def test_a_corridor_that_varies_is_drawn_as_wide_as_it_is_in_each_sample():
 def on_its_path(scenario):
     pose, velocity = (sample(scenario, [0.0])[0, part].tolist() for part in (slice(3), slice(3, 5)))
     return override(scenario, {"initial.pose": pose, "initial.velocity": velocity})
+
+
+def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():
+    """Its orientation error is then a whole turn, and it looks as its path asks."""
+    told = {"initial.pose": [2.4, 0.5, 0.0], "clock.control": 0.02}
+    run = simulate(override(load_scenario("safe-simulation"), told), "prox")
+    figure = plot_run(run)
+    tube = course_of_tube(run)
+    (axes,) = (a for a in figure.findobj(Axes) if "Orientation error" in a.get_title(loc="left"))
+    (drawn,) = (line.get_ydata() for line in axes.get_lines() if line.get_label() == "e₃")
+    text = "\n".join(item.get_text() for item in figure.findobj(Text))
+    rms = float(re.search(r"e₃ ([0-9.]+) mrad", text)[1])
+
+    assert abs(run["e[3]"][-1]) > 6
+    assert abs(drawn[-1]) <= 1e3 * tube[1, -1]
+    assert rms <= 1e3 * tube[1, -1]

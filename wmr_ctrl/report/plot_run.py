@@ -97,8 +97,9 @@ def _draw(figure: Figure, run: Run) -> None:
     _facts(parts[1], run)
     _velocity(parts[2], run, 0)
     _velocity(parts[3], run, 1)
-    _errors(parts[4], run, "Position errors, Eq. (8)", {"e₁": "e[1]", "e₂": "e[2]"}, tube)
-    _errors(parts[5], run, "Orientation error e₃", {"e₃": "e[3]"}, tube)
+    position = {"e₁": run["e[1]"], "e₂": run["e[2]"]}
+    _errors(parts[4], run, "Position errors, Eq. (8)", position, tube)
+    _errors(parts[5], run, "Orientation error e₃", {"e₃": _turned(run["e[3]"])}, tube)
     _torques(parts[6], run)
     _barrier(parts[7], run)
 
@@ -138,8 +139,11 @@ def _figures(run: Run) -> list[str]:
     square = ise(run)
     arrival, end = run.settings.arrival, run.settings.duration
     end, of = (end, "") if arrival is None or arrival > end else (arrival, " of the drive")
-    errors = e_rms(run, max(0.0, end - 10.0), end) or (None, None, None)
-    e1, e2, e3 = map(_error, errors, ("m", "m", "rad"))
+    begin = max(0.0, end - 10.0)
+    errors = e_rms(run, begin, end) or (None, None, None)
+    angle = _turned(run["e[3]"][(run.time >= begin) & (run.time < end)])
+    turned = float(np.sqrt(np.mean(angle**2))) if len(angle) else None
+    e1, e2, e3 = map(_error, (*errors[:2], turned), ("m", "m", "rad"))
     before, after = shown(square["before"]), shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
     split = switch_time(run) == run.settings.split
@@ -173,22 +177,27 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     drawing.view_limits(axes, limit, {"": run[name]})
 
 
+def _turned(e3: FloatArray) -> FloatArray:
+    """Orientation errors without whole turns, as the robot looks: between -pi and pi."""
+    return np.where(np.abs(e3) > np.pi, np.arctan2(np.sin(e3), np.cos(e3)), e3)
+
+
 def _errors(
-    part: SubFigure, run: Run, title: str, columns: dict[str, str], tube: FloatArray | None
+    part: SubFigure, run: Run, title: str, errors: dict[str, FloatArray], tube: FloatArray | None
 ) -> None:
     """Errors over time, so that the start and what is left at the end are seen.
 
     Dotted: the certified corridor, which is that of a robot on its path.
     """
-    farthest = max(float(np.nanmax(np.abs(run[name]), initial=0.0)) for name in columns.values())
-    unit, scale = "rad" if len(columns) == 1 else "m", 1.0
+    farthest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in errors.values())
+    unit, scale = "rad" if len(errors) == 1 else "m", 1.0
     if farthest < LARGE:
         unit, scale = f"m{unit}", 1e3
-    rows = {label: scale * run[name] for label, name in columns.items()}
+    rows = {label: scale * row for label, row in errors.items()}
     axes = _time_axes(part, run, f"{title} [{unit}]")
     _plot_pair(axes, run, rows)
     if tube is not None:
-        most = scale * tube[1 if len(columns) == 1 else 0]
+        most = scale * tube[1 if len(errors) == 1 else 0]
         for row in (-most, most):
             axes.plot(*drawing.thin(run.time, row), color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
     if farthest > SMALL:
