@@ -238,7 +238,7 @@ REFUSED = {
     "counts a lag or late velocities": ("safe-simulation", {"actuator.lag": 0.005}, "prox"),
     "unstable": ("safe-simulation", {"clock.control": 0.1, "guard.enabled": False}, "prox"),
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
-    "may grow as large as what the loop corrects, beyond the 11.9 mm that the linear loop leaves": (
+    "may grow as large as what the loop corrects, beyond the 30.4 mm that the linear loop leaves": (
         "safe-experiment",
         EXACT_POSE,
         "prox",
@@ -271,7 +271,9 @@ def test_where_none_closes_it_says_for_which_share_one_would():
 FAR_OFF = {"corridor.start": [10, 10, 0.05]}
 LESS = {
     "with M = 58.2 kg the box": {"corridor.cells": 1},
-    "cells as narrow as those of corridor.cells = 3": {"corridor.cells": 1},
+    "(others were not tried) it closes with cells as narrow as those of corridor.cells = 3": {
+        "corridor.cells": 1
+    },
     "(is corridor.start = [10, 10, 0.05] in m, m and rad?)": FAR_OFF,
     "leave out sensor.velocity_window = 0.02": {"sensor.velocity_window": 0.02},
 }
@@ -290,8 +292,24 @@ def test_with_as_few_lost_poses_as_a_refusal_says_there_is_a_corridor():
     told = {"sensor.pose_dropout": 0.1, "corridor.losses": 1000}
     scenario = override(load_scenario("safe-simulation"), told)
     refused = find_corridor(scenario, "prox").refused
-    less = {"corridor.losses": int(re.search(r"at most (\d+) samples in a row", refused)[1])}
+    less = {
+        "corridor.losses": int(re.search(r"it closes with corridor.losses = (\d+)", refused)[1])
+    }
 
+    assert find_corridor(override(scenario, less), "prox").position is not None
+
+
+LOST = {"sensor.pose_dropout": 0.1, "corridor.losses": 40}
+
+
+@pytest.mark.parametrize(("period", "more"), [(0.03, LOST), (0.05, LOST), (5.0, {})])
+def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(period, more):
+    scenario = override(load_scenario("safe-simulation"), {"sensor.pose_period": period, **more})
+    refused = find_corridor(scenario, "prox").refused
+    less = {key: float(x) for key, x in re.findall(r"(sensor\.\S+) = ([\d.]+)", refused)}
+
+    assert bool(more) == ("sensor.pose_dropout" in less)
+    assert (period > 0.03) == ("sensor.pose_period" in less)
     assert find_corridor(override(scenario, less), "prox").position is not None
 
 

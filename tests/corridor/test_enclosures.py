@@ -10,7 +10,7 @@ import pytest
 from flint import arb
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
+from wmr_ctrl.corridor.enclosure import OFTEN, Enclosure, OpenBoxError
 from wmr_ctrl.corridor.gains import loop_gains
 from wmr_ctrl.corridor.inputs import conditions
 from wmr_ctrl.corridor.loop import Curve, SampledLoop
@@ -130,3 +130,9 @@ def test_a_graph_in_balls_holds_its_values():
     for a, b in rng.uniform(-1, 1, size=(50, 2)):
         exact = plain(0.3 + 0.199 * a, -0.1 + 0.299 * b).full().ravel()
         assert all(ball.contains(arb(value)) for ball, value in zip(box, exact, strict=True))
+
+
+def test_a_graph_without_entries_stays_empty_however_often_it_is_called():
+    graph = Enclosure("none", [], ca.SX(2, 2))
+
+    assert [graph() for _ in range(OFTEN + 2)] == [[]] * (OFTEN + 2)

@@ -11,6 +11,9 @@ from dataclasses import asdict, dataclass, field
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.clearance import Clearance, length, rounded
 
+ALONE = "around that mass alone (others were not tried) it"
+"""What closes with less, where cells of masses are refused."""
+
 
 @dataclass(frozen=True)
 class Corridor:
@@ -87,7 +90,8 @@ class Corridor:
     @property
     def _promise(self) -> str:
         if self.position is None:
-            closes = "" if self.closes is None else f"; it closes {self._closing(self.closes)}"
+            which = "it" if self.masses is None else ALONE
+            closes = "" if self.closes is None else f"; {which} closes {self._closing(self.closes)}"
             return f"no corridor: {self.refused}{closes}"
         loaded = f", with {self.late}" if self.late else ""
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
@@ -162,7 +166,7 @@ class Corridor:
             return self._while(share)
         if not self.near:
             return f"from a start on the path {self._while(share)}"
-        return f"from a start moved by {100 * self.near:.2g} % of that"
+        return f"from a start moved by {rounded(100 * self.near, 2, up=False)} % of that"
 
     @property
     def figures(self) -> dict[str, object]:

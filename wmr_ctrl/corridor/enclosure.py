@@ -70,7 +70,7 @@ class Enclosure:
     def _at_once(self) -> Callable[[Balls], Balls]:
         """The same as one Python function of what is given."""
         count = len(self._constants) + len(self._inputs)
-        lines = [", ".join(f"x{k}" for k in range(count)) + ", = given"]
+        lines = [f"[{', '.join(f'x{k}' for k in range(count))}] = given"]
         operations = dict[str, Callable[..., arb]]()
         for k, (operation, operands) in enumerate(self._program):
             names = [f"x{i}" for i in operands]

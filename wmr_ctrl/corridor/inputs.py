@@ -145,20 +145,26 @@ def _told_by(effect: Effect, scenario: Scenario) -> str:
 
 def _missing(scenario: Scenario) -> int:
     """Samples in a row at most to which no pose comes; NoCorridorError for too many."""
-    sensor, period = scenario.section(PoseSensor), scenario.clock.control
-    apart, losses = max(1, round(sensor.pose_period / period)), scenario.corridor.losses
+    sensor = scenario.section(PoseSensor)
+    losses = scenario.corridor.losses
     if sensor.pose_dropout > 0 and not losses:
         raise NoCorridorError(
             "sensor.pose_dropout: poses may be lost any number of times in a row; state "
             "corridor.losses, the most that are"
         )
-    count = apart * (1 + losses * (sensor.pose_dropout > 0)) - 1
+    count = without_pose(scenario, losses * (sensor.pose_dropout > 0))
     if count and sensor.correction < 1:
         raise NoCorridorError(
             "[sensor]: poses that are rare or lost and corrected in part (correction < 1) are not "
             "covered"
         )
     return count
+
+
+def without_pose(scenario: Scenario, losses: int) -> int:
+    """Samples in a row without a pose, where so many poses in a row are lost."""
+    period = scenario.section(PoseSensor).pose_period
+    return max(1, round(period / scenario.clock.control)) * (1 + losses) - 1
 
 
 def _turns(setup: Setup, acting: list[Effect]) -> bool:

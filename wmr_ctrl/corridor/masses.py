@@ -18,16 +18,17 @@ import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.corridor.answer import Corridor
+from wmr_ctrl.corridor.answer import ALONE, Corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.clearance import rounded
 from wmr_ctrl.corridor.enclosure import OpenBoxError
-from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first, without_pose
 from wmr_ctrl.corridor.loop import BODY
 from wmr_ctrl.corridor.peaks import Tube
 from wmr_ctrl.corridor.transient import transient
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.scenario import Change, override
+from wmr_ctrl.world.pose_sensor import PoseSensor
 
 Body: TypeAlias = "tuple[float | None, float | None]"
 """Mass and inertia."""
@@ -65,7 +66,7 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
     except NoCorridorError as error:
         return replace(
             known, refused=f"{here}{error}", closes=error.closes, near=error.near,
-            start=setup.scenario.corridor.start,
+            start=setup.scenario.corridor.start, masses=mass_ranges(setup) if here else None,
         )  # fmt: skip
     worst = max(tubes, key=lambda tube: tube.share)
     return replace(
@@ -229,7 +230,10 @@ def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]
 
 
 def _others(certifier: Certifier, inputs: Inputs) -> str:
-    """Where no share of the inputs has a corridor: less of what else is stated that has one."""
+    """Where no share of the inputs has a corridor: less of what else is stated that has one.
+
+    Of cells it is the refused one alone that is tried, around its own middle.
+    """
     result, tried = list[str](), ["pushes and errors"] * inputs.any
     if inputs.body.any():
         tried.append("the cells' widths")
@@ -239,19 +243,39 @@ def _others(certifier: Certifier, inputs: Inputs) -> str:
             result.append(f"cells as narrow as those of corridor.cells = {count}")
     if inputs.missing:
         tried.append("the samples without a pose")
-        few = partial(replace, inputs)
-        share = _largest(lambda x: certifier.tube(few(missing=int(x * inputs.missing))))
-        if share is not None:
-            most = int(share * inputs.missing)
-            result.append(f"at most {most} samples in a row without a pose")
+        fewer = _oftener(certifier, inputs)
+        result += [fewer] * bool(fewer)
     if inputs.dead.any() or inputs.command.any():
         tried.append("base.deadband and base.quantum")
         share = _largest(lambda x: certifier.tube(inputs.hearing(x)))
         if share is not None:
             result.append(f"{rounded(share, 2, up=False)} times base.deadband and base.quantum")
     if result:
-        return f"; it closes with {', or with '.join(result)}"
+        which = ALONE if inputs.body.any() else "it"
+        return f"; {which} closes with {', or with '.join(result)}"
     return f"; nor is there one with 1/{2**SHARES} of {', or of '.join(tried)}" if tried else ""
+
+
+def _oftener(certifier: Certifier, inputs: Inputs) -> str:
+    """What to set for fewer samples without a pose, so that it closes; empty where none does."""
+
+    def most(without: Callable[[int], int], largest: int) -> int | None:
+        share = _largest(
+            lambda x: certifier.tube(replace(inputs, missing=without(int(x * largest))))
+        )
+        return None if share is None else int(share * largest)
+
+    scenario = certifier.loop.setup.scenario
+    lossless = ["sensor.pose_dropout = 0"] * (scenario.section(PoseSensor).pose_dropout > 0)
+    if lossless:
+        few = most(partial(without_pose, scenario), scenario.corridor.losses)
+        if few is not None:
+            return f"corridor.losses = {few}" if few else lossless[0]
+    few = most(int, without_pose(scenario, 0))
+    if few is None:
+        return ""
+    period = f"sensor.pose_period = {(1 + few) * scenario.clock.control:g}"
+    return " and ".join([*lossless, period])
 
 
 def _nearer(certifier: Certifier, share: float) -> Certifier:

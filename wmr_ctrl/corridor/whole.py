@@ -77,7 +77,8 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
             known = with_inputs(known, inputs, first=not result)
             result.append(_passed(cell, inputs, closing))
     except NoCorridorError as error:
-        return replace(known, refused=f"{here}{error}", closes=error.closes)
+        masses = mass_ranges(setup) if here else None
+        return replace(known, refused=f"{here}{error}", closes=error.closes, masses=masses)
     along, passage = max(result, key=lambda item: float(item[1].share.max()))
     worst = int(passage.share.argmax())
     every = [item for _, item in result]
