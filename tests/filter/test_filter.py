@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from itertools import product
 
 import numpy as np
 import pytest
@@ -267,6 +268,25 @@ def test_parameters_that_nothing_can_keep_stop_the_base_and_are_told(name):
     x, y = step(np.array([0.5, 0.1, 0.2, 0.0, 0.0, 0.05]), system.x0, p)
     assert y.full().ravel().tolist() == [0.0, 0.0, 32.0]
     assert np.isfinite(x.full()).all()
+
+
+@pytest.mark.parametrize("number", ["limits.v_u1", "filter.gain", "filter.wheel_speed", "robot.l"])
+@pytest.mark.parametrize(
+    "stated",
+    [{"channels": "wheels"}, {"wheel_speed": 0.9}, {"channels": "wheels", "wheel_speed": 0.9}],
+)
+def test_no_number_of_the_wheels_is_left_out(stated, number):
+    """The least of two limits is a limit even if the other is no number: neither is then kept."""
+    system = Governor(scenario(**stated)).system
+    own = [(item.signal.name, i) for item in system.params for i in range(item.signal.size)]
+    places = [k for k, (name, _) in enumerate(own) if name == number]
+    step = system.function("step", [system.y])
+    x = np.array([0.5, 0.1, 0.2, 0.0, 0.0, 0.05])
+    assert places or number == "filter.wheel_speed"
+    for place, value in product(places, (math.nan, -0.1, math.inf)):
+        p = np.array(system.p0)
+        p[place] = value
+        assert step(x, system.x0, p).full().ravel().tolist() == [0.0, 0.0, 32.0]
 
 
 def test_a_run_says_that_no_filter_acts_in_it():

@@ -159,7 +159,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     held = "is not guaranteed to keep" if facts.broken else "keeps"
     yield (
         f"the filter ({facts.statement}) {held} {limits}; at rest it leaves at least {v} "
-        f"m/s, {omega} rad/s on any base within the stated bounds"
+        f"m/s, {omega} rad/s on any base inside the stated bounds"
         f"{', with odometry in every step' if heard else ''}"
     )
     gain = "gain" if stated.loop == "first-order" else "peak gain"

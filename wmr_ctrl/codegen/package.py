@@ -211,7 +211,8 @@ UNTIMELY = {
     "clip": "The limit is kept all the same.",
     "slew": "The limit is kept all the same; commands change by no more than that time allows.",
     "governor": "There the memoryless clip acts, until no other command may still act.",
-    "band": "The limit is kept all the same; commands may wait, and a stop may take a ramp.",
+    "band": "The limit is kept all the same; commands may wait, and a stop may take a ramp, which "
+    "stands still while no time is told to pass.",
 }
 """A filter's answer to a call that is not in time, by its form."""
 STARTED = {

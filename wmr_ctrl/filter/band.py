@@ -13,7 +13,7 @@ behind the tables left exp(-rate t) for both brackets.  A change D to the comman
 stay within c = (V - delta)/K for all s, and also if the command 0 follows a period later: so 0 is
 always admitted, and the admitted commands are an interval around it.  A delay that is constant
 moves all of this in time, for every command alike.  It starts at rest, and what it is told as time
-since the last sample must not be more than has passed.  Motors that give only so much force:
+since the last sample must be what has passed, or not above 0.  Motors that give only so much force:
 `force_band`.
 """
 

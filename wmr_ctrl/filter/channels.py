@@ -11,7 +11,7 @@ min(V, l Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 
@@ -59,11 +59,16 @@ FLAG_MEANINGS = {
 
 @dataclass(frozen=True)
 class Channel:
-    """Speed row[0] v + row[1] omega with its numbers; ``largest`` is the value of its limit."""
+    """Speed row[0] v + row[1] omega with its numbers; ``largest`` is the value of its limit.
+
+    ``made_of``: positive numbers of which the least or the largest is among them, each of which may
+    be none.
+    """
 
     row: tuple[ca.SX, ca.SX]
     bounds: FirstOrder
     largest: float
+    made_of: tuple[ca.SX, ...] = ()
 
     def of(self, pair: Sequence[ca.SX] | ca.SX) -> ca.SX:
         """The channel's part of (v, omega)."""
@@ -94,7 +99,8 @@ def channels_of(
         reduce(ca.fmin, top), d[0] + l * d[1], nbar[0] + l * nbar[1],
         ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa,
     )  # fmt: skip
-    sides = [Channel((ca.SX(1), way * l), rim, min(most)) for way in WAYS]
+    made_of = (l, *top, *ca.vertsplit(K_min), *ca.vertsplit(K_max))
+    sides = [Channel((ca.SX(1), way * l), rim, min(most), made_of) for way in WAYS]
     return sides if wheels else [*both, *sides]
 
 
@@ -178,10 +184,12 @@ def limited(sent: ca.SX, r: Sequence[ca.SX]) -> ca.SX:
     return ca.if_else(ca.logic_and(sent[0] == r[0], sent[1] == r[1]), 0, LIMITED)
 
 
-def sound(channels: Iterable[Channel]) -> ca.SX:
+def sound(channels: Sequence[Channel]) -> ca.SX:
     """1 where every channel's numbers leave a command that is safe; 0 for what is no number."""
     tests = []
     for b in (channel.bounds for channel in channels):
         tests += [b.dbar >= 0, b.dbar < b.V, b.V <= LARGEST, b.nbar >= 0, b.nbar <= LARGEST]
         tests += [b.K_min > 0, b.K_max >= b.K_min, b.K_max <= LARGEST]
+    for number in {id(item): item for channel in channels for item in channel.made_of}.values():
+        tests += [number > 0, number <= LARGEST]
     return reduce(ca.logic_and, tests)
