@@ -93,9 +93,9 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         CODEGEN, "tests/codegen/test_branches.py",
-        ("items.py", "for side in (1, 2)]", "for side in (2, 1)]"),
+        ("items.py", "for side in (1, 2)\n", "for side in (2, 1)\n"),
         ("items.py", "if item not in dependent]", "if True]"),
-        ("items.py", "self.condition, *inner)", "self.condition, *inner[::-1])"),
+        ("items.py", "self.condition, then, other,", "self.condition, other, then,"),
     ),
     *_rows(
         CODEGEN, f"{EMITTER}a_loop_of_which_something_else_reads_one_element_keeps_its_array",

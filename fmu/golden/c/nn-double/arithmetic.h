@@ -198,9 +198,9 @@ static inline void wmr_four(wmr_v *to, wmr_v a, wmr_v b, wmr_v c, wmr_v d)
 #endif
 
 /* Two numbers at once, where a processor has vectors for them; each has the bits that it has alone.
-   Their minimum and maximum are those of wmr_min and wmr_max below. */
+   Their minimum and maximum are those of wmr_min and wmr_max below.  A graphics card has none. */
 #if WMR_LANES == 0
-#if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__))
+#if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__)) && !defined(WMR_GPU_TYPES_H)
 #define WMR_TWO_VECTORS
 #if defined(__SSE2__)
 #include <emmintrin.h>
