@@ -23,10 +23,6 @@ PROGRAM = Path(__file__).with_name("bits.c")
 SHORT = ("clip", "governor", "governor, delay of 0 to 30 ms", "band of 50 commands")
 
 
-EXACT = tuple(name for name in FILTERS if FILTERS[name]["filter.kind"] != "governor")
-"""Those that in single precision call no function of the C library, whose bits differ."""
-
-
 def shown(platform: Platform, name: str, folder: Path, float32: bool = False) -> str:
     """Digest of all that the filter sends and remembers."""
     runner = check_tools(platform)
@@ -51,14 +47,14 @@ def test_compilers_agree(name: str, tmp_path: Path) -> None:
     assert shown(HERE_NOW[2], name, tmp_path) == here(name)
 
 
-@pytest.mark.parametrize("name", quick(EXACT, *(name for name in SHORT if name in EXACT)))
+@pytest.mark.parametrize("name", quick(FILTERS, *SHORT))
 def test_compilers_agree_in_single_precision(name: str, tmp_path: Path) -> None:
     assert shown(HERE_NOW[2], name, tmp_path, float32=True) == here(name, float32=True)
 
 
 def test_filters_differ() -> None:
-    digests = {here(name, single) for name in SHORT for single in (False, name in EXACT)}
-    assert len(digests) == len(SHORT) + len(set(SHORT) & set(EXACT))
+    digests = {here(name, single) for name in SHORT for single in (False, True)}
+    assert len(digests) == 2 * len(SHORT)
 
 
 @pytest.mark.slow
@@ -69,7 +65,7 @@ def test_platforms_agree(platform: Platform, name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("name", FILTERS)
 @pytest.mark.parametrize("platform", OTHERS, ids=[item.name for item in OTHERS])
 def test_platforms_agree_in_single_precision(platform: Platform, name: str, tmp_path: Path) -> None:
     assert shown(platform, name, tmp_path, float32=True) == here(name, float32=True)

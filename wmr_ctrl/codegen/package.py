@@ -164,7 +164,8 @@ def write_package(
 def _context(
     law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
 ) -> Mapping[str, Any]:
-    dialect, guarded = single_precision.package_dialect(float32), scenario.guard.enabled
+    own, guarded = frozenset({"expm1"} if law == FILTER else ()), scenario.guard.enabled
+    dialect = single_precision.package_dialect(float32, own=own)
     largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
     periods = single_precision.PERIODS.get((law, guarded), ())
     vectors = vectors_of(system, scenario.limits, float32=float32)

@@ -47,7 +47,9 @@ def with_margin(system: System, margin: float = MARGIN) -> System:
 LARGEST_CONSTANT = 1e18
 """Larger finite constants are lowered to this in single precision: their squares must be finite."""
 
-_CALL = re.compile(r"\bwmr_(?!min\b|max\b|sign\b)([a-z0-9]+)\(")
+_CALL = re.compile(r"\bwmr_([a-z0-9]+)\(")
+_OWN = frozenset({"min", "max", "sign"})
+"""Functions that every package has of its own."""
 _NAMES = {"abs": "fabs"}
 """Deviating names of the C library."""
 
@@ -64,15 +66,21 @@ class SingleDialect(Dialect):
         return f"({text})" if text.startswith("-") else text
 
 
-def package_dialect(float32: bool) -> Dialect:
+def package_dialect(float32: bool, *, own: frozenset[str] = frozenset()) -> Dialect:
     """The dialect of a package in double or single precision.
 
-    The latter has the C library's functions and literals of float: ``expf(`` for ``wmr_exp(``.
+    The latter has literals of float and the C library's functions, ``expf(`` for ``wmr_exp(``, but
+    for those that are ``own``.
     """
     if not float32:
         return replace(SCALAR, real="wmr_real", exp_batch=0, packs_stores=False)
-    patterns = {}
-    for op, pattern in SCALAR.patterns.items():
-        called = _CALL.sub(lambda call: f"{_NAMES.get(call[1], call[1])}f(", pattern)
-        patterns[op] = re.sub(r"\b(\d\.\d)\b", r"\1f", called)
+
+    def called(found: re.Match[str]) -> str:
+        name = found[1]
+        return found[0] if name in own | _OWN else f"{_NAMES.get(name, name)}f("
+
+    patterns = {
+        op: re.sub(r"\b(\d\.\d)\b", r"\1f", _CALL.sub(called, pattern))
+        for op, pattern in SCALAR.patterns.items()
+    }
     return SingleDialect("", "wmr_real", "int", MappingProxyType(patterns), lanes=False)
