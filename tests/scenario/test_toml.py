@@ -18,8 +18,11 @@ from wmr_ctrl.scenario import (
     from_dict,
     load_scenario,
     loads_scenario,
+    override,
+    preset_titles,
     quantities,
     scenario_dict,
+    title_of,
     to_toml,
 )
 from wmr_ctrl.scenario.scenario import SECTIONS
@@ -178,6 +181,20 @@ def test_none_takes_back_what_the_extended_scenario_says():
     text = 'extends = "far-start-friction-overestimated"\n[model]\nmu = "none"\n'
 
     assert loads_scenario(text).believed.mu == 0.08
+
+
+def test_a_preset_s_title_is_shown_of_its_own_numbers_alone(tmp_path):
+    file = tmp_path / "mine.toml"
+    quiet = {"disturbance.std": 0.0}
+    for name in ("paper-simulation", "far-start"):
+        file.write_text(f'extends = "{name}"')
+        own, title = load_scenario(name), f"{name}, changed"
+
+        assert title_of(own) == title_of(load_scenario(file)) == preset_titles()[name]
+        assert title_of(load_scenario(name, quiet)) == title_of(override(own, quiet)) == title
+        assert title_of(load_scenario(file, quiet)) == title
+        assert title_of(load_scenario(file, {**quiet, "title": "Mine"})) == "Mine"
+    assert title_of(loads_scenario("")) == ""
 
 
 def test_a_preset_wins_over_a_file_of_its_name(tmp_path, monkeypatch):

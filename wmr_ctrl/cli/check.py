@@ -215,7 +215,7 @@ def _merged(answers: Answers) -> Iterator[tuple[str | None, Warning]]:
 def _head(answers: Answers) -> Iterator[str]:
     """The promise, and lines on the scenario whatever the law."""
     case = answers.scenario
-    yield wrapped(f"{case.name} is valid{f' ({case.title})' if case.title else ''}.")
+    yield wrapped(check_sentences.valid(case))
     yield wrapped(check_sentences.promise(answers.setup))
     if case.reference.arrival is not None:
         yield wrapped(check_sentences.rest(case.reference.arrival, case.clock.duration))

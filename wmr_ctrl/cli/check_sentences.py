@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.control.setup import Setup
     from wmr_ctrl.guard.bounds import SourcedNumber
     from wmr_ctrl.results import Run
+    from wmr_ctrl.scenario import Scenario
     from wmr_ctrl.scenario.toml_io import InheritedValue
 
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
@@ -62,6 +63,14 @@ def rest(arrival: float, duration: float) -> str:
         f"The desired motion comes to rest at its goal at t = {late}"
         f"{early if arrival > duration else ''}."
     )
+
+
+def valid(case: Scenario) -> str:
+    """That the scenario is one, with what it is."""
+    from wmr_ctrl.scenario import title_of
+
+    title = title_of(case)
+    return f"{case.name} is valid{f' ({title})' if title else ''}."
 
 
 def promise(setup: Setup) -> str:

@@ -30,7 +30,7 @@ from wmr_ctrl.fmi.files import render, write_archive
 from wmr_ctrl.fmi.model import FmuModel, Role
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.units import units_of
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, title_of
 from wmr_ctrl.signals import (
     BODY_FORCE,
     DIAGNOSTICS,
@@ -215,7 +215,7 @@ def _structure(parts: dict[str, Component], scenario: Scenario, flat: bool) -> s
     ]
     shown = {
         "tool": TOOL,
-        "title": f"{scenario.title or scenario.name}; {_NOT_IN}",
+        "title": f"{title_of(scenario) or scenario.name}; {_NOT_IN}",
         "step": repr(scenario.clock.control),
         "stop": repr(scenario.clock.duration),
         "ports": outside,

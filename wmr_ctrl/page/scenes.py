@@ -23,7 +23,7 @@ from wmr_ctrl.filter.filter import worthwhile_slew
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.velocity_loop import VelocityLoopGains
 from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
-from wmr_ctrl.scenario import Scenario, load_scenario, override, preset_titles
+from wmr_ctrl.scenario import Scenario, load_scenario, override, preset_titles, title_of
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 
@@ -190,12 +190,9 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
 
 def _own_title(scenario: Scenario) -> str:
     """A scenario's title, or its name where the title is that of a preset with other numbers."""
-    titles, name = preset_titles(), scenario.name
-    if scenario.title not in titles.values():
-        return scenario.title or name
-    if name not in titles:
-        return name
-    return scenario.title if scenario == load_scenario(name) else f"{name}, changed"
+    title, name = title_of(scenario), scenario.name
+    own = title == scenario.title or name in preset_titles()
+    return title if own and title else name
 
 
 MOST_SHOWN = 4

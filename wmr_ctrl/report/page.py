@@ -119,7 +119,7 @@ def _figures_of(campaign: Campaign, scenario: str, short: bool = False) -> TextT
 def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:
     """Name, title, seeds and hash of every scenario, for the record."""
     table = campaign.table
-    titles = preset_titles() | {study.label: study.title for study in STUDIES if study.title}
+    titles = {**preset_titles(), **{one.label: one.title for one in STUDIES if one.title}}
     first = dict(reversed(table.cases))
     return [
         {

@@ -19,6 +19,7 @@ from wmr_ctrl.scenario.toml_io import load_scenario as load_scenario
 from wmr_ctrl.scenario.toml_io import loads_scenario as loads_scenario
 from wmr_ctrl.scenario.toml_io import preset_names as preset_names
 from wmr_ctrl.scenario.toml_io import preset_titles as preset_titles
+from wmr_ctrl.scenario.toml_io import title_of as title_of
 from wmr_ctrl.scenario.toml_io import to_toml as to_toml
 from wmr_ctrl.world.references import Circle as Circle
 from wmr_ctrl.world.references import Lemniscate as Lemniscate

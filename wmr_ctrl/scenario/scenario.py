@@ -126,9 +126,8 @@ class Scenario:
             _relate(self)
 
     def __repr__(self) -> str:
-        title = f": {self.title}" if self.title else ""
         kind, clock = self.reference_kind.name, self.clock
-        return f"<Scenario {self.name}{title}; {kind}, {clock.duration:g} s at {clock.control:g} s>"
+        return f"<Scenario {self.name}; {kind}, {clock.duration:g} s at {clock.control:g} s>"
 
     def _repr_html_(self) -> str:
         """Every field with its value and unit, and the gains that laws run with, for notebooks."""

@@ -7,7 +7,7 @@ import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -54,9 +54,18 @@ def preset_names() -> tuple[str, ...]:
     return tuple(sorted(presets, key=lambda name: (not name.startswith("paper"), name)))
 
 
-def preset_titles() -> dict[str, str]:
+@lru_cache
+def preset_titles() -> Mapping[str, str]:
     """Return the one-line title of every preset, by name."""
     return {name: str(tomllib.loads(_preset_text(name))["title"]) for name in preset_names()}
+
+
+def title_of(scenario: Scenario) -> str:
+    """A scenario's title; where it is that of a preset with other numbers, which preset that is."""
+    named = [name for name, title in preset_titles().items() if title == scenario.title]
+    if not named or replace(scenario, name=named[0]) == load_scenario(named[0]):
+        return scenario.title
+    return f"{named[0]}, changed"
 
 
 def _preset_text(name: str) -> str:
