@@ -2,6 +2,7 @@
 
 Libraries are compiled at the level -O0, which takes a quarter of the time of -O3; that is more than
 runs lose by it. The bits are the same: tests/bits compares builds at -O2 and -O3, for every law.
+Where tcc is installed it compiles FMUs, and loops of the folders that are not about compiled code.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
+from platform import machine
 from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
@@ -28,6 +30,18 @@ if TYPE_CHECKING:
     from wmr_ctrl.codegen.build import Instructions
 
 TESTS = Path(__file__).parent
+COMPILED = tuple(
+    f"tests/{folder}/"
+    for folder in ("arithmetic", "benchmarks", "bits", "board", "codegen", "filter", "guard",
+                   "packaging", "ros2", "sim", "simulink")
+)  # fmt: skip
+"""Folders whose tests are about what a user's own compiler makes."""
+QUICK = (
+    str(TESTS / "quick")
+    if sys.platform == "linux" and machine() == "x86_64" and shutil.which("tcc")
+    else ""
+)
+"""Folder of a `cc` that has tcc compile what is not optimised; "" where there is none."""
 Sets: TypeAlias = "Callable[[], tuple[Instructions, ...]]"
 
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -60,11 +74,26 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("every_case"):
         settings.load_profile("every example")
     os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
-    if config.option.markexpr == "not slow" and shutil.which("cc"):
-        os.environ.setdefault("WMR_CTRL_FMU_CC", "cc")  # zig begins by building a C library
+    compile_quickly()
     cache = getattr(config, "cache", None)
     if cache is not None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))
+
+
+def compile_quickly() -> None:
+    """Have FMUs and loops compiled by what takes least time; zig begins by building a C library."""
+    if compiler := shutil.which("cc"):
+        os.environ.setdefault("WMR_CTRL_FMU_CC", "tcc" if QUICK else "cc")
+        os.environ.setdefault("WMR_TESTS_CC", compiler)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """The compiler of PATH is a user's own in the folders that are about compiled code."""
+    if QUICK:
+        others = [part for part in os.environ["PATH"].split(os.pathsep) if part != QUICK]
+        quick = [] if item.nodeid.startswith(COMPILED) else [QUICK]
+        os.environ["PATH"] = os.pathsep.join([*quick, *others])
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -22,7 +22,8 @@ AFTER = {"x", "y", "theta", "v1", "omega", "psi"}
 @pytest.mark.slow
 @pytest.mark.parametrize(("law", "name"), turns(headed("nn", NAMES), list(CASES)))
 def test_all_columns(law: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("WMR_CTRL_OPTIMIZE", raising=False)  # the level at which FMUs are shipped
+    for variable in ("WMR_CTRL_OPTIMIZE", "WMR_CTRL_FMU_CC"):  # as FMUs are shipped
+        monkeypatch.delenv(variable, raising=False)
     one = case(law, name)
     memory = laid_out([Task(one.loop, SEED)], [], log=True)
     memory.run()
