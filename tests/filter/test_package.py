@@ -127,6 +127,33 @@ TABLES = (
 """
 )
 """A table with what is no number, which is mended before the third step."""
+EACH = (
+    MEMORY
+    + """    static wmr_filter_parameters right;
+    static wmr_filter_state driven;
+    const int count = (int)(sizeof right / sizeof(wmr_real));
+    for (int k = 0; k < 3; ++k) {
+        in.v_asked[0] = in.v_asked[1] = (wmr_real)0.1;
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+    }
+    right = parameters;
+    driven = memory;
+    for (int i = 0; i < count; ++i) {
+        parameters = right;
+        memory = driven;
+        ((wmr_real *)&parameters)[i] = (wmr_real)NAN;
+        const int failed = wmr_filter_step(&parameters, &memory, &in, &out);
+        printf("%d %g %g %d", failed, (double)out.v_sent[0], (double)out.v_sent[1],
+               (int)out.filter_flags);
+        parameters = right;
+        printf(" %d", wmr_filter_step(&parameters, &memory, &in, &out));
+        printf(" %d\\n", (int)out.filter_flags);
+    }
+    return 0;
+}
+"""
+)
+"""The fourth step with each parameter in turn as no number, and a step behind it."""
 CHANGED = (
     MEMORY
     + """    in.v_asked[0] = 5.0;
@@ -348,6 +375,52 @@ def test_a_table_with_no_number_sends_nothing_and_says_so(
     assert lines[:2] == ["1 0 0 32"] * 2
     assert [line.split()[0] for line in lines[2:]] == ["0", "0"]
     assert all(float(line.split()[1]) > 0.1 for line in lines[2:])
+
+
+WHEELS: Mapping[str, Mapping[str, object]] = {
+    "wheels alone": {**FILTERS["governor"], "filter.channels": "wheels"},
+    "wheels beside": {
+        **FILTERS["governor"], "filter.wheel_speed": 1.2, "filter.scale": "turn",
+        "filter.delay": (0.02, 0.06), "filter.losses": 1, "filter.age": 0.12,
+    },
+    "clip of wheels": {**FILTERS["clip"], "filter.wheel_speed": 1.2},
+}  # fmt: skip
+WITHOUT_EFFECT = {
+    "clip": {"clock.control": 8}, "clip of wheels": {"clock.control": 8},
+    "clip of slow commands": {"filter.d[1]": 0, "filter.d[2]": 0},
+}  # fmt: skip
+"""Parameters that no limit hangs on, and the flag of a step in which they are no number."""
+
+
+@pytest.mark.parametrize("float32", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", quick((*FILTERS, *WHEELS), "clip", "wheels beside", "band of weak motors")
+)
+def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
+    name: str, float32: bool, tmp_path: Path
+) -> None:
+    """(0, 0) is sent with the flag "unsound"; a band goes on with that until it is started."""
+    needs("gcc")
+    settings = load_scenario("paper-simulation", {**FILTERS, **WHEELS}[name])
+    for file, text in package_files("filter", settings, float32=float32).items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    (tmp_path / "main.c").write_text(EACH, encoding="utf-8")
+    command = ["gcc", *WARNINGS, "-O1", "-ffp-contract=off"]
+    run([*command, "main.c", "wmr_filter.c", "-o", "main"], tmp_path)
+    lines = run(["./main"], tmp_path).splitlines()
+    params = command_filter(settings).system.params
+    names = [element for item in params for element in item.signal.elements]
+    assert len(lines) == len(names)
+    unseen = WITHOUT_EFFECT.get(name, {})
+    assert set(unseen) <= set(names)
+    tabled = settings.filter.kind == "band"
+    for parameter, line in zip(names, lines, strict=True):
+        failed, *sent, flags, again, later = map(float, line.split())
+        if parameter in unseen:
+            assert (failed, int(flags) & ~1) == (0, unseen[parameter]), parameter
+        else:
+            assert (failed, *sent, flags) == (float(tabled), 0.0, 0.0, 32.0), parameter
+        assert (again, int(later) & 32) == ((1, 32) if tabled else (0, 0)), parameter
 
 
 @pytest.mark.parametrize("float32", [False, True])

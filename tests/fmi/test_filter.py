@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 
 from tests.control.bases import GOVERNED
 from tests.filter.test_filter import scenario
-from tests.fmi.raw import OK, REFUSED, Fmu
+from tests.fmi.raw import ERROR, OK, Fmu
 from wmr_ctrl import command_filter, simulate
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.channels import FLAG_NAMES
@@ -90,11 +90,14 @@ def test_a_repeated_step_is_noticed_once_the_time_was_told(tmp_path):
 def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tmp_path):
     fmu = opened(scenario(), 2, tmp_path)
     instance = fmu.new().begin()
+    instance.put({"v_asked[1]": 0.2})
     for wrong in (float("nan"), float("inf"), 2e12):
-        assert instance.put({"v_asked[1]": wrong}) in REFUSED
+        for name in ("v_asked[1]", "v_odometry[2]", "odometry_age", "elapsed"):
+            assert instance.put({name: wrong}) == ERROR
+    assert instance.get("v_asked[1]") == [0.2]
     instance.put({"v_asked[1]": 0.3, "v_odometry[1]": 3.0, "odometry_age": 0.0})
     assert instance.step(0.0, 0.05) == OK
-    assert instance.get("bounds_left", "unused", "share[1]") == [1.0, 0.0, 1.0]
+    assert instance.get("bounds_left", "unused", "share[1]", "refused") == [1.0, 0.0, 1.0, 0.0]
     assert fmu.variables["clock.control"].min == fmu.variables["clock.control"].max
     instance.free()
 
