@@ -13,6 +13,7 @@ import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
 from wmr_ctrl.checks import filter_facts
 from wmr_ctrl.cli.check_sentences import filter_lines
+from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.linear.linearise import law_loop
@@ -119,6 +120,17 @@ def test_the_filter_keeps_the_limit_that_a_law_alone_breaks() -> None:
         assert held.monitor.violations == 0
         assert held["clip_active"].any()
         assert (held["v_command"] <= held["v_asked"][:, 0] + 1e-12).all()
+
+
+def test_no_push_is_looked_for_and_none_is_told() -> None:
+    """A least push of 0 would read as if one had been looked for."""
+    pushed = based({**GOVERNED, "disturbance.push": [3.0, 0.0]})
+    run = wmr_ctrl.simulate(pushed, "kanayama")
+    many = wmr_ctrl.simulate_many(pushed, "kanayama", range(2))
+
+    assert run.monitor.d_least is None
+    assert np.isnan([many["d_least1"], many["d_least2"]]).all()
+    assert "disturbance" not in summary_text(run)
 
 
 def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then() -> None:

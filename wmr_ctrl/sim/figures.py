@@ -44,6 +44,8 @@ def put(figures: Figures, places: Sequence[int], memory: Results, runs: Sequence
     numbers = {**_from_findings(memory, settings), **dict(_from_sums(memory, settings))}
     for share in CHANGED:
         numbers[share] = np.where(filtered if "filter" in share else guarded, numbers[share], 0.0)
+    for push in ("d_least1", "d_least2"):  # no motion contradicts a guard that is not there
+        numbers[push] = np.where(filtered, np.nan, numbers[push])
     for name, values in numbers.items():
         figures[name][where] = values
     figures["outcome"][where] = _outcomes(memory, settings, guarded)

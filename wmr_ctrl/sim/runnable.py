@@ -15,6 +15,7 @@ from wmr_ctrl.results import Assumptions, Monitor, Run, Settings, outcome_of
 from wmr_ctrl.results.settings import CountedNumbers, first_beyond, largest_push
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
@@ -33,12 +34,13 @@ def assemble_run(
     """The Run of an engine's results.
 
     ``bounds`` are what a guard assumes, be it on or off: with them the monitor tells the first
-    motion that contradicts them, and how near the least disturbance came.  ``plant``: as in
-    `Settings`.
+    motion that contradicts them, and how near the least disturbance came; none is looked for on a
+    base that takes velocities.  ``plant``: as in `Settings`.
     """
     (signals, columns, seen), guard = log, scenario.guard.enabled
     signals, columns = _stated(signals, columns, scenario.frames)
-    left, least = first_beyond(columns, bounds), largest_push(columns)
+    least = None if takes_velocity(scenario) else largest_push(columns)
+    left = first_beyond(columns, bounds)
     monitor = replace(seen, bounds_left=left, d_least=least)
     known = {item.name: getattr(bounds, item.name) for item in fields(CountedNumbers)}
     settings = replace(settings_of(scenario), plant_kind=plant, **known)
