@@ -124,7 +124,8 @@ def test_the_filter_keeps_the_limit_that_a_law_alone_breaks() -> None:
 
 def test_no_push_is_looked_for_and_none_is_told() -> None:
     """A least push of 0 would read as if one had been looked for."""
-    pushed = based({**GOVERNED, "disturbance.push": [3.0, 0.0]})
+    counted = {**GOVERNED["filter"], "d": [0.05, 0.05]}
+    pushed = based({**GOVERNED, "filter": counted, "disturbance.push": [3.0, 0.0]})
     run = wmr_ctrl.simulate(pushed, "kanayama")
     many = wmr_ctrl.simulate_many(pushed, "kanayama", range(2))
 
