@@ -155,7 +155,9 @@ class MovingCurve:
         given = [[arb(*both) for both in zip(*parts, strict=True)] for parts in pairs]
         return np.array([0.5 * float(x.abs_upper()) * (1 + 2**-50) for x in self._bend(*given)])
 
-    def bend_within(self, by: MidRadius, wide: Floats, numbers: MidRadius) -> Floats:
+    def bend_within(
+        self, by: MidRadius, wide: Floats, numbers: MidRadius, *, fine: bool = False
+    ) -> Floats:
         """A ``bend`` that holds for deviations up to ``wide`` from anywhere in ``by``.
 
         A remainder is the integral of 1 - s times the second derivatives at s times the deviation:
@@ -168,7 +170,7 @@ class MovingCurve:
         products = np.outer(wide, wide)
         parts = [on(0.5), on(1.0)]
         half, whole = (self.remainders(item, products) for item in parts)
-        if (whole > STEEP * half + self.little)[self.steep].any():
+        if fine or (whole > STEEP * half + self.little)[self.steep].any():
             middle, last = parts
             parts = [on(k / PARTS) for k in range(1, PARTS)]
             parts[PARTS // 2 - 1 : PARTS // 2], parts[PARTS - 1 :] = [middle], [last]

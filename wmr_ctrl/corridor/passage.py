@@ -17,9 +17,9 @@ from wmr_ctrl.corridor.instant import Instant, RunBounds
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.motion import UNSURE
 
-HELD, LITTLE_MORE, AGAIN_AFTER = 1.01, 1e-9, 4
-"""Bound on what samples of a standing set add: a share of the latest, and a constant; part of the
-time without changes after which such a set is looked for again."""
+HELD, RAISED, HELD_TRIES, AGAIN_AFTER = 1.002, 1.005, 20, 4
+"""Bound on what samples of a standing set add, as a share of the latest; growth where that was too
+little, and how often; part of the time without changes after which such a set is sought again."""
 SLOW_FROM = 4.0
 """Growth of what is reached that brings the robot to a stop where secants are tried at last."""
 ALIKE = 2.0**-46
@@ -156,33 +156,42 @@ class Passing(Following):
         if k - begin <= 2 * along.memory or many * count <= along.memory or k < self._again:
             return None
         self._again = k + (k - begin) // AGAIN_AFTER
-        before = vars(self).copy()
         here, at = along.held(k, end), np.zeros((1, count), dtype=int)
         block = blocks_of(here, self.inputs, at, self.which)[0]
         now = Instant(k, end, here, block, held=True)
         young = self.carried.bent.weight[-(along.young // count) * count :]
-        most = young.reshape(-1, count, young.shape[1]).max(axis=0) * HELD + LITTLE_MORE
-        standing = self._standing(now, most)
-        off = self._beside(standing)
-        if off is None:
-            return None
-        pending = self.pending = self._rest((self.pending + off) * HELD + UNSURE)
-        self.carried, self.bends = standing, [None, None]
-        latest = self.commands.max(axis=0, initial=0.0)
-        sent = np.tile(latest, (len(self.commands), 1)) * HELD + UNSURE
-        self.commands = sent
-        reach = self._reached()
-        try:
-            _, items = self._follow(now, reach)
-            off = self._beside(standing.older(count))
-        except NoCorridorError:
-            off = None
-        inside = off is not None and (self._rest(self.pending + off) <= pending).all()
-        if not inside or (self.commands > sent).any():
+        latest = [
+            young.reshape(-1, count, young.shape[1]).max(axis=0),
+            self.commands.max(axis=0, initial=0.0), self.pending,
+        ]  # fmt: skip
+        most = [part * HELD + UNSURE for part in latest]
+        before = vars(self).copy()
+        for _ in range(HELD_TRIES):
             vars(self).update(before)
-            return None
-        self.carried, self.pending = standing.older(many * count), pending
-        return reach, np.repeat(items.max(axis=0)[None], many * count, axis=0)
+            standing = self._standing(now, most[0])
+            off, fits = self._beside(standing)
+            if not fits:
+                break
+            pending = most[2] = self._rest(np.maximum(most[2], (self.pending + off) * UP))
+            sent = np.tile(most[1], (len(self.commands), 1))
+            self.carried, self.commands, self.pending = standing, sent, pending
+            self.bends, reach = [None, None], self._reached()
+            try:
+                _, items = self._follow(now, reach)
+            except NoCorridorError:
+                break
+            off, fits = self._beside(standing.older(count))
+            latest = [
+                self.carried.bent.weight[-count:], self.commands.max(axis=0, initial=0.0),
+                self._rest((self.pending + off) * UP),
+            ]  # fmt: skip
+            pairs = list(zip(latest, most, strict=True))
+            if fits and all((one <= other).all() for one, other in pairs):
+                self.carried, self.pending = standing.older(many * count), pending
+                return reach, np.repeat(items.max(axis=0)[None], many * count, axis=0)
+            most = [np.where(one > other, one * RAISED, other) for one, other in pairs]
+        vars(self).update(before)
+        return None
 
     def _standing(self, now: Instant, most: Floats) -> CarriedColumns:
         """The columns, had every block been like this one and had each added the ``most``."""
@@ -195,21 +204,21 @@ class Passing(Following):
             result, _ = self._moved(result, before, new.older(-samples))
         return result
 
-    def _beside(self, standing: CarriedColumns) -> Floats | None:
-        """Sizes (n) by which the columns are off shares of standing ones; None where not within.
+    def _beside(self, standing: CarriedColumns) -> tuple[Floats, bool]:
+        """Sizes (n) by which the columns are off shares of standing ones, and whether they are.
 
         What is off in a component that lasts has to have room beside its newest box.
         """
         own, off = self.carried, np.zeros(len(self.pending))
         if not np.array_equal(own.born, standing.born):
-            return None
+            return off, False
+        fits = True
         for mine, new in zip(own.kinds, standing.kinds, strict=True):
-            if (mine.weight > new.weight).any():
-                return None
+            fits = fits and bool((mine.weight <= new.weight).all())
             apart = np.abs(mine.values - new.values)
             apart += ALIKE * (np.abs(mine.values) + np.abs(new.values))
             off += Kind(apart, mine.weight).sizes()
         off *= UP
         room = standing.bent.weight[-1, COMMAND:]
         newest = (own.bent.weight[-1, COMMAND:] + off[self.along.lasting]) * UP
-        return off if (newest <= room).all() else None
+        return off, fits and bool((newest <= room).all())

@@ -11,6 +11,7 @@ from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.instant import Instant
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.motion import UNSURE
+from wmr_ctrl.corridor.secants import LEAST
 
 ROOM, MORE_ROOM, LITTLE, FIRST_ROOM = 1.03, 1.06, 0.4, 2.0
 """Growth of the box that a bend holds on, at first and where it was left; below that share of the
@@ -70,7 +71,7 @@ class Remainders:
     def _too_wide(self, now: Instant) -> bool:
         """True where boxes of secants are wider than they need be."""
         for item, sizes in zip(now.here.secants or (), self.latest, strict=False):
-            need = TOO_WIDE * self.roomy(sizes)
+            need = TOO_WIDE * self.roomy(sizes) + 2 * LEAST
             if (need < item.wide[now.block.at])[:, :ROBOT].any():
                 return True
         return False
@@ -109,7 +110,7 @@ class Remainders:
         ranges = (self.along.law_range, self.along.step_range)[place]
         grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges(now.k, now.end)
         try:
-            bend = grown, self.curves[place].bend_within(by, grown, numbers)
+            bend = grown, self.curves[place].bend_within(by, grown, numbers, fine=now.held)
         except OpenBoxError as error:
             text = self.along.blamed(sizes, now.k)
             raise NoCorridorError(text) from error
