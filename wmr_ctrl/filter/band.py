@@ -47,6 +47,7 @@ from wmr_ctrl.filter.channels import (
 from wmr_ctrl.filter.forecast import (
     HELD,
     PIECES,
+    SPARE,
     Fading,
     Forecast,
     ResponseTable,
@@ -153,7 +154,7 @@ class BandGovernor:
         rows = []
         for number, (over, under, tail) in enumerate(self.state):
             table, last = self.tables[number], self.last.sym[number % len(AXES)]
-            past = self.faded[number].bounds(self.most[number] * HELD, table.rest)
+            past = self.faded[number].bounds(self.most[number], table.rest)
             known = Forecast(over.sym, under.sym, tail.sym, last, *past)
             rows.append(known.later(table).kept(share))
         return rows
@@ -227,8 +228,9 @@ class BandGovernor:
         parts = [part for f in after for part in (f.over, f.under, f.tail)]
         for number, known in enumerate(self.faded):
             axis = number % len(AXES)
-            change = ca.fabs(self.sent[axis] - self.last.sym[axis])
-            parts += [known.reach + change * self.fading[number][0], known.past, known.held]
+            change = self.sent[axis] - self.last.sym[axis]
+            now = known.changed(change, self.fading[number][0])
+            parts += [now.reach, now.past, now.held]
         return System(
             "filter", "command filter (band)", inputs=(self.asked, self.elapsed),
             state=(*(item for ports in (*self.state, *self.far) for item in ports), self.last,
@@ -288,14 +290,15 @@ def numbers_of(values: ca.SX) -> list[float]:
 def _table(axis: int, known: Band, T: float, jitter: float) -> tuple[Port, ...]:
     """Ports of a ResponseTable, in the order of its fields; then what it fades from, and how."""
     name, table = NAMES[axis], response_table(known)
-    fading, soonest = np.exp(-known.rate * np.array([T, T - 2 * jitter])) * (1 + 2.0**-40)
+    times = np.array([T, T - 2 * jitter - NEAR * T])
+    fading, soonest = np.exp(-known.rate * times) * SPARE
     own = (
         ("above", "1", "largest step response of {}, less 1", numbers_of(table.above)),
         ("below", "1", "1 less the least step response of {}", numbers_of(table.below)),
         ("after", "1", "largest step response of {}, a period later", numbers_of(table.after)),
         ("left", "1", "{} from its command, behind", [known.left]),
         ("fading", "1", "what stays of that in a period", [fading]),
-        ("reach", "1", "{} from its command, at most", [known.reach]),
+        ("reach", "1", "{} from its command, at most", [known.reach * SPARE]),
         ("rate", "1/s", "rate at which that fades", [known.rate]),
         ("soonest", "1", "what stays of it in the shortest period", [soonest]),
     )

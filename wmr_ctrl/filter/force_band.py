@@ -36,6 +36,7 @@ from wmr_ctrl.filter.channels import AXES, ROUNDING, TINY, scaled
 from wmr_ctrl.filter.forecast import (
     FLATTEST,
     PIECES,
+    SPARE,
     Forecast,
     ResponseTable,
     at_most,
@@ -83,7 +84,7 @@ def force_table(scenario: Scenario, axis: int) -> tuple[Port, ...]:
     known = _tables(pi_loop(scenario, axis), scenario.clock.control, scenario.filter.jitter)
     share = (1.0, scenario.robot.l**2)[axis] * (1 + 2.0**-50)  # the loop's numbers are at the rim
     above, below = (_wider(item, share) for item in (known.high, -known.low))
-    left, reach = known.left * share, known.reach * share
+    left, reach = known.left * share, known.reach * share * SPARE
     name, unit = NAMES[axis], ("N.s/m", "N.m.s")[axis]
     own = (
         ("above_force", "largest force behind a step of {}", above),

@@ -20,6 +20,12 @@ kept back against rounding."""
 HELD = 1 + FLATTEST + 2.0**-46
 """Share of c that is allowed where a command is held: 0 that was admitted before is there, too,
 whatever is rounded."""
+PAST = 1 + 2.0**-29
+"""Share of c that is counted on at most of what was sent before an untimely sample: it is above
+what is allowed by more than roundings add to that, so that nothing adds up from one such sample to
+the next."""
+SPARE = 1 + 2.0**-40
+"""Factor of what is kept of the past, so that no rounding makes it too little."""
 
 
 @dataclass(frozen=True)
@@ -186,19 +192,23 @@ class Fading:
         past = ca.if_else(came, self.past * soonest, reach)
         return Fading(reach, past, ca.if_else(came, self.held, u))
 
-    def bounds(self, most: ca.SX, rest: int) -> tuple[ca.SX, ca.SX]:
+    def changed(self, change: ca.SX, furthest: ca.SX) -> Fading:
+        """The same behind a change of the command, of which ``furthest`` times its size is left."""
+        return replace(self, reach=self.reach + ca.fabs(change) * furthest)
+
+    def bounds(self, c: ca.SX, rest: int) -> tuple[ca.SX, ca.SX]:
         """Bounds of what is past, above and below.
 
-        While its command is held nothing exceeds ``most``.
+        While its command is held nothing exceeds c but for roundings.
         """
-        held = rest * self.held
+        held, most = rest * self.held, c * PAST
         return ca.fmin(most - held, self.past), ca.fmin(most + held, self.past)
 
 
 def stays_of(rate: ca.SX, time: ca.SX) -> ca.SX:
-    """At least exp(-rate time); 1 for a time that is negative or no number."""
+    """At least exp(-rate time), with SPARE; that of 0 for a time that is negative or no number."""
     x = rate * ca.if_else(time >= 0, time, 0)
-    return 1 / (1 + x + 0.5 * x * x)
+    return SPARE / (1 + x + 0.5 * x * x)
 
 
 def spread_of(apart: ca.SX, off: ca.SX) -> ca.SX:

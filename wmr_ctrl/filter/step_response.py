@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.filter.enclosure import Floats, Span, cosine, exp, root, sine_over, square
+from wmr_ctrl.filter.governor import NEAR
 from wmr_ctrl.filter.peak_gain import PiLoop, pi_loop
 from wmr_ctrl.scenario import Scenario
 
@@ -57,7 +58,7 @@ class Band:
     """low <= S <= high on each piece of time; |S - 1| <= left exp(-rate (t - end)) behind them.
 
     Everywhere |S - 1| <= reach exp(-rate t).  On pieces and behind them t may be late by twice a
-    jitter.
+    jitter, and by times that count as the same.
     """
 
     low: Floats
@@ -155,13 +156,14 @@ def band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) ->
     low, high = np.full(len(grid.times) - 1, np.inf), np.full(len(grid.times) - 1, -np.inf)
     left, reach = 0.0, 0.0
     for part, e, speed in _responses(cells, grid.times):
-        lower, upper = _between(e, _bent(part, e, speed, T / pieces).hi)
+        away = _bent(part, e, speed, T / pieces) + _strayed(part, e, speed, grid.near)
+        lower, upper = _between(e, away.hi)
         low = np.minimum(low, _down(1 - np.max(upper, axis=0)))
         high = np.maximum(high, _up(1 - np.min(lower, axis=0)))
         left = max(left, float(_left(part, e, speed, rate, grid.last).max()))
         reach = max(reach, float(_left(part, e, speed, rate, 0).max()))
     low, high = grid.joined(low, np.minimum), grid.joined(high, np.maximum)
-    return Band(np.maximum(low, 0.0), high, left, rate, reach)
+    return Band(np.maximum(low, 0.0), high, left * (1 + 2 * rate * grid.near), rate, reach)
 
 
 def force_band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) -> Band:
@@ -180,25 +182,30 @@ def force_band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0
             *_swing_of(part, Span(_down(times)[None], _up(times)[None])), part.a
         )
         ends = _shared(part.kp * pulled + part.ki * pushed, -(part.mass * speed))
-        bent = part.mass * _bent(part, speed, bend, T / pieces)
+        away = _bent(part, speed, bend, T / pieces) + _strayed(part, speed, bend, grid.near)
+        away = part.mass * away
         force = Span(np.minimum(ends.lo[:, :-1], ends.lo[:, 1:]),
                      np.maximum(ends.hi[:, :-1], ends.hi[:, 1:]))  # fmt: skip
-        force = Span((force - bent).lo, (force + bent).hi)
+        force = Span((force - away).lo, (force + away).hi)
         low, high = np.minimum(low, force.lo.min(axis=0)), np.maximum(high, force.hi.max(axis=0))
         left = max(left, float((part.mass * _left(part, speed, bend, rate, grid.last)).hi.max()))
         reach = max(reach, float((part.mass * _left(part, speed, bend, rate, 0)).hi.max()))
     low, high = grid.joined(low, np.minimum), grid.joined(high, np.maximum)
     low[0] = min(low[0], 0.0)  # as it is before the step
-    return Band(low, high, left, rate, reach)
+    return Band(low, high, left * (1 + 2 * rate * grid.near), rate, reach)
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Times at which pieces begin and end, and what is late by twice the jitter; the last such."""
+    """Times at which pieces begin and end, and what is late by twice the jitter; the last such.
+
+    Pieces may be late by ``near``, too, which counts as no time.
+    """
 
     times: Floats
     last: int
     parts: int
+    near: float
 
     def joined(self, values: Floats, worse: np.ufunc) -> Floats:
         """Of every piece the worst of its parts, and of what came twice a jitter before it."""
@@ -211,10 +218,11 @@ class _Grid:
 def _times(cells: Cells, T: float, pieces: int, most: int, jitter: float) -> _Grid:
     periods = int(np.clip(np.ceil(SWINGS / (_slowest(cells) * T)), 4, most))
     begins: Floats = np.asarray(np.arange(periods * pieces + 1) * (T / pieces))
+    near = NEAR * T * (1 + 2.0**-10)  # and what roundings add to times
     if jitter == 0:
-        return _Grid(begins, len(begins) - 1, 1)
+        return _Grid(begins, len(begins) - 1, 1, near)
     early = np.stack([begins[:-1], begins[1:] - 2 * jitter], axis=1).ravel()
-    return _Grid(np.concatenate([early, begins[-1:]]), len(early) - 1, 2)
+    return _Grid(np.concatenate([early, begins[-1:]]), len(early) - 1, 2, near)
 
 
 def _responses(cells: Cells, times: Floats) -> Iterator[tuple[Cells, Span, Span]]:
@@ -239,6 +247,15 @@ def _bent(cells: Cells, x: Span, slope: Span, length: float) -> Span:
     """
     energy = square(slope[..., :-1]) + cells.b * square(x[..., :-1])
     return (cells.a + root(cells.b)) * root(energy) * (length**2 * (1 + 1e-12) / 8)
+
+
+def _strayed(cells: Cells, x: Span, slope: Span, time: float) -> Span:
+    """Most by which a response on each piece is off where it is late by a little ``time``.
+
+    Its slope is at most the root of its energy, which a little before was at most twice as large.
+    """
+    energy = square(slope[..., :-1]) + cells.b * square(x[..., :-1])
+    return root(energy) * (2 * time)
 
 
 def swing(cells: Cells) -> float:

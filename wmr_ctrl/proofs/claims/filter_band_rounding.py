@@ -5,7 +5,7 @@ A computed number is whatever roundings of at most 2^-53 of each operation give 
 
 import casadi as ca
 
-from wmr_ctrl.filter.forecast import PIECES
+from wmr_ctrl.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.filter_band import TABLES, WAYS, BandAxis, BandStep, bound_of
 from wmr_ctrl.proofs.ledger import HAND
@@ -16,6 +16,8 @@ STEP = 2.0**-46
 """Share of c by which a change of the command may leave a computed forecast too low."""
 WIDER = 2.0**-44
 """Share of c by which a computed limit may be that of a larger c."""
+LEVEL = PAST - 2.0**-47
+"""Share of c within which a command that is held keeps the speed, whatever was rounded."""
 SIZES = f"{TABLES}, high <= 5; |u|, |to| <= 2 c, |over|, |under|, |past| <= 4 c"
 claim = Claims(by=Z3(effort=100))
 
@@ -128,6 +130,131 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
 
 
 @claim(
+    "filter.rounding.band-beat",
+    given="-before - e <= p <= behind + e, the time at which a sample came, less whole periods, "
+    "after the last one; 0 <= before, behind <= T; the next one comes 0 to 2 T after that; "
+    "operations rounded by at most 2^-53",
+    premises="assumption.libm",
+)
+def beat(mutation: Mutation) -> Statement:
+    """-before' - e - 2^-51 T <= p' <= behind' + e + 2^-51 T, the same after the next, as the text
+    computes it.
+
+    What roundings add to a beat in the periods that tables reach back is far below what they allow.
+    """
+    s = symbols("before behind since T e p made_before made_behind")
+    T, off = s["T"], s["since"] - s["T"]
+    after = spread_of(ca.vertcat(s["before"], s["behind"]), off)
+    most, p = s["e"] + mutation(1, 2.0**-4) * 2.0**-51 * T, s["p"] - off
+    given = [above(T), at_least(s["since"]), at_least(2 * T, s["since"]), at_least(s["e"])]
+    for name in ("before", "behind"):
+        given += [at_least(s[name]), at_least(T, s[name])]
+    given += [at_least(s["p"] + s["e"], -s["before"]), at_least(s["behind"] + s["e"], s["p"])]
+    goals = at_least(p + most, -s["made_before"]), at_least(s["made_behind"] + most, p)
+    computed = {"made_before": after[0], "made_behind": after[1]}
+    return Statement(s, goals, tuple(given), computed=computed)
+
+
+@claim(
+    "filter.rounding.band-stays",
+    given="g >= 0, g (1 + x + x^2/2) <= 1, x the rate times the time since the last sample; "
+    "operations rounded by at most 2^-53",
+    premises="assumption.libm",
+)
+def stays(mutation: Mutation) -> Statement:
+    """g (1 + 2^-41) <= the share that stays, as the text computes it.
+
+    However short the time since the last sample is, not too little is kept of what is past.
+    """
+    s = symbols("rate time g made")
+    x = s["rate"] * s["time"]
+    given = (
+        at_least(s["rate"]), at_least(s["time"]), at_least(s["g"]),
+        at_least(1, s["g"] * (1 + x + 0.5 * x * x)),
+    )  # fmt: skip
+    goal = at_least(s["made"], s["g"] * (1 + mutation(2.0**-41, 2.0**-39)))
+    return Statement(s, (goal,), given, computed={"made": stays_of(s["rate"], s["time"])})
+
+
+@claim(
+    "filter.rounding.band-fading",
+    given="0 <= r <= reach, 0 <= p <= past; what stays of both is g >= 0, g (1 + 2^-41) <= the "
+    "computed share, or the one of the shortest period where the sample came on its beat; "
+    "operations rounded by at most 2^-53",
+    premises="assumption.libm filter.rounding.band-stays",
+)
+def fading(mutation: Mutation) -> Statement:
+    """r g (1 + 2^-42) and p g, or r g alone where the sample is untimely, <= what the text keeps.
+
+    What the text remembers of the past is never too little, so that nothing adds up.
+    """
+    s = symbols("reach past held u came stays soonest r p g made_reach made_past")
+    came = s["came"]
+    after = Fading(s["reach"], s["past"], s["held"]).aged(came, s["u"], s["stays"], s["soonest"])
+    kept = s["g"] * (1 + mutation(2.0**-41, 0))
+    given = (
+        at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s["g"]),
+        at_least(s["r"]), at_least(s["p"]), at_least(s["reach"], s["r"]),
+        at_least(s["past"], s["p"]), at_least(s["soonest"], came * kept),
+        at_least(s["stays"], (1 - came) * kept),
+    )  # fmt: skip
+    left = came * s["p"] + (1 - came) * s["r"]
+    goals = (
+        at_least(s["made_reach"], s["r"] * s["g"] * (1 + 2.0**-42)),
+        at_least(s["made_past"], left * s["g"]),
+    )
+    computed = {"made_reach": after.reach, "made_past": after.past}
+    return Statement(s, goals, given, computed=computed)
+
+
+@claim(
+    "filter.rounding.band-reached",
+    given="r >= 0, r (1 + 2^-42) <= reach; reached >= 0, reached (1 + 2^-41) <= the number in the "
+    "tables; operations rounded by at most 2^-53",
+    premises="assumption.libm",
+)
+def reached(mutation: Mutation) -> Statement:
+    """r + |to - u| reached <= how far the base is from its command, as the text computes it.
+
+    A change of the command adds enough to what fades.
+    """
+    s = symbols("reach furthest r reached u to made")
+    change = s["to"] - s["u"]
+    none = ca.SX(0)
+    after = Fading(s["reach"], none, none).changed(change, s["furthest"])
+    given = (
+        at_least(s["r"]), at_least(s["reached"]),
+        at_least(s["reach"], s["r"] * (1 + 2.0**-42)),
+        at_least(s["furthest"], s["reached"] * (1 + mutation(1, 0) * 2.0**-41)),
+    )  # fmt: skip
+    goal = at_least(s["made"], s["r"] + ca.fabs(change) * s["reached"])
+    return Statement(s, (goal,), given, computed={"made": after.reach})
+
+
+@claim(
+    "filter.rounding.band-past-{word}",
+    given="c > 0, |held| <= 2 c; {sign}v <= c (1 + 2^-29 - 2^-47) and {sign}(v - held) <= past, as "
+    "long as the command stays held; operations rounded by at most 2^-53",
+    premises="assumption.libm",
+    over=WAYS,
+)
+def past(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(v - held) <= what the text takes for the bound of what is past.
+
+    Behind an untimely sample the text counts on no less than what is certain.
+    """
+    s = symbols("c past held v made")
+    bounds = Fading(ca.SX(0), s["past"], s["held"]).bounds(s["c"], 1)
+    v, most = way * (s["v"] - s["held"]), mutation(LEVEL, PAST + 2.0**-47) * s["c"]
+    given = (
+        above(s["c"]), *within(s["held"], 2 * s["c"]), at_least(s["past"], v),
+        at_least(most, way * s["v"]),
+    )  # fmt: skip
+    goal = at_least(s["made"], v)
+    return Statement(s, (goal,), given, computed={"made": bounds[0 if way > 0 else 1]})
+
+
+@claim(
     "filter.rounding.band",
     given="the hypotheses of filter.band.induction; high <= 5, left <= 1/5, fading <= 1 - 2^-40; "
     "tables of at most 128 periods; no overflow, and no underflow but of the tail",
@@ -141,4 +268,24 @@ def band() -> None:
     carried through at most 128 periods, of which each adds 2^-45 of c.
 
     The margin that is kept back covers the band's roundings, for ever.
+    """
+
+
+@claim(
+    "filter.rounding.band-untimely",
+    given="the hypotheses of filter.band.untimely, times told to within 2^-52 of what has passed; "
+    "tables as in filter.rounding.band; no overflow but of a long time's square, and no underflow "
+    "but of what fades",
+    by=HAND,
+    premises="filter.band.untimely filter.rounding.band filter.rounding.band-beat "
+    "filter.rounding.band-stays filter.rounding.band-fading filter.rounding.band-reached "
+    "filter.rounding.band-past-over filter.rounding.band-past-under",
+)
+def untimely() -> None:
+    """|v| <= V, V the stated limit, behind what the band's text computes, whenever it is called:
+    a command that is held keeps v_u within K c (1 + 2^-29 - 2^-47), and each that is admitted
+    within K c (1 + 2^-30 + 2^-38).
+
+    The margin that is kept back covers the band's roundings at any time, for ever: nothing adds up
+    from one untimely sample to the next.
     """

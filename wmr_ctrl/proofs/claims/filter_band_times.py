@@ -3,7 +3,7 @@
 import casadi as ca
 
 from wmr_ctrl.filter.band import BandGovernor
-from wmr_ctrl.filter.forecast import Fading, spread_of, stays_of
+from wmr_ctrl.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS
@@ -125,7 +125,8 @@ def fading(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.band.past-{word}",
-    given="{sign}(v - held) <= past; {sign}v <= most, as long as the command stays held",
+    given="c >= 0; {sign}(v - held) <= past; {sign}v <= c (1 + 2^-29), as long as the command "
+    "stays held",
     over=WAYS,
 )
 def past(mutation: Mutation, word: str, way: int) -> Statement:
@@ -133,12 +134,13 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
 
     Behind an untimely sample nothing is lost of what is certain in any case.
     """
-    s = symbols("past held most v")
-    bound = Fading(ca.SX(0), s["past"], s["held"]).bounds(s["most"], 1)[0 if way > 0 else 1]
+    s = symbols("past held c v")
+    bound = Fading(ca.SX(0), s["past"], s["held"]).bounds(s["c"], 1)[0 if way > 0 else 1]
     v = way * (s["v"] - s["held"])
     given = (
         at_least(s["past"], mutation(1, 0.9) * v),
-        at_least(s["most"], way * s["v"]),
+        at_least(PAST * s["c"], way * s["v"]),
+        at_least(s["c"]),
         at_least(v),
     )
     return Statement(s, (at_least(bound, v),), given)

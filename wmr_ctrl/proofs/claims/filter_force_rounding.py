@@ -59,29 +59,53 @@ def _moved(s: dict[str, ca.SX], most: ca.SX) -> tuple[Relation, ...]:
 
 
 @claim(
-    "filter.rounding.force-room",
-    given=f"0 <= drag, drag c <= f; |u| <= 2 c, force of at most 4 f and speed of at most 4 c in "
-    f"size; {ROUNDED}",
+    "filter.rounding.force-sum",
+    given="force and drag speed of at most 4 f, drag u of at most 2 f in size, of what is past, "
+    f"too; {ROUNDED}",
     premises="assumption.libm",
 )
+def summed(mutation: Mutation) -> Statement:
+    """force + drag speed, of what is past, too, and drag u, miss what the text computes for them by
+    at most 2^-49 f.
+
+    Force and friction together are foreseen well enough.
+    """
+    s = symbols("force speed past_force past_speed drag u f ahead past ends")
+    f, u, drag = s["f"], s["u"], s["drag"]
+    force, speed = (
+        Forecast(NONE, NONE, s[name], u, s[f"past_{name}"], ZERO) for name in ("force", "speed")
+    )
+    both = with_drag(force, speed, drag)
+    computed = {"ahead": both.tail, "past": both.past_over, "ends": both.u}
+    exact = {"ahead": s["force"] + drag * s["speed"],
+             "past": s["past_force"] + drag * s["past_speed"], "ends": drag * u}  # fmt: skip
+    given = [above(f), *within(drag * u, 2 * f)]
+    for name, share in (("force", 1), ("speed", drag)):
+        for own in (name, f"past_{name}"):
+            given += within(share * s[own], 4 * f)
+    spare = mutation(1, 2.0**-4) * 2.0**-49 * f
+    goals = tuple(part for name in exact for part in within(s[name] - exact[name], spare))
+    return Statement(s, goals, tuple(given), computed=computed)
+
+
+@claim(
+    "filter.rounding.force-room",
+    given=f"what is ahead and what is past of at most 9 f, where it ends of at most 3 f; {ROUNDED}",
+    premises="assumption.libm filter.rounding.force-sum",
+)
 def room(mutation: Mutation) -> Statement:
-    """|above - (f - (force + drag speed + drag u))|, |below - (f - (force + drag speed - drag u))|
-    <= 2^-47 f, of the rooms that the text computes.
+    """|above - (f - (ends + past + ahead))|, |below - (f - (past + ahead - ends))| <= 2^-47 f, of
+    the rooms that the text computes.
 
     What is left of the force is computed well enough, with friction and, with drag = 0, without.
     """
-    s = symbols("force speed drag u f c above below")
-    f, c, u = s["f"], s["c"], s["u"]
-    force, speed = (Forecast(NONE, NONE, s[name], u, ZERO, ZERO) for name in ("force", "speed"))
-    both = with_drag(force, speed, s["drag"])
-    left = both.rooms(f, both.u)
-    given = (
-        above(f), above(c), at_least(s["drag"]), at_least(f, s["drag"] * c), *within(u, 2 * c),
-        *within(s["force"], 4 * f), *within(s["speed"], 4 * c),
-    )  # fmt: skip
+    s = symbols("ahead past ends f above below")
+    f, ends, past = s["f"], s["ends"], s["past"]
+    left = Forecast(NONE, NONE, s["ahead"], ends, past, past).rooms(f, ends)
+    given = (above(f), *within(s["ahead"], 9 * f), *within(past, 9 * f), *within(ends, 3 * f))
     goals = list[Relation]()
     for name, way in (("above", 1), ("below", -1)):
-        exact = f - (s["force"] + s["drag"] * s["speed"] + way * s["drag"] * u)
+        exact = f - (s["ahead"] + past + way * ends)
         goals += within(s[name] - exact, mutation(1, 2.0**-4) * ROOM * f)
     return Statement(s, tuple(goals), given, computed={"above": left[0], "below": left[1]})
 
@@ -237,8 +261,9 @@ def least(mutation: Mutation, rises: bool) -> Statement:
 
     The text compares each room with what the change takes of it, up or down.
     """
-    s = symbols("over under tail u f held up down up_behind down_behind")
-    known, f = Forecast(s["over"], s["under"], s["tail"], s["u"], ZERO, ZERO), s["f"]
+    s = symbols("over under tail past_over past_under u f held up down up_behind down_behind")
+    past = s["past_over"], s["past_under"]
+    known, f = Forecast(s["over"], s["under"], s["tail"], s["u"], *past), s["f"]
     up, down = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("up", "down"))
     inverse = up, down
     most = force_steps(known, f, inverse, s["held"])[0 if rises else 1]
@@ -257,17 +282,19 @@ def least(mutation: Mutation, rises: bool) -> Statement:
     "2^-40; tables of at most 128 periods; A c <= 2^8 f, A the largest size in the force's tables, "
     "0 <= drag c <= f; no overflow, and no underflow but of the tails",
     by=HAND,
-    premises="filter.band.ramp filter.rounding.force-room filter.rounding.force-slope "
+    premises="filter.band.ramp filter.rounding.force-sum filter.rounding.force-room "
+    "filter.rounding.force-slope "
     "filter.rounding.force-line-up filter.rounding.force-line-down "
     "filter.rounding.force-least-rise filter.rounding.force-least-fall filter.rounding.force-end "
     "filter.rounding.force-speed-rise filter.rounding.force-speed-fall "
     "filter.rounding.force-over filter.rounding.force-under filter.rounding.band-over "
-    "filter.rounding.band-under filter.rounding.band-tail filter.rounding.clip",
+    "filter.rounding.band-under filter.rounding.band-tail filter.rounding.band-untimely "
+    "filter.rounding.clip",
 )
 def force() -> None:
     """|v| <= V and |F| <= F_max, V and F_max as stated, behind what the text of the band of weak
-    motors computes: a piece of time is carried through at most 128 periods, of which each adds
-    2^-45 of c and 2^-37 of f.
+    motors computes, whenever it is called: a piece of time is carried through at most 128 periods,
+    of which each adds 2^-45 of c and 2^-37 of f.
 
     The margin that is kept back covers the roundings of the band of weak motors, for ever.
     """
