@@ -261,7 +261,7 @@ def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None
     assert "pip install" in capsys.readouterr().out
 
 
-COSTLY = 0.3
+COSTLY = 0.1
 """Seconds that an entry took when it was proved anew, from which on it is proved again by
 `--every-case` alone, or by the test above once its solver has another version.  While its graph is
 the committed one, so is what was proved."""
