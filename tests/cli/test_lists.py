@@ -227,7 +227,7 @@ def test_check_as_json(wmr):
 
 def test_check_runs_each_law_once(wmr):
     late = ("--set", "clock.control=0.05", "--set", "actuator.delay=0.05")
-    command = ("check", "safe-simulation", "--law", "prox", "--law", "kanayama", *late)
+    command = ("check", "safe-simulation", "--law", "prox, kanayama", *late)
     document, text = json.loads(wmr(*command, "--json").stdout), wmr(*command, "-v").stdout
     prox, peer = (document["nominal"][law] for law in ("prox", "kanayama"))
 

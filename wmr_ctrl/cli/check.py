@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from wmr_ctrl.cli import check_sentences
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
-from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
 from wmr_ctrl.errors import ArgumentError, CompilerError
 
 if TYPE_CHECKING:
@@ -61,13 +61,7 @@ class Answers:
 
 @click.command(short_help="Validate a scenario, and say what to expect of it.")
 @click.argument("scenario")
-@click.option(
-    "--law",
-    "chosen",
-    metavar="NAME",
-    multiple=True,
-    help="Check this law only. May be given several times.  [default: all]",
-)
+@opt.laws_option("chosen", "Check this law only.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every finding below the table.")
 @click.option(
     "--only",
@@ -75,10 +69,10 @@ class Answers:
     help="Print only the findings on NAME: a law, a key from the table, guard, filter, "
     "stability, run or corridor.",
 )
-@guard_option
-@set_option
-@json_option("Print validity, stable periods, corridors, warnings and nominal runs as JSON.")
-@debug_option
+@opt.guard_option
+@opt.set_option
+@opt.json_option("Print validity, stable periods, corridors, warnings and nominal runs as JSON.")
+@opt.debug_option
 def check(
     scenario: str,
     chosen: tuple[str, ...],
@@ -98,7 +92,7 @@ def check(
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.scenario import inherited, parse_assignments
 
-    case = load(scenario, assignments, guard)
+    case = opt.load(scenario, assignments, guard)
     taken = inherited(case, scenario, parse_assignments(assignments))
     laws = chosen or ((only,) if only and only in LAWS else tuple(LAWS))
     answers = _answers(case, laws, taken, only == "corridor" and not as_json)

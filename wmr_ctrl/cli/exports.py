@@ -189,20 +189,14 @@ def codegen(
     short_help="Write a page in which the robot can be dragged and pushed.",
     epilog=opt.examples(
         "wmr-ctrl page --out robot.html",
-        "wmr-ctrl page --out mine.html --scenario mine.toml --law nn --law prox",
+        "wmr-ctrl page --out mine.html --scenario mine.toml --law nn,prox",
         "wmr-ctrl page --out burger.html --scenario turtlebot3-burger",
     ),
 )
 @click.option("--out", required=True, metavar="FILE.html", help="File to write.")
 @opt.scenario_option
 @opt.set_option
-@click.option(
-    "--law",
-    "laws",
-    multiple=True,
-    metavar="NAME",
-    help="A law to offer on the page.  May be given several times.  [default: all]",
-)
+@opt.laws_option("laws", "A law to offer on the page.")
 @opt.seed_option
 @opt.debug_option
 def page(

@@ -108,6 +108,20 @@ class LawName(click.ParamType):
 law_option = click.option(
     "--law", type=LawName(), default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`."
 )
+
+
+def laws_option(name: str, text: str) -> Callable[[F], F]:
+    """The option ``--law`` for any number of laws, one by one or as A,B."""
+    return click.option(
+        "--law", name, metavar="NAME", multiple=True, callback=_each_law,
+        help=f"{text} A,B or several times for more.  [default: all]",
+    )  # fmt: skip
+
+
+def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name.strip() for value in values for name in value.split(",")))
+
+
 seed_option = click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
 
 
