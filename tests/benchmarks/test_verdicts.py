@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 
 from benchmarks.verdicts import REPORTED_ON, Judged, faults, judged, table, trial
@@ -37,9 +39,15 @@ def test_the_rule_finds_what_is_wrong(changed: dict[str, object]) -> None:
     assert list(faults(simulate(case, "prox"), case))
 
 
+@cache
+def first(runs: int) -> list[Judged]:
+    """The first rows of the table of 300 that the benchmark prints."""
+    return list(judged(REPORTED_ON, runs))
+
+
 @pytest.mark.parametrize("runs", [3, 12])
 def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
-    rows = list(judged(REPORTED_ON, runs))
+    rows = first(runs)
 
     assert all(bool(row.keys) >= bool(row.faults) for row in rows)
     assert "missed: bad" in table(rows)
@@ -48,8 +56,7 @@ def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("runs", [12, 50])
 def test_misses_and_false_alarms_are_few(runs: int) -> None:
-    """In the first rows of the table of 300 that the benchmark prints."""
-    misses, alarms = shares(list(judged(REPORTED_ON, runs)))
+    misses, alarms = shares(first(runs))
 
     assert misses <= 0.02
     assert alarms <= 0.05

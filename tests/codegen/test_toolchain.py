@@ -44,10 +44,13 @@ def cache(tmp_path, monkeypatch):
     forget()
 
 
+ALL = os.environ.get("WMR_CTRL_CACHE")
+"""The cache that all tests share: zig compiles its own parts at first (10 s)."""
+
+
 @pytest.fixture(scope="session")
 def zig_cache(tmp_path_factory):
-    """One cache for all tests with zig, which compiles its own parts at first (3 s)."""
-    return tmp_path_factory.mktemp("zig")
+    return Path(ALL) if ALL else tmp_path_factory.mktemp("zig")
 
 
 @pytest.fixture

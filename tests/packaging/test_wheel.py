@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import tarfile
 import zipfile
 from pathlib import Path
@@ -59,12 +60,21 @@ def test_installed_package_is_used_not_the_tree(installed):
     assert version in installed.run("--version").stdout
 
 
-def test_reproduce_quick_from_an_empty_folder_without_a_compiler_on_path(installed, tmp_path):
+def test_without_a_compiler_on_path_a_run_is_compiled_by_zig(installed, tmp_path):
     pytest.importorskip("ziglang")
 
+    done = installed.run("run", "paper-simulation", "--law", "mb", "--json")
+
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert json.loads(done.stdout)["engine"] == "native"
+
+
+def test_reproduce_quick_from_an_empty_folder(installed, tmp_path):
+    paths = f"{installed.programs}{os.pathsep}{os.environ['PATH']}"
     done = installed.run(
-        "reproduce", "--quick", "--out", "out", timeout=600, WMR_CTRL_CACHE=str(tmp_path)
-    )
+        "reproduce", "--quick", "--out", "out", timeout=600, WMR_CTRL_CACHE=str(tmp_path),
+        PATH=paths,
+    )  # fmt: skip
 
     assert done.returncode == 0, done.stdout + done.stderr
     out = installed.work / "out"

@@ -1,4 +1,7 @@
-"""The page that the tests look at: written once, with every law, at the level at which it ships."""
+"""The page that the tests look at: written once, with every law.
+
+With `--every-case` it is compiled as it ships; tests/bits compares the bits of both levels.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,8 @@ import wmr_ctrl
 
 
 @pytest.fixture(scope="session")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
-        patch.delenv("WMR_CTRL_OPTIMIZE", raising=False)
+        if request.config.getoption("every_case"):
+            patch.delenv("WMR_CTRL_OPTIMIZE", raising=False)
         return wmr_ctrl.write_page(tmp_path_factory.mktemp("page") / "robot.html")
