@@ -13,11 +13,12 @@ import pytest
 import wmr_ctrl
 from tests.filter.adversary import Base, fastest
 from wmr_ctrl import load_scenario
+from wmr_ctrl.checks.velocity_base import usable_speed
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.filter.channels import ROUNDING
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import Governor
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, override
 
 STATED = {
     "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05),
@@ -140,6 +141,44 @@ def test_odometry_that_contradicts_the_bounds_is_told_and_the_clip_acts():
     made = governor.step((5.0, 0.0), (0.9, 0.0))
     assert "bounds-left" in made.flags
     assert made.command[0] == pytest.approx(CLIP, rel=1e-7)
+
+
+def on_the_rim(seed: int, samples: int) -> None:
+    """Gain, push, time constant and odometry's error exactly at an end of what is stated.
+
+    The base moves by its own exact solution, and the weakest comes to rest where `check` says.
+    """
+    draw = np.random.default_rng(seed)
+    low, high = np.sort(draw.uniform(0.05, 0.5, 2))
+    push, error = draw.uniform(0, 0.1, 2), draw.uniform(0, 0.05, 2) * (seed % 3 > 0)
+    stated = {
+        "tau": (low, high), "gain": (draw.uniform(0.7, 1), draw.uniform(1, 1.3)),
+        "d": tuple(push), "odometry": tuple(error), "scale": "axes",
+    }  # fmt: skip
+    settings = override(scenario(**stated), {"clock.control": draw.choice([0.01, 0.02, 0.05])})
+    governor, T = wmr_ctrl.command_filter(settings), settings.clock.control
+    weakest, tau, sign = draw.integers(2), draw.choice([low, high]), draw.choice([-1, 1])
+    gain, pushed = (0, -push) if weakest else (1, push)
+    speed, kept = np.zeros(2), math.exp(-T / tau)
+    for _ in range(samples):
+        made = governor.step((9.0, 9.0), speed + sign * error)
+        assert "bounds-left" not in made.flags
+        goal = stated["gain"][gain] * np.array(made.command) + pushed
+        speed = kept * speed + (1 - kept) * goal
+        assert speed.max() <= 1.0
+    if weakest:
+        assert np.all(speed >= 0.999999 * np.array(usable_speed(settings)))
+
+
+def test_on_the_rim_of_its_bounds_rounding_stops_no_base() -> None:
+    for seed in range(4):
+        on_the_rim(seed, samples=400)
+
+
+@pytest.mark.slow
+def test_nor_on_the_rim_of_many_bounds() -> None:
+    for seed in range(4, 300):
+        on_the_rim(seed, samples=600)
 
 
 @pytest.mark.parametrize(("dt", "late"), [(None, False), (0.05, False), (0.08, True), (0.01, True)])

@@ -61,7 +61,7 @@ MISUSED = (
         in.v_asked[k % 2] = asked[k % 10];
         in.v_asked[(k + 1) % 2] = 0.125f;
         if (k == 10) parameters.WRONG;
-        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+        if (wmr_filter_step(&parameters, &memory, &in, &out) && k < 10) return 1;
         printf("%.17g %.17g %d\\n", (double)out.v_sent[0], (double)out.v_sent[1],
                (int)out.filter_flags);
     }

@@ -43,6 +43,9 @@ ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
 IN_TIME = Signal("in_time", "1", "samples that came in time since one that did not")
 
 
+AGREED = 2.0**-15
+"""Share of V by which a speed's bounds from above and below may contradict each other: roundings,
+also those of single precision, make less of bounds that touch (`filter.rounding.agrees`)."""
 SIDES = (("v_above", "bound of the velocity"), ("v_below", "bound of the velocity's negative"))
 
 
@@ -142,8 +145,9 @@ class Governor:
     @cached_property
     def agrees(self) -> ca.SX:
         """1 where odometry and the stated bounds do not contradict each other."""
-        both = zip(*self.now, strict=True)
-        return reduce(ca.logic_and, [above + below >= 0 for above, below in both])
+        both = zip(*self.now, self.bounds, strict=True)
+        agree = [above + below >= -contradiction(b.V) for above, below, b in both]
+        return reduce(ca.logic_and, agree)
 
     @cached_property
     def trusted(self) -> ca.SX:
@@ -217,6 +221,11 @@ class Governor:
             ),
             period=self.scenario.clock.control,
         )
+
+
+def contradiction(V: ca.SX) -> ca.SX:
+    """What bounds of a speed may fall short of each other [m/s, rad/s]."""
+    return AGREED * V
 
 
 def stated(p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -18,6 +18,7 @@ from wmr_ctrl.filter.governor import (
     largest_command,
     relaxed,
 )
+from wmr_ctrl.filter.governor_step import contradiction
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.command_filter import INTERVALS
 from wmr_ctrl.proofs.ledger import HAND
@@ -163,9 +164,9 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
 
 @claim(
     "filter.rounding.takeover",
-    given=f"{INTERVALS}; w + (2^-28 + 2 n 2^-44) V >= v, the speed; w, the computed bound, at most "
-    "V; mean <= K_max hi + dbar + d, (1 - e) d <= 2^-45 V; 1 <= n; e = exp(-H/tau_min) <= 1 - n "
-    "2^-14, kappa within 2^-49 of e/(1 - e); operations rounded by at most 2^-53",
+    given=f"{INTERVALS}; w + (2^-28 + 2 n 2^-44) V >= v, the speed; w, the computed bound, from "
+    "-2 V to V; mean <= K_max hi + dbar + d, (1 - e) d <= 2^-45 V; 1 <= n; e = exp(-H/tau_min) <= "
+    "1 - n 2^-14, kappa within 2^-49 of e/(1 - e); operations rounded by at most 2^-53",
     premises="assumption.libm",
 )
 def takeover(mutation: Mutation) -> Statement:
@@ -179,7 +180,7 @@ def takeover(mutation: Mutation) -> Statement:
     given = (
         *_stated(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
         *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s["v"]),
-        at_least(V, s["w"]), at_least(s["w"], -V), at_least(s["d"]),
+        at_least(V, s["w"]), at_least(s["w"], -2 * V), at_least(s["d"]),
         at_least(2.0**-45 * V, (1 - e) * s["d"]),
         at_least(b.K_max * s["hi"] + b.dbar + s["d"], s["mean"]),
     )  # fmt: skip
@@ -259,6 +260,29 @@ def odometry(mutation: Mutation) -> Statement:
     known = at_least(s["y"] + b.nbar, s["v"])
     goal = at_least(ca.fmin(s["sum"], V) + mutation(1, -1) * slack, s["v"])
     return Statement(s, (goal,), (*given, known), computed={"sum": s["y"] + b.nbar})
+
+
+@claim(
+    "filter.rounding.agrees",
+    given="v <= above + (2^-28 + n 2^-44) V, -v <= below + (2^-28 + n 2^-44) V, above and below as "
+    "computed and at most V; n <= 2^16; operations rounded by at most 2^-53",
+    premises="assumption.libm",
+)
+def agrees(mutation: Mutation) -> Statement:
+    """above + below >= -2^-15 V, as computed.
+
+    Roundings alone never make odometry contradict the stated bounds, even where all of them are met
+    to the last bit.
+    """
+    s = symbols("V v above below n sum least", "V")
+    V, off = s["V"], (SLACK + s["n"] * PIECE) * s["V"] * mutation(1, 2**14)
+    given = (
+        above(V), at_least(ca.SX(2.0**16), s["n"]), at_least(s["n"]), at_least(V, s["above"]),
+        at_least(V, s["below"]), at_least(s["above"] + off, s["v"]),
+        at_least(s["below"] + off, -s["v"]),
+    )  # fmt: skip
+    computed = {"sum": s["above"] + s["below"], "least": -contradiction(V)}
+    return Statement(s, (at_least(s["sum"], s["least"]),), given, computed=computed)
 
 
 @claim(
