@@ -124,8 +124,13 @@ def test_rebuilt_from_its_own_sources(exported, tmp_path, version):
 
 @pytest.mark.slow
 @linux
-def test_the_battery_runs_clean_under_sanitizers(tmp_path):
-    """AddressSanitizer and UndefinedBehaviorSanitizer under the whole suite of calls."""
+def test_the_battery_runs_clean_under_sanitizers(tmp_path, request):
+    """AddressSanitizer and UndefinedBehaviorSanitizer under the whole suite of calls.
+
+    Of each kind of FMU one version, and with `--every-case` more.
+    """
+    every = "plant or reference or nn-3 or closed-loop-3"
+    some = "plant-2 or reference-3 or nn-3 or closed-loop-3"
     runtime = subprocess.run(
         [tool("gcc"), "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
     ).stdout.strip()
@@ -154,7 +159,7 @@ def test_the_battery_runs_clean_under_sanitizers(tmp_path):
         "-p",
         "no:cacheprovider",
         "-k",
-        "plant or reference or nn-3 or closed-loop-3",
+        every if request.config.getoption("every_case") else some,
         *files,
     ]
     done = subprocess.run(
