@@ -18,7 +18,8 @@ from tests.corridor.adversary import (
     worst_pushes,
 )
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor import find_corridor, masses
+from wmr_ctrl.corridor.answer import Corridor, bounds
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.masses import certified
 from wmr_ctrl.corridor.whole import certified_run
@@ -280,12 +281,42 @@ LESS = {
 
 
 @pytest.mark.parametrize("words", LESS)
-def test_a_refusal_has_numbers_and_says_what_to_change(words):
+def test_a_refusal_has_numbers_and_says_what_to_change(words, monkeypatch):
+    monkeypatch.setattr(masses, "MOST_CELLS", 0)
     told = {"guard.enabled": "corridor.cells" in LESS[words], **LESS[words]}
     tube = find_corridor(override(load_scenario("safe-simulation"), told), "prox")
 
     assert tube.position is None
     assert words in tube.refused
+
+
+@pytest.mark.slow
+def test_what_a_refusal_of_cells_says_closes_with_every_mass():
+    told = {"corridor.cells": 1, "changes": []}
+    scenario = override(load_scenario("safe-simulation"), told)
+    refused = find_corridor(scenario, "prox").refused
+    count = int(re.search(r"; it closes with corridor.cells = (\d+)", refused)[1])
+    assert find_corridor(override(scenario, {"corridor.cells": count}), "prox").position is not None
+
+    pushed = override(scenario, {"corridor.cells": 2, "disturbance.std": 3.0})
+    tube = find_corridor(pushed, "prox")
+    assert "it closes while each wheel is pushed by at most" in tube.sentence
+    less = override(pushed, {"disturbance.std": 0.99 * 3.0 * tube.closes})
+    more = override(pushed, {"disturbance.std": 1.03 * 3.0 * tube.closes})
+    assert find_corridor(less, "prox").position is not None
+    assert find_corridor(more, "prox").position is None
+
+
+def test_figures_and_words_are_rounded_to_the_safe_side():
+    assert bounds(0.0, 0.0, (0.0019999, 0.00109999)) == (
+        "velocities to within 0.00199 m/s and 0.00109 rad/s"
+    )
+    tube = Corridor(
+        "prox", position=1e-14, heading=2e-15, position_late=1e-14, share=0.1,
+        masses=((45.00000049, 71.50000051), (4.0, 5.0)),
+    )  # fmt: skip
+    assert {tube.figures[key] for key in ("position", "heading", "position_late")} == {1e-9}
+    assert "M is anything from 45.0001 to 71.5 kg" in tube.sentence
 
 
 def test_with_as_few_lost_poses_as_a_refusal_says_there_is_a_corridor():

@@ -30,6 +30,7 @@ class Corridor:
 
     ``refused`` says why there is none; ``closes``: share of push and errors with which there is,
     from a share ``near`` of ``start``; None where none was found.
+    ``alone``: that was tried for the refused cell of masses alone.
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
     ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
@@ -57,6 +58,7 @@ class Corridor:
     refused: str = ""
     closes: float | None = None
     near: float = 1.0
+    alone: bool = False
     clearance: Clearance | None = None
     masses: tuple[tuple[float, float], ...] | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -90,7 +92,7 @@ class Corridor:
     @property
     def _promise(self) -> str:
         if self.position is None:
-            which = "it" if self.masses is None else ALONE
+            which = ALONE if self.alone else "it"
             closes = "" if self.closes is None else f"; {which} closes {self._closing(self.closes)}"
             return f"no corridor: {self.refused}{closes}"
         loaded = f", with {self.late}" if self.late else ""
@@ -136,7 +138,7 @@ class Corridor:
     def _from(self) -> str:
         ahead, aside, turn = self.start
         far = f"{length(ahead, up=False)} ahead, {length(aside, up=False)} aside"
-        moved = f"{far} and {turn:g} rad"
+        moved = f"{far} and {rounded(turn, 6, up=False)} rad"
         late, begun = (length(_counted(x)) for x in (self.position_late, self.position))
         when = "in the long run" if self.run is None else "in its second half"
         counted = any(self.start) or (late != begun and self.run is None)
@@ -147,11 +149,9 @@ class Corridor:
     def _mass(self) -> str:
         if self.masses is None:
             return f"M = {self.mass:g} kg"
-        (low, high), (least, most) = self.masses
         also = ", after each change of mass or inertia anew" if self.anew else ""
-        return (
-            f"M is anything from {low:g} to {high:g} kg, I from {least:g} to {most:g} kg m2{also}"
-        )
+        M, I = (f"{rounded(ends[0], 6)} to {rounded(ends[1], 6, up=False)}" for ends in self.masses)
+        return f"M is anything from {M} kg, I from {I} kg m2{also}"
 
     def _while(self, share: float) -> str:
         velocity = (share * self.velocity[0], share * self.velocity[1])
@@ -178,8 +178,9 @@ class Corridor:
                 "clearance": clearance, "run": self.run, "linear": self.linear,
             }  # fmt: skip
         return {
-            "position": self.position, "heading": self.heading,
-            "start": list(self.start), "late": self.late, "position_late": self.position_late,
+            "position": _counted(self.position), "heading": _counted(self.heading),
+            "start": list(self.start), "late": self.late,
+            "position_late": _counted(self.position_late),
             "settling": self.settling,
             "binding": self.binding, "share": self.share, "linear": self.linear,
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
@@ -221,10 +222,11 @@ class CorridorLeft:
 
 
 def bounds(push: float, pose: float, velocity: tuple[float, float]) -> str:
-    """Sizes of what disturbs, as a clause: torque [N m], position [m], velocities."""
+    """Sizes of what disturbs, rounded down, as a clause: torque [N m], position [m], velocities."""
     parts = [f"each wheel is pushed by at most {rounded(push, 3, up=False)} N m"] * (push > 0)
     if pose > 0:
         parts.append(f"positions are measured to within {length(pose, up=False)}")
     if any(velocity):
-        parts.append(f"velocities to within {velocity[0]:.3g} m/s and {velocity[1]:.3g} rad/s")
+        v, w = (rounded(x, 3, up=False) for x in velocity)
+        parts.append(f"velocities to within {v} m/s and {w} rad/s")
     return ", ".join(parts) if parts else "nothing disturbs"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -34,6 +34,8 @@ Body: TypeAlias = "tuple[float | None, float | None]"
 """Mass and inertia."""
 MOST_COURSES = 64
 """Courses of mass and inertia that a whole run with changes is followed for."""
+MOST_CELLS = 16
+"""Cells of masses up to which what closes with less is tried in each."""
 SHARES = 12
 """Halvings in the search for the inputs with which a corridor closes."""
 
@@ -64,8 +66,9 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
             known = replace(known, linear=linear)
             tubes.append(_certified_tube(certifier, inputs, closing))
     except NoCorridorError as error:
+        closes, alone, none = _of_all_cells(cells, error) if here else (error.closes, False, "")
         return replace(
-            known, refused=f"{here}{error}", closes=error.closes, near=error.near,
+            known, refused=f"{here}{error}{none}", closes=closes, near=error.near, alone=alone,
             start=setup.scenario.corridor.start, masses=mass_ranges(setup) if here else None,
         )  # fmt: skip
     worst = max(tubes, key=lambda tube: tube.share)
@@ -80,6 +83,38 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         settling=worst.settling,
         masses=mass_ranges(setup) if cells[0][1].any() else None,
     )
+
+
+def _of_all_cells(
+    cells: Sequence[tuple[Setup, Floats]], error: NoCorridorError
+) -> tuple[float | None, bool, str]:
+    """Share of the inputs with which each cell closes, at most that of the refused one.
+
+    That of the refused cell alone, and True, where others were not tried; None, False and a clause
+    where one has none.
+    """
+    share = error.closes
+    if share is None or error.near != 1 or len(cells) > MOST_CELLS:
+        return share, share is not None, ""
+    for cell, widths in cells:
+        certifier = Certifier(cell)
+        inputs = replace(certifier.inputs, body=widths)
+        least = _least_closed(certifier, inputs, share)
+        if least is None:
+            mass = f"{cell.scenario.robot.m:.3g}"
+            return None, False, f"; with M = {mass} kg there is none even with less of pushes"
+        share = least
+    return share, False, ""
+
+
+def _least_closed(certifier: Certifier, inputs: Inputs, share: float) -> float | None:
+    """The share of the inputs where it closes with it, else the largest below that does."""
+    try:
+        certifier.tube(inputs.scaled(share))
+    except NoCorridorError:
+        less = _largest(lambda x: certifier.tube(inputs.scaled(x * share)))
+        return None if less is None else less * share
+    return share
 
 
 def mass_ranges(setup: Setup) -> tuple[tuple[float, float], ...]:
@@ -232,15 +267,19 @@ def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]
 def _others(certifier: Certifier, inputs: Inputs) -> str:
     """Where no share of the inputs has a corridor: less of what else is stated that has one.
 
-    Of cells it is the refused one alone that is tried, around its own middle.
+    Of many cells the refused one alone is tried, around its own middle.
     """
+    which = "it"
     result, tried = list[str](), ["pushes and errors"] * inputs.any
     if inputs.body.any():
         tried.append("the cells' widths")
         share = _largest(lambda x: certifier.tube(replace(inputs, body=x * inputs.body)))
         if share is not None:
             count = math.ceil(certifier.loop.setup.scenario.corridor.cells / share)
-            result.append(f"cells as narrow as those of corridor.cells = {count}")
+            enough = _enough_cells(certifier.loop.setup, count)
+            which = ALONE if enough is None else "it"
+            narrow = f"cells as narrow as those of corridor.cells = {count}"
+            result.append(narrow if enough is None else f"corridor.cells = {enough}")
     if inputs.missing:
         tried.append("the samples without a pose")
         fewer = _oftener(certifier, inputs)
@@ -251,9 +290,20 @@ def _others(certifier: Certifier, inputs: Inputs) -> str:
         if share is not None:
             result.append(f"{rounded(share, 2, up=False)} times base.deadband and base.quantum")
     if result:
-        which = ALONE if inputs.body.any() else "it"
         return f"; {which} closes with {', or with '.join(result)}"
     return f"; nor is there one with 1/{2**SHARES} of {', or of '.join(tried)}" if tried else ""
+
+
+def _enough_cells(setup: Setup, count: int) -> int | None:
+    """So many parts or a few more, up to MOST_CELLS, with which all close; None if unknown."""
+    for parts in range(count, math.isqrt(MOST_CELLS) + 1):
+        finer = settle(override(setup.scenario, {"corridor.cells": parts}), setup.name)
+        with suppress(NoCorridorError):
+            for cell, widths in mass_cells(finer):
+                certifier = Certifier(cell)
+                certifier.tube(replace(certifier.inputs, body=widths))
+            return parts
+    return None
 
 
 def _oftener(certifier: Certifier, inputs: Inputs) -> str:
