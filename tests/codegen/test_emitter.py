@@ -229,3 +229,19 @@ def test_pairs_have_the_bits_of_single_values(seed: int, first: str) -> None:
     for size in (1.0, 1.0, -1.0, 30.0, 600.0):
         given = size * np.abs(draw.normal(size=2 * INPUTS))
         assert np.array_equal(in_pairs(given), one_by_one(given), equal_nan=True)
+
+
+@pytest.mark.parametrize("first", ["", "#undef __SSE2__"])
+def test_pairs_of_exponentials_less_one_have_the_bits_of_single_ones(first: str) -> None:
+    """Of either sign, where nothing is reduced, at the ends of that, and beyond."""
+    x = ca.SX.sym("x", 2)
+    single = kernel("apart", "One by one.", {"x": x}, {"y": ca.expm1(x)})
+    paired = replace(kernel("both", "In pairs.", {"x": x}, {"y": ca.expm1(x)}), pairs=True)
+    one_by_one, in_pairs = compiled([single, paired], first=first)
+    sizes = [0.0, 5e-324, 1e-9, 0.1, 0.3464999999, 0.3465, 0.34657359, 0.3466, 2.0, 56.0, 800.0]
+    given = [sign * size for size in sizes for sign in (1.0, -1.0)]
+    given += np.random.default_rng(0).uniform(-0.4, 0.4, 400).tolist()
+
+    for one, other in zip(given, reversed(given), strict=True):
+        two = np.array([one, other])
+        assert in_pairs(two).tobytes() == one_by_one(two).tobytes()

@@ -201,18 +201,26 @@ class SpeedBound:
         """Largest bound at any of the instants ``when`` [periods], first and last, after a sample.
 
         Between the ends of pieces it is monotone.  Pieces with the same commands count from the
-        start of the first of them, so that none has to wait for another.
+        start of the first of them, so that none has to wait for another; at their ends the base has
+        gone at least the share of its way that it has gone at the first that counts.
         """
         first, last = when
-        ends = [v] if first <= NEAR else []
-        began, ages = 0.0, None
+        ends, ages, least = list[ca.SX](), None, ca.SX(0) if first <= NEAR else None
+        began, start = 0.0, v
         for piece in self.schedule.pieces(0.0, last, newest, first) if last else []:
-            if piece.ages != ages:  # else carried from where the same commands began to act
-                began, ages, start = piece.start, piece.ages, v
+            if ages not in (None, piece.ages):  # else carried from where these began to act
+                began, start, least = piece.start, v, None
+            ages = piece.ages
             shares = self.shares((piece.end - began) * self.period)
             v = self.carried(start, piece, targets, shares)
-            ends += [v] if piece.end >= first - NEAR else []
-        return largest(ends)
+            if piece.end < first - NEAR:
+                continue
+            if least is None:
+                least = shares[1]
+                ends.append(v)
+            else:
+                ends[-1:] = [self.carried(start, piece, targets, (shares[0], least))]
+        return largest(ends or [v])
 
 
 def largest(items: Sequence[ca.SX]) -> ca.SX:

@@ -477,8 +477,11 @@ WMR_EXPM1_INSIDE(wmr_two, wmr_two_expm1_inside, wmr_two_exp_rest, wmr_two_power)
 
 static inline wmr_two wmr_two_expm1(wmr_two a)
 {
+    const wmr_two_bits sign = (wmr_two_bits)a & INT64_MIN;
+    if (fabs(a[0]) < 0.3465 && fabs(a[1]) < 0.3465) { /* of less than half of ln 2 n is 0 */
+        return (wmr_two)((wmr_two_bits)(a + wmr_two_exp_rest(a)) | sign);
+    }
     if (fabs(a[0]) < 56.0 && fabs(a[1]) < 56.0) {
-        const wmr_two_bits sign = (wmr_two_bits)a & INT64_MIN;
         return (wmr_two)((wmr_two_bits)wmr_two_abs(wmr_two_expm1_inside(a)) | sign);
     }
     return wmr_two_of(wmr_expm1(a[0]), wmr_expm1(a[1]));
