@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import cast
 
 import casadi as ca
@@ -30,10 +30,21 @@ class Enclosure:
 
     def __init__(self, name: str, inputs: Sequence[ca.SX], output: ca.SX) -> None:
         """Read the graph; only the entries of ``output`` that can differ from 0 are evaluated."""
-        places = [f"i{k}" for k in range(len(inputs))]
-        self.name = name
         self.pattern = list(zip(*output.sparsity().get_triplet(), strict=True))
         function = ca.Function("enclosed", list(inputs), [output.nz[:]])
+        self._program = _program(name, function.serialize())
+
+    def __call__(self, *values: Balls) -> Balls:
+        """The output's entries in the order of ``pattern`` (row, column)."""
+        return self._program(values)
+
+
+class _Program:
+    """What evaluates a graph, of as many loops as have the same."""
+
+    def __init__(self, name: str, function: ca.Function) -> None:
+        places = [f"i{k}" for k in range(function.n_in())]
+        self.name = name
         graph = read(function, places, ("y",))
         self._constants = [arb(node.number) for node in graph.nodes if node.op == ca.OP_CONST]
         known = [k for k, node in enumerate(graph.nodes) if node.op == ca.OP_CONST]
@@ -43,26 +54,25 @@ class Enclosure:
         ]  # fmt: skip
         known += [k for k, node in enumerate(graph.nodes) if node.place is not None]
         place = {k: n for n, k in enumerate(known)}
-        self._program = list[tuple[Callable[..., arb], list[int]]]()
+        self._steps = list[tuple[Callable[..., arb], list[int]]]()
         for k, node in enumerate(graph.nodes):
             if k not in place:
                 place[k] = len(place)
-                self._program.append((self._operation(node), [place[i] for i in node.operands]))
+                self._steps.append((self._operation(node), [place[i] for i in node.operands]))
         stores = {store.index: store.node for store in graph.stores}
-        self._stores = [place[stores[k]] for k in range(len(self.pattern))]
+        self._stores = [place[stores[k]] for k in range(len(stores))]
         self._calls = 0
 
-    def __call__(self, *values: Balls) -> Balls:
-        """The output's entries in the order of ``pattern`` (row, column)."""
+    def __call__(self, values: Sequence[Balls]) -> Balls:
         self._calls += 1
         given = [*self._constants, *(values[place][index] for place, index in self._inputs)]
         results = self._at_once(given) if self._calls > OFTEN else self._by_steps(given)
-        if not all(value.is_finite() for value in results):
+        if not all(map(arb.is_finite, results)):
             raise OpenBoxError(f"{self.name}: an operation leaves its domain")
         return results
 
     def _by_steps(self, done: Balls) -> Balls:
-        for operation, operands in self._program:
+        for operation, operands in self._steps:
             done.append(operation(*[done[i] for i in operands]))
         return [done[k] for k in self._stores]
 
@@ -72,7 +82,7 @@ class Enclosure:
         count = len(self._constants) + len(self._inputs)
         lines = [f"[{', '.join(f'x{k}' for k in range(count))}] = given"]
         operations = dict[str, Callable[..., arb]]()
-        for k, (operation, operands) in enumerate(self._program):
+        for k, (operation, operands) in enumerate(self._steps):
             names = [f"x{i}" for i in operands]
             value = f" {_SIGNS.get(operation)} ".join(names)
             if operation not in _SIGNS:
@@ -99,6 +109,11 @@ class Enclosure:
         if yes == no:
             raise OpenBoxError(f"{self.name}: a condition (operation {op}) cannot be decided")
         return yes
+
+
+@lru_cache(maxsize=64)
+def _program(name: str, serialized: str) -> _Program:
+    return _Program(name, ca.Function.deserialize(serialized))
 
 
 _Both = tuple[bool, bool]

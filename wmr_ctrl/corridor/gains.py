@@ -20,6 +20,7 @@ from wmr_ctrl.corridor.loop import UP, SampledLoop
 from wmr_ctrl.corridor.sample import (
     FLOOR,
     ROUNDING,
+    BallArray,
     OutputRows,
     SampleMatrices,
     SlowLoopError,
@@ -137,7 +138,7 @@ def _summed(
     n, nz = sample.n, len(loop.names)
     A, power, powers = arb_mat(sample.A.tolist()), arb_mat(unit_matrix(n).tolist()), []
     for _ in range(samples):
-        powers.append(doubles(np.array(power.tolist(), dtype=object)))
+        powers.append(doubles(_entries(power)))
         power = A * power
     measured = sample.outputs @ sample.seen
     inputs = np.hstack([sample.push, sample.outputs, sample.late, measured])
@@ -145,7 +146,7 @@ def _summed(
     course = np.array(powers) @ every
     scale = np.abs(course[:, :, n : n + COMMAND]).sum(axis=(0, 2))
     scale = scale + 1e-9 * scale.max()
-    left = np.abs(doubles(np.array(power.tolist(), dtype=object)))
+    left = np.abs(doubles(_entries(power)))
     damping = float((left @ scale / scale).max()) * UP
     if damping > FAINTEST:
         raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
@@ -187,6 +188,12 @@ def _summed(
     return LoopGains(*three, ratios, damping, samples, scale)
 
 
+def _entries(matrix: arb_mat) -> BallArray:
+    result = np.empty(matrix.nrows() * matrix.ncols(), dtype=object)
+    result[:] = matrix.entries()
+    return result.reshape(matrix.nrows(), -1)
+
+
 @dataclass
 class _Sums:
     """The loop's course from each input's unit, (samples, n, inputs), and sums over it."""
@@ -210,6 +217,11 @@ class _Sums:
         norms: Floats = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
         return norms
 
+    @cached_property
+    def _in_rows(self) -> Floats:
+        """The course as one matrix (n, samples inputs)."""
+        return np.ascontiguousarray(self.course.transpose(1, 0, 2)).reshape(self.n, -1)
+
     def gains(self, rows: OutputRows, added: Floats | None = None) -> Gains:
         """Gains of some rows: sums of sizes with the shares of rounding and tail, and the direct
         part.
@@ -218,7 +230,7 @@ class _Sums:
         that ``rows`` picks from; None: nothing.
         """
         size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
-        ways = rows.picked @ rows.state @ self.course
+        ways = (rows.picked @ rows.state @ self._in_rows).reshape(len(size), len(self.course), -1)
         seen = np.abs(ways)
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
         reach = size @ self.scale
@@ -233,7 +245,7 @@ class _Sums:
             part[..., disc[0]] += part[..., disc[1]]
         for part in (seen, slack, tail, direct):
             part[..., disc[1]] = 0.0
-        every = (seen.sum(axis=0) + slack + tail) * UP
+        every = (seen.sum(axis=1) + slack + tail) * UP
         steps = (every[:, :n] @ self.steps + rows.steps) * UP
         held = (np.abs(rows.picked @ rows.state) + ROUNDING * size + FLOOR) * UP
         first = held, direct, rows.steps
@@ -245,11 +257,13 @@ class _Sums:
     def _started(self, ways: Floats, slack: Floats, reach: Floats) -> Floats:
         """Largest values after a start at any sum of shares of the columns ``start``."""
         size = np.abs(self.start).sum(axis=1)
+        if not size.any():
+            return np.zeros(len(reach))
         rest = (
             slack[:, : self.n] + np.outer(reach, self.norms[:, : self.n].max(axis=0)) * self.damping
         )
-        off = (np.abs(ways) @ size).max(axis=0) * ROUNDING
-        most = np.abs(ways @ self.start).sum(axis=2).max(axis=0)
+        off = (np.abs(ways) @ size).max(axis=1) * ROUNDING
+        most = np.abs(ways @ self.start).sum(axis=2).max(axis=1)
         return np.asarray((most + off + rest @ size) * UP)
 
     def _constant(
@@ -272,7 +286,7 @@ class _Sums:
             return np.zeros(len(reach))
         e = slice(self.estimate, self.estimate + 2)
         rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
-        size = np.hypot(seen[..., self.estimate], seen[..., self.estimate + 1]).max(axis=0)
+        size = np.hypot(seen[..., self.estimate], seen[..., self.estimate + 1]).max(axis=1)
         return np.asarray((size + rest.sum(axis=1)) * UP)
 
     def _before(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
@@ -281,7 +295,7 @@ class _Sums:
             return np.zeros((len(reach), COMMAND))
         v = slice(self.old, self.old + COMMAND)
         rest = slack[:, v] + np.outer(reach, self.norms[:, v].max(axis=0)) * self.damping
-        return np.asarray((np.abs(seen[..., v]).max(axis=0) + rest) * UP)
+        return np.asarray((seen[..., v].max(axis=1) + rest) * UP)
 
 
 def fast_rows(nz: int, ratios: Floats) -> Floats:

@@ -162,8 +162,8 @@ def unit_matrix(size: int) -> BallArray:
 def doubles(matrix: BallArray) -> Floats:
     """Midpoints; SlowLoopError where a ball is wider than what sums allow for."""
     flat = matrix.ravel()
-    middle = np.array([float(item.mid()) for item in flat])
-    wide = np.array([float(item.rad()) for item in flat])
+    middle = np.fromiter(map(float, flat), float, len(flat))
+    wide = np.fromiter(map(float, map(arb.rad, flat)), float, len(flat))
     tight = wide <= EXACT * np.abs(middle) + NOTHING
     if not (tight & (np.abs(middle) < LARGEST)).all():
         raise SlowLoopError("its matrix takes more bits than were estimated")
