@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import math
 import sys
-from functools import partial
+from collections.abc import Callable
 
 import pytest
 
 from benchmarks import bench
-from benchmarks.timing import Timing
+from benchmarks.timing import ROUNDS, Factory, Timing, sample, summarize
 from wmr_ctrl import api
 
 NAMED = {
@@ -56,10 +56,20 @@ def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(
 
 @pytest.mark.slow
 def test_all_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    """How fast is no test's business: docs/performance.md has the figures of an idle machine."""
-    monkeypatch.setenv("WMR_CTRL_OPTIMIZE", "1")
-    one = partial(bench.measure_in_processes, processes=1)
-    monkeypatch.setattr(bench, "measure_in_processes", one)
+    """How fast is no test's business: docs/performance.md has the figures of an idle machine.
+
+    One round in this process; test_timing.py has rounds and processes.
+    """
+
+    def once(
+        factory: Factory, floor: str, *, rounds: int, progress: Callable[[int, int], None]
+    ) -> dict[str, Timing]:
+        assert rounds == ROUNDS
+        found = summarize(sample(factory(), 1), floor)
+        progress(1, 1)
+        return found
+
+    monkeypatch.setattr(bench, "measure_in_processes", once)
     shares: list[float] = []
     ratios = bench.run_bench(progress=shares.append)["ratios"]
 

@@ -39,18 +39,25 @@ def test_the_rule_finds_what_is_wrong(changed: dict[str, object]) -> None:
     assert list(faults(simulate(case, "prox"), case))
 
 
+TWELVE = 12
+
+
 @cache
+def rows(runs: int) -> list[Judged]:
+    return list(judged(REPORTED_ON, runs))
+
+
 def first(runs: int) -> list[Judged]:
     """The first rows of the table of 300 that the benchmark prints."""
-    return list(judged(REPORTED_ON, runs))
+    return rows(max(runs, TWELVE))[:runs]
 
 
 @pytest.mark.parametrize("runs", [3, 12])
 def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
-    rows = first(runs)
+    found = first(runs)
 
-    assert all(bool(row.keys) >= bool(row.faults) for row in rows)
-    assert "missed: bad" in table(rows)
+    assert all(bool(row.keys) >= bool(row.faults) for row in found)
+    assert "missed: bad" in table(found)
 
 
 @pytest.mark.slow
