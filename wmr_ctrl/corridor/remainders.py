@@ -108,7 +108,7 @@ class Remainders:
         little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
         room = FIRST_ROOM if little else MORE_ROOM if self.bends[place] else ROOM
         ranges = (self.along.law_range, self.along.step_range)[place]
-        grown, (by, numbers) = sizes * room + (sizes > 0) * UNSURE, ranges(now.k, now.end)
+        grown, (by, numbers) = sizes * room + 4 * UNSURE * (sizes > 0), ranges(now.k, now.end)
         try:
             bend = grown, self.curves[place].bend_within(by, grown, numbers, fine=now.held)
         except OpenBoxError as error:
