@@ -39,6 +39,7 @@ THEMES = (
     ("guard_delay_rounding", "The velocity guard behind a delay in rounded arithmetic"),
     ("guard_flag:watched_claim", "The guard as it is exported"),
     ("command_filter", "The command filter of bases that take velocities"),
+    ("filter_assembled", "The command filter of bases that take velocities"),
     ("gate", "The gate before a base"),
     ("filter_loops", "The command filter of bases that take velocities"),
     ("filter_band", "The command filter of bases that take velocities"),

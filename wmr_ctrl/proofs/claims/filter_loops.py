@@ -8,8 +8,8 @@ from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.command_filter import STATED
 from wmr_ctrl.proofs.claims.common import elements_of
+from wmr_ctrl.proofs.claims.filter_assembled import STATED
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, within
