@@ -312,6 +312,19 @@ WEAK_PI = replace(FREE_PI, force=120.0, told={**FREE_PI.told, "force": (120.0, 3
 """The same with motors that give 120 N: the force that is asked for counts, too."""
 SLOW_SWUNG = replace(FREE_SWUNG, told={**FREE_SWUNG.told, "slew": (0.25, 0.25)})
 """Second-order loops behind commands that change by at most 0.25 m/s2."""
+ONE = {"M": (65.0, 65.0), "kp": (135.0, 135.0), "ki": (330.0, 330.0), "c": (0.0, 0.0)}
+ONE_PI = Family(ONE, 30.0, {
+    **PI.told, "mass": ONE["M"], "inertia": (65 / 16, 65 / 16), "kp": ONE["kp"], "ki": ONE["ki"],
+    "friction": ONE["c"], "push": (30.0, 0.0),
+}, second_order=False)  # fmt: skip
+ONE_NUMBERS = {"w0": (4.0, 4.0), "z": (0.3, 0.3), "K": (1.0, 1.0)}
+ONE_SWUNG = Family(ONE_NUMBERS, 0.0, {
+    **FREE_SWUNG.told, "frequency": ONE_NUMBERS["w0"], "damping": ONE_NUMBERS["z"],
+    "gain": ONE_NUMBERS["K"],
+}, second_order=True)  # fmt: skip
+"""Loops whose numbers are known, so that the tables cover no more than them."""
+HARD_SWUNG = replace(SWUNG, push=0.3, told={**SWUNG.told, "d": (0.3, 0.0)})
+"""Second-order loops whose pushes take nearly a third of the limit."""
 CHAINS: Sequence[Mapping[str, Any]] = tuple(
     {"second_lag": lag, "delay": (0.0, 0.2), "losses": 3, "jitter": 0.02}
     for lag in (0.0, 0.005, 0.05, 0.3)
@@ -364,6 +377,9 @@ STATEMENTS = (
         "push": pushed("band", PI),
         "all": beyond("band", PI, ("M", 1), ("kp", -1), ("ki", 1)),
     }),
+    Statement("band, a PI loop that is known and pushed", linear("band", ONE_PI, ONE_PI), {
+        "push": pushed("band", ONE_PI),
+    }),
     Statement("band, second-order loops", linear("band", FREE_SWUNG, FREE_SWUNG), {
         "damping": beyond("band", FREE_SWUNG, ("z", -1)),
         "gain": beyond("band", FREE_SWUNG, ("K", 1)),
@@ -373,6 +389,13 @@ STATEMENTS = (
     Statement("band, second-order loops that are pushed", linear("band", SWUNG, SWUNG), {
         "push": pushed("band", SWUNG),
         "all": beyond("band", SWUNG, ("z", -1), ("K", 1), ("w0", -1)),
+    }),
+    Statement("band, second-order loops that are pushed hard", linear(
+        "band", HARD_SWUNG, HARD_SWUNG), {"push": pushed("band", HARD_SWUNG)},
+    ),
+    Statement("band, a second-order loop that is known", linear("band", ONE_SWUNG, ONE_SWUNG), {
+        "frequency too low": beyond("band", ONE_SWUNG, ("w0", -1)),
+        "frequency too high": beyond("band", ONE_SWUNG, ("w0", 1)),
     }),
 )  # fmt: skip
 

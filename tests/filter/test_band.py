@@ -132,6 +132,19 @@ def test_a_frequency_that_is_five_per_cent_wrong_breaks_nothing():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("share", [0.95, 1.05])
+def test_one_that_is_known_breaks_the_limit_where_it_is_wrong(share):
+    """A loop whose tables cover nothing else, and the worst commands of all for one that is off."""
+    known = {"frequency": (4.0, 4.0), "damping": (0.3, 0.3), "gain": (1.0, 1.0)}
+    limit = command_filter(scenario(kind="band", **SWUNG | known))
+    worst = Worst(tables_of(limit.system, 1.0, SAMPLES), SAMPLES)
+    assert 0.999 < worst.commands(second_order_base(4.0, 0.3, 1.0), T)[1] <= 1.0
+    off = second_order_base(4.0 * share, 0.3, 1.0)
+    asked, reached = worst.commands(off, T)
+    assert 1.005 < reached == pytest.approx(abs(speeds(off, limit, asked, 0.0)).max(), abs=1e-3)
+
+
+@pytest.mark.slow
 def test_nor_does_a_push_on_a_pi_loop_that_is_five_per_cent_stronger():
     members, worst = (
         itertools.product((50, 65), (135, 165), (270, 330), (0, 20)),
@@ -141,6 +154,13 @@ def test_nor_does_a_push_on_a_pi_loop_that_is_five_per_cent_stronger():
     free = np.array([max(worst.commands(base, T, s)[1] for s in (0.5, 1.0)) for base in bases])
     pushed = np.array([10.0 * pushed_on(base) for base in bases])
     assert 0.999 < (free + 1.05 * pushed).max() < 1.0 < (free + 1.06 * pushed).max()
+
+
+@pytest.mark.slow
+def test_a_push_of_which_more_is_stated_does():
+    base = pi_base(65, 135, 330, 0)
+    reached, pushed = worst_of("pi", 30.0).commands(base, T)[1], 30.0 * pushed_on(base)
+    assert 0.99 < reached + pushed <= 1.0 < 1.005 < reached + 1.05 * pushed
 
 
 def test_it_leaves_nearly_the_whole_limit_at_rest():

@@ -31,6 +31,26 @@ def fastest_slow_command(base: LinearBase, c: float, a: float, T: float) -> floa
     return float(-linprog(-ahead, A_ub=rows, b_ub=most, bounds=(-c, c)).fun)
 
 
+def ramps(base: LinearBase, c: float, a: float, T: float, samples: int) -> np.ndarray:
+    """Commands that end at c and rose where the step response was above 1, seen from the end."""
+    step, gain = held(base.A, base.b[:, None], T)
+    x, u, rest = np.zeros(2), [c], -np.linalg.solve(base.A, base.b)[0]
+    for _ in range(samples):
+        x = step @ x + gain[:, 0]
+        u.append(float(np.clip(u[-1] + a * T * np.sign(rest - x[0]), -c, c)))
+    return np.array(u[::-1])
+
+
+def ramped(base: LinearBase, commands: np.ndarray, T: float) -> float:
+    """Largest |v| of a base that followed the first command before."""
+    step, gain = held(base.A, base.b[:, None], T)
+    x, worst = -np.linalg.solve(base.A, base.b) * commands[0], 0.0
+    for u in commands:
+        x = step @ x + gain[:, 0] * u
+        worst = max(worst, abs(x[0]))
+    return worst
+
+
 def sent_at_last(stated: Scenario) -> float:
     limit = command_filter(stated)
     return [limit.step((9.0, 0.0)).command[0] for _ in range(300)][-1]
@@ -59,6 +79,38 @@ def test_slow_commands_that_are_wrong_break_the_limit():
     assert fastest(1.0, 100.0) > 1.3
     for own in ((3.8, 0.4), (4.0, 0.38)):  # a frequency or a damping 5 % wrong alone
         assert fastest_slow_command(second_order_base(*own, 1.0), c, 0.02, 0.5) < 1.0
+
+
+KNOWN = {
+    "pi": ({"mass": 65.0, "kp": 13.5, "ki": 3.3, "friction": 0.0}, pi_base,
+           [(1.05, 1, 1), (1, 0.95, 1), (1, 1, 1.05)]),
+    "second-order": ({"frequency": 0.4, "damping": 0.3, "gain": 1.0}, second_order_base,
+                     [(0.95, 1, 1), (1, 0.95, 1), (1, 1, 1.05)]),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("loop", KNOWN)
+def test_each_number_alone_that_is_wrong_breaks_the_limit_of_a_slow_loop_that_is_known(loop):
+    """A hundred periods or more a swing: what a command adds between samples hardly counts."""
+    numbers, build, wrong = KNOWN[loop]
+    a, T, samples = 0.05, 0.01, 9000
+    told = {name: (value, value) for name, value in numbers.items()}
+    told |= {"inertia": (65 / 16, 65 / 16)} if loop == "pi" else {"d": (0.0, 0.0)}
+    stated = scenario(loop=loop, slew=(a, a), push=(0.0, 0.0), **told)
+    limit = command_filter(override(stated, {"clock.control": T}))
+    c = [limit.step((9.0, 0.0)).command[0] for _ in range(3000)][-1]
+    own = [*numbers.values()]
+    worst = ramps(build(*own), c, a, T, samples)
+    limit.start()
+    sent = [
+        limit.step((r, 0.0)).command[0] for r in np.r_[worst[0] * np.linspace(0, 1, 3000), worst]
+    ]
+    assert np.array(sent[3000:]) == pytest.approx(worst, abs=1e-12)
+    assert 0.998 < ramped(build(*own), worst, T) <= 1.0
+    for shares in wrong:
+        base = build(*(share * value for share, value in zip((*shares, 1), own, strict=False)))
+        assert ramped(base, ramps(base, c, a, T, samples), T) > 1.0
 
 
 def test_commands_change_no_faster_than_stated_and_both_axes_together():
