@@ -153,12 +153,12 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
         "E": "1/2", f"v_odometry.{other}": 0, f"v_above.{other}": 1, f"v_below.{other}": 1,
     }  # fmt: skip
     return tuple(
-        {name: Fraction(value) for name, value in (known | {
-            "v": way * Fraction(v), f"{names[0]}.{own}": up, f"{names[1]}.{own}": down,
-            f"v_odometry.{own}": way * Fraction(y), "odometry_age.1": age, "elapsed.1": elapsed,
+        {name: Fraction(str(value)) for name, value in (known | {
+            "v": way * Fraction(str(v)), f"{names[0]}.{own}": up, f"{names[1]}.{own}": down,
+            f"v_odometry.{own}": way * Fraction(str(y)), "odometry_age.1": age, "elapsed.1": elapsed,
             "mean": target, "driven towards": target, "share": share,
             **dict.fromkeys(
-                (f"v_asked.{own}", "sent command"), way * (Fraction(target) - Fraction(1, 8))
+                (f"v_asked.{own}", "sent command"), way * (Fraction(str(target)) - Fraction(1, 8))
             ), "other command": 0,
         }).items()}
         for v, up, down, y, age, target, share, elapsed in rows
