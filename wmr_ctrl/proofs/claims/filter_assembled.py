@@ -155,8 +155,8 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
     return tuple(
         {name: Fraction(str(value)) for name, value in (known | {
             "v": way * Fraction(str(v)), f"{names[0]}.{own}": up, f"{names[1]}.{own}": down,
-            f"v_odometry.{own}": way * Fraction(str(y)), "odometry_age.1": age, "elapsed.1": elapsed,
-            "mean": target, "driven towards": target, "share": share,
+            f"v_odometry.{own}": way * Fraction(str(y)), "odometry_age.1": age,
+            "elapsed.1": elapsed, "mean": target, "driven towards": target, "share": share,
             **dict.fromkeys(
                 (f"v_asked.{own}", "sent command"), way * (Fraction(str(target)) - Fraction(1, 8))
             ), "other command": 0,
