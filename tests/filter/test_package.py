@@ -210,6 +210,69 @@ def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_pa
     assert 0.5 < float(words[1]) <= float(words[3])
 
 
+CREEP = """#include <math.h>
+#include <stdio.h>
+#include "wmr_filter.h"
+int main(void)
+{
+    wmr_filter_parameters parameters;
+    wmr_filter_defaults(&parameters);
+    const double T = parameters.clock_control, tau = parameters.filter_tau[1];
+    const double V = parameters.limits_v_u1[0], fades = exp(-T / tau);
+    double most = 0;
+    for (int trial = 0; trial < 16; ++trial) {
+        const double start = V * (0.955 + 0.0022 * trial), risen = start + V * 0x1p-24 * tau / T;
+        wmr_filter_state memory;
+        wmr_filter_inputs in = {0};
+        wmr_filter_outputs out;
+        double v = 0, time = 0;
+        wmr_filter_start(&memory);
+        for (; time < 25 * tau; time += T) {
+            in.v_asked[0] = (wmr_real)(time < 16 * tau ? start : time < 21 * tau ? risen : 10 * V);
+            in.odometry_age = time == 0 ? 0 : -1;
+            if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+            v = out.v_sent[0] + (v - out.v_sent[0]) * fades;
+            most = v > most ? v : most;
+        }
+    }
+    printf("%.9f\\n", most);
+    return 0;
+}
+"""
+"""The most of v of a base that rises too slowly for floats to see, and then is asked for more."""
+
+
+def crept(folder: Path, tau: float) -> float:
+    needs("gcc")
+    exact = {"d": (0.0, 0.0), "odometry": (0.0, 0.0), "gain": (1.0, 1.0), "delay": (0.0, 0.0)}
+    written(folder, "governor", float32=True, **exact, tau=(tau, tau))
+    (folder / "main.c").write_text(CREEP, encoding="utf-8")
+    command = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "main.c", "wmr_filter.c", "-lm"]
+    run([*command, "-o", "main"], folder)
+    return float(run(["./main"], folder))
+
+
+@pytest.mark.slow
+def test_no_base_creeps_past_a_governor_in_single_precision(tmp_path, monkeypatch):
+    """Up to the time constant that is accepted; with twelve times that one does."""
+    settings = scenario("governor")
+    limit, longest = settings.limits.v_u1[0], 256 * settings.clock.control
+
+    assert crept(tmp_path, longest) <= limit
+    monkeypatch.setattr(f"{package_files.__module__}.check_single_precision", lambda _: None)
+    assert crept(tmp_path, 12 * longest) > limit
+
+
+def test_a_period_too_short_for_floats_is_refused(tmp_path):
+    longest = 256 * scenario("governor").clock.control
+    slow = {"tau": (0.2, 1.01 * longest), "delay": (0.0, 0.0)}
+
+    written(tmp_path, "governor", **slow)
+    written(tmp_path, "governor", float32=True, **{**slow, "tau": (0.2, longest)})
+    with pytest.raises(ScenarioError, match="gets lost in a float's rounding"):
+        written(tmp_path, "governor", float32=True, **slow)
+
+
 EXPM1 = """#include <stdio.h>
 #include "wmr_filter.c"
 int main(void)

@@ -23,6 +23,7 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.filter.filter import called_filter, derived_numbers
+from wmr_ctrl.filter.hypotheses import check_single_precision
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario
@@ -81,6 +82,8 @@ def package_files(
     whose velocity needs more than counts.
     """
     if law == FILTER:
+        if float32 and scenario.filter.kind == "governor":
+            check_single_precision(scenario)
         system = called_filter(scenario)
     else:
         check_takes_torques(scenario, "C packages of laws are written")

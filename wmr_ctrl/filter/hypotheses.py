@@ -26,6 +26,8 @@ OLDEST = 60.0
 """Largest age of odometry, over the least time constant."""
 SHORTEST = 2.0**-13
 """Least period for each piece of time that it is cut into, over the largest time constant."""
+SHORTEST_SINGLE = 2.0**-8
+"""The same of packages in single precision, which are refused below."""
 HARDEST = 256.0
 """Largest force that a step by the whole speed takes, over what pushes leave."""
 
@@ -311,6 +313,19 @@ def _of_long_times(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
             "that commands which may act divide a period into"
         )
         yield "filter.tau", f"filter.tau[2] = {slowest:g} s", bound
+
+
+def check_single_precision(scenario: Scenario) -> None:
+    """Raise ScenarioError for a governor whose bounds rise by less than a float's rounding."""
+    slowest, T = scenario.filter.interval("tau")[1], scenario.clock.control
+    longest = T / (SHORTEST_SINGLE * _most_pieces(schedule(scenario)))
+    if slowest > longest:
+        raise ScenarioError(
+            f"filter.tau[2] = {slowest:g} s is beyond {longest:.4g} s, the longest time constant "
+            f"of a governor in single precision at clock.control = {T:g} s: what the base gains in "
+            "a period gets lost in a float's rounding. Write the package in double precision, or "
+            "lengthen clock.control."
+        )
 
 
 def _most_pieces(plan: Schedule) -> int:

@@ -150,7 +150,7 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     "filter.band.untimely",
     given="as in filter.band.superposition, but commands are sent at any time, late, early, at "
     "once or by a clock that is set back, and the filter is told the time since the last one as it "
-    "is, or one that is not above 0 or no number",
+    "is, or a negative one or no number, or, once a time was told, 0",
     by=HAND,
     premises="filter.band.superposition filter.band.held-rise filter.band.held-fall "
     "filter.band.beat filter.band.fading filter.band.past-over filter.band.past-under "
