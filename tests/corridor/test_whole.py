@@ -152,6 +152,17 @@ def test_what_stops_it_is_named_with_its_time(changes, words):
 
 
 @pytest.mark.slow
+def test_what_closes_with_one_cell_is_not_said_of_all():
+    told = {**EIGHT, "clock.control": PERIOD, "clock.duration": 3.0, "corridor.cells": 2,
+            "guard.trust": True, "actuator.tau_max": 8.0}  # fmt: skip
+    tube = certified_run(settle(override(load_scenario("safe-simulation"), told), "prox"))
+
+    assert tube.position is None
+    assert tube.closes is not None
+    assert "around that mass alone (others were not tried) it closes" in tube.sentence
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [[], [{"t": 4.0, "m": 65.0, "I": 7.0}]])
 def test_what_is_said_to_close_does_and_twice_as_much_does_not(changes):
     told = {"reference.kind": "stop-and-go", "reference.period": 4.0, "clock.control": PERIOD,

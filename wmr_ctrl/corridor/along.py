@@ -329,8 +329,8 @@ class Along:
         a, b = sorted((i[worst], j[worst]))
         term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
         why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""
-        far = f"beyond {1e3 * np.hypot(reach[0], reach[1]):.3g} mm"
-        return f"{term} may grow as large as what the loop corrects{why} {far} {self.place(k)}"
+        far = f" beyond {d:.3g} mm" if np.isfinite(d := 1e3 * np.hypot(reach[0], reach[1])) else ""
+        return f"{term} may grow as large as what the loop corrects{why}{far} {self.place(k)}"
 
     def _bends_near(self, reach: Floats, k: int) -> Floats:
         """Of a plant step, on the largest part of the box that has any."""
