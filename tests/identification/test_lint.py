@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -9,9 +11,10 @@ from click.testing import CliRunner
 from benchmarks.own_plant import log_of
 from tests.identification.conftest import KNOWN, POSED, TRUTH
 from wmr_ctrl.cli import root
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.logs import lint
-from wmr_ctrl.logs.log import LogError, of_columns
+from wmr_ctrl.logs.log import FACTORS, LogError, counted, of_columns, unit_of, with_torques
 from wmr_ctrl.logs.samples import motion_of
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS
@@ -54,10 +57,15 @@ def wrapped_at(bits):
     return lambda log: put(log, RIGHT=(log[RIGHT] + half) % (2 * half) - half)
 
 
+def turned_by(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return lambda log: put(log, X=c * log[X] - s * log[Y], Y=s * log[X] + c * log[Y])
+
+
 CORRUPTIONS = {
-    "not a number": (lambda log: in_row(log, 300, "RIGHT", np.nan), "not numbers"),
+    "not a number": (lambda log: in_row(log, 300, "RIGHT", np.nan), "first in row 301"),
     "time goes back": (lambda log: put(log, T=np.where(log[T] > 12, log[T] - 5, log[T])), "back"),
-    "time twice": (lambda log: in_row(log, 500, "T", log[T][499]), "time of the row before"),
+    "time twice": (lambda log: in_row(log, 500, "T", log[T][499]), "row before, first row 501"),
     "milliseconds": (lambda log: put(log, T=1e3 * log[T]), "milliseconds"),
     "microseconds": (lambda log: put(log, T=1e6 * log[T]), "microseconds"),
     "nanoseconds": (lambda log: put(log, T=1e9 * log[T]), "nanoseconds"),
@@ -85,6 +93,10 @@ CORRUPTIONS = {
     "theta reversed": (lambda log: put(log, THETA=-log[THETA]), "reversed"),
     "heading of REP 103": (lambda log: put(log, THETA=log[THETA] + np.pi / 2), "REP 103"),
     "x and y exchanged": (lambda log: put(log, X=log[Y], Y=log[X]), "exchanged"),
+    "x reversed": (lambda log: put(log, X=-log[X]), "x or y is reversed"),
+    "y reversed": (lambda log: put(log, Y=-log[Y]), "x or y is reversed"),
+    "another frame": (turned_by(0.7), "at 130 degrees to theta"),
+    "three times the way": (lambda log: put(log, X=3 * log[X], Y=3 * log[Y]), "3.* times that"),
 }  # fmt: skip
 
 
@@ -139,8 +151,83 @@ def test_headers_are_checked(tmp_path, header, word):
         identify(path)
 
 
+SAME = (
+    ("t", "s", 1.0, ("ms", 1e3), ("us", 1e6), ("ns", 1e9)),
+    ("x", "m", 1.0, ("mm", 1e3), ("cm", 1e2)),
+    ("theta", "rad", np.pi, ("deg", 180.0)),
+    ("omega", "rad/s", np.pi, ("deg/s", 180.0)),
+    ("wheel_speed[1]", "rad/s", 2 * np.pi, ("rpm", 60.0)),
+    ("v1", "m/s", 1.0, ("mm/s", 1e3)),
+    ("tau_right", "N.m", 1.0, ("N.mm", 1e3), ("Nm", 1.0), ("N m", 1.0)),
+    ("current_right", "A", 1.0, ("mA", 1e3)),
+    ("wheel_counts[1]", "1", 7.0, ("counts", 7.0), ("ticks", 7.0)),
+)
+"""A column, a size in our unit, and the same size in others."""
+TOGETHER = {
+    "x": ("y", "theta"), "theta": ("x", "y"), "omega": ("v1",), "v1": ("omega",),
+    "tau_right": ("tau_left",), "current_right": ("current_left",),
+    "wheel_speed[1]": ("wheel_speed[2]",), "wheel_counts[1]": ("wheel_counts[2]",),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("row", SAME, ids=lambda row: row[0])
+def test_a_size_is_the_same_in_every_unit(row):
+    name, own, size, *others = row
+
+    for unit, number in ((own, size), *others):
+        log = {} if name == "t" else {"t [s]": [0.0, 1.0]}
+        log |= {key: [0.0, 0.0] for key in TOGETHER.get(name, ("v1", "omega"))}
+        read = of_columns("log", {**log, f"{name} [{unit}]": [0.0, number]})
+        values = read.times["v1"] if name == "t" else read.columns[name]
+
+        assert values.tolist() == pytest.approx([0.0, size], rel=1e-15), unit
+
+
+def test_factors_between_units_are_told_within_eight_per_cent_of_them():
+    for factor, sense in FACTORS.items():
+        for near in (0.93, 1.0, 1.07):
+            assert unit_of(near * factor) == sense
+            other_way = " for ".join(reversed(sense.split(" for ")))
+            assert unit_of(1 / (near * factor)) == other_way
+        assert unit_of(0.9 * factor) is None
+        assert unit_of(1.1 * factor) is None
+
+
+@pytest.mark.parametrize("columns", [("t [s]", "v1 [m/s]", "omega [rad/s]", "v1 [mm/s]")])
+def test_a_column_that_is_there_twice_is_refused(columns):
+    with pytest.raises(LogError, match="two columns are named v1"):
+        of_columns("log", {key: [0.0, 1.0] for key in columns})
+
+
+@pytest.mark.parametrize("constant", [0.0, -1.0, math.inf, math.nan])
+def test_a_torque_per_ampere_is_positive_and_finite(constant):
+    log = of_columns("log", {"t [s]": [0.0], "current_right [A]": [1.0], "current_left [A]": [2.0]})
+
+    with pytest.raises(ArgumentError, match="positive and finite"):
+        with_torques(log, constant)
+    assert with_torques(log, 0.5).pair(("tau_right", "tau_left"))[1].tolist() == [[0.5, 1.0]]
+
+
+def test_the_smallest_step_of_an_angle_is_a_count_and_rounding_is_none():
+    turn = 2 * np.pi * np.array([0, 3, 5, 5, 6]) / 500 + [0, 0, 0, 1e-12, 0]
+    log = of_columns("log", {"t [s]": range(5), "wheel_angle[1]": turn, "wheel_angle[2]": turn})
+
+    read, counts = counted(log, None)
+
+    assert counts == 500
+    assert read.columns[COUNTS.elements[0]] == pytest.approx([0, 3, 5, 5, 6])
+
+
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(("rows", "word"), [("", "no rows"), ("1,2\n", "2 numbers in a row")])
+@pytest.mark.parametrize(
+    ("rows", "word"),
+    [
+        ("", "no rows"),
+        ("1,2\n", "2 numbers in a row"),
+        ("1,2,\n\n2,3\n", "line 4: 2 of 3 cells"),
+        ("1,2,\n2,3,fast\n", "line 3: could not convert"),
+    ],
+)
 def test_tables_are_checked_and_nothing_else_is_printed(tmp_path, rows, word):
     path = tmp_path / "log.csv"
     path.write_text(f"t [s],v1 [m/s],omega [rad/s]\n{rows}")

@@ -280,10 +280,11 @@ def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None
         return complex(np.mean(np.exp(1j * direction[far])))
 
     ours, swapped = mean(moved[:, 0], moved[:, 1]), mean(moved[:, 1], moved[:, 0])
-    if abs(ours) < 0.8:
+    if abs(ours) < 0.8:  # mirrored: exchanged turns forward to 90 degrees, one reversed to 0 or 180
+        exchanged = abs(swapped - 1j) < 0.4
         hint = (
             "x and y are exchanged"
-            if abs(swapped) > 0.9
+            if exchanged
             else "x or y is reversed, or the poses are of another robot or frame"
         )
         raise LogError(
