@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from wmr_ctrl import simulate
@@ -123,3 +125,48 @@ def test_a_robot_that_cannot_move_is_told(told):
 @pytest.mark.parametrize("scenario", ["safe-simulation", "safe-experiment"])
 def test_our_presets_leave_enough(told, scenario):
     assert told("prox", scenario=scenario, key="guard.dbar") == []
+
+
+@pytest.mark.parametrize(
+    "unbounded",
+    [
+        {"encoder.counts": 1024.0, "encoder.method": "time"},
+        {"sensor.velocity_losses": 3},
+        {"motor.stall": 40.0, "motor.free": 20.0},
+        {"disturbance.truncate": "inf"},
+    ],
+)
+def test_what_voids_the_guarantee_is_told_by_a_key_of_the_scenario(told, unbounded):
+    """`check --only KEY` and the table take it."""
+    (void,) = [
+        item
+        for item in told("prox", unbounded, scenario="safe-simulation")
+        if "guard.alpha." in item.sentence or "for a guarantee" in item.sentence
+    ]
+
+    assert void.key in unbounded
+
+
+def test_a_slow_rate_of_approach_is_told_to_be_raised(told):
+    """Where guard.alpha is stated, a shorter period hardly buys any speed."""
+    fast = {"reference.kind": "line", "reference.speed": 0.7}
+    (found,) = told("pid", fast, scenario="robot-10ms", key="guard.dbar")
+
+    assert "Raise guard.alpha, or state" in found.sentence
+    for faster, left in (({"guard.alpha": 25.0}, []), ({"clock.control": 0.005}, [found.key])):
+        again = told("pid", {**fast, **faster}, scenario="robot-10ms", key="guard.dbar")
+        assert [item.key for item in again] == left
+
+
+@pytest.mark.parametrize(("error", "calm"), [(0.06, True), (0.1, False)])
+def test_only_a_rate_that_the_guard_takes_is_proposed(told, error, calm):
+    stated = {"guard.nbar": [error, 0.015], "guard.alpha": 5.0, "disturbance.std": 0.8}
+    (found,) = told("pid", stated, scenario="robot-10ms", key="guard.alpha")
+    said = re.search(r"Choose guard\.alpha = (\S+) 1/s", found.sentence)
+
+    assert bool(said) is calm
+    if said:
+        stated["guard.alpha"] = float(said[1])
+        assert told("pid", stated, scenario="robot-10ms", key="guard.alpha") == []
+    else:
+        assert "is as calm as that: measure better." in found.sentence

@@ -52,7 +52,7 @@ def test_a_quantum_must_be_stated():
                              "robot.m": 60.0, "robot.I": 60 / 16, "changes": []})  # fmt: skip
     assert not broken_hypotheses(base, Bound(command=(0.01, 0.0)))
     (sentence,) = broken_hypotheses(base, Bound(command=(0.02, 0.0)))
-    assert "filter.d[1] = 0.01 m/s is less" in sentence
+    assert "off by 0.02 m/s (base.quantum). Raise filter.d[1] = 0.01 to that." in sentence
 
 
 def test_an_error_behind_weak_motors_is_refused():

@@ -167,3 +167,28 @@ def test_an_alpha_that_noise_shakes_is_said_with_its_swing():
     calm = {"guard.alpha": 10.0, "guard.dbar": [5.0, 1.0]}
     quiet = settle(load_scenario("paper-simulation", fast | calm), "kanayama")
     assert not told_of(quiet, "guard.alpha")
+
+
+PUSH = [66.8580831, 12.34567891]
+"""As a number of six digits it is smaller."""
+
+
+@pytest.mark.parametrize("key", ["guard.dbar", "guard.nbar", "guard.brake", "filter.d"])
+def test_the_number_that_is_said_to_be_enough_is_enough(key) -> None:
+    base = {"disturbance.std": 0.0, "disturbance.push": PUSH, "guard.enabled": True}
+    preset, changed = "paper-simulation", {"guard.dbar": [1.0, 40.0]}
+    if key == "guard.nbar":
+        changed = {"guard.nbar": [0.01, 0.2], "sensor.velocity_noise": [0.0654321098, 0.1]}
+    if key == "guard.brake":
+        changed = {"guard.brake": [10.0, 40.0]}
+    if key == "filter.d":
+        preset, base, changed = "turtlebot3-burger", {"base.quantum": [0.0123456789, 0.0]}, {}
+
+    with pytest.raises(ScenarioError) as refused:
+        settle(scenario_of(preset, {**base, **changed}), "kanayama")
+    said = str(refused.value)
+    (number,) = re.findall(r"(?:below the|dbar - f_min =|pushed on by) ([\d.]+)", said)
+    most = {"filter.d": 0.05, "guard.nbar": 0.2}.get(key, 40.0)
+
+    assert key in said
+    settle(scenario_of(preset, {**base, **changed, key: [float(number.rstrip(".")), most]}), None)

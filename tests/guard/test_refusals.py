@@ -195,3 +195,31 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
         largest = {key.replace("min", "max"): float(number)} if "M_min" in key else {}
         again = told({key: float(number), **largest})
         assert key[-3:] not in again or not again.startswith(text[:60]), again
+
+
+@pytest.mark.parametrize(
+    ("late", "said"),
+    [
+        ({"actuator.delay": 0.1, "actuator.jitter": 0.0}, "actuator.delay"),
+        ({"actuator.delay": 0.095, "actuator.jitter": 0.005}, "actuator.delay + jitter"),
+        ({"guard.delay": [0.1, 0.1], "actuator.jitter": 0.0}, "guard.delay[2]"),
+    ],
+)
+def test_the_delay_that_is_said_to_be_short_enough_is(late, said) -> None:
+    """All that delays a command counts, in whole plant steps; what the guard is told, first."""
+
+    def settled(changed: dict[str, object]) -> None:
+        guard(settle(scenario_of("robot-10ms", changed), None))
+
+    with pytest.raises(ScenarioError) as refused:
+        settled(late)
+    name, most = re.search(r"It holds with (\S.*?) <= (\S+) s", str(refused.value)).groups()
+    short = float(most)
+    enough = {
+        "actuator.delay": {"actuator.delay": short},
+        "actuator.delay + jitter": {"actuator.delay": round(short - 0.005, 9)},
+        "guard.delay[2]": {"guard.delay": [short, short]},
+    }
+
+    assert name == said
+    settled({**late, **enough[said]})

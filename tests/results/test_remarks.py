@@ -180,10 +180,10 @@ def test_what_the_outcome_says_is_a_remark_too(make_run: MakeRun) -> None:
     beyond = Monitor((1.7, 1.2), 12, (0.0125, 1), bounds_left=(0.5, 1))
 
     assert keys(make_run(monitor=beyond)) == ["limit-violated"]
-    assert keys(make_run(monitor=beyond, labels={"guard": True})) == [
-        "limit-violated",
-        "bounds-left",
-    ]
+    guarded = make_run(monitor=beyond, labels={"guard": True})
+    assert keys(guarded) == ["limit-violated", "bounds-left"]
+    assert "completed" not in remark(guarded, "bounds-left")
+    assert "linear velocity v1 at t = 0.5 s" in remark(guarded, "bounds-left")
 
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -121,7 +122,7 @@ def test_override_leaves_the_scenario_alone():
         ({"changes[3].t": 3}, r"^changes\[3\]\.t does not exist"),
         ({"changes[1].t": 90}, r"^changes\[1\]\.t = 90\.0 s must be before the run's end"),
         ({"clock.duration": 10, "changes[1].m": 9}, r"^changes\[1\]\.t = 40\.0 s must be before"),
-        ({"gains.mb.rho[1]": 3}, r"^gains\.mb\.rho\[1\] does not exist.*Give the whole array"),
+        ({"gains.mb.rho[1]": 3}, r"^gains\.mb\.rho\[1\] cannot be .*Give the whole array"),
         ({"robot.m.x": 3}, r"^robot\.m\.x does not exist"),
         ({"limits.v_u2": "1.6,1"}, r"^limits\.v_u2\[1\] = 1\.6 must be below limits\.v_u1\[1\]"),
         ({"reference.kind": "lin"}, r'^reference\.kind = "lin" is not a kind.*near: line'),
@@ -155,3 +156,18 @@ def test_tables_that_are_given_stay_as_they_were() -> None:
     given = {"robot": {"m": 52.0}}
     override(load_scenario("paper-simulation"), {**given, "robot.m": 60.0})
     assert given == {"robot": {"m": 52.0}}
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("gains.nn.rho1[2]", "because gains.nn.rho1 is not stated here. Give the whole array."),
+        ("guard.dbar[1]", "because guard.dbar is not stated here. Give the whole array."),
+        ("robot.m[1]", "robot.m is 50.0, which has no parts."),
+        ("limits.v_u1[3]", "index 3 is outside an array of 2"),
+        ("changes[3].mu", "index 3 is outside an array of 1"),
+    ],
+)
+def test_an_element_that_is_not_there_is_refused_by_what_is_missing(key, said) -> None:
+    with pytest.raises(ScenarioError, match=re.escape(said)):
+        load_scenario("paper-simulation", {key: 1.0})

@@ -71,7 +71,7 @@ def _linear(loop: Loop) -> Iterator[Warning]:
             PERIOD,
             f"{loop.law} is unstable around the reference with {late}these gains at "
             f"clock.control = {period:g} s{others if least < period else ''}: lower {lower}"
-            f"{gains_that_fit(loop)}.",
+            f"{gains_that_fit(loop, _stable)}.",
             f"{loop.equations}, linearised",
         )
     elif period >= limit:
@@ -82,7 +82,7 @@ def _linear(loop: Loop) -> Iterator[Warning]:
             PERIOD,
             f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
             f"{loop.law} is stable around the reference with {late}these gains{total}: "
-            f"choose {choice}, or lower the gains{gains_that_fit(loop)}.",
+            f"choose {choice}, or lower the gains{gains_that_fit(loop, _stable)}.",
             f"{loop.equations}, linearised and sampled",
         )
     else:
@@ -92,17 +92,27 @@ def _linear(loop: Loop) -> Iterator[Warning]:
 def _mass(loop: Loop) -> Iterator[Warning]:
     """Yield a robot unlike the believed one, from which on the loop is unstable, if it is near."""
     masses = stable_masses(loop)
-    if masses is None or (masses[0] <= NEAR[0] and masses[1] >= NEAR[1]):
+    if masses is None or _stands(loop):
         return
     yield Warning(
         "model.m",
         f"{loop.law} is stable around the reference only while the robot's mass and inertia are "
         f"{masses[0]:.3g} to {masses[1]:.3g} times the believed ones, at clock.control = "
         f"{loop.scenario.clock.control:g} s; outside this range it cycles. Gains for {NEAR[0]:g} "
-        f"to {NEAR[1]:g} are lower{gains_that_fit(loop)}.",
+        f"to {NEAR[1]:g} are lower{gains_that_fit(loop, _stands)}.",
         f"{loop.equations}, linearised and sampled",
         objects=masses[0] > CLOSE[0] or masses[1] < CLOSE[1],
     )
+
+
+def _stable(loop: Loop) -> bool:
+    return loop.scenario.clock.control < stable_periods(loop)[1]
+
+
+def _stands(loop: Loop) -> bool:
+    """Whether the loop is stable with every mass that is near the believed one."""
+    masses = stable_masses(loop)
+    return masses is not None and masses[0] <= NEAR[0] and masses[1] >= NEAR[1]
 
 
 def _kink(loop: Loop) -> Iterator[Warning]:

@@ -116,17 +116,24 @@ def noise_gain(loop: Loop) -> Iterator[Warning]:
     law's own graph on the reference; errors of pose and of both velocities add up as squares.
     """
     needed = float(np.sqrt(np.mean(_reference_torques(loop.scenario) ** 2)))
-    change, limit = _change_by_noise(loop), loop.setup.tau_max
-    if change <= max(NOISY * needed, OF_LIMIT * limit if math.isfinite(limit) else 0.0):
+    if _quiet(loop):
         return
+    change = _change_by_noise(loop)
     yield Warning(
         f"gains.{loop.law}",
         f"The noise of its sensors, times the gains of {loop.law}, changes the wheel torques by "
         f"about {change:.3g} N m RMS from sample to sample, where the motion needs {needed:.3g} "
         "N m in all: they will chatter. Measure better (finer encoders, a longer encoder.window "
-        f"or sensor.velocity_window), or lower the gains{gains_that_fit(loop)}.",
+        f"or sensor.velocity_window), or lower the gains{gains_that_fit(loop, _quiet)}.",
         f"{loop.equations}, linearised",
     )
+
+
+def _quiet(loop: Loop) -> bool:
+    """Whether noise moves the torques by little beside what the motion needs, or the limit."""
+    needed = float(np.sqrt(np.mean(_reference_torques(loop.scenario) ** 2)))
+    limit = loop.setup.tau_max if math.isfinite(loop.setup.tau_max) else 0.0
+    return _change_by_noise(loop) <= max(NOISY * needed, OF_LIMIT * limit)
 
 
 def _change_by_noise(loop: Loop) -> float:

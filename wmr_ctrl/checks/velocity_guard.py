@@ -5,9 +5,13 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.guard.contradictions import contradictions
 from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price
+from wmr_ctrl.scenario import override
 from wmr_ctrl.world.phases import largest_friction
 
 PLACE = "guard, docs/guarantee.md"
@@ -20,6 +24,8 @@ AGAINST, BRAKES = ("against friction ", ""), ("friction + ", "")
 MOTIONLESS = ("no motion at all", "no turn at all")
 """Words for the way ahead, and for a turn, which no friction brakes."""
 
+NEARLY = 0.9
+"""Share of 1/T, the fastest rate of approach, below which a faster one buys more than another T."""
 SHAKEN = 0.25
 """Share of the wheels' torque limit that is a violent swing; without limit friction's torque is."""
 
@@ -81,12 +87,15 @@ def _too_fast(loop: Loop, price: SpeedPrice, axis: int) -> Warning:
     simple = not (guard.age[axis] or guard.window[axis] or guard.slowest)
     time = "delay" if simple else "age + window/2 + delay + lag"
     other = "" if simple else f" No guard at all could leave more than {max(best, 0):.3g} {unit}."
+    sooner = "Shorten clock.control"
+    if float(guard.alpha or 0.0) * loop.scenario.clock.control < NEARLY:
+        sooner = "Raise guard.alpha"
     return Warning(
         "guard.dbar",
         f"The reference asks for {price.asked[axis]:.3g} {unit}, and {AGAINST[axis]}the guard "
         f"leaves {can}, v_u1 - nbar - ({BRAKES[axis]}dbar - f_min) (1/alpha + {time})/M_min: it "
-        f"falls behind.{other} Shorten clock.control, or state a larger guard.M_min or a smaller "
-        "guard.dbar if they are true.",
+        f"falls behind.{other} {sooner}, or state a larger guard.M_min or a smaller guard.dbar if "
+        "they are true.",
         PLACE,
     )
 
@@ -108,15 +117,26 @@ def violent_alpha(loop: Loop) -> Iterator[Warning]:
     for axis, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
         swing = 4 * nbar[axis] * mass_range(numbers.guard, axis)[0] * alpha * arms[axis]
         if nbar[axis] and swing > bound > 0:
-            calm = alpha * bound / swing
+            calm = rounded(alpha * bound / swing, 2, up=False)
             origin = "" if guard.alpha is not None else " (1/T unless it is stated)"
+            remedy = f"Choose guard.alpha = {calm} 1/s or less, which costs usable speed, or "
+            if not _admitted(loop, float(calm)):
+                remedy = "No guard.alpha that keeps the limits is as calm as that: "
             yield Warning(
                 "guard.alpha",
                 f"guard.alpha = {alpha:g} 1/s{origin} turns the error of {speed}, "
                 f"{nbar[axis]:.3g} {unit} either way, into torques that swing by about {swing:.3g} "
-                f"N m per wheel while the guard acts, more than {bound:.3g} N m. Choose "
-                f"guard.alpha = {calm:.2g} 1/s or less, which costs usable speed, or measure "
+                f"N m per wheel while the guard acts, more than {bound:.3g} N m. {remedy}measure "
                 "better.",
                 PLACE,
                 objects=False,
             )
+
+
+def _admitted(loop: Loop, alpha: float) -> bool:
+    """Whether the guard takes another ``alpha`` [1/s]."""
+    try:
+        settle(override(loop.scenario, {"guard.alpha": alpha}), loop.law)
+    except ScenarioError:
+        return False
+    return True

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from wmr_ctrl.checks.loop import Loop, loop_of
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.prox import ProxGains, guide
+from wmr_ctrl.scenario import override
 from wmr_ctrl.world.references import reference_bounds
-
-if TYPE_CHECKING:
-    from wmr_ctrl.checks.loop import Loop
 
 SPEEDS = ("v1", "omega")
 UNITS = ("m/s", "rad/s")
@@ -43,14 +42,23 @@ def joined(parts: Iterable[str]) -> str:
     return f"{', '.join(head)} and {last}" if head else last
 
 
-def gains_that_fit(loop: Loop) -> str:
-    """Source of gains that fit the control period, as the end of a sentence."""
+def gains_that_fit(loop: Loop, cured: Callable[[Loop], bool]) -> str:
+    """Source of gains that fit the control period, as the end of a sentence.
+
+    Those of `guide` are named where the loop that they make is ``cured`` of the finding.
+    """
+    tuned = ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""
     if not isinstance(loop.setup.gains, ProxGains):
-        return ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""
+        return tuned
     period, speed = loop.scenario.clock.control, max(map(abs, reference_bounds(loop.scenario)[:2]))
     fit = guide(period, loop.around.drives.delay, speed, loop.setup.predicted > 0)
     k, rho = (", ".join(f"{value:.3g}" for value in values) for values in (fit.k, fit.rho))
+    gains = {"kinematics.k": f"[{k}]", "prox.rho": f"[{rho}]", "prox.wo": f"{fit.wo:.3g}"}
+    changed = override(loop.scenario, {f"gains.{key}": text for key, text in gains.items()})
+    if not cured(loop_of(settle(changed, loop.law))):
+        return tuned
+    first, second, third = (f"gains.{key} = {text}" for key, text in gains.items())
     return (
-        f": wmr_ctrl.laws.prox.guide gives gains.kinematics.k = [{k}], gains.prox.rho = [{rho}] "
-        f"and gains.prox.wo = {fit.wo:.3g}, `wmr-ctrl tune` searches for better ones"
+        f": wmr_ctrl.laws.prox.guide gives {first}, {second} and {third}, `wmr-ctrl tune` "
+        "searches for better ones"
     )

@@ -234,7 +234,7 @@ def _table(answers: Answers) -> Iterator[str]:
         "stable\n[ms]": f"longest stable clock.control, which is {period} here",
         "off\n[mm]": f"RMS distance from the desired position in the {place}, seed 0",
         "guard\n[%]": "share of samples that the guard changed, on the worse axis",
-        "corridor\n[mm]": "certified largest distance from the desired position",
+        "corridor\n[mm]": "certified largest distance from the desired position, of starts at it",
         FINDINGS: "objections by key; in brackets notes, which need no change",
     }
     columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)

@@ -29,7 +29,7 @@ REMEDIES = {
     "gains.nn.eta": "lower gains.nn.eta, or raise gains.nn.rho1",
     "actuator.delay": "lower the gains, or shorten clock.control and the delay",
     "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
-    "guard.dbar": "shorten clock.control, or narrow the guard's bounds",
+    "guard.dbar": "state true bounds; where they cost too much speed, drive slower",
     "guard.alpha": "lower guard.alpha, or measure the velocity better",
     "filter.kind": 'set filter.kind = "clip" or "governor"',
     "filter.trust": "make the filter's intervals cover the base",
@@ -40,7 +40,7 @@ REMEDIES = {
     "oscillates": "lower the gains, or shorten clock.control and the delay",
     "chatter": "lower the gains, or measure better (finer encoders, a longer window)",
     "saturated": "raise actuator.tau_max, or ask for a slower reference",
-    "guard-holds-back": "shorten clock.control, narrow the bounds, or drive slower",
+    "guard-holds-back": "raise guard.alpha or shorten clock.control, or drive slower",
     "obstacle": "choose another path, or start elsewhere",
 }
 """Remedies for objections and remarks, by key."""
@@ -156,7 +156,7 @@ def guard_lines(setup: Setup) -> Iterator[str]:
 def filter_lines(setup: Setup) -> Iterator[str]:
     """The command filter in sentences; none without filter."""
     from wmr_ctrl.checks import filter_facts
-    from wmr_ctrl.corridor.clearance import rounded
+    from wmr_ctrl.fields.units import rounded
     from wmr_ctrl.results import speeds
 
     facts = filter_facts(setup)

@@ -6,12 +6,11 @@ admits, and half of that is taken off, so that no obstacle is missed in between.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 import numpy as np
 
+from wmr_ctrl.fields.units import rounded as rounded
 from wmr_ctrl.results.obstacles import closest
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references.kind import sample
@@ -77,12 +76,3 @@ def find_clearance(scenario: Scenario, corridor: float | None) -> Clearance | No
 def length(value: float, up: bool = True) -> str:
     """A length with its unit, in mm where it is short; never below its value, or never above."""
     return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"
-
-
-def rounded(value: float, digits: int, up: bool = True) -> str:
-    """A number in significant digits, upwards or downwards unless it is one of them to 1e-12."""
-    if not (math.isfinite(value) and value):
-        return f"{value:g}"
-    exact = Decimal(value * (1 - 1e-12 if up == (value > 0) else 1 + 1e-12))
-    mode = ROUND_CEILING if up else ROUND_FLOOR
-    return f"{float(Context(digits, mode).plus(exact)):.{digits}g}"

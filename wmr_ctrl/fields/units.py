@@ -1,7 +1,8 @@
-"""Values that look like a slip of units: usual sizes, and units mistaken for another."""
+"""Values that look like a slip of units: usual sizes, and units mistaken for another; digits."""
 
 import math
 from collections.abc import Iterator, Mapping
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 USUAL: Mapping[str, tuple[float, float]] = {
     "m": (0.0, 1000.0),
@@ -56,3 +57,12 @@ def _asked(value: float, unit: str, usual: tuple[float, float]) -> Iterator[str]
         if is_usual(value * size, usual):
             here = f" {unit}" if unit != "1" else ""
             yield f"{words.capitalize()}? {value:g} {sign} is {value * size:.4g}{here}."
+
+
+def rounded(value: float, digits: int, up: bool = True) -> str:
+    """A number in significant digits, upwards or downwards unless it is one of them to 1e-12."""
+    if not (math.isfinite(value) and value):
+        return f"{value:g}"
+    exact = Decimal(value * (1 - 1e-12 if up == (value > 0) else 1 + 1e-12))
+    mode = ROUND_CEILING if up else ROUND_FLOOR
+    return f"{float(Context(digits, mode).plus(exact)):.{digits}g}"

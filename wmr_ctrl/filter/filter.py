@@ -17,7 +17,7 @@ import numpy as np
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.fields.units import meant
+from wmr_ctrl.fields.units import meant, rounded
 from wmr_ctrl.filter.band import BandGovernor, check_beat
 from wmr_ctrl.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
@@ -40,17 +40,16 @@ def _damped(scenario: Scenario, axis: int) -> str:
     """
     fades, stated = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi, scenario.filter
     if stated.loop == "second-order":
-        return f"State filter.damping[1] of at least {fades:.3g}"
+        return f"State filter.damping[1] of at least {rounded(fades, 3)}"
     loop = pi_loop(scenario, axis)
     (least, most), (soft, stiff), (light, heavy) = loop.kp, loop.ki, loop.M
     firm, bound = 2 * fades * math.sqrt(stiff * heavy), (least / (2 * fades)) ** 2
     inert = scenario.robot.l**2 if axis else 1.0
+    heaviest = rounded(bound / stiff * inert, 3, up=False)
     ends = {
-        f"kp[1] of at least {firm:.3g}": firm <= most,
-        f"ki[2] of at most {bound / heavy:.3g}": bound / heavy >= soft,
-        f"{('mass', 'inertia')[axis]}[2] of at most {bound / stiff * inert:.3g}": (
-            bound / stiff >= light
-        ),
+        f"kp[1] of at least {rounded(firm, 3)}": firm <= most,
+        f"ki[2] of at most {rounded(bound / heavy, 3, up=False)}": bound / heavy >= soft,
+        f"{('mass', 'inertia')[axis]}[2] of at most {heaviest}": bound / stiff >= light,
     }
     fit = [f"filter.{text}" for text, fits in ends.items() if fits or not any(ends.values())]
     return f"State {' or '.join(fit)}"
@@ -93,7 +92,8 @@ def check_filter(scenario: Scenario) -> None:
             raise ScenarioError(
                 f"filter.{name}[{i + 1}] = {stated[i]:.12g} alone drives the base to {far}, "
                 f"which must be below {bound}: no command is safe. State a push below "
-                f"{stated[i] * less:.3g}, or a limit above {reached[i] * more:.3g}."
+                f"{rounded(stated[i] * less, 3, up=False)}, or a limit above "
+                f"{rounded(reached[i] * more, 3)}."
             )
     if settings.kind == "band":
         check_beat(scenario)

@@ -24,6 +24,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.band import (
     MOST_COMMANDS,
     NAMES,
@@ -67,8 +68,8 @@ def force_room(scenario: Scenario) -> tuple[float, float]:
             raise ScenarioError(
                 f"filter.force[{i + 1}] = {settings.force[i]:g} {UNITS[i]} leaves nothing to "
                 f"change the speed with: friction at the limit takes up to {friction:.4g}, and "
-                f"against pushes the loop may give {pushed:.4g}. State more than {needed:.4g}, a "
-                "smaller push or friction, or a lower limit."
+                f"against pushes the loop may give {pushed:.4g}. State more than "
+                f"{rounded(needed, 4)}, a smaller push or friction, or a lower limit."
             )
     return left[0], left[1]
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.force_band import force_room, force_table
 from wmr_ctrl.filter.governor import Schedule
 from wmr_ctrl.filter.governor_step import schedule
@@ -102,8 +103,8 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
     for axis, push in enumerate(push_speeds(scenario, bound)):
         if push > stated.d[axis] * (1 + ROUNDING):
             yield (
-                f"The base may be pushed on by {push:.4g} {UNITS[axis]} (disturbances and errors "
-                f"of the command together), and filter.d[{axis + 1}] = {stated.d[axis]:g} "
+                f"The base may be pushed on by {rounded(push, 4)} {UNITS[axis]} (disturbances and "
+                f"errors of the command together), and filter.d[{axis + 1}] = {stated.d[axis]:g} "
                 f"{UNITS[axis]} is less. Raise it to that."
             )
 
@@ -129,9 +130,9 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
     for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):
         if push > stated.push[axis] * (1 + ROUNDING):
             yield (
-                f"The base may be pushed by {push:.4g} {unit} (disturbances and Coulomb friction "
-                f"together), and filter.push[{axis + 1}] = {stated.push[axis]:g} {unit} is less. "
-                "Raise it to that."
+                f"The base may be pushed by {rounded(push, 4)} {unit} (disturbances and Coulomb "
+                f"friction together), and filter.push[{axis + 1}] = {stated.push[axis]:g} {unit} "
+                "is less. Raise it to that."
             )
     if stated.force is not None and any(bound.command):
         yield (
@@ -142,8 +143,8 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
     for axis, error in enumerate(bound.command):
         if error > stated.d[axis] * (1 + ROUNDING):
             yield (
-                f"The command that acts may be off by {error:.4g} {UNITS[axis]} (base.quantum); "
-                f"filter.d[{axis + 1}] = {stated.d[axis]:g} {UNITS[axis]} is less. Raise it to it."
+                f"The command that acts may be off by {rounded(error, 4)} {UNITS[axis]} "
+                f"(base.quantum). Raise filter.d[{axis + 1}] = {stated.d[axis]:g} to that."
             )
 
 
@@ -229,7 +230,7 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
     for axis, error in enumerate(bound.nbar):
         if error > stated.odometry[axis] * (1 + ROUNDING):
             yield (
-                f"The sensors' velocity is off by up to {error:.4g} {UNITS[axis]}, and "
+                f"The sensors' velocity is off by up to {rounded(error, 4)} {UNITS[axis]}, and "
                 f"filter.odometry[{axis + 1}] = {stated.odometry[axis]:g} {UNITS[axis]} is less. "
                 "Raise it to that."
             )

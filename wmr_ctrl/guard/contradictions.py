@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import AXES, MASS_KEYS, UNITS, GuardNumbers, Pair, mass_range, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
@@ -50,11 +51,12 @@ def _disturbance(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
     for i in AXES:
         needed = most[i] + model[i]
         if _below(scenario.guard.dbar, i, needed):
+            least = rounded(needed, 6)
             yield Contradiction(
                 "guard.dbar",
                 f"guard.dbar[{i + 1}] = {pair_of(scenario.guard.dbar)[i]:g} {UNITS[i]} is below "
-                f"the {needed:.6g} {UNITS[i]} that noise, push and guard.d_model of the scenario "
-                f"add up to. State at least {needed:.6g}, leave it out, or lower the disturbance.",
+                f"the {least} {UNITS[i]} that noise, push and guard.d_model of the scenario "
+                f"add up to. State at least {least}, leave it out, or lower the disturbance.",
             )
 
 
@@ -64,8 +66,8 @@ def _sensor(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
             yield Contradiction(
                 "guard.nbar",
                 f"guard.nbar[{i + 1}] = {pair_of(scenario.guard.nbar)[i]:g} {SPEED_UNITS[i]} is "
-                f"below the {bound.nbar[i]:.6g} {SPEED_UNITS[i]} by which the sensors may be "
-                "wrong. State at least that, leave it out, or measure better.",
+                f"below the {rounded(bound.nbar[i], 6)} {SPEED_UNITS[i]} by which the sensors may "
+                "be wrong. State at least that, leave it out, or measure better.",
             )
 
 
@@ -88,8 +90,8 @@ def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
             yield Contradiction(
                 f"guard.{name}",
                 f"guard.{name} = [{stated[0]:g}, {stated[1]:g}] s leaves out what the scenario's "
-                f"drives have, {what} between {least:.6g} and {high:.6g} s. State at least that "
-                "range, or leave it out.",
+                f"drives have, {what} between {rounded(least, 6, up=False)} and "
+                f"{rounded(high, 6)} s. State at least that range, or leave it out.",
             )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import (
     AXES,
     UNITS,
@@ -25,6 +26,8 @@ from wmr_ctrl.scenario import Guard, Scenario, override
 from wmr_ctrl.world.effect import Bound
 
 BoundOf: TypeAlias = Callable[[Scenario], Bound]
+LATE = ("delay", "unmodelled_delay", "jitter")
+"""Fields of [actuator] that add up to the largest delay of a command."""
 DOUBLINGS, HALVINGS = 20, 40
 """Doublings, then bisections, up to a torque limit that is enough."""
 SLACK = 1e-9
@@ -111,7 +114,7 @@ def _check_push(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
         f"guard: {who} {can} keep limits.v_u1[{i + 1}] = {scenario.limits.v_u1[i]:g}: "
         f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed){said} is needed on axis {i + 1}, but "
         f"{shown[0]} > {low:g} * {alpha:g} * {room:g}{divided} = {shown[1]} {UNITS[i]}. It holds "
-        f"{_sooner(low * room / need, alpha, late, guard.latest, scenario.clock.control)}"
+        f"{_sooner(scenario, low * room / need, alpha, late, guard.latest)}"
         f"with guard.dbar[{i + 1}] <= {_below(have / 2 + guard.f_min[i]):g} {UNITS[i]}, or with "
         f"guard.M_min[{i + 1}] >= {_above(need * (1 / alpha + late) / room):g}."
     )
@@ -152,15 +155,25 @@ def _check_mixed(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
         )
 
 
-def _sooner(longest: float, alpha: float, late: float, delay: float, period: float) -> str:
+def _sooner(scenario: Scenario, longest: float, alpha: float, late: float, delay: float) -> str:
     """The remedies by time, for 1/alpha + ``late`` <= ``longest`` [s]; none where neither does."""
     others = late - delay
     shorter = delay > 0 and longest >= 1.0 / alpha + others
     most = max(longest - 1 / alpha - others, 0.0)
-    remedies = [f"with actuator.delay <= {_below(most):g} s"] * shorter
+    remedies = [_earlier(scenario, most)] * shorter
     if longest > late and 1.0 / (longest - late) > alpha * (1.0 + SLACK):
-        remedies.append(_faster(1.0 / (longest - late), period))
+        remedies.append(_faster(1.0 / (longest - late), scenario.clock.control))
     return "".join(f"{remedy}, or " for remedy in remedies)
+
+
+def _earlier(scenario: Scenario, most: float) -> str:
+    """The remedy by delay: of what the guard is told, else of all that delays, in plant steps."""
+    if scenario.guard.delay is not None:
+        return f"with guard.delay[2] <= {_below(most):g} s, if that is true"
+    names = [key for key in LATE if scenario.value(f"actuator.{key}")[0]] or LATE[:1]
+    step = scenario.clock.plant
+    whole = math.floor(most * (1.0 - SLACK) / step) * step
+    return f"with actuator.{' + '.join(names)} <= {whole:.6g} s"
 
 
 def _faster(alpha: float, period: float) -> str:
@@ -197,8 +210,8 @@ def _check_brake(
         if brake[i] < net(guard, i):
             raise ScenarioError(
                 f"guard.brake[{i + 1}] = {brake[i]:g} {UNITS[i]} must be at least dbar - f_min = "
-                f"{net(guard, i):g}: less cannot hold the robot at the limit. Raise it, or leave "
-                "it out."
+                f"{rounded(net(guard, i), 6)}: less cannot hold the robot at the limit. Raise it, "
+                "or leave it out."
             )
 
 

@@ -147,14 +147,17 @@ class Outcome(StrEnum):
         )
 
 
+_NOT_COVERED = (
+    "its guarantee does not cover this run. Widen guard.dbar, or guard.M_min and guard.M_max."
+)
+
 _SENTENCES = {
     Outcome.COMPLETED: (
         "The run completed and both velocities stayed within their limits ({extremes})."
     ),
     Outcome.BOUNDS_LEFT: (
         "The run completed within its limits ({extremes}), but the {left} moved in a way that the "
-        "guard's bounds do not explain, so its guarantee does not cover this run. Widen "
-        "guard.dbar, or guard.M_min and guard.M_max."
+        "guard's bounds do not explain, so " + _NOT_COVERED
     ),
     Outcome.LIMIT_VIOLATED: (
         "The velocity limit was broken, first by the {violation}; {steps} beyond a limit "
@@ -183,6 +186,14 @@ _SENTENCES = {
     ),
     Outcome.FAILED: "The run ended early: {failure}",
 }
+
+
+def beyond_bounds(monitor: Monitor) -> str:
+    """What the guard's bounds do not explain, of a run that ended in another way for it."""
+    return (
+        f"The {_place(monitor.bounds_left)} moved in a way that the guard's bounds do not explain, "
+        f"so {_NOT_COVERED}"
+    )
 
 
 def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:

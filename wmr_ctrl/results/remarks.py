@@ -14,7 +14,7 @@ import numpy as np
 from wmr_ctrl.results import measures
 from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
-from wmr_ctrl.results.outcomes import TIGHTER, Outcome
+from wmr_ctrl.results.outcomes import TIGHTER, Outcome, beyond_bounds
 from wmr_ctrl.results.windows import at_rest, drive, driving, rows_of, working
 
 if TYPE_CHECKING:
@@ -96,8 +96,9 @@ def _outcome(run: Run) -> Iterator[Remark]:
             "torques: `wmr-ctrl check` names the largest one without spin.",
         )
     if run.guard and monitor.bounds_left:
-        outcome = Outcome.BOUNDS_LEFT
-        yield Remark(outcome.value, outcome.sentence(monitor, run.guard))
+        alone = run.outcome is Outcome.BOUNDS_LEFT
+        text = run.outcome.sentence(monitor, run.guard) if alone else beyond_bounds(monitor)
+        yield Remark(Outcome.BOUNDS_LEFT.value, text)
 
 
 def _not_tracked(run: Run) -> Iterator[Remark]:
@@ -247,7 +248,8 @@ def _held_back(run: Run) -> Iterator[Remark]:
             "guard-holds-back",
             f"In the {driving(run)} the guard changed the thrust in {thrust} and the moment in "
             f"{moment} of the samples: the law demands more than the limits minus the guard's "
-            f"reserve. Ask for a slower reference, shorten clock.control, or {TIGHTER}.",
+            f"reserve. Ask for a slower reference, shorten clock.control (raise guard.alpha, where "
+            f"it is stated), or {TIGHTER}.",
         )
 
 

@@ -325,13 +325,21 @@ def _list_at(place: object, step: Step, is_table: bool, fresh: object, key: str)
             place.append(fresh)
         if 0 <= step < len(place):
             return place
-    raise _no_place(place, step, key)
+    raise _no_place(place, step, key, is_table)
 
 
-def _no_place(place: object, step: Step, key: str) -> ScenarioError:
+def _no_place(place: object, step: Step, key: str, is_table: bool) -> ScenarioError:
+    whole, _, _ = key.rpartition("[")
     if isinstance(step, str):
         return ScenarioError(f"{key} does not exist: there is no table or array for {step} here.")
-    size = len(place) if isinstance(place, list) else 0
+    if not isinstance(place, list):
+        return ScenarioError(f"{key} does not exist: {whole} is {show(place)}, which has no parts.")
+    if not (place or is_table):
+        return ScenarioError(
+            f"{key} cannot be changed by itself, because {whole} is not stated here. Give the "
+            "whole array."
+        )
+    size = len(place)
     return ScenarioError(
         f"{key} does not exist: index {step + 1} is outside an array of {size} "
         "element(s), counted from 1. Give the whole array, or an index within it."

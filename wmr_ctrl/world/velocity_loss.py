@@ -60,8 +60,8 @@ def build(scenario: Scenario) -> System:
 
 def bound(scenario: Scenario) -> Bound:
     """A guard has one age; a governor gets it at every sample."""
-    lost = scenario.section(VelocityLoss).velocity_losses > 0
-    sentence = "sensor.velocity_losses: a velocity is held for as long as none comes, which varies."
+    lost = scenario.section(VelocityLoss).velocity_losses
+    sentence = f"sensor.velocity_losses = {lost}: a velocity is held for as long as none comes."
     return Bound(void=sentence if lost else "")
 
 
