@@ -7,5 +7,5 @@ What compiles is imported within functions, so that a worker that only runs star
 
 from wmr_ctrl.campaign.engine import Campaign as Campaign
 from wmr_ctrl.campaign.engine import PhaseProgress as PhaseProgress
-from wmr_ctrl.campaign.engine import Silent as Silent
+from wmr_ctrl.campaign.engine import phase as phase
 from wmr_ctrl.campaign.paper import PAPER_LAWS as PAPER_LAWS

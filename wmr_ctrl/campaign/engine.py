@@ -3,7 +3,8 @@
 The paper's sections, the comparison past the paper and every study of a user go through here.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Protocol, TypeVar, runtime_checkable
@@ -43,17 +44,17 @@ class PhaseProgress(Protocol):
         """The phase is over, finished or given up."""
 
 
-class Silent:
-    """Progress that nobody looks at."""
-
-    def start(self, total: int, text: str) -> None:
-        """Show nothing."""
-
-    def advance(self, count: int = 1) -> None:
-        """Show nothing."""
-
-    def done(self) -> None:
-        """Show nothing."""
+@contextmanager
+def phase(progress: PhaseProgress | None, total: int, text: str) -> Iterator[Callable[[int], None]]:
+    """A phase of a job; it gives what is called with the number of further steps that are done."""
+    if progress is None:
+        yield lambda count: None
+        return
+    progress.start(total, text)
+    try:
+        yield progress.advance
+    finally:
+        progress.done()
 
 
 def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
@@ -75,7 +76,7 @@ def scenario_of(case: PlannedCase) -> Scenario:
 
 
 def built_loops(
-    cases: Iterable[PlannedCase], progress: PhaseProgress, text: str, device: str = "cpu"
+    cases: Iterable[PlannedCase], progress: PhaseProgress | None, text: str, device: str = "cpu"
 ) -> list[RunnableLoop | Refusal]:
     """The loop of each case for a device, in their order, each different one compiled once.
 
@@ -99,13 +100,10 @@ def built_loops(
     apart = {id(case): case for case in listed}
     keys = {place: case_key(case) for place, case in apart.items()}
     different = {keys[place]: case for place, case in apart.items()}
-    progress.start(len(different), text)
-    try:
+    with phase(progress, len(different), text) as advance:
         for case in different.values():
             built(case)
-            progress.advance(1)
-    finally:
-        progress.done()
+            advance(1)
     return [known[keys[id(case)]] for case in listed]
 
 
@@ -128,7 +126,7 @@ def run_cases(
     runs: Sequence[tuple[PlannedCase, int]],
     then: Callable[[int, Run], T],
     jobs: int | None,
-    progress: PhaseProgress,
+    progress: PhaseProgress | None,
     texts: tuple[str, str],
 ) -> list[T | Refusal]:
     """``then(place, run)`` of each (case, seed), in their order; or the Refusal.
@@ -148,13 +146,10 @@ def run_cases(
         nonlocal done
         count = round(share * len(ready)) - done
         done += count
-        progress.advance(count)
+        advance(count)
 
-    progress.start(len(ready), texts[1])
-    try:
+    with phase(progress, len(ready), texts[1]) as advance:
         results = iter(run(ready, lambda k, item: then(places[k], item), jobs, advance_to))
-    finally:
-        progress.done()
     return [loop if isinstance(loop, Refusal) else next(results) for loop in loops]
 
 
@@ -204,7 +199,7 @@ def run_campaign(
         none = dict.fromkeys(figure.name for figure in taken)
         return {"outcome": REFUSED, "refusal": item.text, **none}
 
-    results = run_cases(plan, row, jobs, progress or Silent(), texts)
+    results = run_cases(plan, row, jobs, progress, texts)
     rows = [
         {**case.labels, "seed": seed, **(refused(item) if isinstance(item, Refusal) else item)}
         for (case, seed), item in zip(plan, results, strict=True)

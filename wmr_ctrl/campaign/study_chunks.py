@@ -17,7 +17,7 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import Refusal, Silent, accepted, built_loops, case_key, scenario_of
+from wmr_ctrl.campaign.engine import Refusal, accepted, built_loops, case_key, scenario_of
 from wmr_ctrl.campaign.plan import CORRIDOR, PlannedCase
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results.figures import SHARES
@@ -66,7 +66,7 @@ class StudyChunk:
         cases = [case for case, _ in self.runs]
         if len(set(map(id, cases))) > MOST_LOOPS:
             return self
-        return replace(self, loops=tuple(built_loops(cases, Silent(), "", self.device)))
+        return replace(self, loops=tuple(built_loops(cases, None, "", self.device)))
 
 
 def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
@@ -75,7 +75,7 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
     On ``jobs`` threads, or processes for the rigid body; what an executor's worker calls.
     """
     cases = (case for case, _ in chunk.runs)
-    loops = chunk.loops or built_loops(cases, Silent(), "", chunk.device)
+    loops = chunk.loops or built_loops(cases, None, "", chunk.device)
     places, ready = accepted(loops, [seed for _, seed in chunk.runs])
     rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
     outcome = np.array([REFUSED] * len(loops), dtype="<U16")

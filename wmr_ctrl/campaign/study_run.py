@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from wmr_ctrl import __version__
-from wmr_ctrl.campaign.engine import PhaseProgress, Silent, build_loop
+from wmr_ctrl.campaign.engine import PhaseProgress, build_loop, phase
 from wmr_ctrl.campaign.plan import PlannedCase, Study
 from wmr_ctrl.campaign.study_chunks import THREADS, StudyChunk, chunk_rows, executor_named
 from wmr_ctrl.campaign.study_plan import load_plan, plan_of
@@ -137,7 +137,6 @@ def run_study(
     a chunk.  The table's bytes depend on neither, nor on interruptions.  Raises ResultFileError,
     and whatever a run raises; finished chunks stay.
     """
-    shown = progress or Silent()
     with opened(out, plan, facts) as folder:
         rule = plan.stop
         counts = [plan.seeds] if rule is None else rule.looks(plan.seeds)
@@ -149,12 +148,11 @@ def run_study(
             chosen = (cell * plan.seeds + k for cell in cells for k in range(begin, end))
             runs = len(cells) * (end - begin)
             which = f", look {look + 1} of {len(counts)}" if len(counts) > 1 else ""
-            shown.start(runs, f"Running the study{which}")
             longest = max(plan.chunk, GPU_CHUNK) if device == "gpu" else plan.chunk
             blocks = _blocks(chosen, runs, longest)
             chunk = partial(_chunk, plan, device)
-            paths = _finished(folder, look, blocks, chunk, make, executor, jobs, shown)
-            shown.done()
+            with phase(progress, runs, f"Running the study{which}") as advance:
+                paths = _finished(folder, look, blocks, chunk, make, executor, jobs, advance)
             looks.append(paths)
             done, begin = done + runs, end
             if rule is not None and end < plan.seeds:
@@ -191,7 +189,7 @@ def _finished(
     make: MakeRows,
     executor: Executor | None,
     jobs: int | None,
-    progress: PhaseProgress,
+    advance: Callable[[int], None],
 ) -> list[Path]:
     """Paths of a look's chunks, in order; those that are not there yet are made."""
     paths = []
@@ -202,13 +200,13 @@ def _finished(
             paths.append(path)
             rows = folder.rows(path)
             if rows is not None and rows["index"].tolist() == block:
-                progress.advance(len(block))
+                advance(len(block))
             else:
                 yield path, block
 
     def keep(path: Path, block: list[int], columns: Rows) -> None:
         folder.keep(path, {"index": np.array(block, dtype=np.int64), **columns})
-        progress.advance(len(block))
+        advance(len(block))
 
     if executor is None:
         for path, block in missing():

@@ -9,14 +9,14 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, TypeAlias
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from wmr_ctrl.campaign import PhaseProgress, Silent
+from wmr_ctrl.campaign import PhaseProgress, phase
 from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
@@ -69,17 +69,13 @@ def _animate(
     scene: Scene, said: Sequence[str], target: Path, progress: PhaseProgress | None
 ) -> None:
     """Write a scene; ``said`` is a sentence a robot, for the page."""
-    suffix, shown = target.suffix.lower(), progress or Silent()
-    shown.start(len(scene.t), "Drawing the animation")
-    try:
-        with atomic_path(target) as scratch:
-            if suffix == ".html":
-                write_page(scene, scratch, said)
-                shown.advance(len(scene.t))
-            else:
-                _write_frames(frames(scene), FRAME, scratch, suffix, shown)
-    finally:
-        shown.done()
+    suffix, count = target.suffix.lower(), len(scene.t)
+    with phase(progress, count, "Drawing the animation") as advance, atomic_path(target) as scratch:
+        if suffix == ".html":
+            write_page(scene, scratch, said)
+            advance(count)
+        else:
+            _write_frames(frames(scene), FRAME, scratch, suffix, advance)
 
 
 def check_film(path: str | os.PathLike[str], plant: str) -> None:
@@ -102,14 +98,9 @@ def write_moments(
     run: Run, moments: Moments, path: str | os.PathLike[str], progress: PhaseProgress | None = None
 ) -> None:
     """Write the film of a run on tyres, whole or not at all; errors as `Run.film` says."""
-    target, shown = Path(path), progress or Silent()
-    shown.start(len(moments.rows), "Painting the film")
-    try:
-        with atomic_path(target) as scratch:
-            size = WIDTH, _height(moments)
-            _write_frames(_captioned(run, moments), size, scratch, target.suffix.lower(), shown)
-    finally:
-        shown.done()
+    target, size, count = Path(path), (WIDTH, _height(moments)), len(moments.rows)
+    with phase(progress, count, "Painting the film") as advance, atomic_path(target) as scratch:
+        _write_frames(_captioned(run, moments), size, scratch, target.suffix.lower(), advance)
 
 
 def _film_target(path: str | os.PathLike[str], suffixes: tuple[str, ...], what: str) -> Path:
@@ -172,26 +163,26 @@ def _json(scene: Scene) -> str:
 # -- frames as GIF or film ----------------------------------------------------------------------
 
 
+Advance: TypeAlias = Callable[[int], None]
+"""Called with the number of further frames that are written."""
+
+
 def _write_frames(
-    shown: Iterable[Picture],
-    size: tuple[int, int],
-    path: Path,
-    suffix: str,
-    progress: PhaseProgress,
+    shown: Iterable[Picture], size: tuple[int, int], path: Path, suffix: str, advance: Advance
 ) -> None:
     """Write frames of ``size`` (width, height) as ``suffix`` says."""
     if suffix == ".gif":
-        _write_gif(shown, path, progress)
+        _write_gif(shown, path, advance)
     else:
-        _write_film(shown, size, path, progress)
+        _write_film(shown, size, path, advance)
 
 
-def _write_gif(shown: Iterable[Picture], path: Path, progress: PhaseProgress) -> None:
+def _write_gif(shown: Iterable[Picture], path: Path, advance: Advance) -> None:
     """Write frames, all in the palette of the last one, which shows everything."""
     images = []
     for picture in shown:
         images.append(Image.fromarray(picture))
-        progress.advance(1)
+        advance(1)
     palette = images[-1].quantize(_GIF_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     first, *others = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in images)
     first.save(
@@ -212,7 +203,7 @@ def find_ffmpeg() -> str:
 
 
 def _write_film(
-    shown: Iterable[Picture], size: tuple[int, int], path: Path, progress: PhaseProgress
+    shown: Iterable[Picture], size: tuple[int, int], path: Path, advance: Advance
 ) -> None:
     """Write frames as a film; ResultFileError where ffmpeg fails."""
     kind = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "{}x{}".format(*size))
@@ -222,7 +213,7 @@ def _write_film(
     with tempfile.TemporaryFile() as errors:
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=errors)
         assert process.stdin is not None
-        broken = _feed(shown, process.stdin, progress)
+        broken = _feed(shown, process.stdin, advance)
         if process.wait() or broken:
             errors.seek(0)
             lines = errors.read().decode(errors="replace").strip().splitlines()
@@ -232,13 +223,13 @@ def _write_film(
             )
 
 
-def _feed(shown: Iterable[Picture], pipe: IO[bytes], progress: PhaseProgress) -> bool:
+def _feed(shown: Iterable[Picture], pipe: IO[bytes], advance: Advance) -> bool:
     """Hand over all frames; whether the other side closed the pipe before the end."""
     try:
         with pipe:
             for picture in shown:
                 pipe.write(picture.tobytes())
-                progress.advance(1)
+                advance(1)
     except BrokenPipeError:
         return True
     return False

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, Silent
+from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, phase
 from wmr_ctrl.campaign.comparison import COMPARED
 from wmr_ctrl.campaign.paper import REPORTED
 from wmr_ctrl.campaign.rigid import COMPARED as RIGID_COMPARED
@@ -102,7 +102,7 @@ def write_reproduction(
         *(comparison_figures(compared) if compared else ()),
         *rigid_figures(rigid),
     )
-    pictures = _draw(drawings, figures, progress or Silent())
+    pictures = _draw(drawings, figures, progress)
     write_table(home / "table.csv", table)
     write_runs(home / "runs.csv", table, (), FIGURES.with_others(REPORTED))
     write_claims(home / "claims.json", reproduction.judged, table)
@@ -153,15 +153,12 @@ def check_folder(folder: Path, names: Sequence[str] = FILES) -> None:
         check_writable(folder / name)
 
 
-def _draw(drawings: Sequence[Drawing], folder: Path, progress: PhaseProgress) -> list[Path]:
-    progress.start(len(drawings), "Drawing the figures")
+def _draw(drawings: Sequence[Drawing], folder: Path, progress: PhaseProgress | None) -> list[Path]:
     paths: list[Path] = []
-    try:
+    with phase(progress, len(drawings), "Drawing the figures") as advance:
         for drawing in drawings:
             paths += drawing.save(folder)
-            progress.advance(1)
-    finally:
-        progress.done()
+            advance(1)
     return paths
 
 

@@ -231,17 +231,14 @@ RIGID: tuple[Figure, ...] = tuple(
 )
 """Figures that runs on the rigid body have besides."""
 
+_SETTLED = partial(measures.settling_time, within=0.1)
+_LATE_PEAK = partial(measures.tau_peak, start=2.0)
 _LOGGED: tuple[Figure, ...] = (
     Figure("d_start", "m", "distance from the reference at the start", measures.distance_at_start),
     *(_over(span, "d_rms", "RMS of the distance", measures.distance_over) for span in WINDOWS),
     _over(LATE, "d_max", "largest distance", partial(measures.distance_over, largest=True)),
     Figure("halving_time", "s", "first time at half the start's distance", measures.halving_time),
-    Figure(
-        "settling_time",
-        "s",
-        "time after which the distance stays within 0.1 m",
-        partial(measures.settling_time, within=0.1),
-    ),
+    Figure("settling_time", "s", "time after which the distance stays within 0.1 m", _SETTLED),
     Figure(
         "ise_orientation", "rad2.s", "ISE of the whole run of theta alone", measures.ise_orientation
     ),
@@ -257,12 +254,7 @@ _LOGGED: tuple[Figure, ...] = (
     ),
     Figure("limit_ratio1", "1", "largest |v1|/v_u1[1]", _at(measures.limit_ratios, 0)),
     Figure("limit_ratio2", "1", "largest |omega|/v_u1[2]", _at(measures.limit_ratios, 1)),
-    Figure(
-        "tau_peak_late",
-        "N.m",
-        "largest commanded wheel torque from 2 s on",
-        partial(measures.tau_peak, start=2.0),
-    ),
+    Figure("tau_peak_late", "N.m", "largest commanded wheel torque from 2 s on", _LATE_PEAK),
     Figure("V1_start", "1", "V1 at the start", measures.barrier_start),
     Figure("V1_late", "1", "mean of V1 over 30-40 s, relative to its start", measures.barrier_late),
     Figure(

@@ -5,7 +5,7 @@ Thresholds and why: docs/verdicts.md, whose labelled runs hold them to account.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -71,7 +71,8 @@ def speeds(pair: Sequence[float]) -> str:
 
 def remarks_on(run: Run) -> tuple[Remark, ...]:
     """All that is to be said against a run; empty only if all is well."""
-    return tuple(remark for part in _PARTS for remark in part(run))
+    found = (Remark(key, text) for key, part in _PARTS.items() for text in part(run))
+    return (*_outcome(run), *found)
 
 
 def in_short(remarks: tuple[Remark, ...]) -> str:
@@ -81,13 +82,11 @@ def in_short(remarks: tuple[Remark, ...]) -> str:
 
 
 def _outcome(run: Run) -> Iterator[Remark]:
-    monitor = run.monitor
+    monitor, seen = run.monitor, run.monitor.rigid
     if monitor.violations:
-        outcome = Outcome.LIMIT_VIOLATED
-        yield Remark(outcome.value, outcome.sentence(monitor, run.guard))
-    seen = monitor.rigid
+        yield _sentence(Outcome.LIMIT_VIOLATED, run)
     if seen and seen.tipped is not None:
-        yield Remark(Outcome.TIPPED.value, Outcome.TIPPED.sentence(monitor))
+        yield _sentence(Outcome.TIPPED, run)
     if seen and seen.slipped is not None:
         yield Remark(
             Outcome.SLIPPED.value,
@@ -101,7 +100,11 @@ def _outcome(run: Run) -> Iterator[Remark]:
         yield Remark(Outcome.BOUNDS_LEFT.value, text)
 
 
-def _not_tracked(run: Run) -> Iterator[Remark]:
+def _sentence(outcome: Outcome, run: Run) -> Remark:
+    return Remark(outcome.value, outcome.sentence(run.monitor, run.guard))
+
+
+def _not_tracked(run: Run) -> Iterator[str]:
     if measures.tracked(run) is not False:
         return
     parts = [
@@ -110,89 +113,82 @@ def _not_tracked(run: Run) -> Iterator[Remark]:
         if part is not None and part["position_rms"] is not None
     ]
     if not parts:
-        yield Remark("not-tracked", "The run ended before the part that is judged was over.")
+        yield "The run ended before the part that is judged was over."
         return
-    yield Remark(
-        "not-tracked",
+    yield (
         f"The robot was off its desired position by {' and '.join(parts)}; metrics.tolerance is "
         f"{run.settings.tolerance:g} m. See the other remarks and `wmr-ctrl check` for the cause, "
         "choose another law or gains, ask for a slower reference, or raise the tolerance if this "
-        "is good enough.",
+        "is good enough."
     )
 
 
-def _too_fast(run: Run) -> Iterator[Remark]:
+def _too_fast(run: Run) -> Iterator[str]:
     for name, unit, limit in zip(
         ("v1_d", "v2_d"), ("m/s", "rad/s"), run.settings.v_u1, strict=True
     ):
         asked = float(np.max(np.abs(run[name]), initial=0.0))
         if asked > limit:
-            yield Remark(
-                "too-fast",
+            yield (
                 f"The desired motion reaches |{name}| = {asked:.4g} {unit}, above the limit of "
-                f"{limit:g} {unit}: no law is allowed to follow it. Ask for a slower reference.",
+                f"{limit:g} {unit}: no law is allowed to follow it. Ask for a slower reference."
             )
 
 
-def _not_arrived(run: Run) -> Iterator[Remark]:
+def _not_arrived(run: Run) -> Iterator[str]:
     times, settings = measures.arrival(run), run.settings
     if times is None or settings.arrival is None or times["robot"] is not None:
         return
     if settings.duration < settings.arrival:
-        yield Remark(
-            "goal-not-reached",
+        yield (
             f"The desired motion comes to rest at its goal at t = {settings.arrival:.4g} s, after "
-            f"the run of {settings.duration:g} s. Lengthen clock.duration.",
+            f"the run of {settings.duration:g} s. Lengthen clock.duration."
         )
     elif settings.tolerance is not None and run.rows:
         away = float(np.hypot(run["x"][-1] - run["x_d"][-1], run["y"][-1] - run["y_d"][-1]))
-        yield Remark(
-            "goal-not-reached",
+        yield (
             f"At the end the robot was {away:.3g} m from the goal; metrics.tolerance is "
             f"{settings.tolerance:g} m. At rest a sideways error is not corrected: slow down the "
-            "end of the path (reference.a_max), or use a law that tracks more closely.",
+            "end of the path (reference.a_max), or use a law that tracks more closely."
         )
 
 
-def _touched(run: Run) -> Iterator[Remark]:
+def _touched(run: Run) -> Iterator[str]:
     near = nearest(run)
     if near is not None and near[0] < 0:
         gap, place, time = near
-        yield Remark(
-            "obstacle",
+        yield (
             f"At t = {time:.4g} s the body reached {-gap:.3g} m into keep_out[{place}] of the "
-            "reference. Move the path away from it, or start closer to the path.",
+            "reference. Move the path away from it, or start closer to the path."
         )
 
 
-def _left_corridor(run: Run) -> Iterator[Remark]:
+def _left_corridor(run: Run) -> Iterator[str]:
     if run.corridor_left is not None:
-        yield Remark("corridor-left", run.corridor_left.sentence)
+        yield run.corridor_left.sentence
 
 
-def _oscillates(run: Run) -> Iterator[Remark]:
+def _oscillates(run: Run) -> Iterator[str]:
     cycle = oscillation(run)
     if cycle is not None:
         what = "The wheel torques swing" if cycle.unit == "N m" else f"{cycle.quantity} swings"
-        yield Remark(
-            "oscillates",
+        yield (
             f"{what} by {cycle.swing:.3g} {cycle.unit} peak to peak at {cycle.frequency:.3g} Hz, "
             f"{1 / cycle.frequency / run.settings.control:.3g} samples a period: a limit cycle, or "
-            f"a loop that is close to one. {CALMER}",
+            f"a loop that is close to one. {CALMER}"
         )
         return
     shares = measures.velocity_sway(run) or (0.0, 0.0)
     for name, share in zip(("v1", "omega"), shares, strict=True):
         if share > SWAY:
-            yield Remark(
-                "oscillates",
+            yield (
                 f"{name} swings about its desired value by {percent(share)} of its limit (RMS), "
-                f"more than {percent(SWAY)}: the robot does not drive steadily. {CALMER}",
+                f"more than {percent(SWAY)}: the robot does not drive steadily. {CALMER}"
             )
             return
 
 
-def _chatters(run: Run) -> Iterator[Remark]:
+def _chatters(run: Run) -> Iterator[str]:
     needed, outlook, torque = measures.torque_needed_rms(run), run.outlook, measures.torques(run)
     if needed is None or run.needed is None or outlook is None:
         return
@@ -205,71 +201,67 @@ def _chatters(run: Run) -> Iterator[Remark]:
     change = max((measures.change_rms(torque, rows) for rows in judged), default=0.0)
     swing = max((fast_swing_rms(extra[rows], period) for rows in judged), default=0.0)
     if max(change, swing) > allowed:
-        yield Remark(
-            "chatter",
+        yield (
             f"The wheel torques change by {change:.3g} N m RMS from sample to sample and swing by "
             f"{swing:.3g} N m RMS, where the desired motion needs {needed:.3g} N m RMS in all: "
             "noise and gains move them, not the motion. Lower the law's gains, or measure better "
-            "(finer encoders, a longer encoder.window or sensor.velocity_window).",
+            "(finer encoders, a longer encoder.window or sensor.velocity_window)."
         )
 
 
-def _saturated(run: Run) -> Iterator[Remark]:
+def _saturated(run: Run) -> Iterator[str]:
     share, outlook = measures.saturated_share(run), run.outlook
     if share is not None and outlook is not None and share > SATURATED:
-        yield Remark(
-            "saturated",
+        yield (
             f"A wheel is at its torque limit of {outlook.tau_max:.4g} N m in {percent(share)} of "
             "the samples: the law's torque is not delivered. Lower the law's gains, raise "
-            "actuator.tau_max, or ask for a slower or smoother reference.",
+            "actuator.tau_max, or ask for a slower or smoother reference."
         )
 
 
-def _exact_pose(run: Run) -> Iterator[Remark]:
+def _exact_pose(run: Run) -> Iterator[str]:
     if run.outlook is not None and run.outlook.exact_pose:
-        yield Remark(
-            "exact-pose",
+        yield (
             "The encoders give only velocities, and the law saw the true pose at every sample: "
             "position errors of this run are smaller than those of a real robot. State its pose "
-            "sensor: sensor.pose_noise, pose_period, pose_delay.",
+            "sensor: sensor.pose_noise, pose_period, pose_delay."
         )
 
 
-def _objected(run: Run) -> Iterator[Remark]:
+def _objected(run: Run) -> Iterator[str]:
     for item in run.outlook.objections if run.outlook is not None else ():
-        yield Remark(OBJECTED, f"`wmr-ctrl check` objects, even if this run went well: {item}")
+        yield f"`wmr-ctrl check` objects, even if this run went well: {item}"
 
 
-def _held_back(run: Run) -> Iterator[Remark]:
+def _held_back(run: Run) -> Iterator[str]:
     shares = measures.guard_share(run, drive(run.settings))
     if shares is not None and max(shares) >= HELD_BACK:
         thrust, moment = map(percent, shares)
-        yield Remark(
-            "guard-holds-back",
+        yield (
             f"In the {driving(run)} the guard changed the thrust in {thrust} and the moment in "
             f"{moment} of the samples: the law demands more than the limits minus the guard's "
             f"reserve. Ask for a slower reference, shorten clock.control (raise guard.alpha, where "
-            f"it is stated), or {TIGHTER}.",
+            f"it is stated), or {TIGHTER}."
         )
 
 
-def _void(run: Run) -> Iterator[Remark]:
+def _void(run: Run) -> Iterator[str]:
     if run.guard and run.settings.void:
-        yield Remark("assumption-void", run.settings.void)
+        yield run.settings.void
 
 
-_PARTS: tuple[Callable[[Run], Iterator[Remark]], ...] = (
-    _outcome,
-    _not_tracked,
-    _not_arrived,
-    _touched,
-    _left_corridor,
-    _too_fast,
-    _oscillates,
-    _chatters,
-    _saturated,
-    _held_back,
-    _exact_pose,
-    _void,
-    _objected,
-)
+_PARTS: Mapping[str, Callable[[Run], Iterator[str]]] = {
+    "not-tracked": _not_tracked,
+    "goal-not-reached": _not_arrived,
+    "obstacle": _touched,
+    "corridor-left": _left_corridor,
+    "too-fast": _too_fast,
+    "oscillates": _oscillates,
+    "chatter": _chatters,
+    "saturated": _saturated,
+    "guard-holds-back": _held_back,
+    "exact-pose": _exact_pose,
+    "assumption-void": _void,
+    OBJECTED: _objected,
+}
+"""Texts of the remarks by key, but for those on the outcome."""
