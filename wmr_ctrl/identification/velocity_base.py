@@ -20,12 +20,7 @@ from wmr_ctrl.identification.bounds import (
     grid_about,
     loop_remarks,
 )
-from wmr_ctrl.identification.estimate import (
-    bare_scenario,
-    cut_of,
-    loop_estimates,
-    loop_score,
-)
+from wmr_ctrl.identification.estimate import bare_scenario, cut_of, loop_estimates, loop_score
 from wmr_ctrl.identification.speed_loop import (
     AXES,
     LOOPS,

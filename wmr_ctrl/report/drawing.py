@@ -47,11 +47,16 @@ class Drawing:
     def save(self, folder: Path, suffixes: tuple[str, ...] = SUFFIXES) -> tuple[Path, ...]:
         """Write one file per suffix into ``folder``, each whole or not at all."""
         paths = tuple(folder / f"{self.name}{suffix}" for suffix in suffixes)
+        self.written(paths)
+        return paths
+
+    def written(self, paths: Iterable[Path]) -> Figure:
+        """The figure in the house's style, in files too, each whole or not at all."""
         with house_style():
             figure = self.figure()
             for path in paths:
                 save_figure(figure, path)
-        return paths
+        return figure
 
 
 def save_figure(figure: Figure, path: Path) -> None:

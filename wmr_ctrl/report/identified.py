@@ -12,27 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
 
-from wmr_ctrl.report.drawing import (
-    Drawing,
-    Padding,
-    heading,
-    include,
-    line_handle,
-    one_axes,
-    rows_of,
-    save_figure,
-    target_of,
-    thin,
-)
-from wmr_ctrl.report.style import (
-    INK,
-    LIMIT,
-    MUTED,
-    PAPER,
-    house_style,
-    page_environment,
-    picture,
-)
+from wmr_ctrl.report import drawing
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, PAPER, page_environment, picture
 from wmr_ctrl.results import atomic_text
 
 if TYPE_CHECKING:
@@ -44,7 +25,7 @@ SUFFIXES = (".png", ".svg", ".pdf")
 BLUE = "#1f77c9"
 LEVELS = {3.0: "95 %", 4.61: "99 %"}
 """Falls of the log-likelihood that bound regions of two numbers at these confidences."""
-_MARGINS = Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
+_MARGINS = drawing.Padding(left=0.62, right=0.18, bottom=0.42, top=0.5)
 _AXES = (("v₁", "m/s", "thrust", "N"), ("ω", "rad/s", "moment", "N m"))
 FORETOLD = {"guard": "predicted over at most 1 s", "filter": "predicted from commands"}
 
@@ -62,24 +43,21 @@ def write_identification(
     ResultFileError for another suffix or where a file cannot be written.
     """
     known = f"an identification is drawn as {', '.join(SUFFIXES)}"
-    target = None if plot is None else target_of(plot, SUFFIXES, known)
+    targets = [] if plot is None else [drawing.target_of(plot, SUFFIXES, known)]
     traces = result.traces()
-    with house_style(), tempfile.TemporaryDirectory() as folder:
-        figure = drawing_of(result, traces).figure()
-        if target is not None:
-            save_figure(figure, target)
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = Path(folder, "fit.svg")
+        drawing_of(result, traces).written([*targets, drawn])
         if page is not None:
-            drawn = Path(folder, "fit.svg")
-            save_figure(figure, drawn)
             text = _page(result, traces, picture(drawn), drive)
-            with atomic_text(target_of(page, (".html",), "the page is .html")) as file:
+            with atomic_text(drawing.target_of(page, (".html",), "the page is .html")) as file:
                 file.write(text)
 
 
-def drawing_of(result: BaseIdentification, traces: Traces) -> Drawing:
+def drawing_of(result: BaseIdentification, traces: Traces) -> drawing.Drawing:
     """The picture."""
     size = (8.3, 9.4) if result.bounds.section == "guard" else (8.3, 11.8)
-    return Drawing("fit", size, partial(_draw, result=result, traces=traces))
+    return drawing.Drawing("fit", size, partial(_draw, result=result, traces=traces))
 
 
 def _page(
@@ -123,13 +101,13 @@ def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: i
     """Measured and predicted speed; the held-out part is shaded."""
     name, unit, _, _ = _AXES[axis]
     handles = [
-        line_handle("as measured", INK, 0.9),
-        line_handle(FORETOLD[result.bounds.section], BLUE),
+        drawing.line_handle("as measured", INK, 0.9),
+        drawing.line_handle(FORETOLD[result.bounds.section], BLUE),
     ]
-    heading(part, f"{name} [{unit}]; shaded: held out from this fit", handles)
-    axes = one_axes(part, _MARGINS)
-    axes.plot(*thin(traces.t, traces.measured[:, axis]), color=INK, lw=0.9)
-    axes.plot(*thin(traces.t, traces.foretold[:, axis]), color=BLUE, lw=1.1, alpha=0.85)
+    drawing.heading(part, f"{name} [{unit}]; shaded: held out from this fit", handles)
+    axes = drawing.one_axes(part, _MARGINS)
+    axes.plot(*drawing.thin(traces.t, traces.measured[:, axis]), color=INK, lw=0.9)
+    axes.plot(*drawing.thin(traces.t, traces.foretold[:, axis]), color=BLUE, lw=1.1, alpha=0.85)
     axes.axvspan(traces.held_out_from, traces.t[-1], color=MUTED, alpha=0.12, lw=0)
     axes.set(xlabel="t [s]", xlim=(traces.t[0], traces.t[-1]))
 
@@ -139,23 +117,23 @@ def _residuals(part: SubFigure, result: BaseIdentification, traces: Traces, axis
     speed, speed_unit, force, force_unit = _AXES[axis]
     forces = result.bounds.section == "guard"
     bound, what = ("dbar", "residual") if forces else ("d", f"off in {speed}")
-    handles = [line_handle(what, BLUE), line_handle(bound, LIMIT)]
+    handles = [drawing.line_handle(what, BLUE), drawing.line_handle(bound, LIMIT)]
     words = f"Residual as a {force} [{force_unit}]" if forces else f"Deviation [{speed_unit}]"
-    heading(part, words, handles)
-    axes = one_axes(part, _MARGINS)
-    axes.plot(*thin(traces.t, traces.residual[:, axis]), color=BLUE, lw=0.6)
+    drawing.heading(part, words, handles)
+    axes = drawing.one_axes(part, _MARGINS)
+    axes.plot(*drawing.thin(traces.t, traces.residual[:, axis]), color=BLUE, lw=0.6)
     largest = result.bounds.pairs()[bound][0][axis]
     for level in (-largest, largest):
         axes.axhline(level, color=LIMIT, lw=1.0)
-    include(axes, (-1.15 * largest, 1.15 * largest))
+    drawing.include(axes, (-1.15 * largest, 1.15 * largest))
     axes.set(xlabel="t [s]", xlim=(traces.t[0], traces.t[-1]))
 
 
 def _intervals(part: SubFigure, result: BaseIdentification) -> None:
     """Half-widths over what the verdicts compare them with, on a logarithmic scale."""
     items = {k: v for k, v in result.parameters.items() if np.isfinite(v.value)}
-    heading(part, "Half-width of the interval [%]; dashed: 10 and 30 %", below=0.22)
-    axes = one_axes(part, Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
+    drawing.heading(part, "Half-width of the interval [%]; dashed: 10 and 30 %", below=0.22)
+    axes = drawing.one_axes(part, drawing.Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
     shares = [max(100 * item.share, 0.05) for item in items.values()]
     axes.set_xscale("log")
     for row, (share, item) in enumerate(zip(shares, items.values(), strict=True)):
@@ -168,7 +146,7 @@ def _intervals(part: SubFigure, result: BaseIdentification) -> None:
         axes.axvline(edge, color=MUTED, lw=0.8, ls=(0, (2, 2)))
     axes.set_xlim(0.05, 8 * max(*shares, 30.0))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    rows_of(axes, list(items))
+    drawing.rows_of(axes, list(items))
 
 
 def _likelihood(part: SubFigure, result: BaseIdentification, surface: Surface) -> None:
@@ -178,8 +156,8 @@ def _likelihood(part: SubFigure, result: BaseIdentification, surface: Surface) -
     scales = [1e3 if unit == "s" else 1.0 for unit in units]
     labels = [f"{n} [{'ms' if u == 's' else u}]" for n, u in zip(names, units, strict=True)]
     title = f"{names[0]} and {names[1]}: likelihood, and the intervals as a cross"
-    heading(part, title, below=0.22)
-    axes = one_axes(part, Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
+    drawing.heading(part, title, below=0.22)
+    axes = drawing.one_axes(part, drawing.Padding(left=0.62, right=0.18, bottom=0.42, top=0.34))
     x, y = scales[0] * surface.x, scales[1] * surface.y
     fall = -surface.values.T
     levels = [level for level in LEVELS if fall.min() < level < fall.max()]

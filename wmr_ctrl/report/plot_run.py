@@ -2,7 +2,6 @@
 
 import math
 import os
-from collections.abc import Sequence
 from functools import partial
 from textwrap import wrap
 
@@ -29,7 +28,6 @@ from wmr_ctrl.report.style import (
     LIMIT,
     MUTED,
     driver,
-    house_style,
     look,
     shown,
     verbatim,
@@ -64,12 +62,8 @@ def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
     for a run without any sample.
     """
     known = f"a run is drawn as {', '.join(SUFFIXES)}"
-    target = None if path is None else drawing.target_of(path, SUFFIXES, known)
-    with house_style():
-        figure = overview(run).figure()
-        if target is not None:
-            drawing.save_figure(figure, target)
-    return figure
+    targets = [] if path is None else [drawing.target_of(path, SUFFIXES, known)]
+    return overview(run).written(targets)
 
 
 def overview(run: Run) -> drawing.Drawing:
@@ -168,7 +162,7 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     symbol, sent = ("v₁", "ω")[axis], ("v_command", "omega_command")[axis]
     limit, commanded = run.settings.v_u1[axis], sent in run.columns
     text = f"{symbol} [{unit}], limit ±{limit:g}; dashed: desired"
-    axes = _time_axes(part, run, text + (", thin: command" if commanded else ""))
+    axes = time_axes(part, run, text + (", thin: command" if commanded else ""))
     if commanded:
         steps = drawing.thin(run.time, run[sent])
         axes.plot(*steps, color=MUTED, lw=0.7, drawstyle="steps-post", zorder=1.9)
@@ -194,7 +188,7 @@ def _errors(
     if farthest < LARGE:
         unit, scale = f"m{unit}", 1e3
     rows = {label: scale * row for label, row in errors.items()}
-    axes = _time_axes(part, run, f"{title} [{unit}]")
+    axes = time_axes(part, run, f"{title} [{unit}]")
     _plot_pair(axes, run, rows)
     if tube is not None:
         most = scale * tube[1 if len(errors) == 1 else 0]
@@ -228,7 +222,7 @@ def _torques(part: SubFigure, run: Run) -> None:
     limit *= scale
     rows = {"right": scale * run["tau_right"], "left": scale * run["tau_left"]}
     bound = "" if math.isinf(limit) else f", limit {limit:g}"
-    axes = _time_axes(part, run, f"Wheel torques [{unit}]{bound}")
+    axes = time_axes(part, run, f"Wheel torques [{unit}]{bound}")
     width = max(1, round(MEAN_TIME / run.settings.control))
     _plot_pair(axes, run, rows, alpha=0.3)
     _plot_pair(axes, run, {name: drawing.running_mean(row, width) for name, row in rows.items()})
@@ -254,7 +248,7 @@ def _focus(axes: Axes, run: Run, columns: list[FloatArray], unit: str) -> None:
 
 
 def _barrier(part: SubFigure, run: Run) -> None:
-    axes = _time_axes(part, run, "Barrier function V₁ [1]")
+    axes = time_axes(part, run, "Barrier function V₁ [1]")
     values, colour = np.maximum(run["V1"], LEAST), look(run.law).colour
     if values.min() <= LEAST:
         drawing.say_below(axes, f"less is drawn at {LEAST:g}")
@@ -264,18 +258,11 @@ def _barrier(part: SubFigure, run: Run) -> None:
     axes.set_yscale("log")
 
 
-def time_axes(part: SubFigure, runs: Sequence[Run], title: str) -> Axes:
-    """Axes over the time of the longest of the runs."""
-    axes = drawing.one_axes(part, MARGINS)
-    end = max(float(run.time[-1]) + run.settings.control for run in runs)
+def time_axes(part: SubFigure, run: Run, title: str) -> Axes:
+    """Axes over the time of a run, in which its change of parameters is marked."""
+    axes, switch = drawing.one_axes(part, MARGINS), switch_time(run)
+    end = float(run.time[-1]) + run.settings.control
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")
-    return axes
-
-
-def _time_axes(part: SubFigure, run: Run, title: str) -> Axes:
-    axes, switch = time_axes(part, [run], title), switch_time(run)
-    drawing.mark_switch(
-        axes, switch if switch is not None and switch < axes.get_xlim()[1] else None
-    )
+    drawing.mark_switch(axes, switch if switch is not None and switch < end else None)
     return axes

@@ -12,40 +12,14 @@ from textwrap import fill
 from typing import TypeAlias
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
+from wmr_ctrl.report import drawing
 from wmr_ctrl.report.course import course_of, switch_time
-from wmr_ctrl.report.drawing import (
-    Drawing,
-    finish_path,
-    heading,
-    line_handle,
-    mark_switch,
-    one_axes,
-    plot_reference,
-    save_figure,
-    say_below,
-    switch_handles,
-    target_of,
-    thin,
-    thin_path,
-    view_limits,
-)
 from wmr_ctrl.report.plot_run import MARGINS, SUFFIXES, time_axes
 from wmr_ctrl.report.scene import names_of, scene_of
-from wmr_ctrl.report.style import (
-    DASHED,
-    DASHES,
-    DOTTED,
-    INK,
-    MUTED,
-    Dash,
-    colours_of,
-    house_style,
-    verbatim,
-)
+from wmr_ctrl.report.style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
 from wmr_ctrl.results import FloatArray, Run, distance
 from wmr_ctrl.results.drive import (
     COMMANDS,
@@ -72,10 +46,9 @@ def plot_runs(runs: Sequence[Run], path: str | os.PathLike[str]) -> None:
     Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
     for runs that one picture cannot show (`scene_of`).
     """
-    target = target_of(path, SUFFIXES, f"runs are drawn as {', '.join(SUFFIXES)}")
+    target = drawing.target_of(path, SUFFIXES, f"runs are drawn as {', '.join(SUFFIXES)}")
     scene_of(runs, 1)
-    with house_style():
-        save_figure(Drawing("runs", _SIZE, partial(_draw, runs=runs)).figure(), target)
+    drawing.Drawing("runs", _SIZE, partial(_draw, runs=runs)).written([target])
 
 
 def _draw(figure: Figure, runs: Sequence[Run]) -> None:
@@ -86,9 +59,11 @@ def _draw(figure: Figure, runs: Sequence[Run]) -> None:
         name: (run, colour, DASHES[place % len(DASHES)])
         for place, (name, run, colour) in enumerate(zip(names_of(runs), runs, colours, strict=True))
     }
-    handles = [line_handle(name, colour, dash=dash) for name, (_, colour, dash) in lines.items()]
-    handles += switch_handles(switch_time(runs[0]))
-    heading(top, verbatim(runs[0].scenario), handles)
+    handles = [
+        drawing.line_handle(name, colour, dash=dash) for name, (_, colour, dash) in lines.items()
+    ]
+    handles += drawing.switch_handles(switch_time(runs[0]))
+    drawing.heading(top, verbatim(runs[0].scenario), handles)
     parts = [figure.add_subfigure(grid[row, column]) for row in (1, 2) for column in (0, 1)]
     _path(parts[0], lines)
     _distance(parts[1], lines)
@@ -101,29 +76,22 @@ def _longest(lines: Lines) -> Run:
 
 
 def _path(part: SubFigure, lines: Lines) -> None:
-    axes, longest = one_axes(part, MARGINS), _longest(lines)
+    axes, longest = drawing.one_axes(part, MARGINS), _longest(lines)
     for run, colour, dash in lines.values():
-        x, y = thin_path(run["x"], run["y"], 3000)
+        x, y = drawing.thin_path(run["x"], run["y"], 3000)
         axes.plot(x, y, color=colour, ls=dash, lw=1.2, alpha=0.85)
         axes.plot(x[0], y[0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
-    plot_reference(axes, *thin_path(longest["x_d"], longest["y_d"], 64))
-    finish_path(axes, ["dots: reference, ring: start", *course_of(longest).draw(axes)])
-
-
-def _over_time(part: SubFigure, lines: Lines, title: str) -> Axes:
-    axes = time_axes(part, [run for run, *_ in lines.values()], title)
-    switch = switch_time(_longest(lines))
-    mark_switch(axes, switch if switch is not None and switch < axes.get_xlim()[1] else None)
-    return axes
+    drawing.plot_reference(axes, *drawing.thin_path(longest["x_d"], longest["y_d"], 64))
+    drawing.finish_path(axes, ["dots: reference, ring: start", *course_of(longest).draw(axes)])
 
 
 def _distance(part: SubFigure, lines: Lines) -> None:
-    axes = _over_time(part, lines, "Distance from the desired position [mm]")
+    axes = time_axes(part, _longest(lines), "Distance from the desired position [mm]")
     for run, colour, dash in lines.values():
         far = np.maximum(1e3 * distance(run), _LEAST)
-        axes.plot(*thin(run.time, far), color=colour, ls=dash, lw=0.9)
+        axes.plot(*drawing.thin(run.time, far), color=colour, ls=dash, lw=0.9)
     if axes.dataLim.ymin <= _LEAST:
-        say_below(axes, f"less is drawn at {_LEAST:g} mm")
+        drawing.say_below(axes, f"less is drawn at {_LEAST:g} mm")
     axes.set_yscale("log")
     plain = FuncFormatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_major_formatter(plain)
@@ -136,11 +104,13 @@ def _velocity(part: SubFigure, lines: Lines, axis: int) -> None:
     name, desired, text = (("v1", "v1_d", "v₁ [m/s]"), ("omega", "v2_d", "ω [rad/s]"))[axis]
     longest = _longest(lines)
     limit = longest.settings.v_u1[axis]
-    axes = _over_time(part, lines, f"{text}, limit ±{limit:g}; black, dashed: desired")
+    axes = time_axes(part, longest, f"{text}, limit ±{limit:g}; black, dashed: desired")
     for run, colour, dash in lines.values():
-        axes.plot(*thin(run.time, run[name]), color=colour, ls=dash, lw=0.9, alpha=0.8)
-    axes.plot(*thin(longest.time, longest[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
-    view_limits(axes, limit, {label: run[name] for label, (run, *_) in lines.items()})
+        axes.plot(*drawing.thin(run.time, run[name]), color=colour, ls=dash, lw=0.9, alpha=0.8)
+    axes.plot(
+        *drawing.thin(longest.time, longest[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4
+    )
+    drawing.view_limits(axes, limit, {label: run[name] for label, (run, *_) in lines.items()})
 
 
 _WIDTH, _TITLE, _HIGH, _PATH = 8.3, 0.72, 1.9, 2.9
@@ -166,15 +136,11 @@ def plot_drives(
     where the file cannot be written.
     """
     known = f"drives are drawn as {', '.join(SUFFIXES)}"
-    target = None if path is None else target_of(path, SUFFIXES, known)
-    with house_style():
-        figure = page_of(drives).figure()
-        if target is not None:
-            save_figure(figure, target)
-    return figure
+    targets = [] if path is None else [drawing.target_of(path, SUFFIXES, known)]
+    return page_of(drives).written(targets)
 
 
-def page_of(drives: Sequence[RecordedDrive]) -> Drawing:
+def page_of(drives: Sequence[RecordedDrive]) -> drawing.Drawing:
     """The page as a drawing."""
     colours = colours_of([drive.name for drive in drives])
     panels: list[Callable[[SubFigure], None]] = []
@@ -193,7 +159,7 @@ def page_of(drives: Sequence[RecordedDrive]) -> Drawing:
         *(_HIGH for _ in range(rows - 1)),
     )
     draw = partial(_draw_page, drives=drives, colours=colours, panels=panels, heights=heights)
-    return Drawing("drive", (_WIDTH, sum(heights)), draw)
+    return drawing.Drawing("drive", (_WIDTH, sum(heights)), draw)
 
 
 def _draw_page(
@@ -206,8 +172,10 @@ def _draw_page(
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights, hspace=0.0, wspace=0.0)
     top = figure.add_subfigure(grid[0, :])
     names = [verbatim(drive.name) for drive in drives]
-    handles = [line_handle(*pair) for pair in zip(names, colours, strict=True)]
-    heading(top, names[0] if len(drives) == 1 else "Drives", handles if len(drives) > 1 else ())
+    handles = [drawing.line_handle(*pair) for pair in zip(names, colours, strict=True)]
+    drawing.heading(
+        top, names[0] if len(drives) == 1 else "Drives", handles if len(drives) > 1 else ()
+    )
     nowhere = [name for name in drives[0].missing if all(name in one.missing for one in drives)]
     lacking = f" Nor is there {', '.join(nowhere)}." if nowhere else ""
     note = fill(LEFT_OUT + lacking, 150)
@@ -218,13 +186,13 @@ def _draw_page(
 
 def _drive_paths(part: SubFigure, drives: Sequence[RecordedDrive], colours: Sequence[str]) -> None:
     """Paths as odometry has them, each with its start."""
-    axes = one_axes(part, MARGINS)
+    axes = drawing.one_axes(part, MARGINS)
     for drive, colour in zip(drives, colours, strict=True):
         if drive.has(POSES):
             x, y = (drive.columns[name] for name in POSES[:2])
-            axes.plot(*thin_path(x, y, 3000), color=colour, lw=1.2, alpha=0.85)
+            axes.plot(*drawing.thin_path(x, y, 3000), color=colour, lw=1.2, alpha=0.85)
             axes.plot(x[0], y[0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
-    finish_path(axes, ["ring: start"])
+    drawing.finish_path(axes, ["ring: start"])
 
 
 def _panel(
@@ -235,7 +203,7 @@ def _panel(
     measured: Sequence[str],
     commands: Sequence[str],
 ) -> None:
-    axes = one_axes(part, MARGINS)
+    axes = drawing.one_axes(part, MARGINS)
     axes.set(xlabel="t [s]", xlim=(0, max(drive.duration for drive in drives)))
     axes.set_title(title, weight="normal")
     for drive, colour in zip(drives, colours, strict=True):
@@ -248,4 +216,4 @@ def _panel(
 
 def _trace(drive: RecordedDrive, name: str) -> tuple[FloatArray, FloatArray]:
     """Times and values of a column, none where the drive has it not."""
-    return thin(drive.times.get(name, NOTHING), drive.columns.get(name, NOTHING))
+    return drawing.thin(drive.times.get(name, NOTHING), drive.columns.get(name, NOTHING))
