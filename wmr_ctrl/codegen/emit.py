@@ -99,22 +99,15 @@ def definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
 
     Before a prepared kernel stands its preparation, and the length of what that leaves.
     """
-    graph, names = item.graph, (*_given(item), *item.outputs)
-    if not item.prepared:
-        return framed(
-            item, prototype(item, dialect), graph, names, body(graph, dialect, pairs=item.pairs)
-        )
-    before, graph = split(graph, whole=item.pairs)
-    first = replace(item, meaning=f"What {item.name} takes of the parameters alone.")
-    vectors = (PARAMETERS, PREPARED)
-    return (
-        f"#define {length(item)} {len(before.stores)}\n"
-        + framed(first, preparation(item, dialect), before, vectors, body(before, dialect))
-        + "\n"
-        + framed(
-            item, prototype(item, dialect), graph, names, body(graph, dialect, pairs=item.pairs)
-        )
-    )
+    graph, names, head = item.graph, (*_given(item), *item.outputs), ""
+    if item.prepared:
+        before, graph = split(graph, whole=item.pairs)
+        first = replace(item, meaning=f"What {item.name} takes of the parameters alone.")
+        taken, lines = preparation(item, dialect), body(before, dialect)
+        head = f"#define {length(item)} {len(before.stores)}\n"
+        head += framed(first, taken, before, (PARAMETERS, PREPARED), lines) + "\n"
+    lines = body(graph, dialect, pairs=item.pairs)
+    return head + framed(item, prototype(item, dialect), graph, names, lines)
 
 
 def length(item: Kernel) -> str:

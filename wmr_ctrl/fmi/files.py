@@ -33,7 +33,7 @@ def render(name: str, **values: object) -> str:
 
 @cache
 def _environment(escape: bool) -> Environment:
-    return Environment(
+    engine = Environment(
         loader=FileSystemLoader(fmu_dir() / "templates"),
         autoescape=escape,
         undefined=StrictUndefined,
@@ -41,6 +41,8 @@ def _environment(escape: bool) -> Environment:
         lstrip_blocks=escape,
         keep_trailing_newline=True,
     )
+    engine.filters["number"] = _number
+    return engine
 
 
 def write_archive(path: Path, files: Mapping[str, bytes]) -> Path:
@@ -95,8 +97,8 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
     ]
     files |= {path.name: path.read_text(encoding="utf-8") for path in paths}
     pairs = orders(model)
-    rows = _rows(model, arrays and version == 3)
-    files["model.c"] = render("model.c", identifier=model.identifier, variables=rows, orders=pairs)
+    rows = [(v, row_size(v, arrays and version == 3)) for v in model.variables]
+    files["model.c"] = render("model.c", identifier=model.identifier, rows=rows, orders=pairs)
     if model.tables:
         tables = [_table(name, rows) for name, rows in model.tables.items()]
         files["loop_tables.h"] = render("loop_tables.h", tables=tables)
@@ -108,21 +110,6 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
         "model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout
     )
     return Sources(files, token)
-
-
-def _rows(model: FmuModel, arrays: bool) -> list[dict[str, str]]:
-    return [
-        {
-            "name": v.name,
-            "type": "WMR_INTEGER" if v.integer else "WMR_REAL",
-            "role": v.role.value,
-            "size": str(row_size(v, arrays)),
-            "start": _number(v.start),
-            "low": _number(v.low),
-            "high": _number(v.high),
-        }
-        for v in model.variables
-    ]
 
 
 def row_size(variable: Variable, arrays: bool) -> int:

@@ -5,7 +5,7 @@ says of names and units becomes a linear transformation of a connection.
 """
 
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -127,7 +127,7 @@ def export_ssp(
             parts[name] = _ours(parallel(model_of(what, law, law_setup.scenario)), target)
     files = {"SystemStructure.ssd": _structure(parts, setup.scenario, flat).encode()}
     for name, part in parts.items():
-        units = _units(item["unit"] for item in part.parameters)
+        units = units_of(filter(None, (item["unit"] for item in part.parameters)))
         shown = {"name": SET, "tool": TOOL, "units": units, "parameters": part.parameters}
         files[f"resources/{name}.ssv"] = render("parameters.ssv", m=shown).encode()
         files[f"resources/{part.identifier}.fmu"] = part.content
@@ -221,7 +221,7 @@ def _structure(parts: dict[str, Component], scenario: Scenario, flat: bool) -> s
         "ports": outside,
         "parts": listed,
         "connections": connections,
-        "units": _units(units),
+        "units": units_of(filter(None, units)),
     }
     return render("SystemStructure.ssd", m=shown)
 
@@ -272,8 +272,3 @@ def _joined(
 def _line(ends: list[tuple[str, str]], factor: float, offset: float) -> dict[str, Any]:
     same = factor == 1.0 and offset == 0.0
     return {"ends": ends, "linear": None if same else (repr(factor), repr(offset))}
-
-
-def _units(names: Iterable[str]) -> list[dict[str, Any]]:
-    known = units_of(filter(None, names))
-    return [{"name": unit.name, "base": list(unit.exponents.items())} for unit in known]

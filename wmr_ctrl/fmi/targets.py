@@ -1,6 +1,5 @@
 """Platforms that FMUs are built for, and the compilers that build for them."""
 
-import importlib.util
 import os
 import platform
 import shlex
@@ -14,7 +13,7 @@ from pathlib import Path
 from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object, default_flags
 from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags
+from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags, zig_command
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi.files import Sources
 
@@ -134,7 +133,7 @@ def toolchain_for(target: Target) -> Toolchain:
     if named and target.name == host():
         flags = (*default_flags(named), *level_flags())
         return Toolchain(tuple(named), named[0], "named in " + VARIABLE, flags)
-    if importlib.util.find_spec("ziglang") is not None:
+    if zig_command():
         return _zig(target).with_flags(*level_flags())
     if target.name != host():
         raise CompilerError(
@@ -145,7 +144,7 @@ def toolchain_for(target: Target) -> Toolchain:
 
 
 def _zig(target: Target) -> Toolchain:
-    command = (sys.executable, "-P", "-m", "ziglang", "cc")
+    command = (*zig_command(), "cc")
     version = f"zig {metadata.version('ziglang')}"
     base = Toolchain(command, "zig cc", version, default_flags(command))
     windows = target.suffix == ".dll"

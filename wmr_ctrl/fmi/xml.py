@@ -61,7 +61,7 @@ def description(
         "version": tool.rpartition(" ")[2],
         "license": "BSD-3-Clause",
         "units": sources.units,
-        "unit_definitions": [_unit(unit) for unit in _units(model.variables)],
+        "unit_definitions": _units(model.variables),
         "duration": repr(clock.duration),
         "step": repr(clock.control),
         "internal_step": repr(clock.plant if model.kind == "continuous" else clock.control),
@@ -87,14 +87,7 @@ def terminals(model: FmuModel) -> str:
 def documentation(model: FmuModel, tool: str) -> str:
     """Text of documentation/index.html."""
     rows = [
-        {
-            "name": v.name,
-            "unit": v.unit,
-            "kind": _causality(v),
-            "meaning": v.meaning,
-            "start": "" if _start(v) is None else f"{v.start:.6g}",
-        }
-        for v in model.variables
+        (v, _causality(v), "" if _start(v) is None else f"{v.start:.6g}") for v in model.variables
     ]
     named = {"identifier": model.identifier, "title": model.title, "tool": tool}
     packed = model.what in (*LAWS, FILTER)
@@ -111,12 +104,6 @@ def _units(variables: Iterable[Variable]) -> list[NamedUnit]:
         except ArgumentError as error:
             raise ArgumentError(f"{item.name}: {error}") from None
     return units_of(item.unit for item in listed)
-
-
-def _unit(unit: NamedUnit) -> dict[str, Any]:
-    base = [*unit.exponents.items(), *([] if unit.factor == 1 else [("factor", repr(unit.factor))])]
-    display = [{"name": unit.display[0], "factor": repr(unit.display[1])}] if unit.display else []
-    return {"name": unit.name, "base": base, "display": display}
 
 
 def _causality(v: Variable) -> str:
