@@ -234,12 +234,7 @@ def _slopes(residual: ca.SX, s: ca.SX, inverse: ca.SX, along: Callable[[ca.SX], 
 
 def _full(packed: ca.SX, size: int) -> ca.SX:
     """A symmetric matrix from its upper triangle, row after row."""
-    whole, place = ca.SX(size, size), 0
-    for i in range(size):
-        for j in range(i, size):
-            whole[i, j] = whole[j, i] = packed[place]
-            place += 1
-    return whole
+    return ca.tril2symm(ca.SX(ca.Sparsity.lower(size), packed))
 
 
 def _packed(whole: ca.SX) -> ca.SX:

@@ -100,16 +100,8 @@ class DriveNode(SafeNode[DriveCore]):
             return
         pose, twist = message.pose.pose, message.twist.twist
         place, turn = pose.position, pose.orientation
-        numbers = (
-            place.x,
-            place.y,
-            turn.x,
-            turn.y,
-            turn.z,
-            turn.w,
-            twist.linear.x,
-            twist.angular.z,
-        )
+        where, moved = (place.x, place.y), (twist.linear.x, twist.angular.z)
+        numbers = (*where, turn.x, turn.y, turn.z, turn.w, *moved)
         reason, sent = self.core.odometry(
             numbers, stamp_of(message), message.header.frame_id, message.child_frame_id, self.now()
         )

@@ -18,12 +18,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.errors import MissingExtraError, ScenarioError
+from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.files import read_text
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.values import MOST_NODES
 
 Point = tuple[float, float]
+KEY = "reference.file"
 SUFFIXES = (".csv", ".tsv", ".txt", ".yaml", ".yml")
 """Suffixes of a path's file: the last two are `path_yaml`'s."""
 LARGEST_PATH = 10_000_000
@@ -53,15 +54,15 @@ class Columns:
     named: bool = False
 
 
-def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
+def read_points(file: Path) -> tuple[Point, ...]:
     """Return the points of a CSV file [m]; blank rows and those that start with ``#`` are skipped.
 
     A header says which column is x and which is y, and perhaps their unit; without one, x comes
     first and both are in m.  It may stand in a comment, as NumPy's `savetxt` writes it.
-    Raises ScenarioError, starting with the key ``path`` and naming row and column from 1.
+    Raises ScenarioError, starting with the key and naming row and column from 1.
     """
-    place = f"{path}: {file.name}"
-    numbered = list(_rows(read_text(file, path, SUFFIXES, LARGEST_PATH), place))
+    place = f"{KEY}: {file.name}"
+    numbered = list(_rows(read_text(file, KEY, SUFFIXES, LARGEST_PATH), place))
     columns = _without_headers(numbered, place)
     points = [_point(cells, columns, f"{place}, row {row}") for row, cells in numbered]
     if len(points) < 2:
@@ -176,15 +177,14 @@ def _point(cells: list[str], columns: Columns, place: str) -> Point:
     return point[0], point[1]
 
 
-def read_poses(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
+def read_poses(file: Path) -> tuple[Point, ...]:
     """Return the points of a YAML path; poses at the place of the one before are left out.
 
-    Raises ScenarioError, starting with the key ``path`` and naming the pose from 1, and
-    MissingExtraError without PyYAML.
+    Raises ScenarioError, starting with the key and naming the pose from 1.
     """
-    place = f"{path}: {file.name}"
+    place = f"{KEY}: {file.name}"
     points: list[Point] = []
-    document = _document(read_text(file, path, SUFFIXES), place)
+    document = _document(read_text(file, KEY, SUFFIXES), place)
     for number, pose in enumerate(_poses(document, place), start=1):
         point = _pose_point(pose, f"{place}, pose {number}")
         if not points or math.dist(points[-1], point) >= SAME:
@@ -198,13 +198,8 @@ def read_poses(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
 
 def _document(text: str, place: str) -> object:
     """The first document of a YAML text."""
-    try:
-        import yaml
-    except ImportError:
-        raise MissingExtraError(
-            f"{place}: YAML needs PyYAML, which is not installed: pip install pyyaml. Or give the "
-            "points as CSV."
-        ) from None
+    import yaml  # seldom needed
+
     loader = yaml.SafeLoader(text)
     try:
         node = loader.get_node() if loader.check_node() else None
