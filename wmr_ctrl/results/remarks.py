@@ -71,8 +71,8 @@ def speeds(pair: Sequence[float]) -> str:
 
 def remarks_on(run: Run) -> tuple[Remark, ...]:
     """All that is to be said against a run; empty only if all is well."""
-    found = (Remark(key, text) for key, part in _PARTS.items() for text in part(run))
-    return (*_outcome(run), *found)
+    others = (Remark(key, text) for key, part in _PARTS.items() for text in part(run))
+    return (*_outcome(run), *others)
 
 
 def in_short(remarks: tuple[Remark, ...]) -> str:
