@@ -1,0 +1,118 @@
+"""Data of a page's script: variants, numbers that change, sliders and colours; nothing compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.page.content import Content, Plain, _in_the_dark, content_of
+from wmr_ctrl.page.controls import controls_of
+from wmr_ctrl.page.scenes import scenes
+from wmr_ctrl.report.style import look
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+
+T, H = 0.01, 0.001
+
+
+@pytest.fixture(scope="module")
+def content() -> Content:
+    """One law on the paper's scenario, of another length and with a wider track."""
+    changed = {"clock.duration": 60.0, "robot.l": 0.5, "disturbance.truncate": 3.0}
+    scenario = override(load_scenario("paper-simulation"), changed)
+    return content_of(scenes(scenario, ("mb",)), ("mb",), 3, lambda share: None)
+
+
+def variants_of(content: Content) -> Iterator[Plain]:
+    yield from content.data["scenes"][0]["variants"]
+
+
+def test_a_period_or_a_delay_is_offered_with_and_without_guard(content: Content) -> None:
+    offered = [(v["guard"], v["period"], v["delay"]) for v in variants_of(content)]
+
+    periods = [(p, 0.0) for p in (0.001, 0.002, 0.005, T, 0.02, 0.05, 0.1)]
+    places = {*periods, (T, 2 * T), (T, 5 * T)}
+    assert offered[0] == (False, T, 0.0)
+    assert len(offered) == len(set(offered))
+    assert set(offered) == {(guard, *place) for guard in (False, True) for place in places}
+
+
+def test_a_variants_numbers_are_its_own_and_change_when_the_robot_does(content: Content) -> None:
+    base, loops = content.data["scenes"][0]["base"]["mb"], {}
+    for variant in variants_of(content):
+        assert bool(variant["refusal"]) == (not variant["laws"])
+        for law in variant["laws"].values():
+            first, second = law["rows"]
+            assert (base | first)["clock.control"] == variant["period"]
+            assert (base | first)["robot.m"] == 50.0
+            assert not set(base.items()) & set(first.items())
+            assert second == {"robot.m": 65.0, "robot.I": 7.0, "robot.mu": 0.15}
+            assert law["phases"] == [0, round(40.0 / H)]
+            place = variant["period"], variant["delay"]
+            loops.setdefault(place, []).append(law["loop"])
+    assert max(map(len, loops.values())) == 2
+    assert all(len(set(of_place)) == len(of_place) for of_place in loops.values())
+    assert (content.room.phases, content.room.delay_steps) == (2, round(5 * T / H))
+
+
+def test_the_robot_is_drawn_as_wide_as_it_is(content: Content) -> None:
+    body = content.data["body"]
+
+    assert (body["track"], content.mass, content.data["seed"]) == (0.5, 50.0, 3)
+    assert body["size"] == pytest.approx([1.6, 1.0])
+    assert content.data["names"]["robot.I"][0] == "kg m²"
+
+
+def test_a_slider_spans_a_fifth_to_five_times_its_value_within_its_bounds() -> None:
+    scenario = override(Scenario(), {"guard.brake_share": 0.5, "robot.m": 40.0})
+    keys = ("robot.m", "robot.I", "robot.g", "limits.v_u1", "limits.v_u2", "guard.brake_share",
+            "guard.f_min", "disturbance.push", "gains.mb.rho", "sensor.pose_period")  # fmt: skip
+    signals, values = [], {}
+    for key in keys[:-2]:
+        signal, numbers = scenario.number(key)
+        signals.append(signal)
+        values |= dict(zip(signal.elements, numbers, strict=True))
+
+    found = {item.name: item for item in controls_of(scenario, signals, values)}
+
+    assert list(found) == [
+        "limits.v_u1[1]", "limits.v_u1[2]", "robot.m", "robot.I", "disturbance.push[1]",
+        "disturbance.push[2]", "guard.brake_share", "guard.f_min[1]", "guard.f_min[2]",
+    ]  # fmt: skip
+    assert found["robot.m"].span == (10.0, 150.0)
+    assert found["robot.I"].span == pytest.approx((5.4 / 5, 5.4 * 5))
+    assert found["guard.brake_share"].span == (pytest.approx(0.1), 1.0)
+    assert found["limits.v_u1[2]"].along == ("limits.v_u2[2]",)
+    assert found["limits.v_u1[2]"].meaning.endswith("(angular)")
+    assert {name for name, item in found.items() if item.log} == {
+        "limits.v_u1[1]", "limits.v_u1[2]", "robot.m", "robot.I", "guard.brake_share",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("law", NAMES)
+def test_a_law_stands_out_in_the_dark_by_the_contrast_of_wcag(law: str) -> None:
+    colour = look(law).colour
+    mixed = _in_the_dark(colour)
+
+    assert 5.0 <= contrast(mixed, "#12161c") <= 10.5
+    parts = zip(*(bytes.fromhex(text[1:]) for text in (colour, mixed)), strict=True)
+    assert all(after >= before for before, after in parts)
+
+
+def test_what_is_dark_on_white_is_lighter_on_black_than_what_is_light() -> None:
+    assert contrast(_in_the_dark("#000000"), "#12161c") == pytest.approx(10.0, abs=0.4)
+    assert contrast(_in_the_dark("#ff0000"), "#12161c") == pytest.approx(5.0, abs=0.3)
+    assert _in_the_dark("#ffff00") == "#ffff00"
+
+
+def contrast(one: str, other: str) -> float:
+    """(L1 + 0.05)/(L2 + 0.05) of relative luminances, WCAG 2.2."""
+
+    def luminance(colour: str) -> float:
+        r, g, b = ((c / 255) for c in bytes.fromhex(colour[1:]))
+        r, g, b = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (r, g, b))
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
