@@ -10,7 +10,7 @@ import pytest
 from tests.checks.asking import closed
 from wmr_ctrl.api import compile_loop, simulate
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.radius import largest_radius, radius, stretches_of
+from wmr_ctrl.checks.radius import _of_product, largest_radius, radius, stretches_of
 from wmr_ctrl.checks.sample_time import largest_period
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.setup import settle
@@ -168,6 +168,31 @@ def test_sideways_is_neutral_while_the_reference_stands() -> None:
     matrix = closed(Loop(settle(still({}), "mb")), np.zeros(2), T)
 
     assert matrix[:5, 1] == pytest.approx([0, 1, 0, 0, 0], abs=1e-12)
+
+
+def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes() -> None:
+    one, other = np.diag((2.0, 0.5)), np.diag((0.1, 4.0))
+    turned = np.array([[0.0, 1.0], [0.0, 0.0]])
+
+    assert _of_product([one, other], np.array((3, 1))) == pytest.approx(0.8 ** (1 / 4))
+    assert _of_product([one, other], np.array((2, 6))) == pytest.approx(2.0**1.25)
+    assert _of_product([1.5 * np.eye(2)], np.array((10_000,))) == pytest.approx(1.5)
+    assert _of_product([one, turned], np.array((1, 2))) == 0.0
+    assert _of_product([one, np.full((2, 2), np.nan)], np.array((1, 1))) == np.inf
+
+
+def test_stretches_of_a_reference_share_its_period_and_its_way() -> None:
+    scenario = still({"reference.kind": "lemniscate"})
+    each, shares, cycle = stretches_of(scenario)
+    desired = sample(scenario, (np.arange(2000) + 0.5) * cycle / 2000)
+
+    assert cycle == scenario.reference.cycle
+    assert shares.sum() == pytest.approx(1.0)
+    assert shares @ [v for v, _ in each] == pytest.approx(desired[:, 3].mean(), rel=0.02)
+    assert shares @ np.abs([w for _, w in each]) == pytest.approx(
+        np.abs(desired[:, 4]).mean(), rel=0.05
+    )
+    assert stretches_of(still({})) is None
 
 
 def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> None:

@@ -1,0 +1,136 @@
+"""Figures at the very ends of what they count: half the distance, the tolerance, the last row."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tests.results.conftest import build
+from wmr_ctrl.results import Monitor
+from wmr_ctrl.results.measures import (
+    arrival,
+    barrier_rises,
+    change_rms,
+    halving_time,
+    saturated_share,
+    torque_change_rms,
+    tracked,
+)
+from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
+from wmr_ctrl.results.windows import covered, working
+
+
+def stopped(time: float | None) -> Monitor:
+    if time is None:
+        return Monitor((0.0, 0.0))
+    return Monitor((0.0, 0.0), stopped=(time, 1), stop_reason="diverged")
+
+
+def within(tolerance: float, **changes):
+    run = build(duration=8.0, control=0.1, **changes)
+    return replace(run, settings=replace(run.settings, tolerance=tolerance))
+
+
+def test_half_the_distance_is_reached_at_half_of_it() -> None:
+    x = np.array([2.0, 1.5, 1.0, 0.5, 1.0])
+
+    assert halving_time(build(rows=5, duration=0.05, x=x)) == pytest.approx(0.02)
+    assert halving_time(build(rows=2, duration=0.05, x=x[:2])) is None
+    assert halving_time(build(rows=0, duration=0.05)) is None
+
+
+def test_the_tolerance_itself_is_tracked() -> None:
+    assert tracked(within(0.25, x=0.25)) is True
+    assert tracked(within(np.nextafter(0.25, 0), x=0.25)) is False
+    assert tracked(within(0.25, x=0.25, rows=50, monitor=stopped(5.0))) is False
+
+
+@pytest.mark.parametrize(("rows", "end", "there"), [
+    (80, None, 0.0), (80, 7.95, None), (62, 6.2, 0.0), (60, 6.0, None), (50, 5.0, None),
+])  # fmt: skip
+def test_only_who_lived_beyond_the_goals_time_has_arrived(rows, end, there) -> None:
+    run = within(0.1, rows=rows, monitor=stopped(end), x=1.0, x_d=1.0)
+
+    found = arrival(replace(run, settings=replace(run.settings, arrival=6.0)))
+
+    assert found == {"reference": 6.0, "robot": there}
+
+
+@pytest.mark.parametrize(("k", "stop"), [(3, 0.3), (3, 0.1 * 3), (2, 0.29), (3, 0.3999)])
+def test_a_period_counts_once_it_is_over_however_its_end_is_rounded(k: int, stop: float) -> None:
+    run = build(rows=5, duration=1.0, control=0.1, monitor=stopped(stop))
+
+    assert covered(run) == k
+
+
+def test_changes_of_torque_are_from_the_row_before_and_never_from_the_very_first() -> None:
+    torque = np.array([[1.0, 1.0], [2.0, 5.0], [2.0, 2.0]])
+    still = np.r_[9.0, np.zeros(9)]
+
+    assert change_rms(torque, slice(1, 2)) == pytest.approx(np.sqrt((1 + 16) / 2))
+    assert change_rms(torque, slice(2, 3)) == pytest.approx(np.sqrt(9 / 2))
+    assert torque_change_rms(build(duration=0.1, tau_right=still)) == 0.0
+    one = build(duration=0.01)
+    assert working(one.settings)[0] == 1
+
+
+def test_a_wheel_is_at_its_limit_there_and_nowhere_below_but_for_rounding() -> None:
+    torque = np.tile([2.0, 2.0 * (1 - 1e-12), 2.0 * (1 - 1e-6), -2.0, 0.0], 4)
+    run = build(duration=0.2, tau_left=torque)
+    seen = Seen(run, SimpleNamespace(tau_max=2.0))
+
+    assert saturated_share(seen) == pytest.approx(3 / 5)
+    assert saturated_share(Seen(run, None)) is None
+
+
+class Seen:
+    """A run whose scenario is known."""
+
+    def __init__(self, run, outlook) -> None:
+        self._run, self.outlook = run, outlook
+
+    def __getattr__(self, name: str):
+        return getattr(self._run, name)
+
+    def __getitem__(self, name: str):
+        return self._run[name]
+
+
+def test_rises_of_the_barrier_are_counted_before_the_split() -> None:
+    V1 = np.r_[3.0, 1.0, 2.0, 2.0, 0.0, 5.0, 0.0, 7.0, 0.0, 9.0]
+
+    assert barrier_rises(build(duration=0.1, split=0.05, V1=V1)) == 1.0
+    assert barrier_rises(build(duration=0.1, split=0.06, V1=V1)) == 2.0
+
+
+@pytest.mark.parametrize("count", [100, 101])
+def test_the_fast_swing_is_what_a_slow_part_leaves_of_the_power(count: int) -> None:
+    """By Parseval: half of a sine's square, all of what alternates from sample to sample."""
+    k, period = np.arange(count), 0.01
+    whole = 2 * np.pi * k / count
+    slow, fast = 5.0 + 0 * whole, 0.3 * np.sin(20 * whole)
+    other = 0.4 * np.cos(np.pi * k) if count % 2 == 0 else 0.4 * np.cos(50 * whole)
+    power = 0.3**2 / 2 + (0.4**2 if count % 2 == 0 else 0.4**2 / 2)
+
+    both = np.column_stack((slow + fast + other, slow))
+
+    assert fast_swing_rms(both, period) == pytest.approx(np.sqrt(power / 2))
+
+
+def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none() -> None:
+    swing = np.sin(np.arange(200) * 2 * np.pi / 10)
+
+    assert oscillation(build(duration=2.0, tau_right=4e-4 * swing)) is None
+    assert oscillation(build(duration=2.0, tau_right=4e-3 * swing)) is not None
+
+
+@pytest.mark.parametrize(("periods", "told"), [(40, True), (10, False)])
+def test_of_few_periods_a_line_needs_more_of_the_power(periods: int, told: bool) -> None:
+    """Two waves in the last 8 s, the slower with a little more than half of the power."""
+    t = 0.01 * np.arange(1600)
+    waves = 1.05 * np.sin(2 * np.pi * periods / 8 * t) + np.sin(2 * np.pi * 200 / 8 * t)
+
+    assert (oscillation(build(duration=16.0, tau_right=waves, tau_left=waves)) is not None) is told
