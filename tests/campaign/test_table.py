@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.table import STATISTICS, RunTable, Spread, spread, table_of_rows
 
 VALUES = st.lists(st.none() | st.floats(-1e6, 1e6), max_size=30)
@@ -75,3 +76,16 @@ def test_rows_become_columns_and_rows_again():
     assert table.where(guard=True).records() == table.broken.records() == rows[1:]
     assert table.where(law=None).rows == 2
     assert table.median("ise_total") == 1.5
+
+
+def test_the_spread_of_two_numbers_is_half_their_distance():
+    found = spread([5.0, None, 1.0, float("nan")])
+
+    assert found == Spread(2, 3.0, 1.0, 5.0, 2.0, 4.0, 3.0, 2.0)
+
+
+def test_runs_that_left_a_limit_are_those_whose_outcome_says_so():
+    every = [outcome.value for outcome in Outcome]
+    table = table_of_rows([{"seed": k, "outcome": word} for k, word in enumerate(every)])
+
+    assert set(table.broken["outcome"]) == {"limit-violated", "diverged", "non-finite"}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.results.conftest import build
-from wmr_ctrl.results import Monitor
+from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.results.measures import (
     arrival,
     barrier_rises,
@@ -20,13 +20,22 @@ from wmr_ctrl.results.measures import (
     tracked,
 )
 from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
+from wmr_ctrl.results.remarks import CHATTER, HELD_BACK, OF_LIMIT
 from wmr_ctrl.results.windows import covered, working
+from wmr_ctrl.signals import GUARD_DIAGNOSTICS
 
 
 def stopped(time: float | None) -> Monitor:
     if time is None:
         return Monitor((0.0, 0.0))
     return Monitor((0.0, 0.0), stopped=(time, 1), stop_reason="diverged")
+
+
+def known(run: Run, tau_max: float, needed: float = 1.0) -> Run:
+    """The run with what theory says of its scenario: its torque limit, the torques it needs."""
+    vars(run)["outlook"] = SimpleNamespace(tau_max=tau_max, exact_pose=False, objections=())
+    vars(run)["needed"] = np.full((run.rows, 2), needed)
+    return run
 
 
 def within(tolerance: float, **changes):
@@ -80,23 +89,9 @@ def test_changes_of_torque_are_from_the_row_before_and_never_from_the_very_first
 def test_a_wheel_is_at_its_limit_there_and_nowhere_below_but_for_rounding() -> None:
     torque = np.tile([2.0, 2.0 * (1 - 1e-12), 2.0 * (1 - 1e-6), -2.0, 0.0], 4)
     run = build(duration=0.2, tau_left=torque)
-    seen = Seen(run, SimpleNamespace(tau_max=2.0))
 
-    assert saturated_share(seen) == pytest.approx(3 / 5)
-    assert saturated_share(Seen(run, None)) is None
-
-
-class Seen:
-    """A run whose scenario is known."""
-
-    def __init__(self, run, outlook) -> None:
-        self._run, self.outlook = run, outlook
-
-    def __getattr__(self, name: str):
-        return getattr(self._run, name)
-
-    def __getitem__(self, name: str):
-        return self._run[name]
+    assert saturated_share(known(run, 2.0)) == pytest.approx(3 / 5)
+    assert saturated_share(build()) is None
 
 
 def test_rises_of_the_barrier_are_counted_before_the_split() -> None:
@@ -134,3 +129,45 @@ def test_of_few_periods_a_line_needs_more_of_the_power(periods: int, told: bool)
     waves = 1.05 * np.sin(2 * np.pi * periods / 8 * t) + np.sin(2 * np.pi * 200 / 8 * t)
 
     assert (oscillation(build(duration=16.0, tau_right=waves, tau_left=waves)) is not None) is told
+
+
+ALTERNATING = np.where(np.arange(800) % 2, 1.0, -1.0)
+SWINGING = np.sin(2 * np.pi * np.arange(800) / 10)
+
+
+def keys(run: Run) -> set[str]:
+    return {item.key for item in run.remarks}
+
+
+@pytest.mark.parametrize(
+    ("tau", "needed", "limit", "pushed", "chatters"),
+    [  # ALTERNATING changes by twice its size, SWINGING swings by 0.71 of it
+        (0.6 * ALTERNATING, 1.0, np.inf, 0.0, True),
+        (0.49 * ALTERNATING, 1.0, np.inf, 0.0, False),
+        (1.5 * SWINGING, 1.0, np.inf, 0.0, True),
+        (1.3 * SWINGING, 1.0, np.inf, 0.0, False),
+        (0.6 * ALTERNATING, 1.0, 13.0, 0.0, False),
+        (0.6 * ALTERNATING, 1.0, 11.0, 0.0, True),
+        (0.6 * ALTERNATING, 1.0, np.inf, 1.3, False),
+        (0.6 * ALTERNATING, 1.0, np.inf, 1.1, True),
+    ],
+)
+def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(
+    tau, needed, limit, pushed, chatters
+) -> None:
+    assert (CHATTER, OF_LIMIT) == (1.0, 0.1)
+    noise = {"noise_right": pushed, "noise_left": -pushed}
+    torque = {"tau_right": needed + tau, "tau_left": needed + tau}
+    run = build(duration=8.0, **torque, **noise)
+
+    assert ("chatter" in keys(known(run, limit, needed))) is chatters
+
+
+@pytest.mark.parametrize(("share", "told"), [(HELD_BACK, True), (HELD_BACK - 0.05, False)])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_guard_that_acts_on_either_axis_holds_back(axis: int, share: float, told: bool) -> None:
+    clip = np.zeros((800, 2))
+    clip[600 : 600 + round(200 * share), axis] = 1.0  # the drive is the last quarter
+    run = build(duration=8.0, extra=GUARD_DIAGNOSTICS, labels={"guard": True}, clip_active=clip)
+
+    assert ("guard-holds-back" in keys(known(run, np.inf))) is told
