@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 TESTS = Path(__file__).parent
 COMPILED = tuple(
     f"tests/{folder}/"
-    for folder in ("arithmetic", "benchmarks", "bits", "board", "codegen", "filter", "guard",
+    for folder in ("arithmetic", "bits", "board", "codegen", "filter",
                    "packaging", "ros2", "sim", "simulink")
 )  # fmt: skip
 """Folders whose tests are about what a user's own compiler makes."""

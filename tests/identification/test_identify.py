@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl.identification.identification as identifying
-from benchmarks.own_plant import Drives, log_of, simulate
+from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, TRUTH
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
@@ -152,17 +152,6 @@ def test_the_guard_has_room_for_the_delay_and_lag_that_creeping_tyres_hide():
         assert found.parameters[name].high < getattr(TRUTH, name), f"{name} is not hidden here"
         assert least <= getattr(TRUTH, name) <= most, name
     assert found.scenario.guard.enabled, found.remarks
-
-
-@pytest.mark.slow
-def test_a_circle_tells_no_friction_apart_and_says_so():
-    columns = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), step=2e-3)
-
-    found = identify(log_of(columns, 0), overrides=KNOWN)
-
-    for name in ("Fc", "Fv", "c"):
-        assert found.parameters[name].verdict == "undetermined", name
-    assert any("cannot be separated" in text for text in found.remarks)
 
 
 def test_the_scenario_loads_and_its_numbers_are_the_estimates(found):

@@ -77,10 +77,19 @@ def driven_by(drive):
     return simulate(TRUTH, 1, len(wanted) * TRUTH.period, 7, Drives("given", wanted=wanted), 2e-3)
 
 
+@pytest.fixture(scope="module")
+def after_a_circle():
+    """What the log of a circle tells, the drive that is proposed then, and the robot's on it."""
+    circle = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), step=2e-3)
+    poor = identify(log_of(circle, 0), overrides=KNOWN)
+    drive = propose(poor, FLOOR)
+    return poor, drive, driven_by(drive)
+
+
 @pytest.mark.slow
-def test_a_drive_keeps_limits_and_floor_and_rests_at_both_ends(found):
-    drive = propose(found, FLOOR)
-    limits = found.scenario.limits.v_u1
+def test_a_drive_keeps_limits_and_floor_and_rests_at_both_ends(after_a_circle):
+    poor, drive, columns = after_a_circle
+    limits = poor.scenario.limits.v_u1
 
     for speed, limit, fastest in zip((drive.v, drive.omega), limits, drive.fastest, strict=True):
         assert speed[0] == speed[-1] == 0
@@ -89,7 +98,6 @@ def test_a_drive_keeps_limits_and_floor_and_rests_at_both_ends(found):
     assert np.hypot(*drive.path[:, :2].T).max() <= drive.farthest <= FLOOR / 2
     assert drive.to_csv().splitlines()[1].startswith("t [s],v [m/s],omega [rad/s]")
 
-    columns = driven_by(drive)
     assert np.hypot(columns["x"], columns["y"]).max() <= FLOOR / 2
     assert np.abs(columns["v1"]).max() <= limits[0]
     assert np.abs(columns["omega"]).max() <= limits[1]
@@ -101,16 +109,18 @@ def test_a_floor_that_no_drive_fits_is_refused(found):
 
 
 @pytest.mark.slow
-def test_after_a_circle_the_proposed_drive_tells_what_the_circle_could_not():
-    """The loop that is meant: identify, propose, drive, identify."""
-    circle = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), step=2e-3)
-    poor = identify(log_of(circle, 0), overrides=KNOWN)
-    drive = propose(poor, FLOOR)
+def test_after_a_circle_the_proposed_drive_tells_what_the_circle_could_not(after_a_circle):
+    """The loop that is meant: identify, propose, drive, identify.
 
-    better = identify(log_of(driven_by(drive), 0), overrides=KNOWN)
+    A circle tells no friction apart, and says so.
+    """
+    poor, _, columns = after_a_circle
+
+    better = identify(log_of(columns, 0), overrides=KNOWN)
 
     for name in ("Fc", "Fv", "c"):
         assert poor.parameters[name].verdict == "undetermined"
+    assert any("cannot be separated" in text for text in poor.remarks)
     for name in ("m", "I", "Fc", "c", "delay"):
         assert better.parameters[name].verdict == "determined", name
         assert better.parameters[name].share < poor.parameters[name].share / 2

