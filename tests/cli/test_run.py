@@ -53,6 +53,19 @@ def test_table_tells_outcome_and_limits(short_run):
     assert max(map(len, found.stdout.splitlines())) <= 80
 
 
+@pytest.mark.parametrize(
+    ("start", "said"),
+    [(1.0 + 1e-13, "limit 1 m/s: kept\n"), (2000.0, "limit 1.5 rad/s: kept until")],
+)
+def test_a_limit_is_broken_where_the_outcome_says_so_and_kept_as_long_as_it_ran(
+    short_run, start, said
+):
+    overrides = (f"initial.velocity=[{start!r}, 0]", "disturbance.std=0", "guard.enabled=false")
+    found = short_run("paper-simulation", *(x for item in overrides for x in ("--set", item)))
+
+    assert said in found.stdout
+
+
 @pytest.mark.parametrize(("options", "told"), [
     ((), "within dbar 60 N, 15 N m"),
     (("--guard",), "within dbar 60 N, 15 N m"),

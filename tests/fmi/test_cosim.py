@@ -19,7 +19,7 @@ from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import load_map
-from wmr_ctrl.fmi.cosim.slave import FmuError
+from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.results import ise, load_run, summary
 from wmr_ctrl.scenario import load_scenario, override
@@ -96,8 +96,36 @@ def test_divergence_is_an_outcome():
 def test_an_fmu_that_is_none_is_named(tmp_path):
     wrong = tmp_path / "wrong.fmu"
     wrong.write_bytes(b"no archive")
-    with pytest.raises(FmuError, match=r"wrong\.fmu"):
+    with pytest.raises(FmuError, match=r"wrong\.fmu .* no whole zip archive.* export it again\.$"):
         cosimulate(SHORT, "pid", plant=wrong)
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        (None, "there is no such file. Check the path."),
+        ((), "it is a folder. Name the file, which ends in .fmu."),
+        ({"a.txt": ""}, "it lacks a part (There is no item named 'modelDescription.xml' in the"),
+        ({"modelDescription.xml": "<a/>"}, "its modelDescription.xml is none of FMI 2.0 or 3.0."),
+        ({"modelDescription.xml": "<a>"}, ". Export it again, for co-simulation by FMI 2.0"),
+    ],
+)
+def test_a_file_that_is_no_fmu_is_told_in_words(tmp_path, parts, said):
+    """With what to do, and no words of the interpreter."""
+    path = tmp_path / "some.fmu"
+    if parts == ():
+        path.mkdir()
+    elif parts is not None:
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, text in parts.items():
+                archive.writestr(name, text)
+
+    with pytest.raises(FmuError) as refused:
+        FmuFile(path, "plant")
+
+    assert said in str(refused.value)
+    assert "NoneType" not in str(refused.value)
+    assert str(refused.value).endswith(".")
 
 
 @pytest.mark.parametrize("version", [2, 3])

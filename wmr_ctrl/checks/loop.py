@@ -126,6 +126,7 @@ class Loop:
         named = (port for port in self.core.params if port.signal.name.startswith(prefix))
         return any(ca.depends_on(force, port.sym) for port in named)
 
+    @np.errstate(over="ignore", invalid="ignore")  # what is not finite is no stable loop
     def closed(
         self,
         at: Point,

@@ -336,6 +336,6 @@ def check_count(name: str, value: float, unit_name: str, unit: float, most: int)
     """Raise ScenarioError where ``value`` [s] is more than ``most`` times ``unit`` [s]."""
     if value > (most + 0.5) * unit:
         raise ScenarioError(
-            f"{name} = {value!r} s is {value / unit:.3g} times {unit_name} = {unit!r} s; at most "
+            f"{name} = {value!r} s is {value / unit:.6g} times {unit_name} = {unit!r} s; at most "
             f"{most:g} are possible. Shorten {name} or lengthen {unit_name}."
         )

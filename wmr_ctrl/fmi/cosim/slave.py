@@ -49,7 +49,7 @@ class FmuFile:
 
     def unusable(self, error: Exception) -> FmuError:
         """Error to raise for a file that cannot be loaded."""
-        return FmuError(f"the FMU {self.path} ({self.name}) cannot be used: {error}")
+        return FmuError(f"the FMU {self.path} ({self.name}) cannot be used: {_reason(error)}")
 
     @property
     def label(self) -> str:
@@ -91,6 +91,24 @@ class FmuFile:
                 "variables can be used. Map another variable."
             )
         return variable
+
+
+def _reason(error: Exception) -> str:
+    """What is wrong with a file that cannot be loaded, and what to do; ours say both."""
+    if isinstance(error, WmrError):
+        return str(error)
+    if isinstance(error, FileNotFoundError):
+        return "there is no such file. Check the path."
+    if isinstance(error, IsADirectoryError):
+        return "it is a folder. Name the file, which ends in .fmu."
+    if isinstance(error, zipfile.BadZipFile):
+        return f"it is no whole zip archive, which every FMU is ({error}). Copy or export it again."
+    if isinstance(error, KeyError):
+        return f"it lacks a part ({error.args[0]}). Export it again."
+    if isinstance(error, (AttributeError, TypeError)):
+        return "its modelDescription.xml is none of FMI 2.0 or 3.0. Export it again."
+    said = str(error).rstrip(".")
+    return f"{said}. Export it again, for co-simulation by FMI 2.0 or 3.0 on this platform."
 
 
 class Slave(FmuFile):
