@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
+
+from wmr_ctrl.checks import grip_warnings, warnings_for
+from wmr_ctrl.cli.check_sentences import promise
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.scenario import load_scenario, override
 
 
 @pytest.mark.parametrize("law", ["mb", "nn"])
@@ -72,3 +79,32 @@ def test_guard_and_bounded_noise_leave_nothing_to_say(told):
     bounded = {"guard.enabled": True, "disturbance.truncate": 3}
 
     assert told("pid", bounded, scenario="far-start") == []
+
+
+def test_a_base_that_takes_velocities_gets_no_advice_on_torques_of_the_law():
+    """What the law sends there is no torque, and the guard is refused."""
+    free = {"filter.kind": "none", "initial.pose": [-2.0, -2.0, 0.0]}
+    setup = settle(load_scenario("turtlebot3-burger", free), "pid")
+    said = " ".join(str(item) for item in (*warnings_for(setup), *grip_warnings(setup)))
+
+    assert "At its first sample" not in said
+    assert "switch the guard on" not in said
+    assert "set a filter.kind, or start nearer" in said
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({}, 'Set filter.kind = "clip" or "governor".'),
+        ({"base.tau": [0.3, 0.3]}, 'Set filter.kind = "clip".'),
+        ({"base.gain": [1.2, 1.2]}, "what [filter] has to state for it is then named."),
+    ],
+)
+def test_a_filter_is_named_where_it_holds(changed, said):
+    setup = settle(load_scenario("turtlebot3-burger", {"filter.kind": "none", **changed}), "prox")
+    (found,) = [item for item in warnings_for(setup) if item.key == "filter.kind"]
+
+    assert said in found.sentence
+    assert said in promise(setup)
+    for kind in re.findall(r'"(clip|governor)"', said):
+        settle(override(setup.scenario, {"filter.kind": kind}), "prox")

@@ -27,6 +27,7 @@ from wmr_ctrl.checks.torques import first_torques as first_torques
 from wmr_ctrl.checks.torques import grip_warnings as grip_warnings
 from wmr_ctrl.checks.torques import noise_gain, weak_drives
 from wmr_ctrl.checks.torques import reference_torque as reference_torque
+from wmr_ctrl.checks.velocity_base import filter_advice as filter_advice
 from wmr_ctrl.checks.velocity_base import filter_facts as filter_facts
 from wmr_ctrl.checks.velocity_base import velocity_base
 from wmr_ctrl.checks.velocity_guard import contradicted, guard_price, violent_alpha

@@ -61,11 +61,12 @@ def _blind(loop: Loop) -> Iterator[Warning]:
         named = joined(
             f"|{SPEEDS[i]}| = {asked[i]:.3g} {UNITS[i]} (limit {limits[i]:g})" for i in axes
         )
+        means = "set a filter.kind" if loop.setup.takes_velocity else "switch the guard on"
         yield Warning(
             "law",
             f"{loop.law} does not know the velocity limit, and at the start the kinematic loop "
             f"asks for {named}: expect violations. Choose a law that knows the limit, such as mb "
-            "or nn, switch the guard on, or start nearer.",
+            f"or nn, {means}, or start nearer.",
             "Eq. (7)",
         )
 

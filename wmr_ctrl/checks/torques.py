@@ -41,7 +41,10 @@ def largest_force(robot: Robot, most: float) -> Floats:
 
 @lru_cache(maxsize=256)
 def first_torques(setup: Setup) -> tuple[float, float]:
-    """Torques (right, left) [N m] that a law commands at t = 0, without noise."""
+    """Torques (right, left) [N m] that a law commands at t = 0, without noise.
+
+    Of a base that takes velocities, the command (v, omega) [m/s, rad/s].
+    """
     scenario, system = setup.scenario, controller(setup)
     names = (item.name for item in (*REFERENCE, *PLANT_STATE))
     desired, start = sample(scenario, np.zeros(1))[0], scenario.initial
@@ -82,7 +85,9 @@ def weak_drives(loop: Loop) -> Iterator[Warning]:
 def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
     """Grip warnings for a law on a scenario with the tyres of [body]; none in the plane."""
     tyres, sentences = grip(setup.scenario), list[str]()
-    first, steady = max(map(abs, first_torques(setup))), reference_torque(setup.scenario)
+    steady = reference_torque(setup.scenario)
+    # To a base that takes velocities the law sends no torque: its own loop makes them.
+    first = 0.0 if setup.takes_velocity else max(map(abs, first_torques(setup)))
     if first > tyres.spin:
         end = "slide on a rigid body, and throw it forward when they grip again"
         if first > tyres.lift:

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
 from wmr_ctrl.filter.band import MOST_COMMANDS
@@ -206,6 +207,18 @@ def _cost(
     return None if less is None else (usable[0] - less[0], usable[1] - less[1])
 
 
+def filter_advice(setup: Setup) -> str:
+    """Which filter to set, of those that hold with what the scenario states for it."""
+    held = []
+    for kind in ("clip", "governor"):
+        with suppress(ScenarioError):
+            settle(override(setup.scenario, {"filter.kind": kind, "filter.trust": False}), None)
+            held.append(f'"{kind}"')
+    if held:
+        return f"Set filter.kind = {' or '.join(held)}."
+    return 'Set filter.kind = "clip"; what [filter] has to state for it is then named.'
+
+
 def velocity_base(loop: Loop) -> Iterator[Warning]:
     """Yield what is not promised of a base that takes velocities, and what is not worked out."""
     scenario = loop.scenario
@@ -221,8 +234,8 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
     if scenario.filter.kind == "none":
         yield Warning(
             "filter.kind",
-            'filter.kind = "none": nothing guarantees that the base keeps limits.v_u1. Choose '
-            '"clip" or "governor".',
+            'filter.kind = "none": nothing guarantees that the base keeps limits.v_u1. '
+            f"{filter_advice(loop.setup)}",
             "docs/filter.md",
             objects=False,
         )

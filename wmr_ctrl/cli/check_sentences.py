@@ -17,7 +17,7 @@ PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
 NOT_THE_PATH = "tracking of the path is not"
 REMEDIES = {
-    "law": "start nearer, switch the guard on, or choose a law that knows the limit",
+    "law": "start nearer, switch guard or filter on, or take one that knows the limit",
     "model": "correct model.m, model.I or model.mu, start nearer, or use nn",
     "model.m": "lower the gains (`wmr-ctrl tune`), or state the mass more accurately",
     "reference": "ask for a slower one that moves forwards, or raise its limit",
@@ -31,9 +31,9 @@ REMEDIES = {
     "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
     "guard.dbar": "state true bounds; where they cost too much speed, drive slower",
     "guard.alpha": "lower guard.alpha, or measure the velocity better",
-    "filter.kind": 'set filter.kind = "clip" or "governor"',
+    "filter.kind": "set a filter.kind that holds for the base",
     "filter.trust": "make the filter's intervals cover the base",
-    "limit-violated": "switch the guard on, start nearer, or slow the reference",
+    "limit-violated": "switch guard or filter on, start nearer, or slow the reference",
     "not-tracked": "see the other findings; or change gains or metrics.tolerance",
     "goal-not-reached": "see the other findings; or change gains or clock.duration",
     "too-fast": "ask for a slower reference, or raise limits.v_u1",
@@ -75,7 +75,7 @@ def valid(case: Scenario) -> str:
 
 def promise(setup: Setup) -> str:
     """The promise on the limits, if there is one: by what, and as long as what."""
-    from wmr_ctrl.checks import filter_facts
+    from wmr_ctrl.checks import filter_advice, filter_facts
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.errors import ScenarioError
     from wmr_ctrl.guard.price import early_speed
@@ -87,9 +87,7 @@ def promise(setup: Setup) -> str:
     if setup.takes_velocity:
         facts = filter_facts(setup)
         if facts is None:
-            return (
-                f'No filter: {limits} are not guaranteed. Set filter.kind = "clip" or "governor".'
-            )
+            return f"No filter: {limits} are not guaranteed. {filter_advice(setup)}"
         if facts.broken:
             return f"Filtered, but nothing is guaranteed: {facts.broken[0]}"
         return (

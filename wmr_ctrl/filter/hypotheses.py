@@ -274,8 +274,8 @@ def _within(value: float, ends: Pair) -> bool:
 
 def _outside(name: str, value: float, unit: str, key: str, ends: Pair) -> str:
     return (
-        f"{name} = {value:g} {unit} is outside {key} = [{ends[0]:g}, {ends[1]:g}], which must hold "
-        "it. Widen the interval."
+        f"{name} = {value:g}{f' {unit}' * (unit != '1')} is outside {key} = [{ends[0]:g}, "
+        f"{ends[1]:g}], which must hold it. Widen the interval."
     )
 
 
