@@ -94,6 +94,13 @@ def test_no_remark_lies_over_curves():
     assert "Orientation error e₃ [mrad]" in titles
 
 
+@pytest.mark.parametrize(("duration", "said"), [(1.0, "the last 1 s:"), (12.0, "the last 10 s:")])
+def test_the_errors_are_those_of_a_time_that_was_run(duration, said):
+    figure = plot_run(build(duration=duration))
+
+    assert any(said in text.get_text() for text in figure.findobj(Text))
+
+
 def test_a_course_is_drawn_and_filmed():
     text = to_toml(
         override(

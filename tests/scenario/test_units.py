@@ -107,3 +107,13 @@ def test_other_units_are_smaller_than_the_own(unit):
     assert all(0 < size < 1 for _, _, size in OTHERS[unit])
     assert all(is_usual(x, (1, 2)) for x in (0.0, 1.0, -2.0, math.inf))
     assert not any(is_usual(x, (1, 2)) for x in (0.5, -2.5))
+
+
+def test_wheels_of_small_robots_turn_fast_and_are_not_asked_about():
+    fast = {"base.w_max": 40.0, "motor.stall": 2.0, "motor.free": 60.0}
+
+    assert asked(load_scenario("turtlebot3-burger", fast)) == []
+    assert (
+        "Revolutions per minute? 300 rpm"
+        in asked(load_scenario("far-start", {"motor.stall": 9, "motor.free": 300}))[0]
+    )

@@ -144,7 +144,7 @@ def _figures(run: Run) -> list[str]:
     return [
         f"ISE {shown(square['total'])} m² s + rad² s{parts if split else ''}",
         f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",
-        f"RMS errors of the last 10 s{of}:",
+        f"RMS errors of the last {end - begin:g} s{of}:",
         f"    e₁ {e1}, e₂ {e2}, e₃ {e3}",
     ]
 

@@ -35,6 +35,7 @@ class Motor(Section, key="motor"):
         "speed of the wheel at which no torque is left; inf: any",
         above=0,
         infinite=True,
+        usual=(0, 100),
     )
 
 

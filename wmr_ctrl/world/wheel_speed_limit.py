@@ -21,7 +21,7 @@ class WheelSpeedLimit(Section, key="base"):
 
     w_max: float = quantity(
         math.inf, "rad/s", "speed at which the firmware clips each wheel; inf: none",
-        above=0, infinite=True,
+        above=0, infinite=True, usual=(0, 100),
     )  # fmt: skip
 
 
