@@ -209,13 +209,13 @@ def _cost(
 
 def filter_advice(setup: Setup) -> str:
     """Which filter to set, of those that hold with what the scenario states for it."""
-    held = []
+    kinds = []
     for kind in ("clip", "governor"):
         with suppress(ScenarioError):
             settle(override(setup.scenario, {"filter.kind": kind, "filter.trust": False}), None)
-            held.append(f'"{kind}"')
-    if held:
-        return f"Set filter.kind = {' or '.join(held)}."
+            kinds.append(f'"{kind}"')
+    if kinds:
+        return f"Set filter.kind = {' or '.join(kinds)}."
     return 'Set filter.kind = "clip"; what [filter] has to state for it is then named.'
 
 
