@@ -151,8 +151,9 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     named = (("|v1|", "m/s"), ("|omega|", "rad/s"))
     limits = run.settings.v_u1
     for (name, unit), value, limit in zip(named, figures["max_abs_v"], limits, strict=True):
-        kept = value is not None and (value <= limit or not figures["violations"])
-        verdict = ("kept until it ended" if run.monitor.stopped else "kept") if kept else "BROKEN"
+        verdict = "kept until it ended" if run.monitor.stopped else "kept"
+        if value is None or (value > limit and figures["violations"]):
+            verdict = "BROKEN"
         yield f"largest {name}", _number(value, unit), f"limit {limit:g} {unit}: {verdict}"
     if figures["violations"]:
         steps = f"{figures['violations']} plant steps"
