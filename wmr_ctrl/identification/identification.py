@@ -61,8 +61,8 @@ from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 
 Progress = Callable[[float], None]
-USUAL_PASSES = 60
-"""Passes through the filter that a log usually takes, for the progress shown."""
+USUAL = {"torque": 60, "velocity": 18}
+"""Passes through a log that an identification usually takes, for the progress shown."""
 ROBOT = ("robot.r", "robot.l")
 COUNTED = "encoder.counts"
 
@@ -156,8 +156,19 @@ def identify(
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
+    passes = 0
+
+    def tell() -> None:
+        nonlocal passes
+        passes += 1
+        if progress:
+            progress(min(0.95, passes / USUAL[base]))
+
     fit = _of_torques if base == "torque" else of_velocities
-    return fit(raw.name, samples, scenario, remarks, progress or (lambda share: None))
+    identified = fit(raw.name, samples, scenario, remarks, tell)
+    if progress:
+        progress(1.0)
+    return identified
 
 
 def _believed(
@@ -220,14 +231,8 @@ def _by_poses(
 
 
 def _of_torques(
-    name: str, log: Samples, scenario: Scenario, remarks: list[str], progress: Progress
+    name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Callable[[], None]
 ) -> Identification:
-    passes = [0]
-
-    def tell() -> None:
-        passes[0] += 1
-        progress(min(0.95, passes[0] / USUAL_PASSES))
-
     robot = scenario.robot
     filter_ = CompiledFilter(torque_graph(scenario))
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
@@ -272,7 +277,6 @@ def _of_torques(
     price = usable_speeds(override(identified, {"guard.enabled": True}))
     if price:
         score = replace(score, usable_speed=price[0], one_newton_more=price[1])
-    progress(1.0)
     return Identification(
         name, estimates, bounds, tuple(remarks), score, identified, fit, white, end.trained
     )

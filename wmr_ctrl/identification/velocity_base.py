@@ -40,7 +40,7 @@ from wmr_ctrl.logs.samples import AxisLog, Samples, axis_log, shifted_gain
 from wmr_ctrl.scenario import Scenario, override
 
 LEAST_DRIVEN = 1e-3
-USUAL_STEPS, TRAINED = 18, 4
+TRAINED = 4
 SPEEDS = (0.03, 0.1, 0.3)
 """Time constants that fits are started from [s]."""
 DAMPINGS = (0.35, 1.0)
@@ -100,15 +100,9 @@ def of_velocities(
     log: Samples,
     scenario: Scenario,
     remarks: list[str],
-    progress: Callable[[float], None],
+    tell: Callable[[], None],
 ) -> VelocityIdentification:
     """The base of a log; raises LogError where it determines nothing."""
-    done = [0]
-
-    def tell() -> None:
-        done[0] += 1
-        progress(min(0.95, done[0] / USUAL_STEPS))
-
     axes = [axis_log(log, axis) for axis in (0, 1)]
     driven = [bool(np.std(axis.sent) > LEAST_DRIVEN) for axis in axes]
     if not any(driven):
@@ -134,7 +128,6 @@ def of_velocities(
     )
     trained, said = (first, second), tuple(remarks)
     score = loop_score(axes, cut, trained)
-    progress(1.0)
     return VelocityIdentification(name, estimates, bounds, said, score, identified, fits, trained)
 
 
