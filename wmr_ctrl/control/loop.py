@@ -224,15 +224,15 @@ class LoopGraphs(Graphs):
         e, torque = known[TRACKING_ERROR.name], self.sample.column(TORQUE)
         peak = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
         least = known["d_least"]
-        sums = (off[0] * off[0] + off[1] * off[1], off[2] * off[2], e * e)
+        sums = (ca.sumsqr(off[:2]), off[2] * off[2], e * e)
         before = next(item.sym for item in self.slow if item.signal == TORQUE_BEFORE)
-        squares = _squared(torque), _squared(torque - before)
+        squares = ca.sumsqr(torque), ca.sumsqr(torque - before)
         needed = demanded(
             ca.vertcat(*map(p.take, KEYS)),
             *(self.sample.column(part) for part in (REFERENCE[3:5], REFERENCE[5:])),
         )
         at_limit = peak >= AT_LIMIT * wheel_limit(self.setup, p)
-        summed = (*sums, *squares, 1, _squared(needed), at_limit)
+        summed = (*sums, *squares, 1, ca.sumsqr(needed), at_limit)
         return ca.vertcat(*summed, peak, known["clip_active"], least, self._beyond(least))
 
     def _beyond(self, least: ca.SX) -> ca.SX:
@@ -286,10 +286,6 @@ class PlantlessGraphs(Graphs):
         self.steady = not (drives or gusts)
         self._join_drives(drives, gusts, pushed=True)
         self.parameters.take("limits.v_u1")
-
-
-def _squared(pair: ca.SX) -> ca.SX:
-    return pair[0] * pair[0] + pair[1] * pair[1]
 
 
 def rolling_of(sensors: Sequence[System]) -> tuple[Signal, ...]:

@@ -104,8 +104,7 @@ def corner_basis(z: ca.SX, eta: ca.SX, node: ca.SX) -> ca.SX:
     scale = 1 / (eta * eta)
     right = [z[i] >= 0 for i in range(z.numel())]
     size = [ca.if_else(right[i], z[i], -z[i]) for i in range(z.numel())]
-    distance = [(item - node) * (item - node) for item in size]
-    basis = [ca.exp(-scale * _sum(distance))]
+    basis = [ca.exp(-scale * ca.sumsqr(ca.vertcat(*size) - node))]
     for flag, item in reversed(list(zip(right, size, strict=True))):
         far = ca.exp(-4 * node * scale * item)
         low, high = ca.if_else(flag, far, 1), ca.if_else(flag, 1, far)
@@ -120,21 +119,11 @@ def gaussian_basis(z: ca.SX, eta: ca.SX, centres: list[tuple[float, ...]]) -> ca
 
 def dot(left: ca.SX, right: ca.SX) -> ca.SX:
     """Inner product, summed in independent lanes so that compilers may use vector instructions."""
-    partial = [
-        _sum([left[j] * right[j] for j in range(lane, left.numel(), LANES)])
-        for lane in range(LANES)
-    ]
+    partial = [ca.dot(left[lane::LANES], right[lane::LANES]) for lane in range(LANES)]
     while len(partial) > 1:
         half = len(partial) // 2
         partial = [partial[i] + partial[i + half] for i in range(half)]
     return partial[0]
-
-
-def _sum(terms: list[ca.SX]) -> ca.SX:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
 
 
 TRAITS = Traits(auxiliary=True, barrier=True, theorem=2, estimates=True)

@@ -216,16 +216,9 @@ def _derivatives(tau: ca.SX, row: tuple[ca.SX, ...]) -> list[ca.SX]:
     s = (tau - start) / length
     rates = []
     for order in range(4):
-        rates.append(ca.vertcat(*(_horner(c, s) for c in coefficients)) / length**order)
+        rates.append(ca.vertcat(*(ca.polyval(c[::-1], s) for c in coefficients)) / length**order)
         coefficients = [c[1:] * ca.DM(range(1, c.numel())) for c in coefficients]
     return rates
-
-
-def _horner(coefficients: ca.SX, s: ca.SX) -> ca.SX:
-    value = coefficients[-1]
-    for i in reversed(range(coefficients.numel() - 1)):
-        value = value * s + coefficients[i]
-    return value
 
 
 SHARES = (1.0, 0.6, 0.2)
