@@ -17,7 +17,7 @@ from collections.abc import Callable
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.laws.context import AXES, LawContext
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Predicting
 from wmr_ctrl.laws.observer import STARTED, Observer
 from wmr_ctrl.laws.prediction import ahead
@@ -51,7 +51,7 @@ class VelocityLoopGains(Predicting, key="gains"):
 
 def cut(values: ca.SX, most: ca.SX) -> ca.SX:
     """Values (2,) within -most and most."""
-    return ca.vertcat(*(ca.fmax(-most[i], ca.fmin(most[i], values[i])) for i in AXES))
+    return ca.fmax(-most, ca.fmin(most, values))
 
 
 def cut_named(_: str, values: ca.SX, most: ca.SX) -> ca.SX:

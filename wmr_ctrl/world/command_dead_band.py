@@ -6,7 +6,7 @@ Source: firmware that does not let motors hum at rest.
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.model.system import Parameters, System, outputs, ports, stack
 from wmr_ctrl.signals import COMMAND
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
@@ -23,16 +23,13 @@ class CommandDeadBand(Section, key="base"):
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
-    band = p.take("base.deadband")
+    band, u = p.take("base.deadband"), stack(item.sym for item in command)
     return System(
         "command_dead_band",
         "dead band of the command",
         inputs=command,
         params=p.ports,
-        outputs=tuple(
-            Output(item.signal, ca.if_else(ca.fabs(item.sym) < band[i], 0, item.sym))
-            for i, item in enumerate(command)
-        ),
+        outputs=outputs(COMMAND, ca.if_else(ca.fabs(u) < band, 0, u)),
     )
 
 

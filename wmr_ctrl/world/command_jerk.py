@@ -42,9 +42,7 @@ def build(scenario: Scenario) -> System:
         p.take(key) for key in ("clock.plant", "base.jerk", "base.accel", "base.decel")
     )
     wanted, most = stack(item.sym for item in command), ca.fmax(accel, decel)
-    rates = ca.vertcat(
-        *(next_rate(wanted[i] - now.sym[i], rate.sym[i], h, jerk[i], most[i]) for i in (0, 1))
-    )
+    rates = next_rate(wanted - now.sym, rate.sym, h, jerk, most)
     following = now.sym + h * rates
     return System(
         "command_jerk",

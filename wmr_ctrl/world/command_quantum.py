@@ -6,7 +6,7 @@ Source: protocols that carry integers (mm/s), and drivers with few steps.
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.model.system import Parameters, System, outputs, ports, stack
 from wmr_ctrl.signals import COMMAND
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
@@ -24,13 +24,9 @@ class CommandQuantum(Section, key="base"):
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
-    step = p.take("base.quantum")
-    outputs = []
-    for i, item in enumerate(command):
-        size = ca.if_else(step[i] > 0, step[i], 1)
-        rounded = size * ca.floor(item.sym / size + 0.5)
-        outputs.append(Output(item.signal, ca.if_else(step[i] > 0, rounded, item.sym)))
-    shown = tuple(outputs)
+    step, u = p.take("base.quantum"), stack(item.sym for item in command)
+    size = ca.if_else(step > 0, step, 1)
+    shown = outputs(COMMAND, ca.if_else(step > 0, size * ca.floor(u / size + 0.5), u))
     return System(
         "command_quantum", "quantised command", inputs=command, params=p.ports, outputs=shown
     )

@@ -36,9 +36,7 @@ def build(scenario: Scenario) -> System:
     command, ramped, p = ports(COMMAND), port(RAMPED), Parameters(scenario)
     h, accel, decel = (p.take(key) for key in ("clock.plant", "base.accel", "base.decel"))
     wanted = stack(item.sym for item in command)
-    following = ca.vertcat(
-        *(moved(ramped.sym[i], wanted[i], h * accel[i], h * decel[i]) for i in (0, 1))
-    )
+    following = moved(ramped.sym, wanted, h * accel, h * decel)
     return System(
         "command_ramp",
         "acceleration limit of the firmware",

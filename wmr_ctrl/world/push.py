@@ -26,7 +26,7 @@ def build(scenario: Scenario) -> System:
     """Sampled System: true velocity to wheel torques [N m]."""
     velocity, p = ports(VELOCITY), Parameters(scenario)
     v, size = stack(item.sym for item in velocity), p.take("disturbance.push")
-    force = ca.vertcat(*(ca.if_else(v[i] < 0, -size[i], size[i]) for i in (0, 1)))
+    force = ca.if_else(v < 0, -size, size)
     torque = force_to_wheel(p.take("robot.r"), p.take("robot.l"), force)
     shown = outputs(TORQUE_NOISE, torque)
     return System(

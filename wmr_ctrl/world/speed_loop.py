@@ -82,7 +82,7 @@ def speed_loop(scenario: Scenario, title: str, loop: Callable[[Servo], Drive]) -
     own = loop(Servo(p, u, v, reduced_mass(m, inertia), F1, p.take("clock.plant")))
     most = p.take("actuator.tau_max")
     wanted = force_to_wheel(r, half_track, own.force)
-    torque = ca.vertcat(*(ca.fmax(-most, ca.fmin(most, wanted[i])) for i in (0, 1)))
+    torque = ca.fmax(-most, ca.fmin(most, wanted))
     exerted = port(EXERTED)
     return System(
         "speed_loop",

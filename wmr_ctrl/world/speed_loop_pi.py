@@ -46,9 +46,7 @@ def _drive(servo: Servo, resting: bool) -> Drive:
         if not resting:
             return integral.sym + servo.h * pull
         held = wheel_to_force(take("robot.r"), half_track, missing) * pull < 0
-        return integral.sym + servo.h * ca.vertcat(
-            *(ca.if_else(held[i], 0, pull[i]) for i in (0, 1))
-        )
+        return integral.sym + servo.h * ca.if_else(held, 0, pull)
 
     return Drive(take("base.kp") * error + integral.sym, (integral,), following)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.model.system import Parameters, System, outputs, ports
 from wmr_ctrl.signals import COMMAND
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
@@ -37,10 +37,7 @@ def build(scenario: Scenario) -> System:
         "limit of the wheels' speeds",
         inputs=(v, omega),
         params=p.ports,
-        outputs=(
-            Output(v.signal, (right + left) / 2),
-            Output(omega.signal, (right - left) / (2 * half_track)),
-        ),
+        outputs=outputs(COMMAND, ca.vertcat((right + left) / 2, (right - left) / (2 * half_track))),
     )
 
 
