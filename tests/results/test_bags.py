@@ -17,9 +17,19 @@ pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, STAMPED, TWIST, message_types
+from wmr_ctrl.results.bag import (
+    JOINTS,
+    ODOMETRY,
+    ROW,
+    SECOND,
+    STAMPED,
+    TWIST,
+    message_types,
+    opened_bag,
+)
 from wmr_ctrl.results.bag_topics import read_topics
 from wmr_ctrl.results.formats import load_run
+from wmr_ctrl.signals import COMMAND
 
 TYPES = message_types().types
 EPOCH = 1_700_000_000
@@ -128,6 +138,19 @@ def test_stamps_count_before_times_of_receipt(tmp_path):
     assert any("times are the stamps" in text for text in told.remarks)
 
 
+@pytest.mark.parametrize(("apart", "two"), [(0.4, False), (-0.4, False), (0.6, True), (-0.6, True)])
+def test_clocks_half_a_second_apart_are_one(tmp_path, apart, two):
+    t = np.arange(1, 7, 0.1)
+    messages = odom_at(EPOCH + t, late=apart)
+    messages += [("/cmd_vel", TWIST, EPOCH + s, twist(0.5, 0.0)) for s in t]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert any("two clocks" in text for text in told.remarks) is two
+    delay = told.times["v1_measured"][0] - told.times["v_command"][0]
+    assert delay == pytest.approx(apart if two else 0.0, abs=1e-6)
+
+
 def test_two_clocks_leave_the_recorders_where_a_topic_has_no_stamps(tmp_path):
     """Stamps of a simulator's clock, commands without stamps: one clock for both."""
     t = np.arange(1, 7, 0.1)
@@ -170,18 +193,41 @@ def test_a_clock_that_was_set_back_is_refused(tmp_path):
         read_topics(bag(tmp_path, messages))
 
 
+@pytest.mark.parametrize(("back", "refused"), [(0.95, False), (1.05, True)])
+def test_a_message_a_second_late_is_put_in_order_and_a_later_one_is_a_clock_set_back(
+    tmp_path, back, refused
+):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = odom_at(t)
+    messages[41] = ("/odom", ODOMETRY, t[41], odometry(t[40] - back, v=7.0))
+    place = bag(tmp_path, messages)
+
+    if refused:
+        with pytest.raises(ResultFileError, match=r"by 1.05 s at message 42"):
+            read_topics(place)
+    else:
+        told = read_topics(place)
+        at = told.times["v1_measured"][told.columns["v1_measured"] == 7.0]
+        assert at == pytest.approx([t[40] - EPOCH - back], abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("about", "word"),
     [
         ({"frame": "map"}, "frame map"),
+        ({"frame": "robot/map"}, "frame map"),
         ({"norm": 0.0}, "no rotations"),
+        ({"norm": 1.02}, "no rotations"),
         ({}, "never change"),
     ],
 )
 def test_poses_that_tell_no_motion_are_left_out(tmp_path, about, word):
+    """Of quaternions one that is no rotation is enough."""
+    s = np.arange(0, 6, 0.1)
     messages = [
-        ("/odom", ODOMETRY, EPOCH + s, odometry(EPOCH + s, pose=(s if about else 0, 0, 0), **about))
-        for s in np.arange(0, 6, 0.1)
+        ("/odom", ODOMETRY, EPOCH + t, odometry(EPOCH + t, pose=(t if about else 0, 0, 0), **own))
+        for t in s
+        for own in [about if "norm" not in about or t == s[7] else {}]
     ]
 
     told = read_topics(bag(tmp_path, messages))
@@ -268,6 +314,23 @@ def test_a_run_is_what_a_base_would_publish(tmp_path):
     assert math.cos(turned[0]) == pytest.approx(1, abs=1e-12)
     assert np.array_equal(told.columns["tau_left"], run["tau_left"])
     assert told.times["tau_left"] == pytest.approx(t, abs=1e-9)
+    with opened_bag(tmp_path / "run.mcap") as (connections, messages):
+        stamped = [item for item in connections if item.msgtype in (ODOMETRY, JOINTS)]
+        for connection, received, raw in messages(stamped):
+            stamp = message_types().deserialize_cdr(raw, connection.msgtype).header.stamp
+            assert stamp.sec * SECOND + stamp.nanosec == received
+    assert len(stamped) == 2
+
+
+def test_commands_of_a_run_go_out_beside_its_odometry(tmp_path):
+    t = np.arange(100) * 0.01
+    run = build(extra=COMMAND, v_command=np.cos(t), omega_command=-t)
+    run.save(tmp_path / "run.mcap")
+
+    told = read_topics(tmp_path / "run.mcap")
+
+    assert np.array_equal(told.columns["v_command"], np.cos(t))
+    assert np.array_equal(told.columns["omega_command"], -t)
 
 
 def test_commands_show_and_compare_take_it(tmp_path):
