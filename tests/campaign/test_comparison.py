@@ -23,6 +23,7 @@ from wmr_ctrl.campaign.comparison import (
     FARTHEST,
     HELD_OUT,
     OUR_LAWS,
+    PUSHED,
     comparison_plan,
     run_comparison,
     swept,
@@ -88,6 +89,20 @@ def test_plan_has_every_case_once() -> None:
     assert {c.name for c in cases} == set(FACTORS)
     assert {seed for _, seed in plan} == set(HELD_OUT)
     assert {c.base for c in cases} == set(BASES)
+
+
+def test_what_no_noise_moves_is_run_once_and_a_period_of_its_own_is_in_one_base() -> None:
+    plan = comparison_plan()
+    seeds = Counter((c.name, c.base, c.law, c.guard) for c, _ in plan)
+    timed = {name for name, changed in FACTORS.items() if "clock.control" in changed}
+
+    assert {count for (name, *_), count in seeds.items() if name == PUSHED} == {1}
+    assert {count for (name, *_), count in seeds.items() if name != PUSHED} == {len(HELD_OUT)}
+    bases = {name: {c.base for c, _ in plan if c.name == name} for name in FACTORS}
+    assert {name for name, own in bases.items() if own == {"10 ms"}} == timed
+    assert {tuple(sorted(own)) for name, own in bases.items() if name not in timed} == {
+        ("10 ms", "100 ms")
+    }
 
 
 def test_what_every_case_is_brings_every_two_values_together() -> None:

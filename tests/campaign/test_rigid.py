@@ -12,6 +12,7 @@ from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.campaign.rigid import (
     E1,
     E1_BEFORE,
+    GUARDED,
     LIMITED,
     RIGID_STUDIES,
     SLOPED,
@@ -85,3 +86,19 @@ def test_a_run_without_the_number_is_no_evidence():
 
     assert not any(claim.holds for claim in found.values())
     assert {claim.numbers for claim in found.values()} == {"none in 1 runs"}
+
+
+def test_nor_is_one_run_of_two_that_has_it():
+    plane = [made_up("ode", seed) for seed in (0, 1)]
+    good, fell = made_up("mujoco", 0, ise_total=1.04), made_up("mujoco", 1, ise_total=None)
+    found = verdicts(*plane, good, fell)
+
+    same = next(claim for claim in found.values() if "within 5 %" in claim.text)
+    assert (same.holds, same.numbers) == (False, "4 % in 1 of 2 runs")
+
+
+@pytest.mark.parametrize("plant", RIGID_STUDIES)
+def test_the_guard_is_on_in_the_case_that_is_about_it_alone(plant):
+    assert {study.name: study.guards for study in RIGID_STUDIES[plant]} == {
+        study.name: (True,) if study.name == GUARDED else (None,) for study in RIGID_STUDIES[plant]
+    }

@@ -32,6 +32,40 @@ def test_a_latin_hypercube_has_one_point_in_each_stratum():
         assert sorted(np.floor((column - low) * 20).astype(int)) == list(range(20))
 
 
+@pytest.mark.parametrize("method", ["uniform", "latin-hypercube"])
+def test_points_are_those_of_their_seed(method):
+    first, again, other = (
+        plan_of(
+            {**PLAN, "sample": {"method": method, "n": 8, "seed": seed, "robot.mu": [0.0, 1.0]}}
+        )
+        for seed in (3, 3, 4)
+    )
+
+    assert np.array_equal(first.sample.points, again.sample.points)
+    assert not np.isin(first.sample.points, other.sample.points).any()
+    assert first.identity == again.identity != other.identity
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"seeds": {"count": 6}},
+        {"seeds": {"count": 5, "first": 1}},
+        {"stop": {"figure": "violated", "half_width": 0.1}},
+        {"stop": {"figure": "violated", "half_width": 0.2}},
+        {"figures": ["ise_total"]},
+        {"plant": "mujoco"},
+        {"set": {"robot.I": 6.0}},
+    ],
+)
+def test_a_study_goes_on_where_all_that_makes_its_results_is_the_same(changed):
+    assert plan_of({**PLAN, "seeds": {"count": 5}, "chunk": 9}).identity == IDENTITY
+    assert plan_of({**PLAN, "seeds": {"count": 5}, **changed}).identity != IDENTITY
+
+
+IDENTITY = plan_of({**PLAN, "seeds": {"count": 5}}).identity
+
+
 def test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata():
     """Uniform within: mean 1/2, standard deviation 1/sqrt(12), each to five standard errors."""
     sample = plan_of({**PLAN, "sample": {"n": 400, "robot.mu": [0.0, 1.0]}}).sample
