@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import string
 
@@ -148,8 +149,9 @@ def test_both_sides_of_the_theorems_are_judged_and_told_apart():
     ("value", "bound", "passed"),
     [
         (2.0, {"at_most": 2.0}, True),
-        (2.1, {"at_most": 2.0}, False),
+        (math.nextafter(2.0, 3.0), {"at_most": 2.0}, False),
         (2.0, {"at_least": 2.0}, True),
+        (math.nextafter(2.0, 1.0), {"at_least": 2.0}, False),
         (None, {"at_most": 2.0}, False),
         (1.0, {}, None),
     ],
@@ -185,6 +187,7 @@ def test_of_several_cases_the_worst_counts():
 
     assert evidence(*rows).values(high) == {0: 4.0}
     assert evidence(*rows).values(low) == {0: 2.0}
+    assert evidence(*rows, row("nn", 1, ise_total=9.0)).values(high) == {0: 4.0}
 
 
 def test_sentences_quote_the_runs_at_hand():
