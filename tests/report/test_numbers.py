@@ -1,0 +1,146 @@
+"""Numbers on pages and pictures: cells of tables, bodies, bands, views, means that glide."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from tests.results.conftest import build
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.report.course import Course, band, course_of
+from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, view_limits
+from wmr_ctrl.report.plot_run import _error, _figures
+from wmr_ctrl.report.scene import Scene, outline, scene_of
+from wmr_ctrl.report.tables import _Line, ranged, stress_table
+from wmr_ctrl.results.table import spread, table_of_rows
+
+
+def test_a_cell_has_its_range_only_where_numbers_differ() -> None:
+    assert ranged(spread([0.5, 2.0, 1.0])) == "1.00 (0.500 … 2.00)"
+    assert ranged(spread([1.0, 1.0])) == "1.00"
+    assert ranged(spread([0.001, 0.003]), 1e3) == "2.00 (1.00 … 3.00)"
+    assert ranged(spread([None])) == "–"
+
+
+@pytest.mark.parametrize(
+    ("figure", "factor", "unit"),
+    [("position_rms", 1e3, "mm"), ("e3_rms_70_80", 1e3, "mrad"), ("tau_peak", 1.0, "N m")],
+)
+def test_lengths_and_angles_are_in_thousandths(figure: str, factor: float, unit: str) -> None:
+    line = _Line(figure, "a figure")
+
+    assert line.factor == factor
+    assert line.name(build().settings) == f"a figure [{unit}]"
+
+
+def test_seeds_beyond_the_limit_are_counted_in_their_own_case() -> None:
+    rows = [
+        {"case": case, "law": "mb", "seed": k, "violated": float(ratio > 1), "limit_ratio": ratio}
+        for case, ratios in (("one", (0.9, 1.2)), ("other", (1.5, 1.5)))
+        for k, ratio in enumerate(ratios)
+    ]
+
+    table = stress_table(table_of_rows(rows), {"one": "one", "other": "other"})
+
+    assert table.rows == (
+        ("one", "1 of 2: 1.050 (0.9000 … 1.200)"), ("other", "2 of 2: 1.500"),
+    )  # fmt: skip
+
+
+def test_a_body_looks_along_its_heading_and_right_is_right() -> None:
+    ahead = outline(np.array([1.0, 2.0, 0.0]), 0.8, 0.5, 0.25)
+    turned = outline(np.array([1.0, 2.0, -np.pi / 2]), 0.8, 0.5, 0.25)
+
+    assert ahead.mean(axis=0) == pytest.approx([1.25, 2.0])
+    assert np.ptp(ahead, axis=0) == pytest.approx([0.5, 0.8])
+    assert turned.mean(axis=0) == pytest.approx([1.0, 1.75])
+    assert np.ptp(turned, axis=0) == pytest.approx([0.8, 0.5])
+
+
+def test_a_band_is_as_wide_on_both_sides_and_widest_where_the_path_rests() -> None:
+    path = np.array([[0.0, 1.0, 2.0, 2.0, 2.0, 3.0, 4.0], np.zeros(7)])
+    width = np.array([0.1, 0.1, 0.1, 0.4, 0.2, 0.1, np.nan])
+
+    left, right = np.split(band(path, width), 2, axis=1)
+
+    assert left[0] == pytest.approx([0.0, 1.0, 2.0, 3.0])
+    assert left[1] == pytest.approx([0.1, 0.1, 0.4, 0.1])
+    assert right[:, ::-1] == pytest.approx(np.array([left[0], -left[1]]))
+    up = band(path[::-1], width)
+    assert up[0, :4] == pytest.approx([-0.1, -0.1, -0.4, -0.1])
+    assert band(np.zeros((2, 3)), np.ones(3)).shape == (2, 0)
+
+
+@pytest.mark.parametrize(("arrival", "there"), [(0.5, True), (0.99, True), (1.5, False)])
+def test_a_goal_is_shown_once_the_desired_motion_was_there(arrival: float, there: bool) -> None:
+    run = build(x_d=2.0, y_d=3.0)
+
+    goal = course_of(replace(run, settings=replace(run.settings, arrival=arrival))).goal
+
+    assert goal == ((2.0, 3.0) if there else None)
+
+
+def test_runs_of_another_limit_or_reference_are_not_in_one_picture() -> None:
+    run = build(x_d=np.linspace(0, 1, 100))
+    limited = replace(run, settings=replace(run.settings, v_u1=(0.9, 1.5)))
+    other = build(x_d=np.linspace(0, 1.1, 100))  # begins alike
+
+    assert len(scene_of([run, run], 10).actors) == 2
+    for one in (limited, other):
+        with pytest.raises(ArgumentError, match="different limits or follow different references"):
+            scene_of([run, one], 10)
+
+
+def test_a_view_holds_the_bodies_and_these_are_as_wide_as_the_robot() -> None:
+    scene = scene_of([build(x=np.linspace(-1, 3, 100))], 10)
+    wide = replace(scene, course=Course(half_track=0.5))
+
+    assert scene.view == pytest.approx((-1.7, 3.7, -2.7, 2.7))
+    assert (scene.size, wide.size) == (1.0, 2.0)
+    assert isinstance(wide, Scene)
+
+
+@pytest.mark.parametrize("width", [1, 4, 5])
+def test_a_gliding_mean_is_centred_and_keeps_what_is_straight(width: int) -> None:
+    line = np.arange(20.0)
+    inner = slice(width, -width)
+
+    off = 0.5 if width % 2 == 0 else 0.0
+    assert running_mean(line, width)[inner] == pytest.approx(line[inner] - off)
+    assert running_mean(np.ones(20), width) == pytest.approx(np.ones(20))
+    assert running_rms(np.full(20, -3.0), width) == pytest.approx(np.full(20, 3.0))
+
+
+def test_what_is_beyond_four_times_a_limit_leaves_the_view_and_is_named() -> None:
+    axes = Figure().add_subplot()
+    values = np.array([0.0, 3.9, -9.0])
+    axes.plot(values)
+
+    view_limits(axes, 1.0, {"mb": values})
+
+    low, high = axes.get_ylim()
+    assert (FAR, low) == (4.0, -4.0)
+    assert 3.9 < high <= 4.0
+    assert axes.get_xlabel().strip() == "(out of view: mb ↓ −9.00)"
+
+
+def test_an_error_is_in_thousandths_but_where_it_is_large_or_nothing() -> None:
+    assert _error(0.0123, "m") == "12.3 mm"
+    assert _error(12.3, "rad") == "12.3 rad"
+    assert _error(1e-7, "m") == "below 0.001 mm"
+    assert _error(None, "m") == "– mm"
+
+
+def test_errors_of_the_last_ten_seconds_are_those() -> None:
+    e = np.zeros((3000, 3))
+    e[:2000, 0] = 9.0
+    e[2000:, 0] = 0.5
+
+    lines = _figures(build(duration=30.0, e=e))
+
+    assert lines[-2] == "RMS errors of the last 10 s:"
+    assert lines[-1].strip() == "e₁ 500 mm, e₂ below 0.001 mm, e₃ below 0.001 mrad"
+    assert "before" not in lines[0]
