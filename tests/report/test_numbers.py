@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,12 +11,14 @@ from matplotlib.figure import Figure
 
 from tests.results.conftest import build
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.report import course, scene
 from wmr_ctrl.report.course import Course, band, course_of
 from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, view_limits
 from wmr_ctrl.report.plot_run import _error, _figures
-from wmr_ctrl.report.scene import Scene, outline, scene_of
+from wmr_ctrl.report.scene import outline, scene_of
 from wmr_ctrl.report.tables import _Line, ranged, stress_table
 from wmr_ctrl.results.table import spread, table_of_rows
+from wmr_ctrl.scenario import Scenario, override, to_toml
 
 
 def test_a_cell_has_its_range_only_where_numbers_differ() -> None:
@@ -95,12 +98,11 @@ def test_runs_of_another_limit_or_reference_are_not_in_one_picture() -> None:
 
 
 def test_a_view_holds_the_bodies_and_these_are_as_wide_as_the_robot() -> None:
-    scene = scene_of([build(x=np.linspace(-1, 3, 100))], 10)
-    wide = replace(scene, course=Course(half_track=0.5))
+    drawn = scene_of([build(x=np.linspace(-1, 3, 100))], 10)
+    wide = replace(drawn, course=Course(half_track=0.5))
 
-    assert scene.view == pytest.approx((-1.7, 3.7, -2.7, 2.7))
-    assert (scene.size, wide.size) == (1.0, 2.0)
-    assert isinstance(wide, Scene)
+    assert drawn.view == pytest.approx((-1.7, 3.7, -2.7, 2.7))
+    assert (drawn.size, wide.size) == (1.0, 2.0)
 
 
 @pytest.mark.parametrize("width", [1, 4, 5])
@@ -144,3 +146,36 @@ def test_errors_of_the_last_ten_seconds_are_those() -> None:
     assert lines[-2] == "RMS errors of the last 10 s:"
     assert lines[-1].strip() == "e₁ 500 mm, e₂ below 0.001 mm, e₃ below 0.001 mrad"
     assert "before" not in lines[0]
+
+
+@pytest.mark.parametrize("guard", [False, True])
+def test_a_corridor_is_that_of_the_runs_own_guard_until_the_robot_changes(
+    monkeypatch: pytest.MonkeyPatch, guard: bool
+) -> None:
+    told = {"scenario_toml": to_toml(override(Scenario(), {"guard.enabled": not guard}))}
+    run = build(rows=80, labels={"law": "mb", "guard": guard}, provenance=told)
+    asked = []
+
+    def tube(scenario: Scenario, law: str) -> SimpleNamespace:
+        asked.append((scenario.guard.enabled, law))
+        return SimpleNamespace(course=np.array([[0.1, 0.2, 0.3], [1.0, 2.0, 3.0]]), until=0.5)
+
+    monkeypatch.setattr(course, "corridor_course", tube)
+    found = course.course_behind(run)
+
+    assert asked == [(guard, "mb")]
+    assert found[:, :4].tolist() == [[0.1, 0.2, 0.3, 0.3], [1.0, 2.0, 3.0, 3.0]]
+    assert np.isnan(found[0]).tolist() == [False] * 50 + [True] * 30
+
+
+def test_a_corridor_is_drawn_as_long_as_its_run_lasted(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, short = build(), build(rows=50)
+    widths = np.array([np.linspace(0.1, 0.2, 100), np.zeros(100)])
+    monkeypatch.setattr(scene, "course_of_tube", lambda run: widths[:, : run.rows])
+
+    drawn = scene.with_tubes(scene_of([whole, short], 10), [whole, short])
+
+    first, second = drawn.actors
+    assert not np.isnan(first.tube).any()
+    assert np.isnan(second.tube).tolist() == (drawn.t > short.time[-1]).tolist()
+    assert (first.widest, second.widest) == (pytest.approx(0.2), pytest.approx(widths[0, 49]))
