@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -161,3 +162,11 @@ def test_starts_and_ends_of_many_runs_count_so_too():
     b = wmr_ctrl.simulate_many(paper, "mb", [0], starts=[inside])
     assert a["final_theta"] == b["final_theta"] + math.pi / 2
     assert a["final_x"] == b["final_x"]
+
+
+def test_a_notebook_shows_orientations_as_the_file_counts_them():
+    yaw = loads_scenario('frames = "rep103"\n[body]\nuphill = 0.25\n')
+    shown = re.findall(r">body.uphill</td><td[^>]*>([^<]*)</td>", yaw._repr_html_())
+
+    assert [float(text) for text in shown] == [pytest.approx(0.25)]
+    assert yaw.body.uphill == pytest.approx(0.25 - math.pi / 2)

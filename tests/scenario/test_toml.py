@@ -177,6 +177,29 @@ def test_a_shorter_run_drops_the_changes_that_it_does_not_reach():
     assert loads_scenario(text).changes == ()
 
 
+@pytest.mark.parametrize(("duration", "left"), [(39.99, 0), (40.0, 0), (40.01, 1)])
+def test_a_change_at_the_very_end_is_not_reached(duration, left):
+    text = f'extends = "paper-simulation"\n[clock]\nduration = {duration}\n'
+
+    assert len(loads_scenario(text).changes) == left
+    changed = override(load_scenario("paper-simulation"), {"clock.duration": duration})
+    assert len(changed.changes) == left
+
+
+def test_points_of_a_file_that_is_extended_take_the_place_of_the_other(tmp_path):
+    (tmp_path / "way.csv").write_text("0,0\n1,0\n2,1\n")
+    (tmp_path / "base.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.csv"\n')
+    (tmp_path / "points.toml").write_text(
+        'extends = "base.toml"\n[reference]\npoints = [[0, 0], [3, 0]]\n'
+    )
+    (tmp_path / "back.toml").write_text('extends = "points.toml"\n[reference]\nfile = "way.csv"\n')
+    read = {name: load_scenario(tmp_path / f"{name}.toml") for name in ("base", "points", "back")}
+
+    assert read["points"].reference.points == ((0.0, 0.0), (3.0, 0.0))
+    assert read["back"].reference.points == read["base"].reference.points
+    assert len(read["base"].reference.points) == 3
+
+
 def test_none_takes_back_what_the_extended_scenario_says():
     text = 'extends = "far-start-friction-overestimated"\n[model]\nmu = "none"\n'
 

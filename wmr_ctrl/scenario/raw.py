@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from itertools import pairwise
 from numbers import Real
-from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError, choices
@@ -278,15 +277,9 @@ def _with_kind(raw: Raw, values: dict[str, object]) -> Raw:
         table = {"kind": kind}
     if "reference.file" in values:
         table.pop("points", None)
-        values["reference.file"] = absolute(values["reference.file"], Path.cwd())
     if "reference.points" in values:
         table.pop("file", None)
     return raw | {"reference": table} if table else raw
-
-
-def absolute(file: object, folder: Path) -> object:
-    """Return a file's name as an absolute path; anything but text is left to the later check."""
-    return str(folder / file) if isinstance(file, str) else file
 
 
 def parse_key(key: str) -> list[Step]:

@@ -24,7 +24,6 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, quantities
 from wmr_ctrl.scenario.raw import (
     Raw,
-    absolute,
     apply,
     copied,
     frames_of,
@@ -159,8 +158,8 @@ def _preset(name: str) -> Raw:
 
 def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:
     reference = raw.get("reference")
-    if isinstance(reference, dict) and "file" in reference:
-        reference["file"] = absolute(reference["file"], folder)
+    if isinstance(reference, dict) and isinstance(reference.get("file"), str):
+        reference["file"] = str(folder / reference["file"])
     if "extends" not in raw:
         return raw
     base = raw.pop("extends")

@@ -1,0 +1,53 @@
+"""Every key's default, unit and range as `keys.txt` has them: what a file that leaves it out means.
+
+After a change that is meant, `python -m tests.scenario.test_defaults` writes the list anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from wmr_ctrl.fields.section import REQUIRED, Section, quantities
+from wmr_ctrl.fields.values import Quantity
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.model.kinematics import KinematicGains
+from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.scenario.sections import Change
+from wmr_ctrl.world.references import REFERENCES
+
+LIST = Path(__file__).with_name("keys.txt")
+
+
+def tables() -> Iterator[tuple[str, type[Section]]]:
+    yield from sections().items()
+    yield "changes", Change
+    yield from ((f"reference ({kind})", REFERENCES[kind].section) for kind in REFERENCES)
+    yield "gains.kinematics", KinematicGains
+    yield from ((f"gains.{law}", LAWS[law].gains) for law in LAWS)
+
+
+def line(key: str, what: Quantity) -> str:
+    """A key as a reader would state it: default, unit, and what else it may be."""
+    ends = {n: getattr(what.bounds, n) for n in ("above", "minimum", "below", "maximum")}
+    said = [f"{name} {end:g}" for name, end in ends.items() if end is not None]
+    said += ["or inf"] * what.bounds.infinite
+    said += [f"one of {', '.join(what.options)}"] * bool(what.options)
+    said += [f"usual {what.usual[0]:g} to {what.usual[1]:g}"] if what.usual else []
+    said += [f"multiple of {what.multiple_of}, {what.most} at most"] * bool(what.multiple_of)
+    said += [f"an orientation ({what.orientation:+d})"] * bool(what.orientation)
+    default = "required" if what.default is REQUIRED else what.default
+    return "; ".join([f"{key} = {default} [{what.unit}]", *said])
+
+
+def listed() -> str:
+    lines = [line(f"{place}.{n}", what) for place, own in tables() for n, what in quantities(own)]
+    return "".join(f"{item}\n" for item in lines)
+
+
+def test_a_key_that_is_left_out_means_what_it_did():
+    assert listed().splitlines() == LIST.read_text(encoding="utf-8").splitlines()
+
+
+if __name__ == "__main__":
+    LIST.write_text(listed(), encoding="utf-8")
