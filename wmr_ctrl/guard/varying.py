@@ -108,7 +108,7 @@ def _linear(
 ) -> Decimal:  # fmt: skip
     """Integral of (line[0] + line[1] s) exp(-(begin - s)/tau) between two ages; 0 without any."""
     low, high = ages
-    if low >= high or tau == 0:
+    if low >= high:
         return Decimal(0)
     if tau is None:
         return number((high - low) * (line[0] + line[1] * (high + low) / 2))

@@ -1,0 +1,164 @@
+"""Bounds of the guard at their ends: what is proposed is accepted, and a little less is not."""
+
+from __future__ import annotations
+
+import re
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.guard.test_contradictions import BROKEN, MET
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.bounds import derived_guard
+from wmr_ctrl.guard.contradictions import beyond_belief, contradictions
+from wmr_ctrl.guard.guard import Bounds
+from wmr_ctrl.guard.monitor import least_push
+from wmr_ctrl.guard.price import usable_speed
+from wmr_ctrl.guard.refusals import _enough, feasible_guard
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.effect import Bound
+
+ON = {"guard.enabled": True, "disturbance.std": 0.0, "changes": []}
+
+
+def guarded(**changed: object) -> Scenario:
+    return load_scenario("paper-simulation", {**ON, **changed})
+
+
+def test_each_bound_that_is_broken_is_named_and_none_that_is_met() -> None:
+    base = override(load_scenario("safe-simulation"), {"guard.enabled": False})
+    for changed, key in [*((c, k) for c, k, _ in BROKEN), *((c, None) for c in MET)]:
+        scenario = override(base, changed)
+        named = {item.key for item in contradictions(scenario, settle(scenario, "prox").bound)}
+        assert named == ({key} if key else set()), changed
+
+
+@pytest.mark.parametrize(("spread", "key"), [
+    (0.9, None), (1.1, "guard.M_min"), (14.9, "guard.M_min"), (0.0, None),
+])  # fmt: skip
+def test_what_effects_add_to_the_robots_mass_must_be_counted_too(spread, key) -> None:
+    scenario = guarded(**{"guard.M_min": [49.0, 5.0], "guard.M_max": [70.0, 7.0]})
+    setup = settle(scenario, None)
+
+    found = beyond_belief(scenario, setup.guard, Bound(mass=(spread, 0.0)))
+
+    assert [item.key for item in found] == ([key] if key else [])
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_spare_torque_is_shared_between_braking_ahead_and_in_a_turn(share: float) -> None:
+    pushed = {"guard.dbar": [60.0, 15.0], "guard.brake_share": share, "actuator.tau_max": 10.0}
+    brake = settle(guarded(**pushed), None).guard.brake
+    phi, half_track = 2 * 10.0 / 0.1, 0.25
+    spare = phi - 60.0 - 15.0 / half_track
+
+    assert brake[0] == pytest.approx(60.0 + share * spare)
+    assert brake[1] == pytest.approx(15.0 + (1 - share) * spare * half_track)
+
+
+def test_a_derived_brake_is_within_the_wheels_reach_however_it_is_rounded() -> None:
+    pushed = guarded(**{"guard.dbar": [60.0, 15.0]})
+    for tau_max, share in np.random.default_rng(0).uniform((7.0, 0.05), (20.0, 0.95), (60, 2)):
+        scenario = override(
+            pushed, {"guard.brake_share": share, "robot.r": tau_max / 140, "robot.l": 0.23}
+        )
+        first, second = feasible_guard(scenario, Bound(), tau_max).brake
+        assert first + second / scenario.robot.l <= 2 * tau_max / scenario.robot.r
+
+
+def test_where_the_robot_would_not_start_no_speed_is_usable() -> None:
+    """A mean over a long window hides how fast it is; at rest all of the window counts."""
+    scenario = guarded(**{"guard.dbar": [60.0, 15.0]})
+    late = Bound(window=(0.5, 0.5))
+    numbers = derived_guard(scenario, late, np.inf)
+    M, T, f_speed = numbers.M_min[0], 0.01, 0.0
+    for friction, starts in ((20.0, True), (30.0, False)):
+        force = friction + 60.0
+        mean = 1.0 - force * (T + 0.25) / M
+        rest = 1.0 - f_speed - force * (T + 0.5) / M
+        assert (rest >= 0) is starts
+        expected = mean if starts else min(mean, rest)
+        assert usable_speed(scenario, numbers, (friction, 0.0))[0] == pytest.approx(
+            expected, abs=1e-9
+        )
+
+
+PROPOSALS = {
+    "noise and jitter": {
+        "guard.dbar": [1000.0, 10.0], "guard.nbar": [0.4, 0.0], "actuator.jitter": 0.01,
+        "sensor.velocity_noise": [0.4, 0.0],
+    },
+    "a push, an age and a delay": {
+        "guard.dbar": [900.0, 10.0], "sensor.velocity_age": 0.01, "actuator.delay": 0.02,
+    },
+    "a push alone": {"guard.dbar": [2500.0, 1.0]},
+    "a window": {"guard.dbar": [900.0, 10.0], "sensor.velocity_window": 0.03},
+}  # fmt: skip
+ONE = re.compile(r"(guard\.nbar|guard\.dbar)\[1\] <= ([\d.e+-]+)|(actuator\.delay) <= ([\d.e+-]+)")
+
+
+@pytest.mark.parametrize("case", PROPOSALS)
+def test_each_number_that_is_proposed_alone_is_enough_and_hardly_more_than_that(case: str) -> None:
+    changed = PROPOSALS[case]
+    with pytest.raises(ScenarioError) as refused:
+        settle(guarded(**changed), None)
+    proposed = [(a or c, float(b or d)) for a, b, c, d in ONE.findall(str(refused.value))]
+    who = "the guard cannot" if "age" in case or "window" in case else "no force can"
+    assert ("can keep" not in str(refused.value) and "noise" in case) or who in str(refused.value)
+
+    assert proposed
+    for key, number in proposed:
+        for share, enough in ((1.0, True), (1.02, False)):
+            value = share * number
+            if key == "actuator.delay":
+                value = round(value, 3) if enough else round(value + 1e-3, 3)
+                if enough and value > number:
+                    value = round(value - 1e-3, 3)
+            told = value if key == "actuator.delay" else [value, changed[key][1]]
+            again = {**changed, key: told, "guard.trust": True}
+            if enough:
+                settle(guarded(**again), None)
+            else:
+                with pytest.raises(ScenarioError):
+                    settle(guarded(**again), None)
+
+
+def test_half_the_limit_of_noise_leaves_no_room_for_rounding() -> None:
+    with pytest.raises(ScenarioError, match=r"guard\.nbar\[1\] = 0\.5 cannot be met"):
+        settle(guarded(**{"guard.nbar": [0.5, 0.0]}), None)
+
+
+def test_wheels_that_cannot_hold_are_told_so_in_numbers_that_add_up() -> None:
+    with pytest.raises(ScenarioError) as refused:
+        settle(guarded(**{"guard.dbar": [60.0, 15.0], "actuator.tau_max": 5.0}), None)
+
+    first, second, half_track, need = map(
+        float, re.search(r"but (\S+) \+ (\S+)/(\S+) = (\S+) > 100 N", str(refused.value)).groups()
+    )
+    assert (first, second, half_track) == (60.0, 15.0, 0.25)
+    assert need == first + second / half_track
+
+
+@pytest.mark.parametrize(("a", "b"), [(100.0, 0.0), (100.0, 5.0), (33.0, 19.0), (100.0, 20.0)])
+def test_a_torque_limit_is_enough_from_where_both_lines_cross(a: float, b: float) -> None:
+    """A force a + b tau to hold against, and wheels that give 2 tau/r."""
+    found = _enough(lambda tau: a + b * tau, a * 0.1 / 2, 0.1)
+
+    if b >= 20.0:
+        assert found is None
+    else:
+        exact = a / (2 / 0.1 - b)
+        assert exact <= found * (1 + 1e-9)
+        assert found <= exact * (1 + 1e-3)
+
+
+def test_within_the_noise_no_motion_is_sure_and_no_push_is_told() -> None:
+    """M (|v| - |old| - 2 nbar)/T outwards, where both samples are surely on the same side of 0."""
+    T, least, most, nbar = 0.01, 40.0, 60.0, 0.02
+    none = ca.SX(0)
+    b = Bounds(none, ca.SX(T), ca.SX(least), ca.SX(most), none, ca.SX(nbar), none, none, none, none)
+    for old, v, sure in ((0.015, 0.9, 0), (0.03, 0.9, 1), (-0.03, -0.9, 1), (-0.015, -0.9, 0)):
+        push = float(ca.evalf(least_push(ca.SX(v), ca.SX(old), none, b)))
+        assert push == pytest.approx(sure * least * (abs(v - old) - 2 * nbar) / T), (old, v)
