@@ -5,9 +5,10 @@ Each row and each link is checked exactly, and so is that they join and reach bo
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import pairwise
 from math import log, sqrt
+from operator import itemgetter
 
 from wmr_ctrl.proofs.methods.spec import Point
 
@@ -51,32 +52,35 @@ class Numbers:
         """f of Eq. (15)."""
         return -log((self.u1 - v) / (self.u1 - self.u2)) if v > self.u2 else 0.0
 
-    def value(self, v: float, c: float) -> float:
-        """V1i."""
-        x = self.target(c)
-        return 0.5 * (v - c) ** 2 + self.f(v) - 0.5 * (x - c) ** 2 - self.f(x)
+    def value(self, c: float) -> Callable[[float], float]:
+        """V1i at v."""
+        x, f = self.target(c), self.f
+        plain, barrier = 0.5 * (x - c) ** 2, f(x)
+        return lambda v: 0.5 * (v - c) ** 2 + f(v) - plain - barrier
 
     def slope(self, v: float, c: float) -> float:
         """A_i."""
         return v - c + (1 / (self.u1 - v) if v > self.u2 else 0.0)
 
-    def resisted(self, v: float, c: float) -> float:
-        """rho V1/A."""
-        return self.rho * self.value(v, c) / self.slope(v, c)
+    def resisted(self, c: float) -> Callable[[float], float]:
+        """rho V1/A at v."""
+        value, slope, rho = self.value(c), self.slope, self.rho
+        return lambda v: rho * value(v) / slope(v, c)
 
-    def best(self, c: float) -> float:
-        """Velocity of the largest rho V1/A: the end of the plain range, or the top beyond v_u2."""
-        low, high = max(self.target(c), self.u2) + 1e-9, self.u1 - 1e-9
-        ahead = _top(partial(self.resisted, c=c), low, high)
-        plain = self.u2 if self.target(c) < self.u2 else ahead
-        return plain if self.resisted(plain, c) >= self.resisted(ahead, c) else ahead
+    def best(self, c: float) -> tuple[float, float]:
+        """Velocity of the largest rho V1/A, and that: the end of the plain range, or the top beyond
+        v_u2.
+        """
+        target, resisted = self.target(c), self.resisted(c)
+        ahead = _top(resisted, max(target, self.u2) + 1e-9, self.u1 - 1e-9)
+        plain = self.u2 if target < self.u2 else ahead
+        return max(((plain, resisted(plain)), (ahead, resisted(ahead))), key=itemgetter(1))
 
     def rows(self) -> list[Row]:
         """Rows from c = 0 to the largest target, in steps that lower the maximum by STEP."""
         c, found = 0.0, []
         while True:
-            v = self.best(c)
-            top = self.resisted(v, c)
+            v, top = self.best(c)
             found.append(Row(c, v, top * (1 - 1e-4), top * (1 + ROOM)))
             if c >= LARGEST_TARGET:
                 return found
@@ -86,11 +90,7 @@ class Numbers:
         low, high = c, c + 4.0
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            low, high = (
-                (middle, high)
-                if self.resisted(self.best(middle), middle) > wanted
-                else (low, middle)
-            )
+            low, high = (middle, high) if self.best(middle)[1] > wanted else (low, middle)
         return low
 
     def steps(self, row: Row) -> Iterator[tuple[float, float]]:
@@ -104,12 +104,12 @@ class Numbers:
 
     def _reach(self, a: float, row: Row, end: float) -> float:
         wanted = row.high * (1 - 1e-9) / self.rho * self.slope(a, row.c)
-        low, high = a, end
-        if self.value(end, row.c) <= wanted:
+        value, low, high = self.value(row.c), a, end
+        if value(end) <= wanted:
             return end
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.value(middle, row.c) <= wanted else (low, middle)
+            low, high = (middle, high) if value(middle) <= wanted else (low, middle)
         return low
 
 

@@ -122,8 +122,8 @@ def held_back() -> list[Point]:
     found = []
     for n in AXES:
         for c in map(float, range(21)):
-            v = n.best(c)
-            found.append(_point(n, v=v, c=c, low=n.resisted(v, c)))
+            v, low = n.best(c)
+            found.append(_point(n, v=v, c=c, low=low))
     for s in SETTINGS:
         for farthest in ("0", s.target):
             found.append(_point(AXES[s.axis], v=s.level, c=farthest, low=s.disturbance))
