@@ -16,7 +16,7 @@ import casadi as ca
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import AXES, LawContext
 from wmr_ctrl.laws.law import BarrierChoice, Law, Traits
-from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import Signal
 
 NODES = 64
@@ -58,7 +58,7 @@ class NetworkGains(BarrierChoice, key="gains.nn"):
 
 def build(context: LawContext) -> System:
     """F = -rho1 V1/A + q (W^ S(Z)), Eq. (57), then the weights' step, Eq. (58)."""
-    weights = tuple(port(signal) for signal in WEIGHTS)
+    weights = ports(WEIGHTS)
     basis = corner_basis(regressor(context), context.gain("eta"), context.gain("node"))
     network = ca.vertcat(*(dot(item.sym, basis) for item in weights))
     force = -context.gain("rho1") * context.per_axis("V1_over_A") + context.per_axis("q") * network

@@ -15,7 +15,7 @@ import casadi as ca
 
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.model.system import Output, port
+from wmr_ctrl.model.system import Output, ports
 from wmr_ctrl.signals import D_HAT, TAU_APPLIED, Signal
 
 FORCE_HAT = Signal("f_hat", "N, N.m", "force that makes up for the disturbance", 2)
@@ -33,9 +33,7 @@ class Observer:
         self, context: LawContext, rate: ca.SX, friction: Callable[[ca.SX], ca.SX]
     ) -> None:
         """Observe with bandwidth ``rate`` [1/s]; ``friction`` gives F1 (2,) at a velocity."""
-        applied, f_hat, old, started = (
-            port(item) for item in (TAU_APPLIED, FORCE_HAT, OLD_VELOCITY, STARTED)
-        )
+        applied, f_hat, old, started = ports((TAU_APPLIED, FORCE_HAT, OLD_VELOCITY, STARTED))
         take = context.parameters.take
         force = wheel_to_force(take("robot.r"), take("robot.l"), applied.sym)
         gained = (context.v - old.sym) / context.period

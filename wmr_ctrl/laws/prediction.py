@@ -23,7 +23,7 @@ import casadi as ca
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.kinematics import pose_rate
-from wmr_ctrl.model.system import Port, port
+from wmr_ctrl.model.system import Port, ports
 from wmr_ctrl.signals import tau_sent
 
 
@@ -36,7 +36,7 @@ def ahead(context: LawContext, made_up: ca.SX) -> tuple[LawContext, tuple[Port, 
         return context, ()
     delay = ca.fmin(context.gain("delay"), context.in_flight * context.period)
     take = context.parameters.take
-    sent = tuple(port(tau_sent(age)) for age in range(1, context.in_flight + 1))
+    sent = ports(map(tau_sent, range(1, context.in_flight + 1)))
     pose, v = context.pose, context.v
     for age in range(context.in_flight, 0, -1):
         force = wheel_to_force(take("robot.r"), take("robot.l"), sent[age - 1].sym)

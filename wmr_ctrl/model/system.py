@@ -185,7 +185,7 @@ def draw(
 
 
 def ports(signals: Iterable[Signal], start: Iterable[float] | None = None) -> tuple[Port, ...]:
-    """Fresh symbols for scalar signals, with start values where given."""
+    """Fresh symbols for signals, with a start value of each where given."""
     listed = tuple(signals)
     numbers = tuple(start) if start is not None else (0.0,) * len(listed)
     return tuple(port(signal, number) for signal, number in zip(listed, numbers, strict=True))

@@ -38,9 +38,7 @@ class CommandJerk(Section, key="base"):
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
     command, now, rate, p = ports(COMMAND), port(ROUNDED), port(RATE), Parameters(scenario)
-    h, jerk, accel, decel = (
-        p.take(key) for key in ("clock.plant", "base.jerk", "base.accel", "base.decel")
-    )
+    h, jerk, accel, decel = map(p.take, ("clock.plant", "base.jerk", "base.accel", "base.decel"))
     wanted, most = stack(item.sym for item in command), ca.fmax(accel, decel)
     rates = next_rate(wanted - now.sym, rate.sym, h, jerk, most)
     following = now.sym + h * rates

@@ -35,10 +35,8 @@ def build(scenario: Scenario) -> System:
     """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
     command, step, p = ports(COMMAND), port(STEP), Parameters(scenario)
     heard, silent, missed = port(HEARD), port(SILENT), port(MISSED)
-    T, h, late, most, timeout = (
-        p.take(key)
-        for key in ("clock.control", "clock.plant", "base.delay", "base.losses", "base.timeout")
-    )
+    T, h, late = map(p.take, ("clock.control", "clock.plant", "base.delay"))
+    most, timeout = p.take("base.losses"), p.take("base.timeout")
     number = draw(NUMBERS, UNIFORM, most > 0, held=True)
     since = step.sym - whole(late / h)
     arrives = since - whole(T / h) * ca.floor(since / whole(T / h)) == 0

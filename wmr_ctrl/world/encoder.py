@@ -8,11 +8,10 @@ the time between counts shows it finer where counts are rare, at the price of an
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Output, Parameters, Port, System, outputs, port
+from wmr_ctrl.model.system import Number, Output, Parameters, Port, System, outputs, port, ports
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
@@ -65,7 +64,7 @@ class Encoder(Section, key="encoder"):
 def build(scenario: Scenario) -> System:
     """Sampled System: way, orientation, skid and number of the sample to measured velocity."""
     encoder = scenario.section(Encoder)
-    path, theta, skid, sample = (port(item) for item in (PATH, POSE[2], SKID, SAMPLE))
+    path, theta, skid, sample = ports((PATH, POSE[2], SKID, SAMPLE))
     p, first = Parameters(scenario), sample.sym == 0
     turns = turned(scenario, p, path.sym, theta.sym + skid.sym)
     counts = ca.floor(turns)
@@ -140,25 +139,16 @@ def periods_in_window(scenario: Scenario) -> int:
     return max(1, round(scenario.section(Encoder).window / scenario.clock.control))
 
 
-def _timed(turns: ca.SX, first: ca.SX, period: ca.SX) -> tuple[ca.SX, tuple[Port, ...], ca.SX]:
+def _timed(turn: ca.SX, first: ca.SX, period: ca.SX) -> tuple[ca.SX, tuple[Port, ...], ca.SX]:
     """Counts over time [1/s] between the last counts of two samples, state and update.
 
     A wheel's speed is taken as constant over a sample to tell when its last count came.  Without
     a new count the speed is at most one count over the time that has passed.
     """
-    state = tuple(port(signal) for signal in (TURN, EDGE, SINCE, SPEED))
-    both = [_one_wheel(turns[i], [item.sym[i] for item in state], first, period) for i in (0, 1)]
-    pairs = [ca.vertcat(*pair) for pair in zip(*both, strict=True)]
-    return pairs[-1], state, ca.vertcat(*pairs)
-
-
-def _one_wheel(
-    turn: ca.SX, old: Sequence[ca.SX], first: ca.SX, period: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Turn, last edge, time since it and speed of one wheel at this sample."""
-    start = (turn, ca.floor(turn), ca.SX(LONG), ca.SX(0))
-    pairs = zip(start, old, strict=True)
-    before, edge, since, speed = (ca.if_else(first, value, item) for value, item in pairs)
+    state = ports((TURN, EDGE, SINCE, SPEED))
+    starts = (turn, ca.floor(turn), ca.SX(LONG), ca.SX(0))
+    pairs = zip(starts, state, strict=True)
+    before, edge, since, speed = (ca.if_else(first, start, item.sym) for start, item in pairs)
     moved = turn - before
     came = ca.logic_and(ca.floor(turn) != ca.floor(before), ca.logic_not(first))
     reached = ca.floor(turn) + (moved < 0)
@@ -167,9 +157,8 @@ def _one_wheel(
     passed = ca.if_else(came, since + period - late, since + period)
     slow = ca.fmin(ca.fabs(speed), 1 / passed)
     held = ca.if_else(speed < 0, -slow, slow)
-    return turn, ca.if_else(came, reached, edge), late, ca.if_else(
-        came, (reached - edge) / ca.fmax(passed, 1e-12), held
-    )  # fmt: skip
+    rate = ca.if_else(came, (reached - edge) / ca.fmax(passed, 1e-12), held)
+    return rate, state, ca.vertcat(turn, ca.if_else(came, reached, edge), late, rate)
 
 
 def check(scenario: Scenario) -> None:

@@ -7,7 +7,7 @@ period, over which the force is held.
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port
+from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port
 from wmr_ctrl.signals import BODY_FORCE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
@@ -32,7 +32,7 @@ def build(scenario: Scenario) -> System:
     number = draw(NUMBERS, UNIFORM, ca.logic_or(size[0] > 0, size[1] > 0))
     keep = ca.exp(-p.take("clock.control") / p.take("gust.time"))
     now = filtered(share.sym, number.port.sym, keep)
-    shown = tuple(Output(signal, size[i] * now[i]) for i, signal in enumerate(BODY_FORCE))
+    shown = outputs(BODY_FORCE, size * now)
     return System(
         "gust", "gusts", state=(share,), params=p.ports, update=now, outputs=shown, draws=(number,)
     )

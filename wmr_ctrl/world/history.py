@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.model.system import Port, port, stack
+from wmr_ctrl.model.system import Port, ports, stack
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
 
@@ -27,10 +27,9 @@ class History:
 
 def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
     """The last ``count`` values of ``now``; ``first`` is 1 at the first sample, else 0."""
-    name, unit, meaning, size = signal.name, signal.unit, signal.meaning, signal.size
+    name, meaning = signal.name, f"{signal.meaning}, {{}} samples ago"
     ages = range(1, count + 1)
-    older = (Signal(f"{name}_{k}", unit, f"{meaning}, {k} samples ago", size) for k in ages)
-    state = tuple(port(item) for item in older)
+    state = ports(replace(signal, name=f"{name}_{k}", meaning=meaning.format(k)) for k in ages)
     aged = (now, *(ca.if_else(first, now, item.sym) for item in state))
     return History(aged, state, stack(aged[:count]))
 

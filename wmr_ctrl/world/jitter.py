@@ -40,13 +40,8 @@ def build(scenario: Scenario) -> System:
     """
     torque, step, p = ports(TORQUE), port(STEP), Parameters(scenario)
     acting, waiting, due = port(ACTING), port(WAITING), port(DUE)
-    T, h, delay, unmodelled_delay, width = (
-        p.take(key)
-        for key in (
-            "clock.control", "clock.plant", "actuator.delay", "actuator.unmodelled_delay",
-            "actuator.jitter",
-        )
-    )  # fmt: skip
+    T, h, delay = map(p.take, ("clock.control", "clock.plant", "actuator.delay"))
+    unmodelled_delay, width = p.take("actuator.unmodelled_delay"), p.take("actuator.jitter")
     number = draw(NUMBERS, UNIFORM, width > 0, held=True)
     steps, most = whole(T / h), whole(width / h)
     since = step.sym - whole((delay + unmodelled_delay) / h)

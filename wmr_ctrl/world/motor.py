@@ -11,7 +11,7 @@ import math
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Output, Parameters, System, ports
+from wmr_ctrl.model.system import Number, Parameters, System, outputs, ports, stack
 from wmr_ctrl.signals import TORQUE, VELOCITY
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
@@ -44,19 +44,16 @@ def build(scenario: Scenario) -> System:
     motor, torque, velocity = scenario.section(Motor), ports(TORQUE), ports(VELOCITY)
     p = Parameters(scenario)
     r, half_track = p.take("robot.r"), p.take("robot.l")
-    turn = half_track * velocity[1].sym
-    speeds = ((velocity[0].sym + turn) / r, (velocity[0].sym - turn) / r)
-    given = [item.sym for item in torque]
+    v, turn = velocity[0].sym, half_track * velocity[1].sym
+    given, speed = stack(item.sym for item in torque), ca.vertcat(v + turn, v - turn) / r
     if motor.step > 0:
-        given = [stepped(item, p.take("motor.step")) for item in given]
+        given = stepped(given, p.take("motor.step"))
     if motor.dead_zone > 0:
-        given = [beyond_zone(item, p.take("motor.dead_zone")) for item in given]
+        given = beyond_zone(given, p.take("motor.dead_zone"))
     if math.isfinite(motor.stall):
         slowing = 1 / p.take("motor.free") if math.isfinite(motor.free) else ca.SX(0)
-        stall = p.take("motor.stall")
-        pairs = zip(given, speeds, strict=True)
-        given = [on_line(item, speed, stall, slowing) for item, speed in pairs]
-    shown = tuple(Output(signal, item) for signal, item in zip(TORQUE, given, strict=True))
+        given = on_line(given, speed, p.take("motor.stall"), slowing)
+    shown = outputs(TORQUE, given)
     return System(
         "motor", "motors of the wheels", inputs=(*torque, *velocity), params=p.ports, outputs=shown
     )

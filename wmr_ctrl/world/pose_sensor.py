@@ -60,12 +60,8 @@ def build(scenario: Scenario) -> System:
     """
     pose, velocity, sample = ports(MEASURED_POSE), ports(MEASURED_VELOCITY), port(SAMPLE)
     estimate, old, p = port(ESTIMATE), port(OLD_VELOCITY), Parameters(scenario)
-    T, every, width, correction = (
-        p.take(key)
-        for key in (
-            "clock.control", "sensor.pose_period", "sensor.pose_noise", "sensor.correction",
-        )
-    )  # fmt: skip
+    T, every = p.take("clock.control"), p.take("sensor.pose_period")
+    width, correction = p.take("sensor.pose_noise"), p.take("sensor.correction")
     draws = [error := draw(NUMBERS, UNIFORM, width > 0)]
     true = stack(item.sym for item in pose)
     measured = true + ca.vertcat(width * error.port.sym, 0)

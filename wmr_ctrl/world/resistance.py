@@ -7,7 +7,7 @@ robot's friction is; a force in proportion to the velocity for bearings and air.
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Output, Parameters, System, ports
+from wmr_ctrl.model.system import Number, Parameters, System, outputs, ports
 from wmr_ctrl.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario, heaviest
@@ -27,20 +27,17 @@ class Resistance(Section, key="resistance"):
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: true velocity to force on the body."""
     velocity, p = ports(VELOCITY), Parameters(scenario)
-    v, turn = (item.sym for item in velocity)
+    v, omega = (item.sym for item in velocity)
     half_track, viscous = p.take("robot.l"), p.take("resistance.viscous")
     load = load_of_wheel(p.take("robot.m"), p.take("robot.g"))
-    smooth = smoothed(v, half_track * turn, p.take("robot.v_s"))
+    smooth = smoothed(v, half_track * omega, p.take("robot.v_s"))
     force = resisted(p.take("resistance.rolling") * load, half_track, *smooth)
     return System(
         "resistance",
         "rolling resistance and viscous friction",
         inputs=velocity,
         params=p.ports,
-        outputs=tuple(
-            Output(signal, force[i] - viscous[i] * velocity[i].sym)
-            for i, signal in enumerate(BODY_FORCE)
-        ),
+        outputs=outputs(BODY_FORCE, force - viscous * ca.vertcat(v, omega)),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, ports
+from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
@@ -22,17 +22,14 @@ class VelocityNoise(Section, key="sensor"):
 def build(scenario: Scenario) -> System:
     """Sampled System: measured velocity to measured velocity."""
     velocity, p = ports(MEASURED_VELOCITY), Parameters(scenario)
-    half = p.take("sensor.velocity_noise")
+    v, half = stack(item.sym for item in velocity), p.take("sensor.velocity_noise")
     error = draw(NUMBERS, UNIFORM, ca.logic_or(half[0] > 0, half[1] > 0))
     return System(
         "velocity_noise",
         "noise of the measured velocity",
         inputs=velocity,
         params=p.ports,
-        outputs=tuple(
-            Output(item.signal, item.sym + half[i] * error.port.sym[i])
-            for i, item in enumerate(velocity)
-        ),
+        outputs=outputs(MEASURED_VELOCITY, v + half * error.port.sym),
         draws=(error,),
     )
 
