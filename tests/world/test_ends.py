@@ -17,6 +17,9 @@ from wmr_ctrl.world.command_jerk import build as jerk
 from wmr_ctrl.world.command_loss import COMMAND_LOSS
 from wmr_ctrl.world.effect import Bound, total
 from wmr_ctrl.world.grip import grip
+from wmr_ctrl.world.push import build as push
+from wmr_ctrl.world.references import Waypoints, sample
+from wmr_ctrl.world.references.waypoints import waypoint_path
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.velocity_loss import build as held
 from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN
@@ -143,3 +146,61 @@ def test_random_numbers_come_in_pairs() -> None:
         with pytest.raises(ValueError, match=f"come in pairs, not {size}"):
             draw(Signal("odd", "1", "no pair", size), NORMAL, wanted)
     assert len(ports(MEASURED_VELOCITY)) == 2
+
+
+@pytest.mark.parametrize("key", ["lag", "delay", "unmodelled_delay", "jitter"])
+def test_drives_are_ideal_only_where_nothing_of_them_is_late(key: str) -> None:
+    assert Scenario().actuator.ideal
+    assert not override(Scenario(), {f"actuator.{key}": 0.01}).actuator.ideal
+
+
+def test_at_rest_the_adversary_pushes_forward() -> None:
+    system = push(override(Scenario(), {"disturbance.push": [8.0, 2.0]}))
+    for v, omega, force in ((0.0, 0.0, (8.0, 2.0)), (-0.1, 0.0, (-8.0, 2.0)), (0.2, -1, (8, -2))):
+        right, left = stepped(system, [v, omega], [])[0]
+        assert ((right + left) / 0.1, 0.25 * (right - left) / 0.1) == pytest.approx(force)
+
+
+def way(**changed: object) -> Waypoints:
+    return override(Scenario(), {"reference.kind": "waypoints", **changed}).reference
+
+
+def test_of_many_points_half_of_the_tolerance_is_for_those_left_out() -> None:
+    """A corner of 250 points either way is cut by the other half."""
+    side = np.linspace(0.0, 2.0, 250)
+    points = [*([x, 0.0] for x in side), *([2.0, y] for y in side[1:])]
+    few, many = (
+        waypoint_path(way(**{"reference.points": own, "reference.tolerance": 0.2}))
+        for own in ([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]], points)
+    )
+
+    cut = [
+        float(np.hypot(*(path.derivatives(0, np.linspace(0, 1, 401)) - [2.0, 0.0]).T).min())
+        for path in (few, many)
+    ]
+    assert cut == pytest.approx([0.2, 0.1], rel=0.02)
+
+
+def test_a_closed_path_may_name_its_first_point_once_more() -> None:
+    square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
+    closed = {"reference.closed": True, "reference.tolerance": 0.3}
+    once, twice = (
+        waypoint_path(way(**{"reference.points": own, **closed}))
+        for own in (square, [*square, square[0]])
+    )
+
+    assert np.array_equal(once.coefficients, twice.coefficients)
+
+
+@pytest.mark.parametrize("speed", [0.21, 0.37, 0.53])
+def test_where_it_stops_it_never_drives_back(speed: float) -> None:
+    scenario = override(Scenario(), {
+        "reference.kind": "waypoints", "reference.speed": speed, "reference.tolerance": 0.1,
+        "reference.points": [[0.0, 0.0], [1.0, 0.3], [1.7, 1.9]], "clock.duration": 40.0,
+    })  # fmt: skip
+    end = scenario.reference.arrival
+    times = np.unique(np.append(end - np.geomspace(1e-15, 1e-3, 400), end))
+
+    v = sample(scenario, times)[:, 3]
+    assert (v >= 0).all()
+    assert v[-1] == 0.0

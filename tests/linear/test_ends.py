@@ -1,0 +1,103 @@
+"""Margins of both axes together, robots that differ from the model, instants that are asked for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.linear import margins
+from wmr_ctrl.linear.linearise import instant
+from wmr_ctrl.linear.margins import Margins, margins_at, model_errors, with_robot, worst
+from wmr_ctrl.linear.nonlinear import continuous_reading, law_nlsys, reference_nlsys, start_of
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.references import sample
+
+
+def test_the_worse_of_two_margins_is_the_nearer_to_one() -> None:
+    one = Margins(2.0, 0.5, 60.0, 0.1, 0.9, 2.6, 50.0)
+    other = Margins(3.0, 0.7, 40.0, None, 0.8, 2.3, 55.0)
+
+    assert worst([one, other]) == Margins(2.0, 0.7, 40.0, 0.1, 0.8, 2.3, 50.0)
+    assert worst([one, None]) is None
+
+
+def test_a_disk_of_alpha_stands_its_gain_and_its_phase() -> None:
+    """Balanced: gains up to (2 + a)/(2 - a), phases up to 2 atan(a/2)."""
+    found = margins_at(load_scenario("paper-simulation"), "mb", 0)
+
+    assert found.disk_gain == pytest.approx((2 + found.disk) / (2 - found.disk), rel=1e-3)
+    assert found.disk_phase == pytest.approx(2 * math.degrees(math.atan(found.disk / 2)), rel=1e-3)
+
+
+def test_a_robot_that_differs_is_believed_to_be_what_it_was() -> None:
+    scenario = override(Scenario(), {"model.m": 45.0})
+    other = with_robot(scenario, m=2.0, I=0.5, mu=3.0)
+
+    assert (other.robot.m, other.robot.I, other.robot.mu) == pytest.approx((100.0, 2.7, 0.24))
+    assert (other.believed.m, other.believed.I, other.believed.mu) == (45.0, 5.4, 0.08)
+
+
+@pytest.mark.parametrize(("changed", "period"), [({}, None), ({"actuator.delay": 0.02}, 0.01)])
+def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
+    monkeypatch: pytest.MonkeyPatch, changed: dict, period: float | None
+) -> None:
+    asked = []
+
+    def margins_of(scenario, law, axis, point, period):
+        robot = scenario.robot
+        asked.append((robot.m / 50, robot.I / 5.4, robot.mu / 0.08, axis, period))
+
+    monkeypatch.setattr(margins, "margins_at", margins_of)
+    monkeypatch.setattr(margins, "on_reference", lambda *_: None)
+    monkeypatch.setattr(margins, "largest_stable_period", lambda *_: 0.5)
+    errors = model_errors(override(Scenario(), changed), "mb")
+
+    assert [(e.parameter, e.factor) for e in errors] == [
+        (name, factor) for name in ("m", "I", "mu") for factor in (0.5, 1.5)
+    ]
+    own = [[e.factor if e.parameter == name else 1.0 for name in ("m", "I", "mu")] for e in errors]
+    assert np.array([row[:3] for row in asked]) == pytest.approx(np.repeat(own, 2, axis=0))
+    assert {row[4] for row in asked} == {period}
+    assert [row[3] for row in asked] == [0, 1] * 6
+
+
+def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest() -> None:
+    scenario = override(Scenario(), {"reference.kind": "stop-and-go"})
+    v = sample(scenario, np.linspace(0.0, scenario.reference.cycle, 1001))[:, 3]
+
+    assert sample(scenario, np.array([instant(scenario, None)]))[0, 3] == pytest.approx(
+        v.max(), rel=1e-3
+    )
+    assert np.ptp(v) > 0.1
+
+
+def test_a_loop_that_learns_nothing_starts_without_the_laws_memory() -> None:
+    scenario = Scenario()
+    start = [*scenario.initial.pose, *scenario.initial.velocity]
+
+    assert start_of(scenario, "pid", "frozen").tolist() == start
+    assert start_of(scenario, "pid")[-5:].tolist() == start
+    assert len(start_of(scenario, "pid")) == law_nlsys(scenario, "pid").nstates + 5
+
+
+def test_clocks_of_readings_are_those_that_were_asked_for() -> None:
+    scenario = Scenario()
+
+    assert [reference_nlsys(scenario, sampled).dt for sampled in (False, True)] == [0, 0.01]
+    assert [law_nlsys(scenario, "pid", sampled).dt for sampled in (False, True)] == [0, 0.01]
+
+
+def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period() -> None:
+
+    system = law_graph(settle(Scenario(), "pid"))
+    read = continuous_reading(system)
+    given = (np.linspace(0.1, 0.5, system.u.numel()), [0.3, -0.2, 1.0], system.p0)
+    after, rate = (
+        np.asarray(item.function("step", [item.update])(*given)).ravel() for item in (system, read)
+    )
+
+    assert rate == pytest.approx((after - [0.3, -0.2, 1.0]) / 0.01)
