@@ -4,7 +4,9 @@ Everything that is ordered follows this page: vectors in CasADi graphs, enums in
 FMUs, columns of results, labels of plots.  It imports nothing, so that every layer may use it.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +34,13 @@ class Signal:
         """Unit of each element."""
         parts = tuple(part.strip() for part in self.unit.split(","))
         return parts if len(parts) == self.size else parts[:1] * self.size
+
+
+def places(signals: Iterable[Signal]) -> dict[str, slice]:
+    """Places of signals that stand one after the other in a vector, by name."""
+    listed = tuple(signals)
+    ends = pairwise(accumulate((item.size for item in listed), initial=0))
+    return {item.name: slice(*pair) for item, pair in zip(listed, ends, strict=True)}
 
 
 LARGEST = 1e12

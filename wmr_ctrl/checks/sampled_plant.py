@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, HELD, POSE, ROBOT, SPEED, Floats, World, names_of
-from wmr_ctrl.signals import PATH, SKID, TORQUE
+from wmr_ctrl.signals import PATH, SKID, TORQUE, places
 
 GRID = 1e-9
 """Share of a period within which an instant counts as one of its ends."""
@@ -124,13 +124,11 @@ class Assembly:
         theta = self.motion.theta - omega * back
         known = {"x": v * back * math.sin(theta), "y": -v * back * math.cos(theta), "theta": theta,
                  "v1": v, "omega": omega, PATH.name: -v * back}  # fmt: skip
-        state, at = np.zeros(world.size), 0
+        state, rows = np.zeros(world.size), places(item.signal for item in world.fast)
         for item in world.fast:
-            torque = item.signal.unit == TORQUE[0].unit and item.signal.size == COMMAND
-            state[at : at + item.signal.size] = (
-                self.torque if torque else known.get(item.signal.name, item.value)
-            )
-            at += item.signal.size
+            name, unit, size = item.signal.name, item.signal.unit, item.signal.size
+            torque = unit == TORQUE[0].unit and size == COMMAND
+            state[rows[name]] = self.torque if torque else known.get(name, item.value)
         return state
 
     def _step(self, graph: ca.Function, step: float) -> Floats:
@@ -166,13 +164,12 @@ class Assembly:
         for k, back in ((0, 2 * T), (1, T)) if world.nonlinear else ():
             shown = world.shown(k, self._fast(back), memory, numbers)
             memory = shown.full().ravel()[ROBOT + HELD :]
-        at = 0
+        rows = places(item.signal for item in world.slow)
         natural = {POSE: self._fast(T)[:3], SPEED: np.array(self.motion.v)}
         for item in world.slow:
             value = natural.get(item.signal.unit)
             if value is not None and len(value) == item.signal.size:
-                memory[at : at + len(value)] = value
-            at += item.signal.size
+                memory[rows[item.signal.name]] = value
         given = (sample, self._fast(0.0), memory, numbers, self.motion.e)
         return np.asarray(world.sensed(*given).full())
 

@@ -34,6 +34,7 @@ from wmr_ctrl.signals import (
     TAU_APPLIED,
     VELOCITY,
     Signal,
+    places,
 )
 from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.speed_loop import has_loop
@@ -109,7 +110,8 @@ class SentVelocity:
         p = stack(self.p.take(item.signal.name) for item in self.filter.params)
         graph = self.filter.function("filter", [self.filter.update, self.filter.y])
         following, y = graph(inputs, self.filter.x, p)
-        sent, flags = (place_of(self.filter, y, signal) for signal in (SENT, FLAGS))
+        rows = places(item.signal for item in self.filter.outputs)
+        sent, flags = (y[rows[signal.name]] for signal in (SENT, FLAGS))
         return sent, flags, following
 
     def system(self) -> System:
@@ -194,16 +196,6 @@ class SentVelocity:
         midway = self.v + a * self.p.take("clock.control") / 2
         force = self.mass * a + self._friction(midway)
         return force_to_wheel(self.p.take("robot.r"), self.p.take("robot.l"), force)
-
-
-def place_of(system: System, y: ca.SX, signal: Signal) -> ca.SX:
-    """The rows of an output vector ``y`` that a signal has."""
-    at = 0
-    for item in system.outputs:
-        if item.signal == signal:
-            break
-        at += item.signal.size
-    return y[at : at + signal.size]
 
 
 def _sent(age: int) -> Signal:

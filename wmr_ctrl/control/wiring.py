@@ -25,6 +25,7 @@ from wmr_ctrl.signals import (
     TIME,
     TORQUE_NOISE,
     Signal,
+    places,
 )
 from wmr_ctrl.world.effect import EffectRole, Rate
 
@@ -99,12 +100,8 @@ class Wiring:
         graph = system.function("run", [system.update, system.y, system.d])
         update, y, d = graph(*given, *([system.w] if system.draws else []))
         self.add(system.state, update)
-        at, numbers = 0, ca.vertcat(y, d)
-        outputs: Named = {}
-        for output in (*system.outputs, *system.diagnostics):
-            outputs[output.signal.name] = numbers[at : at + output.signal.size]
-            at += output.signal.size
-        return outputs
+        shown = places(item.signal for item in (*system.outputs, *system.diagnostics))
+        return {name: ca.vertcat(y, d)[rows] for name, rows in shown.items()}
 
     def add(self, state: Sequence[Port], following: ca.SX) -> None:
         """State with its next value."""

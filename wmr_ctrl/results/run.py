@@ -18,7 +18,7 @@ from wmr_ctrl.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.outcomes import Monitor, Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
-from wmr_ctrl.signals import REFERENCE, TIME, Signal
+from wmr_ctrl.signals import REFERENCE, TIME, Signal, places
 
 if TYPE_CHECKING:
     import pandas
@@ -272,12 +272,8 @@ class Run:
 
 def split_columns(signals: Sequence[Signal], rows: FloatArray) -> dict[str, FloatArray]:
     """Rows of a log (N, numbers) as one array per signal, (N,) or (N, size)."""
-    columns, at = {}, 0
-    for signal in signals:
-        part = rows[:, at : at + signal.size]
-        columns[signal.name] = part[:, 0] if signal.size == 1 else part
-        at += signal.size
-    return columns
+    parts = {name: rows[:, place] for name, place in places(signals).items()}
+    return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in parts.items()}
 
 
 def _scalars(signal: Signal) -> tuple[Signal, ...]:
