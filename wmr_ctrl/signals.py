@@ -1,7 +1,8 @@
 """Signal: name, unit, size and meaning of one quantity, and the catalogue that fixes every order.
 
 Everything that is ordered follows this page: vectors in CasADi graphs, enums in C, variables of
-FMUs, columns of results, labels of plots.  It imports nothing, so that every layer may use it.
+FMUs, columns of results, labels of plots.  It imports nothing of the package, so that every
+layer may use it.
 """
 
 from collections.abc import Iterable
