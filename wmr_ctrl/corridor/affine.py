@@ -2,28 +2,31 @@
 
     y = c + L xi + r',     |xi_k| <= 1,  |r'| <= r
 
-for many boxes together.  With ``size`` at least as large as all that was added up, the rounding of
-an operation is at most ROUNDING of it, and is added to r.  Both sides of an undecided choice are
+They are expressions of the box's middle and half-widths, composed once for a graph, and CasADi
+evaluates them for all boxes.  With ``size`` at least as large as all that was added up, the rounding
+of an operation is at most ROUNDING of it, and is added to r.  Both sides of an undecided choice are
 enclosed by their hull, of |x|, min and max by a secant.
+
+CasADi simplifies what is composed by identities of real numbers, and no bound rests on how a number
+was rounded, so what is simplified is not rounded by more.  fmin and fmax pass over what is no
+number, and so does a condition: where they are used, what is added up of the operands keeps it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache, reduce
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.enclosure import OpenBoxError
-from wmr_ctrl.model.graph import SELECT, read
+from wmr_ctrl.model.graph import SELECT, Graph, read
 
 STEEPER = (1.0, 1.1, 1.2, 1.3, 1.5, 0.0)
 """Shares of tanh's mean slope over a box that are tried."""
-Truth = tuple[NDArray[np.bool_], NDArray[np.bool_]]
-"""Where a condition is certain to hold, and where it is certain not to."""
 ROUNDING, SUMS = 2.0**-49, 1.0 + 2.0**-40
 """Share of its size by which an operation can err, functions within 4 units of the last place;
 sums of up to 8,000 numbers."""
@@ -31,69 +34,137 @@ sums of up to 8,000 numbers."""
 
 @dataclass(frozen=True)
 class Form:
-    """``c`` (C), ``L`` (C, columns) or None, ``r`` (C) and ``size`` (C) of C boxes."""
+    """``c``, the row ``L`` (1, columns), ``r`` and ``size``."""
 
-    c: Floats
-    L: Floats | None
-    r: Floats
-    size: Floats
+    c: ca.SX
+    L: ca.SX
+    r: ca.SX
+    size: ca.SX
 
-    @property
-    def radius(self) -> Floats:
+    @cached_property
+    def radius(self) -> ca.SX:
         """Largest distance from c."""
-        if self.L is None:
-            return self.r
-        return np.asarray((np.abs(self.L).sum(axis=1) + self.r) * SUMS)
+        return (ca.sum2(ca.fabs(self.L)) + self.r) * SUMS
 
-    @property
-    def range(self) -> tuple[Floats, Floats]:
+    @cached_property
+    def range(self) -> tuple[ca.SX, ca.SX]:
         """Ends of an interval that holds it, with rounding."""
-        radius = self.radius + np.abs(self.c) * ROUNDING
+        radius = self.radius + ca.fabs(self.c) * ROUNDING
         return self.c - radius, self.c + radius
 
 
+@dataclass(frozen=True)
+class Truth:
+    """Whether a condition is certain to hold, and whether it is certain not to."""
+
+    yes: ca.SX
+    no: ca.SX
+
+
+@dataclass(frozen=True)
+class Spanned:
+    """Forms of C boxes: ``c``, ``r`` and ``size`` (C, outputs), ``L`` (C, outputs, inputs)."""
+
+    c: Floats
+    r: Floats
+    size: Floats
+    L: Floats
+
+    @property
+    def radius(self) -> Floats:
+        """Largest distances from c."""
+        return np.asarray((np.abs(self.L).sum(axis=2) + self.r) * SUMS)
+
+
+Rule = Callable[[list[Form]], list[Form]]
+"""What makes forms of forms."""
+
+
 class AffineGraph:
-    """A CasADi column of one column of inputs, over boxes."""
+    """A CasADi column of one column of inputs, as a rule and over boxes."""
 
     def __init__(self, by: ca.SX, output: ca.SX) -> None:
-        """Read the graph."""
-        self.inputs, self.outputs = by.numel(), output.numel()
-        graph = read(ca.Function("spanned", [by], [ca.densify(output)]), ["i"], ("y",))
-        self._nodes = graph.nodes
-        stores = {item.index: item.node for item in graph.stores}
-        self._stores = [stores[k] for k in range(self.outputs)]
+        """Read the graph; OpenBoxError for operations without a rule."""
+        function = ca.Function("spanned", [by], [ca.densify(output)])
+        graph = read(function, ["i"], ("y",))
+        for node in graph.nodes:
+            if node.place is None and node.op != ca.OP_CONST and node.op not in _RULES:
+                raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
+        self.count, self._graph, self._key = by.numel(), graph, function.serialize()
 
-    def __call__(self, given: Sequence[Form]) -> list[Form]:
-        """Forms of the outputs; OpenBoxError for operations without a rule."""
-        done: list[Form | Truth] = []
-        with np.errstate(all="ignore"):
-            for node in self._nodes:
-                if node.place is not None:
-                    done.append(given[node.place[1]])
-                elif node.op == ca.OP_CONST:
-                    done.append(number(node.number, len(given[0].c)))
-                elif node.op not in _RULES:
-                    raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
-                else:
-                    done.append(_RULES[node.op](*(done[k] for k in node.operands)))
-        return [_form(done[k]) for k in self._stores]
+    def rule(self, given: list[Form]) -> list[Form]:
+        """Forms of the outputs."""
+        return _walked(self._graph, given)
+
+    def __call__(self, center: Floats, radius: Floats) -> Spanned:
+        """Over boxes (C, inputs)."""
+        return self._boxes(center, radius)
+
+    @cached_property
+    def _boxes(self) -> OverBoxes:
+        return _over_boxes(self._key)
 
 
-def boxes(center: Floats, radius: Floats) -> list[Form]:
-    """Forms of boxes (C, n): column k is input k in units of its radius."""
-    forms = []
-    for k in range(center.shape[1]):
-        L = np.zeros(center.shape)
-        L[:, k] = radius[:, k]
-        size = np.abs(center[:, k]) + radius[:, k]
-        forms.append(Form(center[:, k], L, np.zeros(len(center)), size))
-    return forms
+class OverBoxes:
+    """A rule over boxes, as one function of CasADi."""
+
+    def __init__(self, count: int, rule: Rule) -> None:
+        """Of so many inputs."""
+        self.count = count
+        center, radius = ca.SX.sym("center", count), ca.SX.sym("radius", count)
+        given = []
+        for k in range(count):
+            L = ca.SX(1, count)
+            L[0, k] = radius[k]
+            given.append(Form(center[k], L, ca.SX(0), ca.fabs(center[k]) + radius[k]))
+        forms = rule(given)
+        L = ca.vertcat(*(form.L for form in forms))
+        rows, columns = (np.array(part, dtype=int) for part in L.sparsity().get_triplet())
+        self._places, self._outputs = (rows, columns), len(forms)
+        every = [ca.densify(getattr(form, k)) for k in ("c", "r", "size") for form in forms]
+        function = ca.Function("over", [ca.vertcat(center, radius)], [ca.vertcat(*every, L.nz[:])])
+        self._box, self._found = np.zeros(2 * count), np.zeros(function.numel_out(0))
+        self._buffer, self._run = function.buffer()
+        self._buffer.set_arg(0, memoryview(self._box))
+        self._buffer.set_res(0, memoryview(self._found))
+
+    def __call__(self, center: Floats, radius: Floats) -> Spanned:
+        """Of boxes (C, inputs)."""
+        given, result = np.hstack([center, radius]), np.empty((len(center), len(self._found)))
+        for box, found in zip(given, result, strict=True):
+            self._box[:] = box
+            self._run()
+            found[:] = self._found
+        c, r, size = (result[:, k * self._outputs :][:, : self._outputs] for k in range(3))
+        L = np.zeros((len(center), self._outputs, self.count))
+        L[:, *self._places] = result[:, 3 * self._outputs :]
+        return Spanned(c, r, size, L)
 
 
-def number(value: float, count: int) -> Form:
-    """A constant of so many boxes."""
-    c = np.full(count, float(value))
-    return Form(c, None, np.zeros(count), np.abs(c))
+@lru_cache(maxsize=64)
+def _over_boxes(serialized: str) -> OverBoxes:
+    """Of a graph, for all that have the same."""
+    function = ca.Function.deserialize(serialized)
+    graph = read(function, ["i"], ("y",))
+    return OverBoxes(function.numel_in(0), lambda given: _walked(graph, given))
+
+
+def _walked(graph: Graph, given: list[Form]) -> list[Form]:
+    done: list[Form | Truth] = []
+    for node in graph.nodes:
+        if node.place is not None:
+            done.append(given[node.place[1]])
+        elif node.op == ca.OP_CONST:
+            done.append(number(node.number, given[0].L.size2()))
+        else:
+            done.append(_RULES[node.op](*(done[k] for k in node.operands)))
+    stores = {item.index: done[item.node] for item in graph.stores}
+    return [_form(stores[k]) for k in range(len(stores))]
+
+
+def number(value: float, columns: int) -> Form:
+    """A constant."""
+    return Form(ca.SX(value), ca.SX(1, columns), ca.SX(0), ca.SX(abs(value)))
 
 
 def _form(value: Form | Truth) -> Form:
@@ -101,137 +172,127 @@ def _form(value: Form | Truth) -> Form:
     return value
 
 
-def _rounded(c: Floats, L: Floats | None, r: Floats, size: Floats) -> Form:
+def _rounded(c: ca.SX, L: ca.SX, r: ca.SX, size: ca.SX) -> Form:
     return Form(c, L, r * (1 + ROUNDING) + size * ROUNDING, size * (1 + ROUNDING))
-
-
-def _sum_of(a: Floats | None, b: Floats | None) -> Floats | None:
-    if a is None or b is None:
-        return b if a is None else a
-    return a + b
-
-
-def _times(L: Floats | None, by: Floats) -> Floats | None:
-    return None if L is None else L * by[:, None]
 
 
 def add(a: Form, b: Form) -> Form:
     """a + b."""
-    return _rounded(a.c + b.c, _sum_of(a.L, b.L), a.r + b.r, a.size + b.size)
+    return _rounded(a.c + b.c, a.L + b.L, a.r + b.r, a.size + b.size)
 
 
 def _neg(a: Form) -> Form:
-    return Form(-a.c, None if a.L is None else -a.L, a.r, a.size)
+    return Form(-a.c, -a.L, a.r, a.size)
 
 
 def _mul(a: Form, b: Form) -> Form:
-    size = a.size * b.size
-    if a.L is None and not a.r.any():
-        return _rounded(a.c * b.c, _times(b.L, a.c), np.abs(a.c) * b.r, size)
-    if b.L is None and not b.r.any():
-        return _mul(b, a)
-    r = np.abs(b.c) * a.r + np.abs(a.c) * b.r + a.radius * b.radius
-    return _rounded(a.c * b.c, _sum_of(_times(a.L, b.c), _times(b.L, a.c)), r, size)
+    r = ca.fabs(b.c) * a.r + ca.fabs(a.c) * b.r + a.radius * b.radius
+    return _rounded(a.c * b.c, a.L * b.c + b.L * a.c, r, a.size * b.size)
 
 
-def _along(a: Form, slope: Floats, least: Floats, most: Floats) -> Form:
+def _along(a: Form, slope: ca.SX, least: ca.SX, most: ca.SX) -> Form:
     """slope a + what lies between ``least`` and ``most``."""
     middle, half = (least + most) / 2, (most - least) / 2
-    size = np.abs(slope) * a.size + np.abs(least) + np.abs(most)
-    return _rounded(slope * a.c + middle, _times(a.L, slope), np.abs(slope) * a.r + half, size)
+    size = ca.fabs(slope) * a.size + ca.fabs(least) + ca.fabs(most)
+    return _rounded(slope * a.c + middle, a.L * slope, ca.fabs(slope) * a.r + half, size)
 
 
-def _secant(low: Floats, high: Floats, at_low: Floats, at_high: Floats) -> Floats:
-    apart = high - low > 1e-12 * (np.abs(low) + np.abs(high))
-    return np.where(apart, (at_high - at_low) / np.where(apart, high - low, 1.0), 0.0)
+def _secant(low: ca.SX, high: ca.SX, at_low: ca.SX, at_high: ca.SX) -> ca.SX:
+    apart = high - low > 1e-12 * (ca.fabs(low) + ca.fabs(high))
+    return ca.if_else(apart, (at_high - at_low) / (high - low), 0.0)
 
 
 def _abs(a: Form) -> Form:
     """By its secant, over which |x| is at its ends, and below which at 0."""
     low, high = a.range
-    across = (low < 0) & (high > 0)
-    slope = np.where(across, _secant(low, high, -low, high), np.where(low >= 0, 1.0, -1.0))
-    ends = np.array([np.abs(low) - slope * low, np.abs(high) - slope * high])
-    least = np.where(across, np.minimum(ends.min(axis=0), 0.0), 0.0)
-    return _along(a, slope, least, np.where(across, ends.max(axis=0), 0.0))
+    across = ca.logic_and(low < 0, high > 0)
+    slope = ca.if_else(across, _secant(low, high, -low, high), ca.if_else(low >= 0, 1.0, -1.0))
+    ends = ca.fabs(low) - slope * low, ca.fabs(high) - slope * high
+    least = ca.if_else(across, ca.fmin(ca.fmin(*ends), 0.0), 0.0)
+    return _along(a, slope, least, ca.if_else(across, ca.fmax(*ends), 0.0))
 
 
 def _max(a: Form, b: Form) -> Form:
     apart = add(a, _neg(b))
     low, high = apart.range
-    both = _times_number(add(add(a, b), _abs(apart)), 0.5)
-    return _picked((low >= 0, high <= 0), a, b, both)
-
-
-def _times_number(a: Form, by: float) -> Form:
-    return _mul(number(by, len(a.c)), a)
+    both = _mul(number(0.5, a.L.size2()), add(add(a, b), _abs(apart)))
+    return _picked(Truth(low >= 0, high <= 0), a, b, both)
 
 
 def _hull(a: Form, b: Form) -> Form:
     (al, ah), (bl, bh) = a.range, b.range
-    low, high = np.minimum(al, bl), np.maximum(ah, bh)
-    return _rounded((low + high) / 2, None, (high - low) / 2, np.maximum(a.size, b.size))
+    low, high = ca.fmin(al, bl), ca.fmax(ah, bh)
+    every = ca.fabs(a.c) + a.radius + ca.fabs(b.c) + b.radius  # no number where one of them is none
+    half = (high - low) / 2 + every * ROUNDING
+    return _rounded((low + high) / 2, ca.SX(*a.L.shape), half, a.size + b.size)
 
 
 def _picked(truth: Truth, a: Form, b: Form, other: Form) -> Form:
     """``a`` where it is certain, ``b`` where its contrary is, else ``other``."""
-    yes, no = truth
-    if yes.all() or no.all():
-        return a if yes.all() else b
 
-    def of(name: str) -> Floats:
-        one, two, three = (getattr(item, name) for item in (a, b, other))
-        return np.where(yes, one, np.where(no, two, three))
+    def of(one: ca.SX, two: ca.SX, three: ca.SX) -> ca.SX:
+        return ca.if_else(truth.yes, one, ca.if_else(truth.no, two, three))
 
-    L = next((item.L for item in (a, b, other) if item.L is not None), None)
-    if L is not None:
-        parts = [np.zeros_like(L) if item.L is None else item.L for item in (a, b, other)]
-        L = np.where(yes[:, None], parts[0], np.where(no[:, None], parts[1], parts[2]))
-    return Form(of("c"), L, of("r"), of("size"))
+    return Form(*(of(*(getattr(item, name) for item in (a, b, other)))
+                  for name in ("c", "L", "r", "size")))  # fmt: skip
 
 
 def _tanh(a: Form) -> Form:
     """By the one of some slopes that leaves least, at the ends and where tanh has that slope."""
     low, high = a.range
-    at = np.tanh(np.array([low, high]))
-    slope = np.clip(np.outer(STEEPER, _secant(low, high, at[0], at[1])), 0.0, 1.0)
-    turn = np.sqrt(1 - slope)
-    place = np.arctanh(np.minimum(turn, 1 - ROUNDING))
-    left = np.stack([at[0] - slope * low, at[1] - slope * high, turn - slope * place])
-    inner = [
-        np.where((s * place > low) & (s * place < high), s * left[2], left[0]) for s in (1, -1)
-    ]
-    every = np.stack([left[0], left[1], *inner])
-    least, most = every.min(axis=0), every.max(axis=0)
-    best = (most - least).argmin(axis=0), np.arange(len(low))
-    return _along(a, slope[best], least[best] - 8 * ROUNDING, most[best] + 8 * ROUNDING)
+    at_low, at_high = ca.tanh(low), ca.tanh(high)
+    mean = _secant(low, high, at_low, at_high)
+    best = None
+    for share in STEEPER:
+        slope = ca.fmin(ca.fmax(share * mean, 0.0), 1.0)
+        turn = ca.sqrt(1 - slope)
+        place = ca.atanh(ca.fmin(turn, 1 - ROUNDING))
+        first, last, top = at_low - slope * low, at_high - slope * high, turn - slope * place
+        inner = [
+            ca.if_else(ca.logic_and(s * place > low, s * place < high), s * top, first)
+            for s in (1, -1)
+        ]
+        every = [first, last, *inner]
+        new = slope, reduce(ca.fmin, every), reduce(ca.fmax, every)
+        if best is not None:
+            less = new[2] - new[1] < best[2] - best[1]
+            new = tuple(ca.if_else(less, one, two) for one, two in zip(new, best, strict=True))
+        best = new
+    slope, least, most = best
+    return _along(a, slope, least - 8 * ROUNDING, most + 8 * ROUNDING)
 
 
 def _curve(
-    f: Callable[[Floats], Floats],
-    slope: Callable[[Floats], Floats],
-    bend: Callable[[Floats, Floats], Floats],
+    f: Callable[[ca.SX], ca.SX],
+    slope: Callable[[ca.SX], ca.SX],
+    bend: Callable[[ca.SX, ca.SX], ca.SX],
 ) -> Callable[[Form], Form]:
     """By the tangent at c; ``bend``: the largest |f''| on an interval."""
 
     def rule(a: Form) -> Form:
-        k, radius = slope(a.c), a.radius
-        off = bend(*a.range) * radius**2 / 2
-        size = np.abs(f(a.c)) + np.abs(k) * a.size + off
-        return _rounded(f(a.c), _times(a.L, k), np.abs(k) * a.r + off, size)
+        k, value = slope(a.c), f(a.c)
+        off = bend(*a.range) * a.radius**2 / 2
+        size = ca.fabs(value) + ca.fabs(k) * a.size + off
+        return _rounded(value, a.L * k, ca.fabs(k) * a.r + off, size)
 
     return rule
 
 
-def _nearest(low: Floats, high: Floats) -> Floats:
+def _nearest(low: ca.SX, high: ca.SX) -> ca.SX:
     """Least size on an interval, 0 where it holds 0."""
-    return np.where((low <= 0) & (high >= 0), 0.0, np.minimum(np.abs(low), np.abs(high)))
+    holds = ca.logic_and(low <= 0, high >= 0)
+    return ca.if_else(holds, 0.0, ca.fmin(ca.fabs(low), ca.fabs(high)))
+
+
+def _root_bend(low: ca.SX, high: ca.SX) -> ca.SX:
+    least = ca.fmax(low, 0.0)
+    return 0.25 / (least * ca.sqrt(least))
 
 
 def _below(strict: bool) -> Callable[[Form, Form], Truth]:
     def rule(a: Form, b: Form) -> Truth:
         low, high = add(a, _neg(b)).range
-        return (high < 0, low >= 0) if strict else (high <= 0, low > 0)
+        return Truth(high < 0, low >= 0) if strict else Truth(high <= 0, low > 0)
 
     return rule
 
@@ -239,7 +300,7 @@ def _below(strict: bool) -> Callable[[Form, Form], Truth]:
 def _choice(truth: Truth | Form, a: Form, b: Form) -> Form:
     if isinstance(truth, Form):
         low, high = truth.range
-        truth = (low > 0) | (high < 0), (low == 0) & (high == 0)
+        truth = Truth(ca.logic_or(low > 0, high < 0), ca.logic_and(low == 0, high == 0))
     return _picked(truth, a, b, _hull(a, b))
 
 
@@ -261,17 +322,13 @@ _RULES: dict[int, Callable[..., Form | Truth]] = {
     ca.OP_FMIN: lambda a, b: _neg(_max(_neg(a), _neg(b))),
     ca.OP_TANH: _tanh,
     ca.OP_SIN: _curve(
-        np.sin, np.cos, lambda low, high: np.minimum(np.maximum(np.abs(low), np.abs(high)), 1.0)
+        ca.sin, ca.cos, lambda low, high: ca.fmin(ca.fmax(ca.fabs(low), ca.fabs(high)), 1.0)
     ),
-    ca.OP_COS: _curve(np.cos, lambda x: -np.sin(x), lambda low, high: np.ones_like(low)),
-    ca.OP_SQRT: _curve(
-        np.sqrt,
-        lambda x: 0.5 / np.sqrt(x),
-        lambda low, high: 0.25 * np.where(low > 0, low, 0.0) ** -1.5,
-    ),
+    ca.OP_COS: _curve(ca.cos, lambda x: -ca.sin(x), lambda low, high: ca.SX(1)),
+    ca.OP_SQRT: _curve(ca.sqrt, lambda x: 0.5 / ca.sqrt(x), _root_bend),
     ca.OP_LT: _below(True),
     ca.OP_LE: _below(False),
-    ca.OP_NOT: lambda a: (a[1], a[0]),
-    ca.OP_AND: lambda a, b: (a[0] & b[0], a[1] | b[1]),
-    ca.OP_OR: lambda a, b: (a[0] | b[0], a[1] & b[1]),
+    ca.OP_NOT: lambda a: Truth(a.no, a.yes),
+    ca.OP_AND: lambda a, b: Truth(ca.logic_and(a.yes, b.yes), ca.logic_or(a.no, b.no)),
+    ca.OP_OR: lambda a, b: Truth(ca.logic_or(a.yes, b.yes), ca.logic_and(a.no, b.no)),
 }

@@ -22,7 +22,7 @@ from wmr_ctrl.barrier.proximal import resolvent
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.corridor.affine import ROUNDING, SUMS, AffineGraph, Form, boxes, number
+from wmr_ctrl.corridor.affine import ROUNDING, SUMS, AffineGraph, Form, OverBoxes, number
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.limits import FAR_START, AskedForce, ForceLimits, uncovered
@@ -32,6 +32,7 @@ from wmr_ctrl.corridor.zonotopes import (
     Ends,
     Rows,
     alike,
+    linear,
     radius_of,
     reduced,
     with_errors,
@@ -141,8 +142,19 @@ class LimitedLoop:
         self.n = len(loop.at)
         self._compose_law(setup)
         self.limits = ForceLimits(setup)
-        self.step = AffineGraph(loop.step.by, loop.step.output)
-        self.gap = reference_gap(loop.step.at[V], setup.scenario.clock.plant)
+        self.steps = OverBoxes(ROBOT + 2 * COMMAND, self._stepped)
+
+    def _stepped(self, given: list[Form]) -> list[Form]:
+        """State after each plant step of a sample, by that before it, force and push."""
+        loop, columns = self.loop, len(given)
+        gap = reference_gap(loop.step.at[V], loop.setup.scenario.clock.plant)
+        step, z, course = AffineGraph(loop.step.by, loop.step.output), given[:ROBOT], list[Form]()
+        fixed = [*given[ROBOT:], *(number(x, columns) for x in loop.step.at[-COMMAND:])]
+        for _ in range(loop.steps):
+            z = step.rule([*z, *fixed])
+            z[:2] = [replace(item, r=item.r + gap) for item in z[:2]]
+            course += z
+        return course
 
     def _compose_law(self, setup: Setup) -> None:
         loop, scenario = self.loop, setup.scenario
@@ -227,16 +239,11 @@ class LimitedLoop:
         held = np.concatenate([joined[:, :ROBOT], acts, d], axis=1)
         middle = np.hstack([cells.c[:, :ROBOT], sent.c, np.zeros((count, COMMAND))])
         radius = radius_of(held)
-        forms = boxes(middle, radius)
-        z, fixed = forms[:ROBOT], forms[ROBOT:]
-        fixed += [number(x, count) for x in self.loop.step.at[-COMMAND:]]
-        far, heading = _farthest(z), np.abs(z[2].c) + z[2].radius
-        for _ in range(self.loop.steps):
-            z = self.step([*z, *fixed])
-            z[:2] = [replace(item, r=item.r + self.gap) for item in z[:2]]
-            far = np.maximum(far, _farthest(z))
-            heading = np.maximum(heading, np.abs(z[2].c) + z[2].radius)
-        shown, slope, error = _taken(z, radius)
+        found = self.steps(middle, radius)
+        size = np.hstack([np.abs(middle[:, :ROBOT]) + radius[:, :ROBOT], np.abs(found.c) + found.radius])
+        course = size.reshape(count, -1, ROBOT)
+        far, heading = np.hypot(*course.T[:2]).max(axis=0), course[:, :, 2].max(axis=1)
+        shown, slope, error = (item[:, -ROBOT:] for item in linear(found, radius))
         moved, gain = with_errors(slope @ held, error), _own(slope[:, V], ROBOT)
         now = Rows.of(shown[:, V], moved[:, V])
         base = now.plus(sent, -gain)
@@ -289,23 +296,8 @@ def _own(slope: Floats, first: int) -> Floats:
 
 
 def _linear(graph: AffineGraph, middle: Floats, radius: Floats) -> tuple[Floats, Floats, Floats]:
-    """A graph over boxes: its middle (C, out), slopes (C, out, in) and errors (C, out)."""
-    return _taken(graph(boxes(middle, radius)), radius)
-
-
-def _taken(forms: list[Form], radius: Floats) -> tuple[Floats, Floats, Floats]:
-    """Forms of inputs of some radius, as middle, slopes and errors."""
-    c, slope, error = [], [], []
-    for form in forms:
-        L = np.zeros_like(radius) if form.L is None else form.L
-        c.append(form.c)
-        slope.append(np.where(radius > 0, L / np.where(radius > 0, radius, 1.0), 0.0))
-        error.append(form.r * SUMS + form.size * COARSE)
-    return np.stack(c, 1), np.stack(slope, 1), np.stack(error, 1)
-
-
-def _farthest(z: list[Form]) -> Floats:
-    return np.asarray(np.hypot(*(np.abs(item.c) + item.radius for item in z[:2])) * SUMS)
+    """A graph over boxes."""
+    return linear(graph(middle, radius), radius)
 
 
 def _secant_of(
@@ -318,11 +310,9 @@ def _secant_of(
     """
     at = low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)[:, None]
     at[-1] = high
-    flat = at.ravel()
-    still = np.zeros_like(flat)
-    form = graph([Form(flat, None, still, np.abs(flat))])[0]
-    off = (form.r + form.size * ROUNDING).reshape(at.shape)
-    value = form.c.reshape(at.shape)
+    found = graph(at.reshape(-1, 1), np.zeros((at.size, 1)))
+    off = (found.r + found.size * ROUNDING).reshape(at.shape)
+    value = found.c.reshape(at.shape)
     apart = high - low
     slope = np.where(apart > 1e-9, (value[-1] - value[0]) / np.where(apart > 1e-9, apart, 1.0), 1.0)
     slope = np.clip(slope, 0.0, 1.0)

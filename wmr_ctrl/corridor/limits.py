@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.corridor.affine import AffineGraph, Form
+from wmr_ctrl.corridor.affine import AffineGraph
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import NoCorridorError, conditions
-from wmr_ctrl.corridor.zonotopes import COARSE, SUMS, Ends, Rows, with_errors
+from wmr_ctrl.corridor.zonotopes import COARSE, SUMS, Ends, Rows, linear, with_errors
 from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.model.dynamics import full_thrust
 
@@ -114,8 +114,8 @@ class ForceLimits:
         size = np.maximum(np.abs(low), np.abs(high))[:, 0]
         near = np.maximum(np.maximum(low, -high), 0.0)[:, 0]
         spare, most = self._reach(size) * (1 - COARSE), self._reach(near) * (1 + COARSE)
-        force, columns = asked.force, asked.force.rows.shape[2]
-        thrust, room = (_row(item, columns) for item in self.thrust([_form(force, 0)]))
+        force = asked.force
+        thrust, room = self._by_thrust(force.of_axis(0))
         moment = _clipped(
             force.of_axis(1), room, (low[:, 1:], high[:, 1:]), (spare[:, 1:], most[:, 1:])
         )
@@ -126,24 +126,21 @@ class ForceLimits:
         )
         return Rows.of(c, with_errors(rows, error)), spare
 
+    def _by_thrust(self, force: Rows) -> tuple[Rows, Rows]:
+        """The thrust that is sent of one that is asked, and room for a moment beside it."""
+        radius = (np.abs(force.rows).sum(axis=2) + force.error) * SUMS
+        c, slope, error = linear(self.thrust(force.c, radius), radius)
+        rows = slope * force.rows
+        error = error + np.abs(slope[:, :, 0]) * force.error + COARSE * np.abs(rows).sum(axis=2)
+        both = Rows(c, rows, error)
+        return both.of_axis(0), both.of_axis(1)
+
     def _reach(self, thrust: Floats) -> Floats:
         """Largest force (C, 2) beside an asked thrust of such a size."""
         most = np.full_like(thrust, BEYOND)
         first = np.asarray(self.wheels(np.array([most, 0 * most])))[0]
         second = np.asarray(self.wheels(np.array([thrust, most])))[1]
         return np.stack([first, second], axis=1)
-
-
-def _form(rows: Rows, axis: int) -> Form:
-    """One number of each cell, by the cell's columns."""
-    c, L, r = rows.c[:, axis], rows.rows[:, axis], rows.error[:, axis]
-    return Form(c, L, r, np.abs(c) + np.abs(L).sum(axis=1) + r)
-
-
-def _row(form: Form, columns: int) -> Rows:
-    """The same the other way round."""
-    L = np.zeros((len(form.c), columns)) if form.L is None else form.L
-    return Rows(form.c[:, None], L[:, None], (form.r * SUMS + form.size * COARSE)[:, None])
 
 
 def _clipped(force: Rows, bound: Rows, span: Ends, between: Ends) -> Rows:

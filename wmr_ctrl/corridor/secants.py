@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.corridor.affine import AffineGraph, boxes
+from wmr_ctrl.corridor.affine import AffineGraph
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.midradius import MidRadius
 from wmr_ctrl.corridor.motion import MovingCurve
@@ -56,16 +56,11 @@ class SecantCurve:
         center = np.hstack([by.middle, numbers.middle])
         parts = (by.radius + wide, by.middle), (numbers.radius, numbers.middle)
         radius = np.hstack([np.broadcast_to(one, like.shape) for one, like in parts])
-        forms = self._graph(boxes(center, radius))
-        shape = len(center), len(forms)
-        slopes, left = np.zeros((*shape, n)), np.zeros(shape)
-        for i, form in enumerate(forms):
-            left[:, i] = form.r + 1e-15 * form.size
-            if form.L is not None:
-                slopes[:, i] = form.L[:, :n] / radius[:, :n]
-                left[:, i] += np.abs(form.L[:, n:]).sum(axis=1)
-                left[:, i] += 1e-15 * np.abs(form.L[:, :n]).sum(axis=1)
-        middle = np.stack([form.c for form in forms], axis=1)
+        found = self._graph(center, radius)
+        L = np.abs(found.L)
+        slopes = found.L[:, :, :n] / radius[:, None, :n]
+        left = found.r + 1e-15 * (found.size + L[:, :, :n].sum(axis=2)) + L[:, :, n:].sum(axis=2)
+        middle = found.c
         away = points - by.middle[:, None]
         linear = np.einsum("cij,cpj->cpi", slopes, away)
         size = np.einsum("cij,cpj->cpi", np.abs(slopes), np.abs(away)) + np.abs(middle)[:, None]

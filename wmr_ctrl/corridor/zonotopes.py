@@ -8,6 +8,7 @@ import numpy as np
 
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.affine import SUMS as SUMS
+from wmr_ctrl.corridor.affine import Spanned
 
 COARSE = 1e-12
 """Share by which products of such matrices and their sums can err."""
@@ -68,6 +69,13 @@ class Rows:
 def radius_of(G: Floats) -> Floats:
     """Half-widths (C, n) of the boxes around zonotopes with such columns."""
     return np.asarray(np.abs(G).sum(axis=2) * SUMS)
+
+
+def linear(found: Spanned, radius: Floats) -> tuple[Floats, Floats, Floats]:
+    """Of boxes of such half-widths: middles (C, out), slopes (C, out, in) and errors (C, out)."""
+    wide = radius[:, None] > 0
+    slope = np.where(wide, found.L / np.where(wide, radius[:, None], 1.0), 0.0)
+    return found.c, slope, found.r * SUMS + found.size * COARSE
 
 
 def alike(parts: list[Floats]) -> list[Floats]:
