@@ -73,7 +73,9 @@ class MidRadius:
         return MidRadius(self.middle @ other.middle, wide * (1 + share) * OUTWARD + SMALLEST)
 
     def __getitem__(self, places: Places) -> MidRadius:
-        radius = np.broadcast_to(self.radius, self.middle.shape)
+        radius = self.radius
+        if radius.shape != self.middle.shape:
+            radius = np.broadcast_to(radius, self.middle.shape)
         return MidRadius(self.middle[places], radius[places])
 
     def __abs__(self) -> MidRadius:

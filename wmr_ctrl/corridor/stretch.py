@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
-from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, MidRadius, rounding
+from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, SMALLEST, MidRadius, rounding
 from wmr_ctrl.corridor.motion import MovingLoop
 from wmr_ctrl.corridor.secants import Secants
 
@@ -22,7 +23,7 @@ class Within:
     state: MidRadius
     push: MidRadius
     command: MidRadius
-    apart: tuple[Floats, Floats, Floats]
+    apart: tuple[Floats, ...]
 
 
 @dataclass(frozen=True)
@@ -55,19 +56,11 @@ def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int])
     outputs = MidRadius(*(_placed(part, order, n) for part in (law.middle, law.radius)))
     behind, rest = divmod(loop.late, loop.steps)
     ages = [n, *range(nz, nz + nq, COMMAND)]  # the state, then an added command, then a push
-    by_z, inputs = step[:, :, :nz], step[:, :, nz : nz + 2 * COMMAND]
-    now = MidRadius(*(np.zeros((count, nz, n + 2 * COMMAND)) for _ in range(2)))
-    now.middle[:] = np.eye(nz, n + 2 * COMMAND)
-    sums, size, course = np.zeros((count, nz, nz)), by_z.most, [now]
-    for s in range(loop.steps):
-        now = by_z @ now
-        for k, at in enumerate((ages[behind + (s < rest)], n + COMMAND)):
-            part, new = slice(at, at + COMMAND), inputs[:, :, k * COMMAND : (k + 1) * COMMAND]
-            whole = now[:, :, part] + new
-            now.middle[:, :, part], now.radius[:, :, part] = whole.middle, whole.radius
+    acting = [ages[behind + (s < rest)] for s in range(loop.steps)]
+    course = _course(step[:, :, : nz + 2 * COMMAND], n, acting)
+    now, size, sums = course[-1], step[:, :, :nz].most, np.zeros((count, nz, nz))
+    for _ in range(loop.steps):
         sums = (size @ sums) * (1 + rounding(nz)) + np.eye(nz)
-        course.append(now)
-    each = [_closed(item, outputs, n) for item in course]
     rows = MidRadius(*(np.zeros((count, n, n)) for _ in range(2)))
     by_law = MidRadius(*(np.zeros((count, n, outputs.middle.shape[1])) for _ in range(2)))
     push = MidRadius(*(np.zeros((count, n, COMMAND)) for _ in range(2)))
@@ -86,7 +79,7 @@ def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int])
     between = zip(knots, [*knots[1:], loop.steps], strict=True)
     return Stretch(
         rows + by_law @ outputs, push, by_law, outputs, law[:, :, :ROBOT], sums,
-        step[:, :, -COMMAND:].most, [Within(*each[a], _bent(each, a, b)) for a, b in between],
+        step[:, :, -COMMAND:].most, _within(_closed(course, outputs, n), between),
     )  # fmt: skip
 
 
@@ -96,29 +89,56 @@ def _placed(part: Floats, order: list[int], n: int) -> Floats:
     return result
 
 
-def _closed(now: MidRadius, outputs: MidRadius, n: int) -> tuple[MidRadius, MidRadius, MidRadius]:
-    """Rows of the fast state by the state, with the command that the law makes of it."""
-    command = now[:, :, n : n + COMMAND]
-    whole = now[:, :, :n] + command @ outputs[:, :COMMAND]
-    return whole, now[:, :, n + COMMAND :], command
+def _course(step: MidRadius, n: int, acting: list[int]) -> MidRadius:
+    """Rows (steps + 1, J, nz, n + 4) of the fast state by the state, an added command and a push.
+
+    ``step`` (J, nz, nz + 4): by the fast state, command and push; ``acting``: the column of the
+    command that acts in each step.
+    """
+    count, nz, wide = step.middle.shape
+    columns, share = n + 2 * COMMAND, rounding(wide)
+    now, off = np.zeros((2, count, wide, columns))
+    now[:, :nz] = np.eye(nz, columns)
+    now[:, nz + COMMAND :, n + COMMAND :] = np.eye(COMMAND)
+    middle, radius = np.zeros((2, len(acting) + 1, count, nz, columns))
+    middle[0] = now[:, :nz]
+    sizes = np.abs(step.middle)
+    both = np.concatenate([sizes + step.radius, share * sizes + step.radius], axis=2) * OUTWARD
+    for s, at in enumerate(acting):
+        now[:, nz : nz + COMMAND] = np.eye(COMMAND, columns, at)
+        wider = both @ np.concatenate([off, np.abs(now)], axis=1)
+        np.matmul(step.middle, now, out=middle[s + 1])
+        np.multiply(wider, (1 + 2 * share) * OUTWARD, out=radius[s + 1])
+        radius[s + 1] += SMALLEST
+        now[:, :nz], off[:, :nz] = middle[s + 1], radius[s + 1]
+    return MidRadius(middle, radius)
 
 
-def _bent(
-    each: list[tuple[MidRadius, MidRadius, MidRadius]], first: int, last: int
-) -> tuple[Floats, Floats, Floats]:
-    result = []
-    for k in range(3):
-        begin, end = (each[s][k] for s in (first, last))
-        most = np.zeros(begin.middle.shape)
-        size = np.abs(begin.middle) + np.abs(end.middle)
-        wide = np.maximum(begin.radius, end.radius)
-        for s in range(first + 1, last):
-            share, here = (s - first) / (last - first), each[s][k]
-            off = np.abs(here.middle - (1 - share) * begin.middle - share * end.middle)
-            off += here.radius + wide + 8 * ROUNDED * (size + np.abs(here.middle))
-            most = np.maximum(most, off * OUTWARD)
-        result.append(most)
-    return result[0], result[1], result[2]
+def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
+    """The same with the command that the law makes of the state."""
+    whole = course[..., :n] + course[..., n : n + COMMAND] @ outputs[:, :COMMAND]
+    return MidRadius(*(
+        np.concatenate([getattr(whole, key), getattr(course, key)[..., n:]], axis=-1)
+        for key in ("middle", "radius")
+    ))  # fmt: skip
+
+
+def _within(course: MidRadius, between: Iterable[tuple[int, int]]) -> list[Within]:
+    """Of the times at which pairs of steps begin."""
+    size, result = np.abs(course.middle), []
+    for first, last in between:
+        share = (np.arange(1, last - first) / (last - first))[:, None, None, None]
+        inner = slice(first + 1, last)
+        line = (1 - share) * course.middle[first] + share * course.middle[last]
+        off = np.abs(course.middle[inner] - line) + course.radius[inner]
+        off += 8 * ROUNDED * (size[first] + size[last] + size[inner])
+        off += np.maximum(course.radius[first], course.radius[last])
+        begin, most = course[first], off.max(axis=0, initial=0.0) * OUTWARD
+        n = most.shape[-1] - 2 * COMMAND
+        places = slice(n), slice(n + COMMAND, None), slice(n, n + COMMAND)
+        parts = (begin[..., part] for part in places)
+        result.append(Within(*parts, tuple(most[..., part] for part in places)))
+    return result
 
 
 def forgets(A: Floats, x: Floats, left: float, longest: int) -> int:
