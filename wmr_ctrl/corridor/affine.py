@@ -3,9 +3,9 @@
     y = c + L xi + r',     |xi_k| <= 1,  |r'| <= r
 
 They are expressions of the box's middle and half-widths, composed once for a graph, and CasADi
-evaluates them for all boxes.  With ``size`` at least as large as all that was added up, the rounding
-of an operation is at most ROUNDING of it, and is added to r.  Both sides of an undecided choice are
-enclosed by their hull, of |x|, min and max by a secant.
+evaluates them for each box.  With ``size`` at least as large as all that was added up, an
+operation's rounding is at most ROUNDING of it, and is added to r.  Both sides of an undecided
+choice are enclosed by their hull, of |x|, min and max by a secant.
 
 CasADi simplifies what is composed by identities of real numbers, and no bound rests on how a number
 was rounded, so what is simplified is not rounded by more.  fmin and fmax pass over what is no
@@ -14,9 +14,10 @@ number, and so does a condition: where they are used, what is added up of the op
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -124,9 +125,10 @@ class OverBoxes:
         every = [ca.densify(getattr(form, k)) for k in ("c", "r", "size") for form in forms]
         function = ca.Function("over", [ca.vertcat(center, radius)], [ca.vertcat(*every, L.nz[:])])
         self._box, self._found = np.zeros(2 * count), np.zeros(function.numel_out(0))
+        self._buffer: Any  # its library frees what `_run` uses with it
         self._buffer, self._run = function.buffer()
-        self._buffer.set_arg(0, memoryview(self._box))
-        self._buffer.set_res(0, memoryview(self._found))
+        self._buffer.set_arg(0, self._box.data)
+        self._buffer.set_res(0, self._found.data)
 
     def __call__(self, center: Floats, radius: Floats) -> Spanned:
         """Of boxes (C, inputs)."""
@@ -242,7 +244,7 @@ def _tanh(a: Form) -> Form:
     low, high = a.range
     at_low, at_high = ca.tanh(low), ca.tanh(high)
     mean = _secant(low, high, at_low, at_high)
-    best = None
+    best: tuple[ca.SX, ...] = ()
     for share in STEEPER:
         slope = ca.fmin(ca.fmax(share * mean, 0.0), 1.0)
         turn = ca.sqrt(1 - slope)
@@ -253,8 +255,8 @@ def _tanh(a: Form) -> Form:
             for s in (1, -1)
         ]
         every = [first, last, *inner]
-        new = slope, reduce(ca.fmin, every), reduce(ca.fmax, every)
-        if best is not None:
+        new: tuple[ca.SX, ...] = slope, reduce(ca.fmin, every), reduce(ca.fmax, every)
+        if best:
             less = new[2] - new[1] < best[2] - best[1]
             new = tuple(ca.if_else(less, one, two) for one, two in zip(new, best, strict=True))
         best = new

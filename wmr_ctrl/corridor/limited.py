@@ -240,7 +240,9 @@ class LimitedLoop:
         middle = np.hstack([cells.c[:, :ROBOT], sent.c, np.zeros((count, COMMAND))])
         radius = radius_of(held)
         found = self.steps(middle, radius)
-        size = np.hstack([np.abs(middle[:, :ROBOT]) + radius[:, :ROBOT], np.abs(found.c) + found.radius])
+        size = np.hstack(
+            [np.abs(middle[:, :ROBOT]) + radius[:, :ROBOT], np.abs(found.c) + found.radius]
+        )
         course = size.reshape(count, -1, ROBOT)
         far, heading = np.hypot(*course.T[:2]).max(axis=0), course[:, :, 2].max(axis=1)
         shown, slope, error = (item[:, -ROBOT:] for item in linear(found, radius))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +57,7 @@ def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int])
     ages = [n, *range(nz, nz + nq, COMMAND)]  # the state, then an added command, then a push
     acting = [ages[behind + (s < rest)] for s in range(loop.steps)]
     course = _course(step[:, :, : nz + 2 * COMMAND], n, acting)
-    now, size, sums = course[-1], step[:, :, :nz].most, np.zeros((count, nz, nz))
+    now, size, sums = course[:, loop.steps], step[:, :, :nz].most, np.zeros((count, nz, nz))
     for _ in range(loop.steps):
         sums = (size @ sums) * (1 + rounding(nz)) + np.eye(nz)
     rows = MidRadius(*(np.zeros((count, n, n)) for _ in range(2)))
@@ -76,10 +75,10 @@ def stretch(loop: MovingLoop, law: MidRadius, step: MidRadius, knots: list[int])
         else:
             rows.middle[:, place, at : at + COMMAND] = unit
     by_law.middle[:, nz + nq :, COMMAND : COMMAND + nm + na] = np.eye(nm + na)
-    between = zip(knots, [*knots[1:], loop.steps], strict=True)
+    closed, between = _closed(course, outputs, n), zip(knots, [*knots[1:], loop.steps], strict=True)
     return Stretch(
         rows + by_law @ outputs, push, by_law, outputs, law[:, :, :ROBOT], sums,
-        step[:, :, -COMMAND:].most, _within(_closed(course, outputs, n), between),
+        step[:, :, -COMMAND:].most, [_within(closed, n, a, b) for a, b in between],
     )  # fmt: skip
 
 
@@ -90,7 +89,7 @@ def _placed(part: Floats, order: list[int], n: int) -> Floats:
 
 
 def _course(step: MidRadius, n: int, acting: list[int]) -> MidRadius:
-    """Rows (steps + 1, J, nz, n + 4) of the fast state by the state, an added command and a push.
+    """Rows (J, steps + 1, nz, n + 4) of the fast state by the state, an added command and a push.
 
     ``step`` (J, nz, nz + 4): by the fast state, command and push; ``acting``: the column of the
     command that acts in each step.
@@ -100,45 +99,41 @@ def _course(step: MidRadius, n: int, acting: list[int]) -> MidRadius:
     now, off = np.zeros((2, count, wide, columns))
     now[:, :nz] = np.eye(nz, columns)
     now[:, nz + COMMAND :, n + COMMAND :] = np.eye(COMMAND)
-    middle, radius = np.zeros((2, len(acting) + 1, count, nz, columns))
-    middle[0] = now[:, :nz]
+    middle, radius = np.zeros((2, count, len(acting) + 1, nz, columns))
+    middle[:, 0] = now[:, :nz]
     sizes = np.abs(step.middle)
     both = np.concatenate([sizes + step.radius, share * sizes + step.radius], axis=2) * OUTWARD
     for s, at in enumerate(acting):
         now[:, nz : nz + COMMAND] = np.eye(COMMAND, columns, at)
         wider = both @ np.concatenate([off, np.abs(now)], axis=1)
-        np.matmul(step.middle, now, out=middle[s + 1])
-        np.multiply(wider, (1 + 2 * share) * OUTWARD, out=radius[s + 1])
-        radius[s + 1] += SMALLEST
-        now[:, :nz], off[:, :nz] = middle[s + 1], radius[s + 1]
+        now[:, :nz] = step.middle @ now
+        off[:, :nz] = wider * ((1 + 2 * share) * OUTWARD) + SMALLEST
+        middle[:, s + 1], radius[:, s + 1] = now[:, :nz], off[:, :nz]
     return MidRadius(middle, radius)
 
 
 def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
     """The same with the command that the law makes of the state."""
-    whole = course[..., :n] + course[..., n : n + COMMAND] @ outputs[:, :COMMAND]
-    return MidRadius(*(
-        np.concatenate([getattr(whole, key), getattr(course, key)[..., n:]], axis=-1)
-        for key in ("middle", "radius")
-    ))  # fmt: skip
+    shape = course.middle.shape
+    flat = MidRadius(*(x.reshape(len(x), -1, shape[-1]) for x in (course.middle, course.radius)))
+    whole = flat[:, :, :n] + flat[:, :, n : n + COMMAND] @ outputs[:, :COMMAND]
+    flat.middle[:, :, :n], flat.radius[:, :, :n] = whole.middle, whole.radius
+    return MidRadius(flat.middle.reshape(shape), flat.radius.reshape(shape))
 
 
-def _within(course: MidRadius, between: Iterable[tuple[int, int]]) -> list[Within]:
-    """Of the times at which pairs of steps begin."""
-    size, result = np.abs(course.middle), []
-    for first, last in between:
-        share = (np.arange(1, last - first) / (last - first))[:, None, None, None]
-        inner = slice(first + 1, last)
-        line = (1 - share) * course.middle[first] + share * course.middle[last]
-        off = np.abs(course.middle[inner] - line) + course.radius[inner]
-        off += 8 * ROUNDED * (size[first] + size[last] + size[inner])
-        off += np.maximum(course.radius[first], course.radius[last])
-        begin, most = course[first], off.max(axis=0, initial=0.0) * OUTWARD
-        n = most.shape[-1] - 2 * COMMAND
-        places = slice(n), slice(n + COMMAND, None), slice(n, n + COMMAND)
-        parts = (begin[..., part] for part in places)
-        result.append(Within(*parts, tuple(most[..., part] for part in places)))
-    return result
+def _within(course: MidRadius, n: int, first: int, last: int) -> Within:
+    """Of the time at which a step begins, and until another one does."""
+    begin, end, inner = (course[:, place] for place in (first, last, slice(first + 1, last)))
+    share = (np.arange(1, last - first) / (last - first))[:, None, None]
+    line = (1 - share) * begin.middle[:, None] + share * end.middle[:, None]
+    ends = np.abs(begin.middle) + np.abs(end.middle)
+    off = np.abs(inner.middle - line) + inner.radius
+    off += 8 * ROUNDED * (ends[:, None] + np.abs(inner.middle))
+    most = (off.max(axis=1, initial=0.0) + np.maximum(begin.radius, end.radius)) * OUTWARD
+    most = np.where(last > first + 1, most, 0.0)
+    places = slice(n), slice(n + COMMAND, None), slice(n, n + COMMAND)
+    state, push, command = (begin[:, :, place] for place in places)
+    return Within(state, push, command, tuple(most[:, :, place] for place in places))
 
 
 def forgets(A: Floats, x: Floats, left: float, longest: int) -> int:

@@ -129,30 +129,14 @@ def _closing(refused: Passing, start: Floats) -> float | None:
 
     If the half has none, the others are bisected, as if there were one with all that is less.  They
     are tried about what was refused and about the robot's changes, begun there without deviations,
-    which takes little time; what passes there is followed over the whole run, and so is the half if
-    all of them were refused EARLY.
+    which takes little time, each place from what the ones before it leave; what passes there is
+    followed over the whole run, and so is the half if all of them were refused EARLY.
     """
     along, inputs = refused.along, refused.inputs
-    critical = [refused.tried, *along.motion.moved]
+    critical = [*along.motion.moved, refused.tried]
     early = refused.tried < EARLY * len(along.states)
-    lost: set[int] = set()
-
-    def passes(halved: int) -> bool:
-        if early and halved == 1 and not lost:
-            return True
-        less = inputs.scaled(0.5**halved)
-        return halved not in lost and all(_passes(along, less, start, k) for k in critical)
-
-    while inputs.any:
-        best, most, least, halved = None, 1, LEAST, 1
-        while most <= least:
-            if passes(halved):
-                best, least = halved, halved - 1
-            else:
-                most = halved + 1
-            halved = (most + least) // 2
-        if best is None:
-            return None
+    best = 1 if early and inputs.any else _least(refused, start, critical, 1)
+    while best is not None:
         passing = Passing(along, inputs.scaled(0.5**best), start)
         try:
             _followed(passing)
@@ -160,10 +144,24 @@ def _closing(refused: Passing, start: Floats) -> float | None:
             beyond = round(BEYOND / along.setup.scenario.clock.control)
             if all(abs(k - passing.tried) >= beyond for k in critical):
                 critical.append(passing.tried)
-            lost.update(range(best + 1))
+            best = _least(refused, start, critical, best + 1)
         else:
             return 0.5**best
     return None
+
+
+def _least(refused: Passing, start: Floats, critical: list[int], halved: int) -> int | None:
+    """Fewest halvings, at least so many, with which a passage about each of some samples passes."""
+    along, inputs = refused.along, refused.inputs
+    for k in critical if inputs.any else ():
+        most, trial = LEAST + 1, halved
+        while halved < most:
+            if _passes(along, inputs.scaled(0.5**trial), start, k):
+                most = trial
+            else:
+                halved = trial + 1
+            trial = (halved + most) // 2
+    return halved if inputs.any and halved <= LEAST else None
 
 
 def _hearing(refused: Passing, start: Floats) -> str:
