@@ -9,7 +9,12 @@ import numpy as np
 from wmr_ctrl.checks.loop import IntArray
 from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.corridor.inputs import Inputs
+from wmr_ctrl.corridor.loop import MOST_NUMBERS, UP
+from wmr_ctrl.corridor.midradius import MidRadius, rounding
 from wmr_ctrl.corridor.stretch import Stretch
+
+DOT = rounding(MOST_NUMBERS)
+"""Share by which a sum of products over a state can err."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +26,12 @@ class FollowedBlock:
     samples add, at the end; ``ends``: of the known ones, discs' pairs, the law's force, and boxes.
     ``after_by`` and ``inner_by`` (J, rows, m): sizes of rows of these, at the end of each sample,
     and at its beginning.
+
+    What does not depend on the deviations: ``ahead`` (J, all rows, n): rows at the end and at the
+    beginning of each sample by the state before the block, ``own`` (J, all rows) their sizes by
+    what disturbs.  ``wide`` (J, outputs, n): error of the law's linear part by the state,
+    ``direct`` that by errors of what is measured.  Of boxes: ``box`` (J, n), and what is added by
+    the state and the law.
     """
 
     at: IntArray
@@ -30,6 +41,13 @@ class FollowedBlock:
     ends: IntArray
     after_by: Floats
     inner_by: Floats
+    ahead: Floats
+    own: Floats
+    wide: Floats
+    direct: Floats
+    box_by_state: Floats
+    box_by_law: Floats
+    box: Floats
 
 
 def inputs_of(here: Stretch, inputs: Inputs, at: IntArray) -> tuple[Floats, Floats]:
@@ -72,7 +90,40 @@ def blocks_of(
         np.matmul(A[:, j], chain[:, j], out=chain[:, j + 1])
     for part in (after_by, inner_by):
         np.abs(part, out=part)
-    return [
-        FollowedBlock(at[k], chain[k], inner[k], columns[k], ends, after_by[k], inner_by[k])
-        for k in range(many)
-    ]
+    known, discs = ends[:2]
+    sizes = np.concatenate([after_by, inner_by], axis=2)
+    own = sizes[..., :known].sum(axis=-1)
+    if discs > known:
+        own += np.hypot(sizes[..., known:discs:2], sizes[..., known + 1 : discs : 2]).sum(axis=-1)
+    parts = {
+        "at": at, "chain": chain, "inner": inner, "columns": columns, "after_by": after_by,
+        "inner_by": inner_by, "own": own,
+        "ahead": np.concatenate([rows @ chain[:, 1:], inner @ chain[:, :-1]], axis=2),
+        **_wide(here, inputs, at, outputs),
+    }  # fmt: skip
+    each = ({name: part[k] for name, part in parts.items()} for k in range(many))
+    return [FollowedBlock(ends=ends, **item) for item in each]
+
+
+def _wide(here: Stretch, inputs: Inputs, at: IntArray, which: IntArray) -> dict[str, Floats]:
+    """What radii and rounding of the matrices at some places add."""
+    A, law, outputs, push, seen = (
+        MidRadius(part.middle[at], part.radius[at])
+        for part in (here.A, here.law, here.outputs, here.push, here.seen)
+    )
+    wide_law, error = law.radius + DOT * np.abs(law.middle), inputs.measured
+    direct = seen.most @ error * UP
+    box = each(law.most, (seen.radius + DOT * np.abs(seen.middle)) @ error)
+    box += (push.radius + DOT * np.abs(push.middle)) @ inputs.push + each(wide_law, direct)
+    beside = np.abs(law.middle)
+    beside[..., :COMMAND] = 0
+    return {
+        "wide": (outputs.radius + DOT * np.abs(outputs.middle))[..., which, :], "direct": direct,
+        "box_by_state": A.radius + DOT * np.abs(A.middle), "box_by_law": wide_law + beside,
+        "box": box,
+    }  # fmt: skip
+
+
+def each(matrices: Floats, vectors: Floats) -> Floats:
+    """Products of matrices (..., m, n), or of one, with vectors (..., n)."""
+    return np.asarray((matrices @ vectors[..., None])[..., 0])

@@ -14,11 +14,12 @@ import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.blocks import DOT, each
 from wmr_ctrl.corridor.carried import CarriedColumns, Kind
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.instant import Guess, Instant, OtherBoxError
-from wmr_ctrl.corridor.loop import MOST_COLUMNS, MOST_NUMBERS, UP
-from wmr_ctrl.corridor.midradius import MidRadius, rounding
+from wmr_ctrl.corridor.loop import MOST_COLUMNS, UP
+from wmr_ctrl.corridor.midradius import MidRadius
 from wmr_ctrl.corridor.motion import UNSURE
 from wmr_ctrl.corridor.remainders import Remainders
 
@@ -27,8 +28,6 @@ FAR, NEAR, SLOW_NEAR, TRIES = 30.0, 1e-3, 0.3, 40
 also by secants; tries."""
 GUESSED, GROWN = 1.003, 1.02
 """Growth of what is guessed, at first and from try to try."""
-DOT = rounding(MOST_NUMBERS)
-"""Share by which a sum of products over a state can err."""
 
 
 @dataclass(frozen=True)
@@ -37,18 +36,13 @@ class _Until:
 
     ``linear``, ``after`` (J, rows): of the rows at samples' ends, by what disturbs alone and in
     all; ``inner``: of inner ones.  ``through`` (n): all columns' sizes by those of the last matrix.
-    ``wide`` (J, outputs, n): error of the law's linear part by the state, ``direct`` that by errors
-    of what is measured.  Of boxes: ``box`` (J, n), and what is added by the state and the law.
+    ``box`` (J, n): what is added beside.
     """
 
     linear: Floats
     after: Floats
     inner: Floats
     through: Floats
-    wide: Floats
-    direct: Floats
-    box_by_state: Floats
-    box_by_law: Floats
     box: Floats
 
 
@@ -107,44 +101,20 @@ class Following(Remainders):
 
     def _until(self, now: Instant) -> _Until:
         """What does not depend on the guess."""
-        block, inputs, motion = now.block, self.inputs, self.along.motion
-        known, discs = block.ends[:2]
+        block, motion, count = now.block, self.along.motion, len(self.rows)
         sizes = self.carried.sizes
         through = np.abs(block.chain) @ (sizes + self.pending)
-        ahead = [self.rows @ block.chain[1:], block.inner @ block.chain[:-1]]
-        sums = self.carried.sums(np.concatenate(ahead, axis=1), sizes)
-        parts = zip(*(np.split(item, [len(self.rows)], axis=1) for item in sums), strict=True)
-        both = []
-        for (linear, every), by, rows, size, own_rows in zip(
-            parts, (block.after_by, block.inner_by), ahead, (through[1:], through[:-1]),
-            (self.rows, block.inner), strict=True,
-        ):  # fmt: skip
-            own = by[..., :known].sum(axis=-1) + DOT * _each(np.abs(own_rows), size)
-            if discs > known:
-                pairs = by[..., known:discs]
-                own += np.hypot(pairs[..., ::2], pairs[..., 1::2]).sum(axis=-1)
-            both.append(((linear + own) * UP, (every + own + np.abs(rows) @ self.pending) * UP))
-        A, law, outputs, push, seen = (
-            MidRadius(part.middle[block.at], part.radius[block.at])
-            for part in (getattr(now.here, name) for name in _PARTS)
-        )
-        wide_law = law.radius + DOT * np.abs(law.middle)
-        box = DOT * _each(np.abs(A.middle), through[:-1])
-        box += _each(law.most, (seen.radius + DOT * np.abs(seen.middle)) @ self.error)
-        box += (push.radius + DOT * np.abs(push.middle)) @ inputs.push
+        linear, every = self.carried.sums(block.ahead, sizes)
+        size = [through[1:] @ np.abs(self.rows).T, each(np.abs(block.inner), through[:-1])]
+        own = block.own + DOT * np.hstack(size)
+        every = (every + own + np.abs(block.ahead) @ self.pending) * UP
+        box = block.box + DOT * each(np.abs(now.here.A.middle[block.at]), through[:-1])
         box[:, :2] += now.most(motion.gap)[:, None]
         if self.loop.filter:
             place = box.shape[1] - self.loop.acting - self.loop.filter
             box[:, place : place + 2] += now.most(motion.reckoned)[:, None]
-        direct = seen.most @ self.error * UP
-        beside = np.abs(law.middle)
-        beside[:, :, :COMMAND] = 0
-        return _Until(
-            linear=both[0][0], after=both[0][1], inner=both[1][1], through=through[-1],
-            wide=(outputs.radius + DOT * np.abs(outputs.middle))[:, self.read], direct=direct,
-            box_by_state=A.radius + DOT * np.abs(A.middle), box_by_law=wide_law + beside,
-            box=box + _each(wide_law, direct),
-        )  # fmt: skip
+        after, inner = every[:, :count], every[:, count:]
+        return _Until((linear + own)[:, :count] * UP, after, inner, through[-1], box)
 
     def _follow(
         self,
@@ -208,22 +178,22 @@ class Following(Remainders):
         state = self._state(begin)
         begin, after = begin[:, : len(rows)], after[:, : len(rows)]
         inner = until.inner + block.inner_by[..., block.ends[1] :] @ guess.weights
-        added, direct = self._law_added(begin, state, now), until.direct
+        added, direct = self._law_added(begin, state, now), block.direct
         outs = len(self.read)
-        beside = _each(until.wide, state) + (direct + added)[:, self.read]
+        beside = each(block.wide, state) + (direct + added)[:, self.read]
         law = (inner[:, :outs] + beside) * UP
         sizes = np.abs(self.along.outs[:, :COMMAND]) * (1 - 2**-50)
         least = now.least(sizes) - law[:, :COMMAND] * UP
         misheard = self.inputs.misheard(least)
         added[:, :COMMAND] += misheard
         law[:, :COMMAND] += misheard
-        box = _each(until.box_by_state, state) + _each(until.box_by_law, added) + until.box
+        box = each(block.box_by_state, state) + each(block.box_by_law, added) + until.box
         ask = added[:, :COMMAND] + direct[:, :COMMAND]
         extra, knots = self._within(now, state, ask, inner[:, outs:])
         most = np.maximum(np.maximum(begin, after), knots)
         most = (most + (extra + guess.left) @ np.abs(rows).T) * UP
         step = self._step(most, law[:, :COMMAND], now) + now.here.body[at] @ self.inputs.body
-        left = _each(now.here.steps[at], step) * UP
+        left = each(now.here.steps[at], step) * UP
         box[:, : self.nz] += left
         return Guess(added[:, :COMMAND], box * UP, left), most, law
 
@@ -235,17 +205,17 @@ class Following(Remainders):
         extra, most = np.zeros((now.count, self.nz)), np.zeros((now.count, len(rows)))
         for j, knot in enumerate(now.here.knots):
             by_state, by_push, by_command = (part[at] for part in knot.apart)
-            off = _each(by_state, state) + by_push @ push + _each(by_command, commands)
+            off = each(by_state, state) + by_push @ push + each(by_command, commands)
             extra = np.maximum(extra, off)
             if j:
                 place = slice((j - 1) * len(rows), j * len(rows))
                 size = np.abs(knot.state.middle[at])
-                wide = _each(knot.state.radius[at] + DOT * size, state)
+                wide = each(knot.state.radius[at] + DOT * size, state)
                 pushed, command = (
                     MidRadius(part.middle[at], part.radius[at])
                     for part in (knot.push, knot.command)
                 )
-                wide += _each(command.most, commands)
+                wide += each(command.most, commands)
                 wide += (pushed.radius + DOT * pushed.most) @ push
                 own = np.abs(rows @ pushed.middle) @ push
                 most = np.maximum(most, inner[:, place] + own + wide @ np.abs(rows).T)
@@ -310,11 +280,3 @@ class Following(Remainders):
                 f"{along.most[i]:.3g} {along.place(now.k + k)}"
             )
         return share, worst.astype(float)
-
-
-_PARTS = ("A", "law", "outputs", "push", "seen")
-
-
-def _each(matrices: Floats, vectors: Floats) -> Floats:
-    """Products of matrices (J, m, n), or of one, with vectors (J, n)."""
-    return np.asarray((matrices @ vectors[..., None])[..., 0])

@@ -95,6 +95,11 @@ class Inputs:
         return np.asarray((self.command + np.where(acts, 0.0, self.dead)) * (1 + 1e-15))
 
     @property
+    def measured(self) -> Floats:
+        """Errors of what is measured of the robot: pose and velocity (5)."""
+        return np.array([self.pose, self.pose, 0.0, *self.velocity])
+
+    @property
     def any(self) -> bool:
         """True where anything disturbs."""
         return bool(self.push.any() or self.pose or self.velocity.any())

@@ -28,7 +28,7 @@ class Remainders:
         """Of one loop under bounded inputs."""
         self.along, self.inputs, self.loop = along, inputs, along.loop
         self.nz = len(self.loop.names)
-        self.error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
+        self.error = inputs.measured
         self.commands = np.zeros((self.loop.queue, COMMAND))
         self.curves = self.loop.law_curve, self.loop.step_curve
         self.latest = [np.zeros((1, curve.by.numel())) for curve in self.curves]
