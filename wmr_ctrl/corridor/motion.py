@@ -52,7 +52,7 @@ class RunMotion:
     turned: Floats
     robot: Floats
 
-    @property
+    @cached_property
     def moved(self) -> list[int]:
         """Samples in which, or before which, the robot changes."""
         bodies = self.robot

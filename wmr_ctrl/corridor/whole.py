@@ -128,32 +128,32 @@ def _closing(refused: Passing, start: Floats) -> float | None:
     """The first half, quarter, eighth, ... of the inputs with which there is a corridor.
 
     If the half has none, the others are bisected, as if there were one with all that is less.  They
-    are tried about what was refused and about the robot's changes, begun there without deviations,
-    which takes little time, each place from what the ones before it leave; what passes there is
-    followed over the whole run, and so is the half if all of them were refused EARLY.
+    are tried about the robot's changes, begun there without deviations, which takes little time,
+    and about what all of them were refused for, unless that was EARLY.  What passes there is
+    followed over the whole run; where that is refused twice at a place, they are tried there.
     """
     along, inputs = refused.along, refused.inputs
-    critical = [*along.motion.moved, refused.tried]
     early = refused.tried < EARLY * len(along.states)
-    best = 1 if early and inputs.any else _least(refused, start, critical, 1)
+    critical = [*([] if early else [refused.tried]), *along.motion.moved]
+    best, lost = _least(refused, start, critical, 1), list[int]()
     while best is not None:
         passing = Passing(along, inputs.scaled(0.5**best), start)
         try:
             _followed(passing)
         except NoCorridorError:
-            beyond = round(BEYOND / along.setup.scenario.clock.control)
-            if all(abs(k - passing.tried) >= beyond for k in critical):
-                critical.append(passing.tried)
-            best = _least(refused, start, critical, best + 1)
+            near = round(BEYOND / along.setup.scenario.clock.control)
+            again = [passing.tried] if any(abs(k - passing.tried) < near for k in lost) else []
+            best = _least(refused, start, again, best + 1)
+            lost.append(passing.tried)
         else:
             return 0.5**best
     return None
 
 
-def _least(refused: Passing, start: Floats, critical: list[int], halved: int) -> int | None:
+def _least(refused: Passing, start: Floats, places: list[int], halved: int) -> int | None:
     """Fewest halvings, at least so many, with which a passage about each of some samples passes."""
     along, inputs = refused.along, refused.inputs
-    for k in critical if inputs.any else ():
+    for k in places if inputs.any else ():
         most, trial = LEAST + 1, halved
         while halved < most:
             if _passes(along, inputs.scaled(0.5**trial), start, k):
