@@ -42,7 +42,7 @@ for all, and between these."""
 BRIEF, SLOW, SPREAD = 0.05, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
 KEPT, MOST_TOGETHER = 4, 8
-"""Stretches that are kept, and the most chunks of one."""
+"""Lists of slopes that are kept, and the most chunks of one."""
 TOGETHER, PLACES = 500, 9
 """Samples whose undisturbed run is compared with the graphs at once; samples at which it is looked
 how fast the loop forgets."""
@@ -69,7 +69,7 @@ class Along:
         for (a, b), ratio in zip(self.pairs, self.ratios, strict=True):
             rows += [_row(nz, (a, 1.0), (b, sign * ratio)) for sign in (1, -1)]
         self.rows = np.array(rows)
-        self._kept = list[tuple[int, int, Stretch]]()
+        self._kept = list[tuple[int, int, MidRadius, MidRadius]]()
         sizes = loop.sizes(*(
             [MidRadius(np.array([x])) for x in part]
             for part in (self._law_by(np.array([0]))[0], loop.law_numbers[0])
@@ -238,28 +238,34 @@ class Along:
         return self._stretch(np.arange(first, last))
 
     def _stretch(self, at: IntArray) -> Stretch:
+        return stretch(self.loop, *self._slopes(at), self.knots)
+
+    def _slopes(self, at: IntArray) -> tuple[MidRadius, MidRadius]:
+        """Of the law at samples and of the plant step in all of a sample's steps."""
         loop = self.loop
         by = MidRadius(self._law_by(at)), MidRadius(loop.law_numbers[at])
         law = loop.law_curve.slopes(*by)
-        by = hull(self._step_by(at), 1), hull(loop.step_numbers[at], 1)
-        return stretch(loop, law, loop.step_curve.slopes(*by), self.knots)
+        return law, loop.step_curve.slopes(
+            *(hull(x, 1) for x in (self._step_by(at), loop.step_numbers[at]))
+        )
 
-    def matrices(self, first: int, last: int) -> tuple[Stretch, int]:
-        """A stretch that some samples are part of, and where it begins.
+    def matrices(self, first: int, last: int) -> Stretch:
+        """Matrices of some samples.
 
-        It is kept, and as long as nothing forbids it, each is longer than the one before.
+        Slopes are kept, and as long as nothing forbids it, for more samples than before each time.
         """
-        for begin, end, here in self._kept:
+        for begin, end, law, step in self._kept:
             if begin <= first and last <= end:
-                return here, begin
+                part = slice(first - begin, last - begin)
+                return stretch(self.loop, law[part, ...], step[part, ...], self.knots)
         more = min(MOST_TOGETHER, 2 ** len(self._kept)) * (last - first)
         end = min(first + more, len(self.motion.v_d))
         try:
-            here = self.stretch(first, end)
+            here = self._slopes(np.arange(first, end))
         except OpenBoxError:
-            end, here = last, self.stretch(first, last)
-        self._kept = [*self._kept[: KEPT - 1], (first, end, here)]
-        return here, first
+            end, here = last, self._slopes(np.arange(first, last))
+        self._kept = [*self._kept[: KEPT - 1], (first, end, *here)]
+        return self.matrices(first, last)
 
     @cached_property
     def brief(self) -> int:

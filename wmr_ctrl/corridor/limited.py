@@ -239,13 +239,13 @@ class LimitedLoop:
         held = np.concatenate([joined[:, :ROBOT], acts, d], axis=1)
         middle = np.hstack([cells.c[:, :ROBOT], sent.c, np.zeros((count, COMMAND))])
         radius = radius_of(held)
-        found = self.steps(middle, radius)
+        forms = self.steps(middle, radius)
         size = np.hstack(
-            [np.abs(middle[:, :ROBOT]) + radius[:, :ROBOT], np.abs(found.c) + found.radius]
+            [np.abs(middle[:, :ROBOT]) + radius[:, :ROBOT], np.abs(forms.c) + forms.radius]
         )
         course = size.reshape(count, -1, ROBOT)
         far, heading = np.hypot(*course.T[:2]).max(axis=0), course[:, :, 2].max(axis=1)
-        shown, slope, error = (item[:, -ROBOT:] for item in linear(found, radius))
+        shown, slope, error = (item[:, -ROBOT:] for item in linear(forms, radius))
         moved, gain = with_errors(slope @ held, error), _own(slope[:, V], ROBOT)
         now = Rows.of(shown[:, V], moved[:, V])
         base = now.plus(sent, -gain)
@@ -312,9 +312,9 @@ def _secant_of(
     """
     at = low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)[:, None]
     at[-1] = high
-    found = graph(at.reshape(-1, 1), np.zeros((at.size, 1)))
-    off = (found.r + found.size * ROUNDING).reshape(at.shape)
-    value = found.c.reshape(at.shape)
+    forms = graph(at.reshape(-1, 1), np.zeros((at.size, 1)))
+    off = (forms.r + forms.size * ROUNDING).reshape(at.shape)
+    value = forms.c.reshape(at.shape)
     apart = high - low
     slope = np.where(apart > 1e-9, (value[-1] - value[0]) / np.where(apart > 1e-9, apart, 1.0), 1.0)
     slope = np.clip(slope, 0.0, 1.0)

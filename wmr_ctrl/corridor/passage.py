@@ -62,7 +62,7 @@ class Passing(Following):
         """Samples whose bends are taken together."""
         if self.along.is_slow(k, last, reach[1]):
             return self._slowly(k, last, reach, result)
-        here, before = self.along.matrices(k, last)
+        here, before = self.along.matrices(k, last), k
         self.bends = [None, None]
         alone = ready = k
         blocks = list[FollowedBlock]()

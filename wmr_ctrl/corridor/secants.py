@@ -56,11 +56,11 @@ class SecantCurve:
         center = np.hstack([by.middle, numbers.middle])
         parts = (by.radius + wide, by.middle), (numbers.radius, numbers.middle)
         radius = np.hstack([np.broadcast_to(one, like.shape) for one, like in parts])
-        found = self._graph(center, radius)
-        L = np.abs(found.L)
-        slopes = found.L[:, :, :n] / radius[:, None, :n]
-        left = found.r + 1e-15 * (found.size + L[:, :, :n].sum(axis=2)) + L[:, :, n:].sum(axis=2)
-        middle = found.c
+        forms = self._graph(center, radius)
+        L = np.abs(forms.L)
+        slopes = forms.L[:, :, :n] / radius[:, None, :n]
+        left = forms.r + 1e-15 * (forms.size + L[:, :, :n].sum(axis=2)) + L[:, :, n:].sum(axis=2)
+        middle = forms.c
         away = points - by.middle[:, None]
         linear = np.einsum("cij,cpj->cpi", slopes, away)
         size = np.einsum("cij,cpj->cpi", np.abs(slopes), np.abs(away)) + np.abs(middle)[:, None]

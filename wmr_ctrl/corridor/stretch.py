@@ -114,22 +114,31 @@ def _course(step: MidRadius, n: int, acting: list[int]) -> MidRadius:
 
 def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
     """The same with the command that the law makes of the state."""
-    shape = course.middle.shape
-    flat = MidRadius(*(x.reshape(len(x), -1, shape[-1]) for x in (course.middle, course.radius)))
-    whole = flat[:, :, :n] + flat[:, :, n : n + COMMAND] @ outputs[:, :COMMAND]
-    flat.middle[:, :, :n], flat.radius[:, :, :n] = whole.middle, whole.radius
-    return MidRadius(flat.middle.reshape(shape), flat.radius.reshape(shape))
+    shape, command = course.middle.shape, slice(n, n + COMMAND)
+    middle, radius = (x.reshape(len(x), -1, shape[-1]) for x in (course.middle, course.radius))
+    law, share = outputs[:, :COMMAND], rounding(COMMAND + 1)
+    both = np.concatenate([np.abs(middle[:, :, command]), radius[:, :, command]], axis=2)
+    sizes = np.concatenate([law.radius + share * np.abs(law.middle), law.most], axis=1) * OUTWARD
+    middle[:, :, :n] += middle[:, :, command] @ law.middle
+    radius[:, :, :n] += both @ sizes
+    radius[:, :, :n] += ROUNDED * np.abs(middle[:, :, :n]) + SMALLEST
+    radius *= OUTWARD
+    return MidRadius(middle.reshape(shape), radius.reshape(shape))
 
 
 def _within(course: MidRadius, n: int, first: int, last: int) -> Within:
-    """Of the time at which a step begins, and until another one does."""
+    """Of the time at which a step begins, and until another one does.
+
+    Inner points are no larger than the chord's ends and what they are off the chord.
+    """
     begin, end, inner = (course[:, place] for place in (first, last, slice(first + 1, last)))
     share = (np.arange(1, last - first) / (last - first))[:, None, None]
-    line = (1 - share) * begin.middle[:, None] + share * end.middle[:, None]
-    ends = np.abs(begin.middle) + np.abs(end.middle)
-    off = np.abs(inner.middle - line) + inner.radius
-    off += 8 * ROUNDED * (ends[:, None] + np.abs(inner.middle))
-    most = (off.max(axis=1, initial=0.0) + np.maximum(begin.radius, end.radius)) * OUTWARD
+    off = inner.middle - (1 - share) * begin.middle[:, None]
+    off -= share * end.middle[:, None]
+    np.abs(off, out=off)
+    off += inner.radius
+    most = off.max(axis=1, initial=0.0) * OUTWARD + np.maximum(begin.radius, end.radius)
+    most = (most + 16 * ROUNDED * (np.abs(begin.middle) + np.abs(end.middle))) * OUTWARD
     most = np.where(last > first + 1, most, 0.0)
     places = slice(n), slice(n + COMMAND, None), slice(n, n + COMMAND)
     state, push, command = (begin[:, :, place] for place in places)

@@ -71,11 +71,11 @@ def radius_of(G: Floats) -> Floats:
     return np.asarray(np.abs(G).sum(axis=2) * SUMS)
 
 
-def linear(found: Spanned, radius: Floats) -> tuple[Floats, Floats, Floats]:
+def linear(forms: Spanned, radius: Floats) -> tuple[Floats, Floats, Floats]:
     """Of boxes of such half-widths: middles (C, out), slopes (C, out, in) and errors (C, out)."""
     wide = radius[:, None] > 0
-    slope = np.where(wide, found.L / np.where(wide, radius[:, None], 1.0), 0.0)
-    return found.c, slope, found.r * SUMS + found.size * COARSE
+    slope = np.where(wide, forms.L / np.where(wide, radius[:, None], 1.0), 0.0)
+    return forms.c, slope, forms.r * SUMS + forms.size * COARSE
 
 
 def alike(parts: list[Floats]) -> list[Floats]:
