@@ -244,16 +244,11 @@ class Along:
         """Of the law at samples and of the plant step in all of a sample's steps."""
         loop = self.loop
         by = MidRadius(self._law_by(at)), MidRadius(loop.law_numbers[at])
-        law = loop.law_curve.slopes(*by)
-        return law, loop.step_curve.slopes(
-            *(hull(x, 1) for x in (self._step_by(at), loop.step_numbers[at]))
-        )
+        steps = hull(self._step_by(at), 1), hull(loop.step_numbers[at], 1)
+        return loop.law_curve.slopes(*by), loop.step_curve.slopes(*steps)
 
     def matrices(self, first: int, last: int) -> Stretch:
-        """Matrices of some samples.
-
-        Slopes are kept, and as long as nothing forbids it, for more samples than before each time.
-        """
+        """Matrices by slopes that are kept, if nothing forbids it, for more samples each time."""
         for begin, end, law, step in self._kept:
             if begin <= first and last <= end:
                 part = slice(first - begin, last - begin)
