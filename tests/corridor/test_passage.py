@@ -158,7 +158,7 @@ def test_a_loop_with_more_numbers_than_rounding_is_counted_for_is_refused():
 
 def test_matrices_of_samples_are_the_slopes_of_the_loop_as_it_is_run(eight):
     """Also in the sample in which the robot changes, at its sixth plant step."""
-    here = eight.stretch(48, 53)
+    here = eight.matrices(48, 53)
     loop, size, start = eight.loop, 1e-6, eight.states[48:53]
     for k in range(5):
         result = np.zeros_like(here.A.middle[k])

@@ -126,8 +126,7 @@ class Along:
 
     @cached_property
     def _halfway(self) -> Stretch:
-        half = len(self.motion.v_d) // 2
-        return self.stretch(half, half + 1)
+        return self._stretch(np.array([len(self.motion.v_d) // 2]))
 
     @cached_property
     def lasting(self) -> list[int]:
@@ -232,10 +231,6 @@ class Along:
         law = loop.law_curve.slopes(*(item[None, :] for item in self.law_range(first, last)))
         step = loop.step_curve.slopes(*(item[None, :] for item in self.step_range(first, last)))
         return stretch(loop, law, step, self.knots)
-
-    def stretch(self, first: int, last: int) -> Stretch:
-        """Matrices of some samples, a plant step's slopes for all of a sample's steps."""
-        return self._stretch(np.arange(first, last))
 
     def _stretch(self, at: IntArray) -> Stretch:
         return stretch(self.loop, *self._slopes(at), self.knots)
