@@ -16,7 +16,7 @@ from wmr_ctrl import checks
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.checks.outlook import IN_PART
 from wmr_ctrl.cli import check
-from wmr_ctrl.cli.check_sentences import REMEDIES, remedies
+from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import OBJECTED
@@ -294,3 +294,36 @@ def test_no_width_loses_a_letter(wmr, monkeypatch, command):
         monkeypatch.setenv("COLUMNS", columns)
 
         assert Counter(filter(str.isalnum, wmr(*command).stdout)) == letters
+
+
+@pytest.mark.parametrize("preset", preset_names())
+def test_every_key_of_a_preset_does_something(preset):
+    assert idle_keys(load_scenario(preset)) == ()
+
+
+@pytest.mark.parametrize(
+    ("preset", "idle", "switch"),
+    [
+        ("paper-simulation", {"gyro.noise": 0.1}, {"gyro.enabled": True}),
+        ("paper-simulation", {"slope.direction": 1.0}, {"slope.angle": 0.05}),
+        ("paper-simulation", {"encoder.window": 0.02}, {"encoder.counts": 1024.0}),
+        ("paper-simulation", {"actuator.lag_spread": 0.2}, {"actuator.lag": 0.02}),
+        ("paper-simulation", {"base.tau": [0.3, 0.3]}, {"base.kind": "velocity"}),
+        ("paper-simulation", {"filter.gain": [0.9, 1.1]}, {"base.kind": "velocity"}),
+        ("turtlebot3-burger", {"base.kp": 9.0}, {"base.loop": "pi", "filter.kind": "none"}),
+        ("turtlebot3-burger", {"guard.alpha": 3.0}, {}),
+    ],
+)
+def test_keys_of_what_is_switched_off_are_told(preset, idle, switch):
+    (key,) = idle
+
+    assert idle_keys(load_scenario(preset, idle)) == (key,)
+    assert not switch or key not in idle_keys(load_scenario(preset, {**idle, **switch}))
+
+
+def test_check_tells_keys_without_effect(wmr):
+    short = ("--law", "pid", "--set", "clock.duration=0.2", "--set", "changes=[]")
+    idle = ("--set", "gyro.noise=0.1", "--set", "metrics.rms_from=0.1")
+    found = wmr("check", "paper-simulation", *short, *idle)
+
+    assert "what they belong to is switched off: gyro.noise." in flat(found.stdout)

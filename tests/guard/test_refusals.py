@@ -21,7 +21,7 @@ ON = {"guard.enabled": True}
 @pytest.mark.parametrize(("changed", "said"), [
     ({"guard.dbar": [2500.0, 1.0]}, r"2 \(dbar - f_min\) <= M_min alpha.*axis 1.*5000 > 45 \* 100"),
     ({"guard.dbar": [60.0, 400.0]}, r"axis 2.*clock\.control <= .*guard\.dbar\[2\] <= "),
-    ({"clock.control": 0.5, "guard.M_min": [25.0, 2.7]}, r"clock\.control <= 0\.2083 s"),
+    ({"clock.control": 0.5, "guard.M_min": [25.0, 2.7]}, r"clock\.control <= 0\.208 s"),
     ({"guard.alpha": 1.0}, r"axis 1.*guard\.alpha >= 2\.667 1/s"),
     ({"guard.alpha": 101.0}, r"alpha T <= 1.*Lower it to 100"),
     ({"guard.nbar": [0.6, 0.0]}, r"2 nbar <= v_u1.*it is 1\.2, and"),

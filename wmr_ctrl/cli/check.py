@@ -183,6 +183,7 @@ def _document(answers: Answers) -> dict[str, Any]:
         "max_period": {law: limits.period for law, limits in stable.items()},
         "max_delay": {law: limits.delay for law, limits in stable.items()},
         "mass_range": {law: limits.masses for law, limits in stable.items()},
+        "idle": check_sentences.idle_keys(case),
         "arrival": case.reference.arrival,
         "laws": {
             law: {
@@ -218,6 +219,8 @@ def _head(answers: Answers) -> Iterator[str]:
         yield wrapped(
             f"Not stated, so taken from the paper or the preset (--only inherited): {listed}."
         )
+    if idle := check_sentences.idle_keys(case):
+        yield wrapped(f"Without effect, as what they belong to is switched off: {', '.join(idle)}.")
     if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
 

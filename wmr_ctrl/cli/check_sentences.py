@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ REMEDIES = {
     "obstacle": "choose another path, or start elsewhere",
 }
 """Remedies for objections and remarks, by key."""
+SAFE_ANYWAY = ("disturbance.std", "disturbance.truncate", "base.timeout")
+"""Keys of which nobody expects more: noise of size 0, its cut, a stop that no loss brings about."""
 TUNE = "lower the gains (`wmr-ctrl tune`), or measure better"
 
 
@@ -206,6 +209,23 @@ def inherited_robot(taken: Sequence[InheritedValue]) -> str:
         "preset that the file extends. State your own; `wmr-ctrl scenarios paper-simulation "
         "--toml` prints all keys with their meaning."
     )
+
+
+def idle_keys(case: Scenario) -> tuple[str, ...]:
+    """Keys that are not as by default and do nothing, as what they belong to is switched off."""
+    from wmr_ctrl.fields.section import quantities
+    from wmr_ctrl.scenario.command_filter import Filter
+    from wmr_ctrl.scenario.sections import Guard
+    from wmr_ctrl.world.registry import EFFECTS
+    from wmr_ctrl.world.speed_loop import takes_velocity
+
+    off = [effect.section for effect in EFFECTS if not effect.active(case)]
+    keys = dict[str, None]()
+    for section in (*off, Guard if takes_velocity(case) else Filter):
+        values = asdict(case.section(section))
+        named = ((name, what.default) for name, what in quantities(section))
+        keys |= {f"{section.KEY}.{name}": None for name, own in named if values[name] != own}
+    return tuple(key for key in keys if key not in SAFE_ANYWAY)
 
 
 def sight(run: Run) -> str:

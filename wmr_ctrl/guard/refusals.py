@@ -162,7 +162,7 @@ def _sooner(scenario: Scenario, longest: float, alpha: float, late: float, delay
     most = max(longest - 1 / alpha - others, 0.0)
     remedies = [_earlier(scenario, most)] * shorter
     if longest > late and 1.0 / (longest - late) > alpha * (1.0 + SLACK):
-        remedies.append(_faster(1.0 / (longest - late), scenario.clock.control))
+        remedies.append(_faster(scenario, 1.0 / (longest - late)))
     return "".join(f"{remedy}, or " for remedy in remedies)
 
 
@@ -176,11 +176,15 @@ def _earlier(scenario: Scenario, most: float) -> str:
     return f"with actuator.{' + '.join(names)} <= {whole:.6g} s"
 
 
-def _faster(alpha: float, period: float) -> str:
+def _faster(scenario: Scenario, alpha: float) -> str:
     """The remedy by rate: a larger alpha where T allows it, else a shorter T."""
-    if _above(alpha) * period <= 1.0:
+    clock = scenario.clock
+    if _above(alpha) * clock.control <= 1.0:
         return f"from guard.alpha >= {_above(alpha):g} 1/s on"
-    return f"from clock.control <= {_below(1.0 / alpha):g} s on (alpha = 1/T)"
+    steps = math.floor(_below(1.0 / alpha) / clock.plant * (1.0 + SLACK))
+    period = steps * clock.plant if steps else _below(1.0 / alpha)
+    left_out = "" if scenario.guard.alpha is None else "guard.alpha left out and "
+    return f"with {left_out}clock.control <= {period:.6g} s (alpha = 1/T)"
 
 
 def _check_brake(
