@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -222,7 +221,7 @@ def idle_keys(case: Scenario) -> tuple[str, ...]:
     off = [effect.section for effect in EFFECTS if not effect.active(case)]
     keys = dict[str, None]()
     for section in (*off, Guard if takes_velocity(case) else Filter):
-        values = asdict(case.section(section))
+        values = vars(case.section(section))
         named = ((name, what.default) for name, what in quantities(section))
         keys |= {f"{section.KEY}.{name}": None for name, own in named if values[name] != own}
     return tuple(key for key in keys if key not in SAFE_ANYWAY)
