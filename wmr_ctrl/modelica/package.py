@@ -9,7 +9,6 @@ ordinary Modelica 3 and the one that the compilers which were tried take.
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from operator import attrgetter
 from pathlib import Path
 
 import casadi as ca
@@ -277,7 +276,7 @@ def _changes(scenario: Scenario) -> tuple[list[Member], dict[str, tuple[str, str
     listed: list[Member] = []
     now: dict[str, tuple[str, str]] = {}
     fields = dict(quantities(Change))
-    for k, change in enumerate(sorted(scenario.changes, key=attrgetter("t")), start=1):
+    for k, change in enumerate(scenario.changes, start=1):
         for name, value in {"t": change.t, **change.values()}.items():
             signal = Signal(f"changes.{k}.{name}", fields[name].unit, fields[name].doc)
             listed.append(Member(signal, (value,)))

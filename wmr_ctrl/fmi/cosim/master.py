@@ -13,7 +13,6 @@ random numbers and watch the same limits.
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from operator import attrgetter
 
 import numpy as np
 
@@ -88,8 +87,8 @@ class Master:
         start = (*scenario.initial.pose, *scenario.initial.velocity)
         self.state = (*start, *tuple(parts.plant.read())[len(start) :])
         self.applied: Sequence[float] = (0.0, 0.0)
-        by_time = sorted(scenario.changes, key=attrgetter("t"))
-        self.changes = [(first_step_at(item.t, self.clock.plant), item) for item in by_time]
+        step = self.clock.plant
+        self.changes = [(first_step_at(item.t, step), item) for item in scenario.changes]
         self.rows: list[tuple[float, ...]] = []
 
     def run(self, progress: Progress | None) -> None:

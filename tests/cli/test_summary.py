@@ -1,0 +1,138 @@
+"""Each line of a run's text is its figure, with its unit and the verdict that follows from it."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from dataclasses import replace
+
+import click
+import pytest
+
+from wmr_ctrl import simulate
+from wmr_ctrl.cli import console, options, summary
+from wmr_ctrl.cli.summary import _rows
+from wmr_ctrl.errors import WmrError
+from wmr_ctrl.fields.values import SEED_END
+from wmr_ctrl.results import Run, outcome_of
+from wmr_ctrl.results import summary as figures_of
+from wmr_ctrl.scenario import load_scenario
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    changes = {
+        "clock.duration": 4.0,
+        "guard.enabled": True,
+        "changes": [{"t": 2.0, "m": 40.0}],
+    }
+    return simulate(load_scenario("paper-simulation-nominal", changes), "prox", engine="numpy")
+
+
+def told(run: Run, label: str, settings: dict | None = None, **monitor: object) -> str:
+    """What the text has beside a label, where settings or findings are other ones."""
+    seen = replace(run.monitor, **monitor)
+    other = replace(
+        run,
+        settings=replace(run.settings, **(settings or {})),
+        monitor=seen,
+        outcome=outcome_of(seen, run.guard),
+    )
+    return "; ".join(
+        f"{value}, {word}" for name, value, word in _rows(other, figures_of(other)) if name == label
+    )
+
+
+def test_an_error_is_tracked_up_to_the_tolerance(run: Run) -> None:
+    error = figures_of(run)["tracking"]["drive"]["position_rms"]
+    words = [
+        told(run, "position error, RMS", {"tolerance": share * error}).split(", tolerance")[1]
+        for share in (0.999, 1.0, 1.001)
+    ]
+
+    assert ["NOT TRACKED" in word for word in words] == [True, False, False]
+
+
+def test_errors_before_and_after_a_change_are_their_own(run: Run) -> None:
+    ise = figures_of(run)["ise"]
+
+    assert ise["before"] > 9 * ise["after"]
+    assert told(run, "ISE before 2 s") == f"{ise['before']:.4g}, "
+    assert told(run, "ISE from 2 s on") == f"{ise['after']:.4g}, "
+
+
+@pytest.mark.parametrize(
+    ("asked", "fast"), [((1, 2), False), ((1.1, 2), True), ((1, 2.1), True), ((1.1, 2.1), True)]
+)
+def test_a_reference_is_too_fast_where_one_of_its_speeds_is(run, asked, fast) -> None:
+    settings = {"usable": (1.0, 2.0), "asked": asked}
+
+    assert ("TOO FAST" in told(run, "usable with the guard", settings)) is fast
+
+
+def test_a_disturbance_is_within_its_bound_until_motion_contradicts_it(run: Run) -> None:
+    label = "disturbance, at least"
+
+    assert "within dbar" in told(run, label)
+    assert "from 3.25 s on BEYOND dbar" in told(run, label, bounds_left=(3.25, 1))
+
+
+def test_what_is_beyond_a_limit_is_counted_in_steps_of_the_plant(run: Run) -> None:
+    settings = {"plant": 0.002, "control": 0.01}
+    broken = {"violations": 3, "first_violation": (1.0, 1)}
+
+    assert told(run, "beyond a limit", settings, **broken) == "3 plant steps, of 0.002 s"
+
+
+def test_torques_are_those_of_the_figures(run: Run) -> None:
+    figures = figures_of(run)
+    keys = {"peak": "tau_peak", "RMS": "tau_rms", "change": "torque_change_rms",
+            "needed": "torque_needed_rms"}  # fmt: skip
+    values = {word: f"{figures[key]:.4g} N m" for word, key in keys.items()}
+
+    assert len(set(values.values())) == 4
+    for word, value in values.items():
+        assert told(run, f"wheel torque, {word}").startswith(value)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, summary.MISSING), (0.0, "0 mm"), (5e-7, "below 0.001 mm"), (1e-6, "0.001 mm"),
+     (0.25, "250 mm"), (1.5, "1.5 m")],
+)  # fmt: skip
+def test_errors_are_in_millimetres_below_a_metre(value: float | None, text: str) -> None:
+    assert summary._small(value, "m") == text
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (click.Abort(), 130),
+        (click.ClickException("x"), 2),
+        (WmrError("x"), 2),
+        (OSError(28, "No space left on device", "/x"), 2),
+        (ZeroDivisionError("x"), 70),
+    ],
+)
+def test_an_error_is_told_and_its_traceback_only_where_it_is_asked_for(error, code, capsys) -> None:
+    with pytest.raises(type(error)) as caught:
+        raise error
+    for debug in (False, True):
+        assert console.explain(caught.value, debug=debug) == code
+        assert ("Traceback" in capsys.readouterr().err) is debug
+
+
+def test_text_from_outside_cannot_command_the_terminal() -> None:
+    assert console.wrapped("a\x1b[31m\x07b\u202e c") == "a [31m b c"
+
+
+@pytest.mark.parametrize(
+    ("seed", "good"),
+    [("-1", False), ("0", True), (str(SEED_END - 1), True), (str(SEED_END), False)],
+)
+def test_a_seed_is_from_zero_up_and_below_its_end(seed: str, good: bool) -> None:
+    with nullcontext() if good else pytest.raises(click.UsageError, match=f"below {SEED_END}"):
+        assert options.Seed().convert(seed, None, None) == int(seed)
+
+
+def test_laws_are_named_once_each_in_the_order_in_which_they_were_given() -> None:
+    assert options._each_law(None, None, ["prox, pid", "mb,prox"]) == ("prox", "pid", "mb")

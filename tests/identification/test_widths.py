@@ -1,0 +1,138 @@
+"""Widths of intervals, a guard's numbers by them, and what of a log counts: by hand."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.identification import estimate
+from wmr_ctrl.identification.estimate import intervals_of, plant_step
+from wmr_ctrl.identification.fit import COUNTED, LogProblem, errors_of
+from wmr_ctrl.identification.refuted import guard_bounds, tolerance_sentence, usable_speeds
+from wmr_ctrl.logs.log import of_columns
+from wmr_ctrl.logs.samples import Samples, motion_of
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+
+T_14 = 2.1448
+"""Student's t of 14 degrees of freedom at 0.975; at 0.9875 it is 2.5096."""
+
+
+def seen_at(*times: float, first: tuple[int, ...] = (0,)) -> Samples:
+    t, none = np.array(times), np.zeros((len(times), 2))
+    return Samples(t, none, np.zeros(2), t, none, np.array(first))
+
+
+@pytest.mark.parametrize("gradient", [0.0, 0.2, 4.0])
+def test_a_half_width_is_the_larger_of_that_by_fisher_and_that_by_blocks(gradient: float) -> None:
+    """15 blocks of information 1, gradients of g and -g in turn, so of mean g/15."""
+    g = gradient * np.array([(-1.0) ** k for k in range(15)])
+    by_blocks = math.sqrt(14 / 15 * np.sum((g - g.mean()) ** 2)) / 14
+    found = errors_of(g[:, None], np.ones((15, 1, 1)), np.array([True]))
+
+    assert found[0] == pytest.approx(max(T_14 * by_blocks, 1.96 / math.sqrt(15)), rel=1e-4)
+
+
+def test_no_interval_is_narrower_than_a_step_of_the_plant(monkeypatch) -> None:
+    names = list(estimate.PHYSICAL)
+    theta = np.array([math.log(2.0) if n in estimate.LOGARITHMIC else 2.0 for n in names])
+    log, graph = SimpleNamespace(period=0.01), SimpleNamespace(names=names)
+    problem = SimpleNamespace(log=log, filter=SimpleNamespace(graph=graph))
+    monkeypatch.setattr(estimate, "half_widths", lambda _: np.zeros(len(names)))
+    found = intervals_of(SimpleNamespace(theta=theta, problem=problem))
+
+    for name, (value, low, high) in found.items():
+        half = plant_step(0.01) / 2 if name in ("delay", "lag") else 0.004
+        assert value == pytest.approx(2.0)
+        assert (low, high) == pytest.approx((2 - half, 2 + half), abs=1e-5)
+
+
+def test_the_first_three_tenths_of_a_second_of_a_stretch_do_not_count() -> None:
+    problem = LogProblem(seen_at(0, 0.29, 0.31, 9, 9.29, 9.31, first=(0, 3)), None, np.zeros(0))
+
+    assert (problem.counting()[0] == COUNTED).tolist() == [False, False, True] * 2
+
+
+@pytest.mark.parametrize(("steps", "first"), [(4.9, [0]), (5.1, [0, 50])])
+def test_a_stretch_begins_after_five_steps_without_a_row(steps: float, first: list[int]) -> None:
+    t = 0.01 * np.arange(100.0)
+    t[50:] += 0.01 * (steps - 1)
+    names = ("v1_measured", "omega_measured", "tau_right", "tau_left")
+    log = of_columns("log", {"t": t.tolist(), **{name: t.tolist() for name in names}})
+
+    assert motion_of(log, Scenario(), "v1_measured").first.tolist() == first
+
+
+def white_fit(period: float, duration: float = 60.0) -> SimpleNamespace:
+    """Noise of 2 N and 3 N m; residuals up to 4.5 and 1 standard deviations, 9 before they count.
+
+    Speeds up to 0.5 m/s and 2 rad/s.
+    """
+    log = seen_at(*np.arange(0.0, duration + period / 2, period))
+    sizes = np.array([[9.0, 9.0], *[[-4.5, 1.0]] * (len(log.t) - 1)])
+    kinds = np.array([COUNTED - 1, *[COUNTED] * (len(log.t) - 1)])
+    mean = np.array([[0, 0, -0.5, 2.0]])
+    graph = SimpleNamespace(names=["q1", "q2"])
+    problem = SimpleNamespace(
+        log=log, filter=SimpleNamespace(graph=graph), counting=lambda: (kinds, None)
+    )
+    last = SimpleNamespace(sizes=sizes, mean=mean)
+    return SimpleNamespace(theta=np.log([2.0, 3.0]), problem=problem, last=last)
+
+
+@pytest.mark.parametrize(
+    ("delay", "late", "wide"),
+    [
+        ((-0.001, 0.004), (0.0, 0.010), False),
+        ((0.020, 0.025), (0.020, 0.030), False),
+        ((0.020, 0.035), (0.020, 0.035), True),
+    ],
+)
+def test_a_guard_stands_wider_masses_larger_pushes_and_creeping_tread(delay, late, wide) -> None:
+    low, high = delay
+    intervals = {
+        "m": (10.0, 8.0, 12.0), "I": (1.0, 0.5, 3.0), "delay": ((low + high) / 2, low, high),
+        "lag": (0.002, -0.001, 0.005),
+    }  # fmt: skip
+    counted = override(Scenario(), {"encoder.counts": 4000})
+    found = guard_bounds(white_fit(0.01), intervals, counted, None)
+    power = 2.5096 / T_14
+
+    assert found.masses[0] == pytest.approx((10 * 0.8**power, 10 * 1.2**power), rel=1e-4)
+    assert found.masses[1] == pytest.approx((0.5**power, 3**power), rel=1e-4)
+    assert found.dbar == pytest.approx((2 * 4.5, 3 * 3.0))
+    assert found.delay == pytest.approx(late)
+    assert found.lag == pytest.approx((0.0, 0.010))
+    assert found.wide == wide
+
+
+@pytest.mark.parametrize(
+    ("duration", "colour", "word"),
+    [
+        (58.0, None, "largest seen in 58 blocks of 1 s"),
+        (60.0, None, "at most 4.9 % of later blocks of 1 s"),
+        (60.0, 1.0, "largest seen in 12 blocks of 5 s"),
+        (600.0, 0.5, "at most 1.2 % of later blocks of 2.5 s"),
+    ],
+)
+def test_a_share_is_bounded_where_there_are_59_blocks(duration, colour, word) -> None:
+    """With 95 % confidence (1 - share)^n = 0.05."""
+    found = tolerance_sentence(white_fit(0.1, duration), colour)
+
+    assert word in found
+    assert "0.5 m/s and 2 rad/s" in found
+
+
+def test_one_more_newton_costs_speed() -> None:
+    one, other = (
+        load_scenario(
+            "paper-simulation-nominal", {"guard.enabled": True, "guard.dbar": [push, 0.5]}
+        )
+        for push in (2.0, 3.0)
+    )
+    (now, price), (then, _) = usable_speeds(one), usable_speeds(other)
+
+    assert price > 0
+    assert price == pytest.approx(now - then)

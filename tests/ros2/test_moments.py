@@ -1,0 +1,84 @@
+"""What two moments tell of the clocks, and two messages of the pose, each at its threshold."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+
+from tests.ros2.test_drive_core import CIRCLE, core_of
+from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Clocks, Moment, longest_pause
+from wmr_ctrl.ros2.filter_core import core_files
+from wmr_ctrl.scenario import load_scenario
+
+MS = 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("ros", "steady", "happened"),
+    [
+        (20, 20, ()),
+        (-9, 20, ()),
+        (-11, 20, (BACK,)),
+        (519, 20, ()),
+        (521, 20, (FORTH,)),
+        (100, 100, ()),
+        (101, 101, (FROZEN,)),
+        (700, 101, (FORTH, FROZEN)),
+    ],
+)
+def test_time_goes_back_by_10_ms_leaps_by_500_and_stands_still_for_the_longest_pause(
+    ros: int, steady: int, happened: tuple[str, ...]
+) -> None:
+    clocks = Clocks(100 * MS)
+    clocks.see(Moment(10_000 * MS, 5_000 * MS))
+
+    assert clocks.see(Moment((10_000 + ros) * MS, (5_000 + steady) * MS)) == happened
+
+
+@pytest.mark.parametrize(("period", "pause"), [(0.02, 100), (0.04, 100), (0.1, 250)])
+def test_a_pause_of_two_and_a_half_periods_is_no_freeze(period: float, pause: int) -> None:
+    assert longest_pause(0.1, period) == pause * MS
+
+
+def test_times_of_a_filter_are_its_own_settings() -> None:
+    stated = {
+        "clock.control": 0.02, "filter.kind": "clip", "filter.gain": [0.9, 1.1],
+        "filter.d": [0.05, 0.05],
+    }  # fmt: skip
+    scenario = load_scenario("paper-simulation", stated)
+    settings = GateSettings(command_timeout=0.3, odometry_timeout=0.2)
+    text = "\n".join(core_files(scenario, settings).values())
+    times = dict(re.findall(r"#define WMR_([A-Z_]+) INT64_C\((\d+)\)", text))
+
+    assert {name: int(time) / MS for name, time in times.items()} == {
+        "PERIOD": 20, "COMMAND_TIMEOUT": 300, "ODOMETRY_TIMEOUT": 200, "LONGEST": 300,
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def core():
+    return core_of(CIRCLE, jump=(0.1, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("way", "turn", "leaps"),
+    [
+        (0.139, 0.0, False),
+        (0.141, 0.0, True),
+        (-0.141, 0.0, True),
+        (0.0, 0.259, False),
+        (0.0, 0.261, True),
+        (0.0, -0.261, True),
+        (0.0, 2 * math.pi, False),
+    ],
+)
+def test_a_pose_leaps_beyond_twice_the_larger_speed_and_the_slack(core, way, turn, leaps) -> None:
+    """In 20 ms, from 1 m/s to less and from less to 1.5 rad/s: 40 mm and 60 mrad."""
+    before = (3.0, 4.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.2)
+    after = (3.0 + 0.6 * way, 4.0 + 0.8 * way, 0.0, 0.0)
+    after += (math.sin(turn / 2), math.cos(turn / 2), 0.4, -1.5)
+
+    assert core._leaps(before, after, 0.02) is leaps
