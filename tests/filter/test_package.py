@@ -456,9 +456,7 @@ WITHOUT_EFFECT = {
 
 
 @pytest.mark.parametrize("float32", [False, pytest.param(True, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(
-    "name", quick((*FILTERS, *WHEELS), "clip", "wheels beside", "band of weak motors")
-)
+@pytest.mark.parametrize("name", quick((*FILTERS, *WHEELS), "clip", "wheels beside"))
 def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
     name: str, float32: bool, tmp_path: Path
 ) -> None:

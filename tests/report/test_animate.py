@@ -171,7 +171,8 @@ def shown_of(path):
 @pytest.mark.parametrize("off", [0.004, 0.01])
 def test_a_certified_corridor_is_a_band_and_a_gauge(tmp_path, off):
     """Past a change of the robot it is that of the whole run."""
-    scenario = load_scenario("safe-simulation", {"changes": [{"t": 0.5, "m": 60.0}]})
+    brief = {"changes": [{"t": 0.5, "m": 60.0}], "clock.duration": 2.0}
+    scenario = load_scenario("safe-simulation", brief)
     away = np.zeros(100)
     away[30:] = off
     run = build(
