@@ -36,9 +36,10 @@ Examples:
 \b
 Exit codes:
   0    done
-  1    `reproduce` or `prove` found other verdicts, `compare` a difference
+  1    `reproduce` or `prove` found other verdicts, `compare` a difference, or
+       the guard refused every run of a `study`
   2    wrong input, explained in one paragraph on stderr
-  3    `prove` lacks a proving package; in `cosim` an FMU failed on the way
+  3    `prove` lacks a proving package; in `cosim` or `run` an FMU failed
   70   a fault of wmr-ctrl itself
   130  interrupted
 """
