@@ -123,20 +123,25 @@ class OverBoxes:
         rows, columns = (np.array(part, dtype=int) for part in L.sparsity().get_triplet())
         self._places, self._outputs = (rows, columns), len(forms)
         every = [ca.densify(getattr(form, k)) for k in ("c", "r", "size") for form in forms]
-        function = ca.Function("over", [ca.vertcat(center, radius)], [ca.vertcat(*every, L.nz[:])])
-        self._box, self._result = np.zeros(2 * count), np.zeros(function.numel_out(0))
-        self._buffer: Any  # its library frees what `_run` uses with it
-        self._buffer, self._run = function.buffer()
-        self._buffer.set_arg(0, self._box.data)
-        self._buffer.set_res(0, self._result.data)
+        box, numbers = ca.vertcat(center, radius), ca.vertcat(*every, L.nz[:])
+        self._function = ca.Function("over", [box], [numbers])
 
     def __call__(self, center: Floats, radius: Floats) -> Spanned:
         """Of boxes (C, inputs)."""
-        given, result = np.hstack([center, radius]), np.empty((len(center), len(self._result)))
-        for box, row in zip(given, result, strict=True):
-            self._box[:] = box
-            self._run()
-            row[:] = self._result
+        given, count = np.hstack([center, radius]), self._function.numel_out(0)
+        box, answer, result = (
+            np.empty(given.shape[1]),
+            np.empty(count),
+            np.empty((len(given), count)),
+        )
+        buffer: Any  # a call's own, since threads share the function
+        buffer, run = self._function.buffer()
+        buffer.set_arg(0, box.data)
+        buffer.set_res(0, answer.data)
+        for one, row in zip(given, result, strict=True):
+            box[:] = one
+            run()
+            row[:] = answer
         c, r, size = (result[:, k * self._outputs :][:, : self._outputs] for k in range(3))
         L = np.zeros((len(center), self._outputs, self.count))
         L[:, *self._places] = result[:, 3 * self._outputs :]
