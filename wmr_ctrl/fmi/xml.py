@@ -112,7 +112,7 @@ def _causality(v: Variable) -> str:
 
 def _head(v: Variable, row: int, name: str, meaning: str) -> Attributes:
     """Attributes that a variable of either version begins with."""
-    variability = "discrete" if v.discrete or v.integer else "continuous"
+    variability = "discrete" if v.discrete else "continuous"
     if v.parameter:
         variability = "fixed" if v.role is Role.FIXED else "tunable"
     initial = "calculated" if v.role is Role.CALCULATED else "exact"

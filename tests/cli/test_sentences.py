@@ -1,0 +1,150 @@
+"""What commands hand on to the parts that work, and what they say of what these answer."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from importlib import import_module
+from math import inf
+
+import click
+import pytest
+
+from wmr_ctrl import api, checks, simulate
+from wmr_ctrl.checks import Stability, Warning
+from wmr_ctrl.results import Run, outcome_of
+from wmr_ctrl.results import summary as figures_of
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+
+check, compare, runs = (
+    import_module(f"wmr_ctrl.cli.{name}") for name in ("check", "compare", "runs")
+)
+BOTH = Warning("limits.v_u1", "of both", "Eq. (1)")
+ONE, OTHER = Warning("robot.m", "of one", "Eq. (2)"), Warning("robot.I", "of the other", "Eq. (3)")
+NOTED = Warning("robot.mu", "noted", "Eq. (4)", objects=False)
+SHORT = {"clock.duration": 0.2, "metrics.rms_from": 0.0}
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate(load_scenario("paper-simulation-nominal", SHORT), "pid", engine="numpy")
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch, run: Run) -> list[tuple[str, int]]:
+    """Laws and seeds that runs were asked for; none is made."""
+    found = []
+
+    def note(_: Scenario, law: str, *, seed: int = 0, **__: object) -> Run:
+        found.append((law, seed))
+        return run
+
+    monkeypatch.setattr(api, "simulate", note)
+    return found
+
+
+def test_every_law_is_compared_with_the_seed_that_was_given(asked) -> None:
+    list(compare._simulated(["far-start"], ["pid", "mb"], 7, (), None))
+    runs._simulated(Scenario(), "prox", 5, "numpy", "ode")
+
+    assert asked == [("pid", 7), ("mb", 7), ("prox", 5)]
+
+
+def test_before_a_run_objections_are_warnings_and_notes_are_notes(asked, monkeypatch, capsys):
+    monkeypatch.setattr(checks, "warnings_for", lambda _: (ONE, NOTED))
+    runs._simulated(Scenario(), "prox", 0, "numpy", "ode")
+    said = capsys.readouterr().err
+
+    assert "warning: `wmr-ctrl check` objects to robot.m, and says why." in said
+    assert "note: `wmr-ctrl check` has notes on robot.mu, and says why." in said
+
+
+def test_a_run_that_an_fmu_ended_exits_with_3(monkeypatch, capsys, run: Run) -> None:
+    for name in ("write_run", "show"):
+        monkeypatch.setattr(runs, name, lambda *_, **__: None)
+    seen = replace(run.monitor, failure="it refused a step")
+    runs.deliver(run, False)
+    with pytest.raises(click.exceptions.Exit) as caught:
+        runs.deliver(replace(run, monitor=seen, outcome=outcome_of(seen, run.guard)), False)
+
+    assert caught.value.exit_code == 3
+    assert capsys.readouterr().err == "error: it refused a step\n"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (9e-4, "<0.001"), (-9e-4, "<0.001"), (1e-3, "0.001"), (-1.5, "-1.5"), (2, "2")],
+)
+def test_three_digits_as_long_as_they_say_something(value: float, text: str) -> None:
+    assert compare._shown(value) == text
+
+
+def test_a_row_has_millimetres_then_si_units(run: Run) -> None:
+    figures = figures_of(run)
+    values = (
+        1e3 * figures["position_rms"]["last_quarter"], 1e3 * figures["position_max"],
+        *figures["max_abs_v"], figures["tau_peak"], figures["torque_change_rms"],
+    )  # fmt: skip
+
+    assert compare._row("pid", run) == ("pid", *map(compare._shown, values), run.outcome.value)
+
+
+def answers(law: str = "pid", **changes: object) -> check.Answers:
+    found = check._answers(Scenario(), (law,), (), bare=True)
+    return replace(found, **changes)
+
+
+def test_what_all_laws_have_in_common_is_said_once() -> None:
+    found = answers(warned={"pid": (BOTH, ONE), "mb": (OTHER, BOTH), "prox": (ONE, BOTH)})
+
+    assert list(check._merged(found)) == [
+        (None, BOTH), ("pid", ONE), ("mb", OTHER), ("prox", ONE),
+    ]  # fmt: skip
+
+
+def test_of_one_law_nothing_is_in_common() -> None:
+    assert list(check._merged(answers(warned={"pid": (ONE, BOTH)}))) == [
+        ("pid", ONE),
+        ("pid", BOTH),
+    ]
+
+
+def test_stable_periods_delays_and_masses_are_told_as_they_were_found() -> None:
+    limits = Stability(0.003, 0.04, 0.05, (0.5, 2.0), 1e-4)
+    document = json.loads(json.dumps(check._document(answers(stable={"pid": limits}))))
+    told = {key: document[key]["pid"] for key in
+            ("min_period", "max_period", "max_delay", "mass_range")}  # fmt: skip
+
+    assert told == {
+        "min_period": 0.003, "max_period": 0.04, "max_delay": 0.05, "mass_range": [0.5, 2.0],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("shortest", "period", "cell"),
+    [(0.0, 0.04, "40"), (0.003, 0.04, "3 to 40"), (0.0, inf, "any"), (0.0, 0.0, "none")],
+)
+def test_stable_periods_are_in_milliseconds(shortest: float, period: float, cell: str) -> None:
+    found = answers(stable={"pid": Stability(shortest, period, None, None, 1e-4)})
+
+    assert list(check._cells(found, "pid"))[1] == cell
+
+
+def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "warnings_for", lambda _: (ONE,))
+    monkeypatch.setattr(checks, "grip_warnings", lambda _: (OTHER,))
+    monkeypatch.setattr(checks, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
+    monkeypatch.setattr(check, "_runs", lambda *_: {})
+    found = check._answers(Scenario(), ("pid",), (), bare=False)
+
+    assert found.warned["pid"] == (ONE, replace(OTHER, objects=False))
+
+
+def test_a_law_is_run_for_two_million_steps_at_most() -> None:
+    clock = {"clock.control": 0.03, "clock.plant": 0.001, "clock.duration": 3000.0}
+    long = override(Scenario(), {**clock, "metrics.split": 2500.0})
+    short = check._short(long)
+
+    assert short.clock.duration == pytest.approx(66_666 * 0.03)  # of 2000 s, whole periods
+    assert short.metrics.split == pytest.approx(33_333 * 0.03)
+    assert check._short(Scenario()) == Scenario()
