@@ -1,0 +1,57 @@
+"""Affine forms hold what a graph makes of a box, and what is no number stays none."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from wmr_ctrl.corridor.affine import AffineGraph
+
+X = ca.SX.sym("x", 3)
+GRAPHS = {
+    "tanh of a quotient": ca.tanh(X[0] / 0.3) / (3 + X[1]),
+    "products and a root": X[0] * X[1] ** 2 - ca.sqrt(4 + X[2]) * X[0],
+    "least and most": ca.fmin(X[0], ca.sin(X[1])) + ca.fmax(X[0] * X[1], ca.fabs(X[2])),
+    "a choice": ca.if_else(ca.logic_and(X[0] < X[1], X[2] <= 0.2), ca.cos(X[1]), X[0] * X[2]),
+    "an inner point": ca.tanh(8 * X[0]) - 3 * X[0],
+}
+NONE = ca.sqrt(X[0] - 1e3) + 0 * X[1]
+PASSED = {
+    "min": ca.fmin(NONE, X[1]),
+    "max": ca.fmax(X[1], NONE),
+    "tanh": ca.tanh(NONE),
+    "sine": ca.sin(NONE),
+    "size": ca.fabs(NONE),
+    "a choice by it": ca.if_else(X[1] < 0, NONE, X[1]),
+    "a choice of it": ca.if_else(X[1] > NONE, NONE, 1.0),
+    "quotient": X[1] / ca.fmax(X[2], -1e3),
+}
+
+
+@pytest.mark.parametrize("name", GRAPHS)
+def test_every_point_of_a_box_is_within_its_form(name):
+    rng, function = np.random.default_rng(3), ca.Function("f", [X], [GRAPHS[name]])
+    center = rng.uniform(-1.0, 1.0, (60, 3))
+    radius = 10 ** rng.uniform(-8, 0, (60, 3)) * (rng.random((60, 3)) < 0.8)
+    forms = AffineGraph(X, GRAPHS[name])(center, radius)
+
+    corners = rng.choice([-1.0, 1.0], (60, 3, 40))
+    xi = np.concatenate([corners, rng.uniform(-1.0, 1.0, (60, 3, 200))], axis=2)
+    points = center[:, :, None] + radius[:, :, None] * xi
+    value = np.array([function(x).full()[0] for x in points])
+    off = np.abs(value - forms.c - np.einsum("ci,cip->cp", forms.L[:, 0], xi))
+    assert (off <= forms.r + 1e-15).all()
+    assert np.median(forms.r - off.max(axis=1, keepdims=True)) < 0.2
+
+
+@pytest.mark.parametrize("name", PASSED)
+def test_what_is_no_number_stays_none(name):
+    center, radius = np.zeros((1, 3)), np.full((1, 3), 0.1)
+    forms = AffineGraph(X, PASSED[name])(center, radius)
+    every = [forms.c, forms.r, forms.size, forms.radius]
+    assert not np.isfinite(every).all()
+
+
+def test_what_is_no_number_does_not_count_where_it_is_not_chosen():
+    graph = AffineGraph(X, ca.if_else(X[1] < 1, X[2], NONE))
+    forms = graph(np.zeros((1, 3)), np.full((1, 3), 0.1))
+    assert forms.radius[0, 0] == pytest.approx(0.1)
