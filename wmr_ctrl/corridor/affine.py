@@ -123,7 +123,7 @@ class OverBoxes:
         rows, columns = (np.array(part, dtype=int) for part in L.sparsity().get_triplet())
         self._places, self._outputs = (rows, columns), len(forms)
         every = [ca.densify(getattr(form, k)) for k in ("c", "r", "size") for form in forms]
-        box, numbers = ca.vertcat(center, radius), ca.vertcat(*every, *L.nonzeros())
+        box, numbers = ca.vertcat(center, radius), ca.vertcat(*every, ca.vec(L.nz[:]))
         self._function = ca.Function("over", [box], [numbers])
 
     def __call__(self, center: Floats, radius: Floats) -> Spanned:
