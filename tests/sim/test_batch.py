@@ -290,3 +290,32 @@ def cpu_flags() -> set[str]:
     path = Path("/proc/cpuinfo")
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     return {flag for line in lines if line.startswith("flags") for flag in line.split()}
+
+
+def test_shares_that_the_guard_changes_are_of_either_axis() -> None:
+    changed = {
+        "guard.enabled": True,
+        "initial.velocity": [0.0, 1.45],
+        "clock.duration": 1.0,
+        "metrics.split": 0.5,
+    }
+    table = simulate_many("far-start", "prox", range(1), changed)
+    clipped = simulate("far-start", "prox", seed=0, overrides=changed)["clip_active"].mean(axis=0)
+
+    assert clipped[0] > 0.5 > clipped[1] > 0.1
+    assert [table[f"guard_share{k}"][0] for k in (1, 2)] == pytest.approx(clipped, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("beyond", "axis"), [((0.5, 0.01), 1), ((-0.5, 0.01), 2), ((0.0, 0.01), 2), ((0.0, 0.0), None)]
+)
+def test_a_run_that_begins_beyond_a_limit_is_in_violation_from_the_start(
+    beyond: tuple[float, float], axis: int | None
+) -> None:
+    limits = scenario_of("paper-simulation", SHORT).limits.v_u1
+    start = [limit + more for limit, more in zip(limits, beyond, strict=True)]
+    changed = {**SHORT, "initial.velocity": start}
+    ((_, watched),) = logged(tasks_of("paper-simulation", "pid", range(1), changed))
+    at, which = watched.first_violation or (1.0, None)
+
+    assert (which if at == 0.0 else None) == axis
