@@ -388,3 +388,16 @@ def test_a_full_disk_is_never_blamed_on_the_compiler(folder, tmp_path, monkeypat
         find_toolchain()
     assert "WMR_CTRL_CACHE" in str(caught.value)
     assert "Install" not in str(caught.value)
+
+
+def test_a_text_is_kept_whole_and_nothing_beside_it(folder):
+    written = [cache.cached_text("key", lambda: "int f(void)\n{\n}\n") for _ in range(2)]
+
+    assert written == ["int f(void)\n{\n}\n"] * 2
+    assert [path.name for path in cache.cache_part("text").iterdir()] == ["key.c"]
+
+
+def test_others_may_read_a_shared_cache(folder):
+    library = build_cached(SOURCES, Compiler())
+
+    assert library.parent.stat().st_mode & 0o777 == 0o755

@@ -8,9 +8,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.modelica.package import _changes
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.modelica.package import Member, _assignments, _changes
 from wmr_ctrl.modelica.statements import _PATTERNS, constant, literal
 from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.signals import Signal
 
 NAMES = vars(math) | {"abs": abs, "min": min, "max": max, "sign": np.sign}
 LOGICAL = (ca.OP_AND, ca.OP_OR, ca.OP_NOT)
@@ -54,3 +57,28 @@ def test_a_change_holds_from_its_time_until_that_of_the_next() -> None:
     assert [numbers[f"changes_{k}_m"] for k in (1, 2)] == [30.0, 40.0]
     assert now["robot_m"][1] == f"(if time < changes_2_t then {first} else changes_2_m)"
     assert now["robot_mu"][1] == "(if time < changes_1_t then robot_mu else changes_1_mu)"
+
+
+@pytest.mark.parametrize(
+    ("unit", "text"),
+    [
+        ("m", 'unit = "m"'),
+        ("m, m", 'each unit = "m"'),
+        ("m, rad", 'unit = {"m", "rad"}'),
+    ],
+)
+def test_a_unit_is_one_or_one_for_all_or_one_for_each(unit: str, text: str) -> None:
+    assert Member(Signal("a.b", unit, "", size=len(unit.split(","))), (1.0, 2.0)).unit == text
+
+
+def test_results_follow_the_memory_in_order() -> None:
+    law = controller(settle(Scenario(), "pid"))
+    places = _assignments(law)
+    first = len(law.x0) + 1
+
+    assert [place for _, place in places] == [f"result[{first + k}]" for k in range(len(places))]
+    assert [name for name, _ in places[:2]] == ["tau_right", "tau_left"]
+
+
+def test_an_experiment_shows_each_period(text: str) -> None:
+    assert "StopTime = 80.0, Interval = 0.01, Tolerance" in " ".join(text.split())
