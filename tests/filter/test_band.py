@@ -231,3 +231,10 @@ def test_tables_hold_every_step_response_and_little_more(cells, members):
 def test_what_it_does_not_count_with_is_refused_by_name(stated, words):
     with pytest.raises(ScenarioError, match=words):
         command_filter(scenario(**({"kind": "band"} | stated)))
+
+
+def test_a_family_that_leaves_more_than_a_fifth_behind_the_tables_is_refused():
+    """Critically damped it leaves (1 + w t) exp(-w t), 0.22 after 128 periods."""
+    slow = SWUNG | {"frequency": (0.45, 0.6), "damping": (1.0, 1.2), "d": (0.0, 0.0)}
+    with pytest.raises(ScenarioError, match=r"may still be 0\.2\d* from its final value"):
+        command_filter(scenario(kind="band", **slow))

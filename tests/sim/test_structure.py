@@ -90,6 +90,14 @@ def test_what_changes_the_graphs_changes_the_structure(change):
     assert structure_of(one) != structure_of(other)
 
 
+def test_the_map_of_a_guard_is_part_of_the_structure() -> None:
+    maps = ("", "rotation-first")
+    guards = ({"guard.enabled": True, **({"guard.map": kind} if kind else {})} for kind in maps)
+    one, other = (settle(load_scenario("paper-simulation", item), "pid") for item in guards)
+
+    assert structure_of(one) != structure_of(other)
+
+
 def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
     made = []
 

@@ -18,6 +18,7 @@ from wmr_ctrl.api import (
     simulate_many,
     simulate_runs,
 )
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.problems import UnknownKeyError
 from wmr_ctrl.results import Run
@@ -128,11 +129,11 @@ def test_the_engine_without_a_compiler_agrees(name):
 def test_the_guard_refuses_an_effect_without_a_bound(name, key):
     with pytest.raises(ScenarioError, match=rf"\[{key}\]\) states no bound"):
         scenario_of("paper-simulation", {**SHORT, **TOYS[name]}, guard=True)
+    with pytest.raises(ScenarioError, match=rf"\[{key}\]\) states no bound"):
+        settle(scenario_of("paper-simulation", {**SHORT, **TOYS[name]}), None)
 
 
 def test_the_guard_counts_an_effect_by_its_bound():
-    from wmr_ctrl.control.setup import settle
-
     plain, steep = (
         settle(scenario_of("paper-simulation", {**SHORT, **more}, guard=True), LAW).guard
         for more in ({}, {"toy_slope.angle": 0.03, "toy_gyro.walk": 1e-4})
