@@ -6,6 +6,7 @@ Start with `find_corridor`; docs/corridor.md has the theorem, and what it does n
 from dataclasses import replace
 from functools import lru_cache
 from importlib.util import find_spec
+from threading import RLock
 
 import numpy as np
 
@@ -26,6 +27,8 @@ NOT_CHECKED = (
     "NOT_CHECKED: the certificate takes ball arithmetic; install wmr-ctrl[proofs], which has "
     "python-flint"
 )
+_ALONE = RLock()
+"""Held by the thread that certifies: python-flint has one precision for all of them."""
 
 
 def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corridor:
@@ -36,7 +39,8 @@ def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corri
     finds them, which takes some seconds.  Without
     python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
-    return _of(settle(scenario, law), whole)
+    with _ALONE:
+        return _of(settle(scenario, law), whole)
 
 
 def run_corridor(scenario: Scenario, law: str) -> Corridor:
@@ -47,7 +51,8 @@ def run_corridor(scenario: Scenario, law: str) -> Corridor:
     setup = settle(scenario, law)
     if find_spec("flint") is None:
         return Corridor(law, refused=NOT_CHECKED)
-    return _of_run(setup)
+    with _ALONE:
+        return _of_run(setup)
 
 
 def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corridor | None:
@@ -58,7 +63,8 @@ def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corr
     which takes some seconds, and is left out without ``whole``.
     """
     setup = settle(scenario, law)
-    return None if find_spec("flint") is None else _course_of(setup, whole)
+    with _ALONE:
+        return None if find_spec("flint") is None else _course_of(setup, whole)
 
 
 def corridor_monitor(scenario: Scenario, law: str) -> System:
@@ -70,7 +76,8 @@ def corridor_monitor(scenario: Scenario, law: str) -> System:
     library("flint", "proofs")
     from wmr_ctrl.corridor.latch import monitor_of
 
-    return monitor_of(scenario, law)
+    with _ALONE:
+        return monitor_of(scenario, law)
 
 
 def left_corridor(run: Run) -> CorridorLeft | None:
@@ -87,7 +94,8 @@ def left_corridor(run: Run) -> CorridorLeft | None:
         return None
     from wmr_ctrl.corridor.latch import left_by
 
-    return left_by(run, scenario)
+    with _ALONE:
+        return left_by(run, scenario)
 
 
 @lru_cache(maxsize=16)

@@ -1,0 +1,59 @@
+"""Corridors that are asked for in several threads at once."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
+
+import pytest
+
+from wmr_ctrl import corridor
+from wmr_ctrl.corridor import latch, masses, whole
+from wmr_ctrl.scenario import load_scenario
+
+MADE_BY = ((masses, "certified"), (whole, "certified_run"), (latch, "monitor_of"),
+           (latch, "left_by"))  # fmt: skip
+
+
+@pytest.fixture
+def together(monkeypatch):
+    """Threads found certifying, each time that one begins."""
+    now, found = [], []
+
+    def certifying(*given, **more):
+        now.append(1)
+        time.sleep(0.02)
+        found.append(len(now))
+        now.pop()
+        return corridor.Corridor("prox", refused="nothing is certified here")
+
+    def forget():
+        for kept in (corridor._of, corridor._of_run, corridor._course_of):
+            kept.cache_clear()
+
+    for module, name in MADE_BY:
+        monkeypatch.setattr(module, name, certifying)
+    forget()
+    yield found
+    forget()
+
+
+def test_one_thread_certifies_at_a_time(together, monkeypatch):
+    """They share python-flint's precision, which one would change under another's sums."""
+    scenario = load_scenario("safe-simulation")
+    monkeypatch.setattr(corridor, "scenario_of_run", lambda run: scenario)
+    run = SimpleNamespace(law="prox", monitor=SimpleNamespace(rigid=True))
+    tasks = [
+        lambda: corridor.find_corridor(scenario, "prox"),
+        lambda: corridor.run_corridor(scenario, "prox"),
+        lambda: corridor.corridor_course(scenario, "prox", whole=False),
+        lambda: corridor.corridor_monitor(scenario, "prox"),
+        lambda: corridor.left_corridor(run),
+    ]
+
+    with ThreadPoolExecutor(len(tasks)) as pool:
+        for done in [pool.submit(task) for task in tasks]:
+            done.result()
+
+    assert together == [1] * len(tasks)
