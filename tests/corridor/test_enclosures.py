@@ -8,7 +8,7 @@ from functools import partial
 import casadi as ca
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, arb_mat, ctx
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor.affine import AffineGraph
@@ -18,7 +18,7 @@ from wmr_ctrl.corridor.inputs import conditions
 from wmr_ctrl.corridor.loop import Curve, SampledLoop
 from wmr_ctrl.corridor.midradius import MidRadius
 from wmr_ctrl.corridor.motion import MovingCurve
-from wmr_ctrl.corridor.sample import SampleMatrices
+from wmr_ctrl.corridor.sample import ROUNDING, SampleMatrices, powers_until
 from wmr_ctrl.scenario import load_scenario
 
 V_D = np.array([0.2, 0.1])
@@ -138,6 +138,19 @@ def test_a_graph_without_entries_stays_empty_however_often_it_is_called():
     graph = Enclosure("none", [], ca.SX(2, 2))
 
     assert [graph() for _ in range(OFTEN + 2)] == [[]] * (OFTEN + 2)
+
+
+@pytest.mark.parametrize("samples", [1, 16, 50])
+def test_powers_are_off_by_less_than_what_their_sums_are_given(loop, samples):
+    with ctx.workprec(600):
+        matrix = SampleMatrices(loop).A
+        A = arb_mat(matrix.tolist())
+        powers, sizes, last = powers_until(matrix, samples)
+        for k in range(samples + 1):
+            own, most = (last, 0) if k == samples else (powers[k], sizes[k])
+            exact = np.array([[float(x.mid()) for x in row] for row in (A**k).tolist()])
+            assert (np.abs(own - exact) <= ROUNDING / 4 * most + 2**-52 * np.abs(exact)).all()
+            assert k == samples or (np.abs(exact) <= most * (1 + ROUNDING)).all()
 
 
 def every_rule() -> AffineGraph:

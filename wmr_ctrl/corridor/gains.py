@@ -13,20 +13,20 @@ from functools import cached_property
 from math import ceil, cos, log, log2, pi, sin
 
 import numpy as np
-from flint import arb, arb_mat, ctx
+from flint import arb, ctx
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.loop import UP, SampledLoop
 from wmr_ctrl.corridor.sample import (
     FLOOR,
     ROUNDING,
-    BallArray,
     OutputRows,
     SampleMatrices,
     SlowLoopError,
     balls,
     doubles,
     powers_of,
+    powers_until,
     unit_matrix,
 )
 
@@ -136,17 +136,14 @@ def _summed(
     reckons: bool,
 ) -> LoopGains:
     n, nz = sample.n, len(loop.names)
-    A, power, powers = arb_mat(sample.A.tolist()), arb_mat(unit_matrix(n).tolist()), []
-    for _ in range(samples):
-        powers.append(doubles(_entries(power)))
-        power = A * power
+    powers, summed, last = powers_until(sample.A, samples)
     measured = sample.outputs @ sample.seen
     inputs = np.hstack([sample.push, sample.outputs, sample.late, measured])
     every = np.hstack([np.eye(n), doubles(inputs)])
-    course = np.array(powers) @ every
+    course = powers @ every
     scale = np.abs(course[:, :, n : n + COMMAND]).sum(axis=(0, 2))
     scale = scale + 1e-9 * scale.max()
-    left = np.abs(doubles(_entries(power)))
+    left = np.abs(last)
     damping = float((left @ scale / scale).max()) * UP
     if damping > FAINTEST:
         raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
@@ -163,12 +160,15 @@ def _summed(
     shares = [doubles(item)[:, 0] for item in sums_within]
     whole_sample = np.concatenate((shares[-1], np.zeros(n - nz)))
     steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
-    whole = np.abs(np.array(powers)).sum(axis=0)
+    whole, steady = summed.sum(axis=0), powers @ whole_sample
+    norms = _weighed(course, summed @ np.abs(every), scale)
+    off = summed @ np.abs(whole_sample)
+    rest = _weighed(steady[..., None], off[..., None], scale).sum()
     estimate = n - sample.acting - loop.filter if loop.filter else None
     old = nz + COMMAND * loop.queue + loop.observed[1] if loop.observed else None
     sums = _Sums(
-        course, whole, np.abs(every), scale, damping, n, steps, start, estimate, old,
-        np.array(powers) @ whole_sample, whole @ np.abs(whole_sample),
+        course, whole, np.abs(every), norms, scale, damping, n, steps, start, estimate, old,
+        steady, off.sum(axis=0), float(rest),
     )  # fmt: skip
     within = [sums.gains(sample.rows_within(s, picked), shares[s]) for s in range(loop.steps)]
     shown = doubles(sample.law)
@@ -188,19 +188,24 @@ def _summed(
     return LoopGains(*three, ratios, damping, samples, scale)
 
 
-def _entries(matrix: arb_mat) -> BallArray:
-    result = np.empty(matrix.nrows() * matrix.ncols(), dtype=object)
-    result[:] = matrix.entries()
-    return result.reshape(matrix.nrows(), -1)
+def _weighed(course: Floats, size: Floats, scale: Floats) -> Floats:
+    """Weighed norms (samples, inputs) of what is rounded as sums of a ``size`` are."""
+    norms: Floats = ((np.abs(course) + ROUNDING * size) / scale[:, None]).max(axis=1)
+    return norms
 
 
 @dataclass
 class _Sums:
-    """The loop's course from each input's unit, (samples, n, inputs), and sums over it."""
+    """The loop's course from each input's unit, (samples, n, inputs), and sums over it.
+
+    ``powers``: sizes of what the powers are sums of; ``norms`` (samples, inputs): weighed ones of
+    the course, ``steady_norm``: the sum of those of ``steady``.
+    """
 
     course: Floats
     powers: Floats
     inputs: Floats
+    norms: Floats
     scale: Floats
     damping: float
     n: int
@@ -210,12 +215,7 @@ class _Sums:
     old: int | None
     steady: Floats
     steady_size: Floats
-
-    @cached_property
-    def norms(self) -> Floats:
-        """Each input's weighed norms over the course, (samples, inputs)."""
-        norms: Floats = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
-        return norms
+    steady_norm: float
 
     @cached_property
     def _in_rows(self) -> Floats:
@@ -276,8 +276,7 @@ class _Sums:
         picked = np.abs(rows.picked) @ np.abs(now)
         slack = (UP - 1) * (np.abs(each).sum(axis=1) + picked) + FLOOR
         slack += ROUNDING * size @ self.steady_size
-        tail = (np.abs(self.steady) / self.scale).max(axis=1).sum()
-        rest = reach * tail * self.damping / (1 - self.damping)
+        rest = reach * self.steady_norm * self.damping / (1 - self.damping)
         return np.asarray((np.abs(course).max(axis=1) + slack + rest) * UP)
 
     def _misled(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-from flint import arb
+from flint import arb, arb_mat
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
@@ -17,9 +17,11 @@ BallArray: TypeAlias = NDArray[np.object_]
 EXACT, NOTHING = 2.0**-53, 1e-60
 """A ball's double is off by this share and this much at most, which is checked."""
 LARGEST, FLOOR = 1e9, 1e-20
-"""Largest double of a matrix; what NOTHING comes to in 1e7 products of three of them at most."""
+"""Largest double of a matrix; what NOTHING comes to in 1e7 products of four of them at most."""
 ROUNDING = 1e-13
 """Share by which a sum of up to 100 products of such doubles, each rounded, can err."""
+TOGETHER = 16
+"""Samples whose powers are one product."""
 
 
 class SlowLoopError(ArithmeticError):
@@ -137,6 +139,35 @@ def powers_of(matrix: BallArray, count: int) -> list[BallArray]:
     while len(listed) < count:
         listed.append(matrix @ listed[-1])
     return listed
+
+
+def powers_until(matrix: BallArray, samples: int) -> tuple[Floats, Floats, Floats]:
+    """Powers of A before each sample (samples, n, n), sums of sizes they are of, and the one after.
+
+    Each is a product in doubles of a power of A below TOGETHER and a power of A**TOGETHER, but the
+    last, which is that of balls.
+    """
+    A = arb_mat(matrix.tolist())
+    first = [A**k for k in range(TOGETHER)]
+    power, far = A**0, []
+    leap, count = A**TOGETHER, samples // TOGETHER
+    for _ in range(count):
+        far.append(power)
+        power = leap * power
+    near, later = (
+        np.array([doubles(_entries(x)) for x in part]) for part in (first, [*far, power])
+    )
+    pairs = (near, later), (np.abs(near), np.abs(later))
+    powers, summed = (
+        (one[None] @ two[:, None]).reshape(-1, *one.shape[1:])[:samples] for one, two in pairs
+    )
+    return powers, summed, doubles(_entries(first[samples % TOGETHER] * power))
+
+
+def _entries(matrix: arb_mat) -> BallArray:
+    result = np.empty(matrix.nrows() * matrix.ncols(), dtype=object)
+    result[:] = matrix.entries()
+    return result.reshape(matrix.nrows(), -1)
 
 
 def sizes(picked: Floats, block: Floats) -> Floats:
