@@ -1,4 +1,4 @@
-"""Corridors that are asked for in several threads at once."""
+"""Corridors that are asked for in several threads at once, or after other balls."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
+from flint import ctx
 
 from wmr_ctrl import corridor
 from wmr_ctrl.corridor import latch, masses, whole
@@ -57,3 +58,15 @@ def test_one_thread_certifies_at_a_time(together, monkeypatch):
             done.result()
 
     assert together == [1] * len(tasks)
+
+
+def test_a_precision_that_others_left_changes_no_figure():
+    scenario, found = load_scenario("safe-simulation"), []
+    for bits in (53, 30, 300):
+        corridor._of.cache_clear()
+        with ctx.workprec(bits):
+            found.append(corridor.find_corridor(scenario, "mb"))
+            assert ctx.prec == bits
+
+    assert found[0].position is not None
+    assert found[0] == found[1] == found[2]

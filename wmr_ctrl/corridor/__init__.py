@@ -3,6 +3,8 @@
 Start with `find_corridor`; docs/corridor.md has the theorem, and what it does not cover.
 """
 
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from importlib.util import find_spec
@@ -27,8 +29,20 @@ NOT_CHECKED = (
     "NOT_CHECKED: the certificate takes ball arithmetic; install wmr-ctrl[proofs], which has "
     "python-flint"
 )
-_ALONE = RLock()
-"""Held by the thread that certifies: python-flint has one precision for all of them."""
+BITS = 53
+"""Python-flint's precision where a certificate asks for none of its own."""
+_ONE = RLock()
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """For one thread: python-flint has one precision for all, which others may have left as any."""
+    with _ONE, ExitStack() as stack:
+        if find_spec("flint") is not None:
+            from flint import ctx
+
+            stack.enter_context(ctx.workprec(BITS))
+        yield
 
 
 def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corridor:
@@ -39,7 +53,7 @@ def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corri
     finds them, which takes some seconds.  Without
     python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
-    with _ALONE:
+    with _alone():
         return _of(settle(scenario, law), whole)
 
 
@@ -51,7 +65,7 @@ def run_corridor(scenario: Scenario, law: str) -> Corridor:
     setup = settle(scenario, law)
     if find_spec("flint") is None:
         return Corridor(law, refused=NOT_CHECKED)
-    with _ALONE:
+    with _alone():
         return _of_run(setup)
 
 
@@ -63,7 +77,7 @@ def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corr
     which takes some seconds, and is left out without ``whole``.
     """
     setup = settle(scenario, law)
-    with _ALONE:
+    with _alone():
         return None if find_spec("flint") is None else _course_of(setup, whole)
 
 
@@ -76,7 +90,7 @@ def corridor_monitor(scenario: Scenario, law: str) -> System:
     library("flint", "proofs")
     from wmr_ctrl.corridor.latch import monitor_of
 
-    with _ALONE:
+    with _alone():
         return monitor_of(scenario, law)
 
 
@@ -94,7 +108,7 @@ def left_corridor(run: Run) -> CorridorLeft | None:
         return None
     from wmr_ctrl.corridor.latch import left_by
 
-    with _ALONE:
+    with _alone():
         return left_by(run, scenario)
 
 
