@@ -117,8 +117,8 @@ _WIDTH, _TITLE, _HIGH, _PATH = 8.3, 0.72, 1.9, 2.9
 """Width of the page; heights of its head, of a row, and of the row with the path [inch]."""
 LEFT_OUT = f"A bag has no {NEVER.replace('V1', 'V₁')}."
 PANELS: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
-    ("v₁ [m/s]; dashed: as commanded", SPEEDS[:1], COMMANDS[:1]),
-    ("ω [rad/s]; dashed: as commanded", SPEEDS[1:], COMMANDS[1:]),
+    ("v₁ [m/s]", SPEEDS[:1], COMMANDS[:1]),
+    ("ω [rad/s]", SPEEDS[1:], COMMANDS[1:]),
     ("Wheel torques [N m]; right, dotted: left", TORQUES, ()),
     ("Wheel speeds [rad/s]; right, dotted: left", WHEEL_SPEEDS, ()),
     ("Wheel angles [rad]; right, dotted: left", WHEEL_ANGLE, ()),
@@ -147,7 +147,9 @@ def page_of(drives: Sequence[RecordedDrive]) -> drawing.Drawing:
     if any(drive.has(POSES) for drive in drives):
         panels.append(partial(_drive_paths, drives=drives, colours=colours))
     for title, measured, commands in PANELS:
-        if any(drive.has([name]) for drive in drives for name in (*measured, *commands)):
+        commanded = any(drive.has([name]) for drive in drives for name in commands)
+        if commanded or any(drive.has([name]) for drive in drives for name in measured):
+            title += "; dashed: as commanded" * commanded
             panels.append(
                 partial(_panel, drives=drives, colours=colours, title=title,
                         measured=measured, commands=commands)
