@@ -1,5 +1,7 @@
 """Affine forms hold what a graph makes of a box, and what is no number stays none."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -12,6 +14,9 @@ GRAPHS = {
     "products and a root": X[0] * X[1] ** 2 - ca.sqrt(4 + X[2]) * X[0],
     "least and most": ca.fmin(X[0], ca.sin(X[1])) + ca.fmax(X[0] * X[1], ca.fabs(X[2])),
     "a choice": ca.if_else(ca.logic_and(X[0] < X[1], X[2] <= 0.2), ca.cos(X[1]), X[0] * X[2]),
+    "one of two": ca.if_else(ca.logic_or(X[0] < X[1], ca.logic_not(X[2] <= 0)), X[0], X[1] * X[2]),
+    "a number as a condition": ca.if_else(ca.logic_and(X[0] < X[1], 2.0), X[0], X[1]),
+    "no number as a condition": ca.if_else(ca.logic_or(X[0] < X[1], 0.0), X[0], X[2]),
     "an inner point": ca.tanh(8 * X[0]) - 3 * X[0],
 }
 NONE = ca.sqrt(X[0] - 1e3) + 0 * X[1]
@@ -55,3 +60,24 @@ def test_what_is_no_number_does_not_count_where_it_is_not_chosen():
     graph = AffineGraph(X, ca.if_else(X[1] < 1, X[2], NONE))
     forms = graph(np.zeros((1, 3)), np.full((1, 3), 0.1))
     assert forms.radius[0, 0] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("amiss", [np.nan, np.inf])
+@pytest.mark.parametrize("part", ["center", "radius"])
+@pytest.mark.parametrize("place", range(3))
+def test_an_input_that_is_no_number_leaves_none(place, part, amiss):
+    for output in (ca.tanh(X), ca.fabs(X), ca.fmax(X, 1), ca.sin(X), ca.if_else(X > 0, X, 1)):
+        given = {"center": np.zeros((1, 3)), "radius": np.ones((1, 3))}
+        given[part][0, place] = amiss
+        assert not np.isfinite(AffineGraph(X, output)(**given).radius[0, place])
+
+
+def test_threads_share_a_graph_and_not_its_boxes():
+    graph, rng = AffineGraph(X, ca.vertcat(*GRAPHS.values())), np.random.default_rng(7)
+    center = rng.normal(size=(8, 2000, 3)) * 0.3
+    radius = np.full_like(center, 0.01)
+    alone = [graph(*pair).r for pair in zip(center, radius, strict=True)]
+    with ThreadPoolExecutor(8) as pool:
+        together = [found.r for found in pool.map(graph, center, radius)]
+
+    assert all(map(np.array_equal, alone, together))

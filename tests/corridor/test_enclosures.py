@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import casadi as ca
@@ -11,7 +10,6 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor.affine import AffineGraph
 from wmr_ctrl.corridor.enclosure import OFTEN, Enclosure, OpenBoxError
 from wmr_ctrl.corridor.gains import loop_gains
 from wmr_ctrl.corridor.inputs import conditions
@@ -151,59 +149,3 @@ def test_powers_are_off_by_less_than_what_their_sums_are_given(loop, samples):
             exact = np.array([[float(x.mid()) for x in row] for row in (A**k).tolist()])
             assert (np.abs(own - exact) <= ROUNDING / 4 * most + 2**-52 * np.abs(exact)).all()
             assert k == samples or (np.abs(exact) <= most * (1 + ROUNDING)).all()
-
-
-def every_rule() -> AffineGraph:
-    x = ca.SX.sym("x", 3)
-    smooth = (
-        ca.tanh(x[0] / 0.3) * ca.sin(x[1]) + ca.sqrt(2 + x[2]) / (3 + x[0]) - ca.cos(x[0] * x[1])
-    )
-    bent = ca.fmax(x[0], x[1]) - ca.fmin(x[2], x[0] * x[2]) + ca.fabs(x[1] - x[2])
-    chosen = ca.if_else(ca.logic_or(x[0] < x[1], ca.logic_not(x[2] <= 0)), x[0], x[1] * x[2])
-    return AffineGraph(x, ca.vertcat(smooth, bent, chosen))
-
-
-def at_point(x: np.ndarray) -> np.ndarray:
-    """The same, typed again."""
-    a, b, c = x
-    smooth = np.tanh(a / 0.3) * np.sin(b) + np.sqrt(2 + c) / (3 + a) - np.cos(a * b)
-    bent = max(a, b) - min(c, a * c) + abs(b - c)
-    return np.array([smooth, bent, a if a < b or c > 0 else b * c])
-
-
-def test_an_affine_form_holds_what_its_graph_makes_of_a_box():
-    rng, graph = np.random.default_rng(5), every_rule()
-    center = rng.choice([0.0, 0.05, -0.4, 0.7], size=(300, 3))
-    radius = rng.choice([0.0, 1e-9, 0.05, 0.4], size=(300, 3))
-    found = graph(center, radius)
-
-    for k in range(len(center)):
-        for xi in rng.choice([-1.0, -0.3, 0.0, 1.0], size=(20, 3)):
-            off = at_point(center[k] + radius[k] * xi) - found.c[k] - found.L[k] @ xi
-            assert (np.abs(off) <= found.r[k] + 1e-14).all()
-    exact = (radius == 0).all(axis=1)
-    assert exact.any()
-    assert (found.r[exact] < 1e-11).all()
-
-
-@pytest.mark.parametrize("amiss", [np.nan, np.inf])
-@pytest.mark.parametrize("place", range(3))
-def test_what_is_no_number_stays_none_in_an_affine_form(amiss, place):
-    inputs = ca.SX.sym("x", 3)
-    for output in (ca.tanh(inputs), ca.fabs(inputs), ca.fmax(inputs, 1), ca.sin(inputs),
-                   ca.if_else(inputs > 0, inputs, 1)):  # fmt: skip
-        for part in ("center", "radius"):
-            given = {"center": np.zeros((1, 3)), "radius": np.ones((1, 3))}
-            given[part][0, place] = amiss
-            assert not np.isfinite(AffineGraph(inputs, output)(**given).radius[0, place])
-
-
-def test_threads_share_a_graph_and_not_its_boxes():
-    graph, rng = every_rule(), np.random.default_rng(7)
-    center = rng.normal(size=(8, 2000, 3)) * 0.3
-    radius = np.full_like(center, 0.01)
-    alone = [graph(*pair).r for pair in zip(center, radius, strict=True)]
-    with ThreadPoolExecutor(8) as pool:
-        together = [found.r for found in pool.map(graph, center, radius)]
-
-    assert all(map(np.array_equal, alone, together))

@@ -129,11 +129,8 @@ class OverBoxes:
     def __call__(self, center: Floats, radius: Floats) -> Spanned:
         """Of boxes (C, inputs)."""
         given, count = np.hstack([center, radius]), self._function.numel_out(0)
-        box, answer, result = (
-            np.empty(given.shape[1]),
-            np.empty(count),
-            np.empty((len(given), count)),
-        )
+        box, answer = np.empty(given.shape[1]), np.empty(count)
+        result = np.empty((len(given), count))
         buffer: Any  # a call's own, since threads share the function
         buffer, run = self._function.buffer()
         buffer.set_arg(0, box.data)
@@ -304,18 +301,29 @@ def _below(strict: bool) -> Callable[[Form, Form], Truth]:
     return rule
 
 
-def _choice(truth: Truth | Form, a: Form, b: Form) -> Form:
-    if isinstance(truth, Form):
-        low, high = truth.range
-        truth = Truth(ca.logic_or(low > 0, high < 0), ca.logic_and(low == 0, high == 0))
-    return _picked(truth, a, b, _hull(a, b))
+def _truth(value: Truth | Form) -> Truth:
+    """Of a number: whether it is not 0."""
+    if isinstance(value, Truth):
+        return value
+    low, high = value.range
+    return Truth(ca.logic_or(low > 0, high < 0), ca.logic_and(low == 0, high == 0))
+
+
+def _not(value: Truth | Form) -> Truth:
+    a = _truth(value)
+    return Truth(a.no, a.yes)
+
+
+def _and(one: Truth | Form, other: Truth | Form) -> Truth:
+    a, b = _truth(one), _truth(other)
+    return Truth(ca.logic_and(a.yes, b.yes), ca.logic_or(a.no, b.no))
 
 
 _inverse = _curve(
     lambda x: 1 / x, lambda x: -1 / x**2, lambda low, high: 2 / _nearest(low, high) ** 3
 )
 _RULES: dict[int, Callable[..., Form | Truth]] = {
-    SELECT: _choice,
+    SELECT: lambda truth, a, b: _picked(_truth(truth), a, b, _hull(a, b)),
     ca.OP_ADD: add,
     ca.OP_SUB: lambda a, b: add(a, _neg(b)),
     ca.OP_NEG: _neg,
@@ -335,7 +343,7 @@ _RULES: dict[int, Callable[..., Form | Truth]] = {
     ca.OP_SQRT: _curve(ca.sqrt, lambda x: 0.5 / ca.sqrt(x), _root_bend),
     ca.OP_LT: _below(True),
     ca.OP_LE: _below(False),
-    ca.OP_NOT: lambda a: Truth(a.no, a.yes),
-    ca.OP_AND: lambda a, b: Truth(ca.logic_and(a.yes, b.yes), ca.logic_or(a.no, b.no)),
-    ca.OP_OR: lambda a, b: Truth(ca.logic_or(a.yes, b.yes), ca.logic_and(a.no, b.no)),
+    ca.OP_NOT: _not,
+    ca.OP_AND: _and,
+    ca.OP_OR: lambda a, b: _not(_and(_not(a), _not(b))),
 }
