@@ -121,7 +121,7 @@ def test_a_course_is_drawn_and_filmed():
     assert scene.size == pytest.approx(0.08 / 0.25)
     assert scene.view[1] > 2
     titles = [axes.get_title("left") for axes in plot_run(run).findobj(Axes)]
-    assert "Path (dots: reference, ring: start, squares: waypoints)" in titles
+    assert "Path (dots: reference, ring: start, squares: points)" in titles
 
 
 def test_runs_over_each_other_are_drawn(tmp_path):

@@ -49,7 +49,7 @@ class Course:
         if self.waypoints:
             axes.plot(*np.array(self.waypoints).T, "s", mfc="none", mec=INK, ms=6, mew=0.8,
                       zorder=3.6)  # fmt: skip
-            marks.append("squares: waypoints")
+            marks.append("squares: points")
         for shape in self.keep_out:
             axes.add_patch(_obstacle(shape))
         if self.goal:
