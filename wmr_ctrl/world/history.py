@@ -27,9 +27,10 @@ class History:
 
 def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
     """The last ``count`` values of ``now``; ``first`` is 1 at the first sample, else 0."""
-    name, meaning = signal.name, f"{signal.meaning}, {{}} samples ago"
-    ages = range(1, count + 1)
-    state = ports(replace(signal, name=f"{name}_{k}", meaning=meaning.format(k)) for k in ages)
+    name, meaning, ages = signal.name, signal.meaning, range(1, count + 1)
+    state = ports(
+        replace(signal, name=f"{name}_{k}", meaning=f"{meaning}, {k} samples ago") for k in ages
+    )
     aged = (now, *(ca.if_else(first, now, item.sym) for item in state))
     return History(aged, state, stack(aged[:count]))
 
