@@ -218,7 +218,7 @@ def tune(
             jobs=jobs,
             progress=progress,
         )
-    say("wrote", str(better.out))
+    say("wrote", out)
     if as_json:
         print_json(better.to_json())
     else:
