@@ -58,9 +58,9 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("velocity_mean.py", "seen.aged[age]", "seen.aged[0]"),
         ("jitter.py", "phase >= wait", "phase > wait"),
         ("jitter.py", "(most + 1)", "most"),
-        ("motor.py", "(velocity[0].sym - turn)", "(velocity[0].sym + turn)"),
+        ("motor.py", "(v + turn, v - turn)", "(v + turn, v + turn)"),
         ("slope.py", "ca.vertcat(-pull * along", "ca.vertcat(pull * along"),
-        ("resistance.py", "- viscous[i]", "+ viscous[i]"),
+        ("resistance.py", "- viscous *", "+ viscous *"),
         ("gust.py", "(1 - keep) * number", "(1 + keep) * number"),
     ),
     *_rows(
@@ -71,7 +71,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         WORLD, OPTIONS,
-        ("velocity_noise.py", "+ half[i]", "- half[i]"),
+        ("velocity_noise.py", "v + half *", "v - half *"),
     ),
     *_rows(
         WORLD, "tests/world/test_gyro.py",

@@ -71,7 +71,8 @@ def assert_one_paragraph(found, words, code=2):
     assert text.startswith("error: ")
     assert "\n\n" not in text
     assert "Traceback" not in text
-    assert max(len(line) for line in text.splitlines() if " '/" not in line) <= 80
+    lines = (line for line in text.splitlines() if len(line.split()) > 1 and " '/" not in line)
+    assert max(map(len, lines)) <= 80
     flat = " ".join(text.split())
     assert words in flat
     assert re.search(r"[.)]$", flat) or re.search(r"\n  \d+ \| .*\n +\^$", text)

@@ -62,5 +62,6 @@ def install(folder: Path) -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
-    sys.exit(made(Path(sys.argv[1]))[1] or None)
+    place = Path(sys.argv[1]).resolve()
+    place.mkdir(parents=True, exist_ok=True)
+    sys.exit(made(place)[1] or None)
