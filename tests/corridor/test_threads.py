@@ -47,6 +47,7 @@ def test_one_thread_certifies_at_a_time(together, monkeypatch):
     run = SimpleNamespace(law="prox", monitor=SimpleNamespace(rigid=True))
     tasks = [
         lambda: corridor.find_corridor(scenario, "prox"),
+        lambda: corridor.certified_corridor(scenario, "prox"),
         lambda: corridor.run_corridor(scenario, "prox"),
         lambda: corridor.corridor_course(scenario, "prox", whole=False),
         lambda: corridor.corridor_monitor(scenario, "prox"),

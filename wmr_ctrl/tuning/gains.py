@@ -22,8 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import Corridor, find_corridor
+from wmr_ctrl.corridor import certified_corridor, find_corridor
 from wmr_ctrl.engines import table_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
@@ -189,7 +188,7 @@ def tune(
     before, after = (judged(item, law, plan.test_seeds, jobs) for item in (chosen, better))
     tubes: tuple[float | None, float | None] = (None, None)
     if merit == CORRIDOR:
-        tubes = _corridor(chosen, law).position, _corridor(better, law).position
+        tubes = certified_corridor(chosen, law).position, certified_corridor(better, law).position
     tuning = Tuning(plan, better, best, (first, last), before, after, target, tubes)
     with atomic_text(target) as file:
         file.write(_document(tuning))
@@ -249,19 +248,12 @@ def _costs(
     for k, gains in enumerate(sets):
         refused, distance, whole = False, reached[k], completed[k]
         if plan.merit == CORRIDOR:
-            refused, merit = _corridor(with_gains(plan.scenario, gains), plan.law).merit
+            refused, merit = certified_corridor(with_gains(plan.scenario, gains), plan.law).merit
             distance = np.full(len(whole), merit)
         runs = (distance**2 + squares[k])[whole]
         metres = math.sqrt(runs.mean()) if len(runs) else math.inf
         costs.append(Cost(refused, int((~whole).sum()), metres))
     return costs
-
-
-def _corridor(scenario: Scenario, law: str) -> Corridor:
-    """The corridor of these gains, without a search for the inputs with which one closes."""
-    from wmr_ctrl.corridor.masses import certified
-
-    return certified(settle(scenario, law), closing=False)
 
 
 def _check_corridor(scenario: Scenario, law: str) -> None:
