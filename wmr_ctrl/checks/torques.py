@@ -120,10 +120,9 @@ def noise_gain(loop: Loop) -> Iterator[Warning]:
     to counts n/sqrt(6); two samples differ by sqrt(2) of it.  Each goes through the gradient of the
     law's own graph on the reference; errors of pose and of both velocities add up as squares.
     """
-    needed = float(np.sqrt(np.mean(_reference_torques(loop.scenario) ** 2)))
     if _quiet(loop):
         return
-    change = _change_by_noise(loop)
+    needed, change = _needed(loop.scenario), _change_by_noise(loop)
     yield Warning(
         f"gains.{loop.law}",
         f"The noise of its sensors, times the gains of {loop.law}, changes the wheel torques by "
@@ -136,11 +135,16 @@ def noise_gain(loop: Loop) -> Iterator[Warning]:
 
 def _quiet(loop: Loop) -> bool:
     """Whether noise moves the torques by little beside what the motion needs, or the limit."""
-    needed = float(np.sqrt(np.mean(_reference_torques(loop.scenario) ** 2)))
     limit = loop.setup.tau_max if math.isfinite(loop.setup.tau_max) else 0.0
-    return _change_by_noise(loop) <= max(NOISY * needed, OF_LIMIT * limit)
+    return _change_by_noise(loop) <= max(NOISY * _needed(loop.scenario), OF_LIMIT * limit)
 
 
+def _needed(scenario: Scenario) -> float:
+    """RMS torque of a wheel that the motion itself takes [N m]."""
+    return float(np.sqrt(np.mean(_reference_torques(scenario) ** 2)))
+
+
+@lru_cache(maxsize=64)
 def _change_by_noise(loop: Loop) -> float:
     """RMS change of a wheel's torque from sample to sample by sensors' noise alone [N m]."""
     scenario, robot = loop.scenario, loop.scenario.robot

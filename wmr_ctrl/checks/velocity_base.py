@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.checks.warning import Warning, is_taken
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
 from wmr_ctrl.filter.band import MOST_COMMANDS
@@ -209,11 +208,8 @@ def _cost(
 
 def filter_advice(setup: Setup) -> str:
     """Which filter to set, of those that hold with what the scenario states for it."""
-    kinds = []
-    for kind in ("clip", "governor"):
-        with suppress(ScenarioError):
-            settle(override(setup.scenario, {"filter.kind": kind, "filter.trust": False}), None)
-            kinds.append(f'"{kind}"')
+    tried = (({"filter.kind": kind, "filter.trust": False}, kind) for kind in ("clip", "governor"))
+    kinds = [f'"{kind}"' for keys, kind in tried if is_taken(setup.scenario, keys, None)]
     if kinds:
         return f"Set filter.kind = {' or '.join(kinds)}."
     return 'Set filter.kind = "clip"; what [filter] has to state for it is then named.'

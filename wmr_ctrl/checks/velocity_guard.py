@@ -4,14 +4,11 @@ import math
 from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, is_taken
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.guard.contradictions import contradictions
 from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price
-from wmr_ctrl.scenario import override
 from wmr_ctrl.world.phases import largest_friction
 
 PLACE = "guard, docs/guarantee.md"
@@ -120,7 +117,7 @@ def violent_alpha(loop: Loop) -> Iterator[Warning]:
             calm = rounded(alpha * bound / swing, 2, up=False)
             origin = "" if guard.alpha is not None else " (1/T unless it is stated)"
             remedy = f"Choose guard.alpha = {calm} 1/s or less, which costs usable speed, or "
-            if not _admitted(loop, float(calm)):
+            if not is_taken(loop.scenario, {"guard.alpha": float(calm)}, loop.law):
                 remedy = "No guard.alpha that keeps the limits is as calm as that: "
             yield Warning(
                 "guard.alpha",
@@ -131,12 +128,3 @@ def violent_alpha(loop: Loop) -> Iterator[Warning]:
                 PLACE,
                 objects=False,
             )
-
-
-def _admitted(loop: Loop, alpha: float) -> bool:
-    """Whether the guard takes another ``alpha`` [1/s]."""
-    try:
-        settle(override(loop.scenario, {"guard.alpha": alpha}), loop.law)
-    except ScenarioError:
-        return False
-    return True

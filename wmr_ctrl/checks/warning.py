@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from wmr_ctrl.checks.loop import Loop, loop_of
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.laws.prox import ProxGains, guide
-from wmr_ctrl.scenario import override
+from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.references import reference_bounds
 
 SPEEDS = ("v1", "omega")
@@ -40,6 +41,15 @@ def joined(parts: Iterable[str]) -> str:
     """The parts as in "a", "a and b" or "a, b and c"."""
     *head, last = parts
     return f"{', '.join(head)} and {last}" if head else last
+
+
+def is_taken(scenario: Scenario, changes: Mapping[str, object], law: str | None) -> bool:
+    """Whether a scenario with these keys changed is valid for a law, or for any."""
+    try:
+        settle(override(scenario, changes), law)
+    except ScenarioError:
+        return False
+    return True
 
 
 def gains_that_fit(loop: Loop, cured: Callable[[Loop], bool]) -> str:

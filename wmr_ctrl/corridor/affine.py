@@ -91,7 +91,7 @@ class AffineGraph:
         for node in graph.nodes:
             if node.place is None and node.op != ca.OP_CONST and node.op not in _RULES:
                 raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
-        self.count, self._graph, self._key = by.numel(), graph, function.serialize()
+        self._graph, self._key = graph, function.serialize()
 
     def rule(self, given: list[Form]) -> list[Form]:
         """Forms of the outputs."""

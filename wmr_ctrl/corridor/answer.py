@@ -9,7 +9,8 @@ import math
 from dataclasses import asdict, dataclass, field
 
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.corridor.clearance import Clearance, length, rounded
+from wmr_ctrl.corridor.clearance import Clearance, length
+from wmr_ctrl.fields.units import rounded
 
 ALONE = "around that mass alone (others were not tried) it"
 """What closes with less, where cells of masses are refused."""

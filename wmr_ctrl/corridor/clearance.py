@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.fields.units import rounded as rounded
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.results.obstacles import closest
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references.kind import sample

@@ -20,12 +20,12 @@ from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import ALONE, Corridor
 from wmr_ctrl.corridor.certificate import Certifier
-from wmr_ctrl.corridor.clearance import rounded
 from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first, without_pose
 from wmr_ctrl.corridor.loop import BODY
 from wmr_ctrl.corridor.peaks import Tube
 from wmr_ctrl.corridor.transient import transient
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.scenario import Change, override
 from wmr_ctrl.world.pose_sensor import PoseSensor
