@@ -80,6 +80,8 @@ class _Base:
         if step > 0:
             u = step * math.floor(u / step + 0.5)
         u, now = 0.0 if abs(u) < dead else u, self.ramped[i]
+        if math.isinf(self.base.accel[i]) and math.isinf(self.base.decel[i]):
+            return u  # only a ramp stops at 0
         grow, shrink = self.h * self.base.accel[i], self.h * self.base.decel[i]
         up = now + grow if now >= 0 else min(now + shrink, 0.0)
         down = now - grow if now <= 0 else max(now - shrink, 0.0)
