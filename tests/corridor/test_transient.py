@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 
 import casadi as ca
 import numpy as np
@@ -100,6 +101,34 @@ def test_a_start_from_which_limits_act_comes_into_its_corridor(start):
         beyond, _, _ = driven(scenario, 1.3 * corner, 1.3 * push)
         farthest = max(farthest, np.hypot(beyond[:, 0], beyond[:, 1]).max())
     assert farthest > tube.position
+
+
+def test_a_start_aside_comes_in_as_far_off_as_pushes_lead_it_and_hardly_farther():
+    """From each corner, by pushes that are held, and by some that change sides once."""
+    start, tau, samples = np.array([0.004, 0.012, 0.025]), 10.0, 24
+    told = {"clock.control": 0.02, "clock.plant": 0.01, "clock.duration": 1.0, "changes": [],
+            "guard.enabled": False, "disturbance.std": 0.3, "actuator.tau_max": tau}  # fmt: skip
+    scenario = override(load_scenario("safe-simulation"), told)
+    alone = find_corridor(scenario, "prox")
+    tube = find_corridor(override(scenario, {"corridor.start": start.tolist()}), "prox")
+
+    far = turned = most = 0.0
+    for *corner, right, left in product((1, -1), repeat=5):
+        for change in (9, 12):
+            push = np.full((samples, 2), 0.9) * (right, left)
+            push[change:] *= -1
+            e, _, torque = driven(scenario, start * corner, push)
+            far, turned = (
+                max(known, size.max())
+                for known, size in ((far, np.hypot(e[:, 0], e[:, 1])), (turned, np.abs(e[:, 2])))
+            )
+            most = max(most, torque)
+    assert most == pytest.approx(tau)  # the wheels' limit did act
+    assert far < tube.position == pytest.approx(1.041 * far, rel=0.005)
+    assert turned < tube.heading == pytest.approx(1.0746 * turned, rel=0.005)
+    assert tube.position_late == pytest.approx(alone.position, rel=1e-4)
+    assert tube.settling == 0.4
+    assert tube.share == pytest.approx(1.0346 * alone.share, rel=0.002)  # what is left by then
 
 
 def test_a_cell_is_held_by_its_halves(limited):
