@@ -39,8 +39,8 @@ class Answers:
         ``sizes``: of each kind, one number for a disc, two for its axes.
         """
         most = np.abs(self.rest[part] @ ways.T)
-        for kind, size in sizes.items():
-            led = self.by[kind][part] @ ways.T
+        for kind, answers in self.by.items():
+            led, size = answers[part] @ ways.T, sizes[kind]
             if np.ndim(size):
                 most += np.tensordot(size, np.abs(led).sum(axis=0), 1)
             else:
@@ -55,7 +55,7 @@ class Answers:
         return np.maximum(each.max(axis=1), np.append(0.0, each[:-1, -1]))
 
 
-def of_torques(scenario, law):
+def of_torques(scenario, law, kinds):
     """Of a robot whose wheels are pushed, and whose position and velocities are measured amiss."""
     n = scenario.clock.samples
 
@@ -85,10 +85,10 @@ def of_torques(scenario, law):
     for k in range(n):
         kept.append(copy.deepcopy(loop))
         loop._sample(k)
-    return _answers(ended(loop, n), disturbed, ("push", "pose", "velocity"), moved, n)
+    return _answers(ended(loop, n), disturbed, kinds, moved, n)
 
 
-def of_base(scenario, law):
+def of_base(scenario, law, kinds):
     """Of a base that takes velocities, whose commands act a little otherwise than they are sent."""
     n = scenario.clock.samples
 
@@ -104,7 +104,7 @@ def of_base(scenario, law):
     def moved(axis):
         return ended(jump=TINY * np.eye(3)[axis])
 
-    return _answers(ended(), disturbed, ("push", "pose", "velocity", "heard"), moved, n)
+    return _answers(ended(), disturbed, kinds, moved, n)
 
 
 def _answers(rest, disturbed, kinds, moved, n):
