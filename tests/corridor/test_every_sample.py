@@ -103,8 +103,8 @@ SENT = {"base.delay": 0.03, "base.quantum": [2e-3, 1e-2], "disturbance.std": 1e-
 CIRCLES = {
     "prox": (
         "prox",
-        simulated(timed(PERIOD, 160), {"disturbance.std": 0.36}),
-        (1.0158, 1.0140, 1.0001, 0.985),
+        simulated(timed(PERIOD, 160), NOISY, {"disturbance.std": 0.2}),
+        (1.010, 0.9985, 0.9992, 0.976),
     ),
     "kanayama, poses in part": (
         "kanayama",

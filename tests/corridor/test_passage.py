@@ -14,8 +14,10 @@ from wmr_ctrl.corridor import elementary, find_corridor
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.carried import CarriedColumns, Kind
 from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
+from wmr_ctrl.corridor.inputs import bounded_inputs
 from wmr_ctrl.corridor.midradius import MidRadius, hull
 from wmr_ctrl.corridor.motion import MovingCurve
+from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.corridor.secants import SecantCurve
 from wmr_ctrl.corridor.spans import MidRadiusGraph
 from wmr_ctrl.scenario import load_scenario, override
@@ -93,6 +95,21 @@ def test_what_a_run_is_off_the_graphs_is_found_wherever_it_is(eight):
 
     assert step[3] == pytest.approx(1e-7, rel=0.1)
     assert law[1] == pytest.approx(1e-3, rel=0.1)
+
+
+def test_what_a_run_is_off_the_graphs_widens_its_bounds(eight):
+    other = copy(eight)
+    other.law_off, other.step_off = eight.law_off.copy(), eight.step_off.copy()
+    other.step_off[3] += 1e-5  # m/s in each of ten plant steps of 1 ms
+    inputs = bounded_inputs(eight.setup)
+
+    def position(along):
+        return Passing(along, inputs, np.zeros(3)).run(20).position
+
+    plain, wider = position(eight), position(other)
+    other.step_off, other.law_off[0] = eight.step_off, 1.0  # N on 50 kg
+    assert (wider > plain + 45 * 1e-8).all()
+    assert (position(other) > plain + 0.5 / 50 * 1e-4).all()
 
 
 @pytest.mark.parametrize(
