@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import nullcontext
 from dataclasses import replace
 
 import click
 import pytest
 
+from tests.results.conftest import build
 from wmr_ctrl import simulate
 from wmr_ctrl.cli import console, options, summary
 from wmr_ctrl.cli.summary import _rows
@@ -16,6 +18,8 @@ from wmr_ctrl.fields.values import SEED_END
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.scenario import load_scenario
+
+TURN = 2 * math.pi
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +62,17 @@ def test_errors_before_and_after_a_change_are_their_own(run: Run) -> None:
     assert ise["before"] > 9 * ise["after"]
     assert told(run, "ISE before 2 s") == f"{ise['before']:.4g}, "
     assert told(run, "ISE from 2 s on") == f"{ise['after']:.4g}, "
+
+
+def test_a_heading_error_is_told_without_its_whole_turns(run: Run) -> None:
+    """Eq. (8), and so the ISE and the figures of JSON, count them."""
+    label = "RMS of e, 30-40 s"
+    once, turned = (build(duration=40.0, e=(0.0, 0.0, angle)) for angle in (-0.25, TURN - 0.25))
+
+    assert told(once, label) == "0 mm, 0 mm, 250 mrad, Eq. (8)"
+    assert told(turned, label).endswith(" 6.033 rad, Eq. (8); 250 mrad without whole turns")
+    assert "turns" not in told(once, "ISE")
+    assert told(turned, "ISE").endswith(", with whole turns")
 
 
 @pytest.mark.parametrize(

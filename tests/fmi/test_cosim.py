@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import _ctypes
 import json
 import re
+import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +22,7 @@ from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import load_map
-from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile
+from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile, Slave
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.results import ise, load_run, summary
 from wmr_ctrl.scenario import load_scenario, override
@@ -126,6 +129,39 @@ def test_a_file_that_is_no_fmu_is_told_in_words(tmp_path, parts, said):
     assert said in str(refused.value)
     assert "NoneType" not in str(refused.value)
     assert str(refused.value).endswith(".")
+
+
+def _half(library: bytes) -> bytes:
+    return library[: len(library) // 2]
+
+
+def _of_another_processor(library: bytes) -> bytes:
+    return library[:18] + b"\xff\x00" + library[20:]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what loaders say differs")
+@pytest.mark.parametrize(
+    ("altered", "said"),
+    [
+        (_half, "the process that tried was ended by it, so it is damaged or cut off. Copy"),
+        (_of_another_processor, "it is for another processor. Copy"),
+        (lambda _: Path(_ctypes.__file__).read_bytes(), "its library lacks a function of FMI 2.0"),
+        (None, "it has no binaries/linux64/wmr_plant.so, and this platform is linux64"),
+    ],
+)
+def test_a_library_that_cannot_be_loaded_is_told_in_words(exported, tmp_path, altered, said):
+    """It would end the process that loads it; another process tries first."""
+    path = tmp_path / "damaged.fmu"
+    with zipfile.ZipFile(exported("plant", 2)) as whole, zipfile.ZipFile(path, "w") as archive:
+        for item in whole.infolist():
+            library = item.filename.startswith("binaries/") and item.filename.endswith(".so")
+            if not library:
+                archive.writestr(item, whole.read(item))
+            elif altered:
+                archive.writestr(item, altered(whole.read(item)))
+
+    with pytest.raises(FmuError, match=re.escape(said)):
+        Slave(path, "plant", tmp_path / "unpacked")
 
 
 @pytest.mark.parametrize("version", [2, 3])

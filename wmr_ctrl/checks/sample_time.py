@@ -20,6 +20,7 @@ from wmr_ctrl.checks.torques import first_torques
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, gains_that_fit, joined
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.fields.values import LARGEST
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import EffectRole
@@ -242,8 +243,9 @@ def largest_stable_delay(loop: Loop) -> float | None:
 def stable_masses(loop: Loop) -> tuple[float, float] | None:
     """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
 
-    Both are scaled alike, at the scenario's period; tried from 1/20 to 20.  None for a law that
-    believes no mass, and where the loop is unstable with the believed one.
+    Both are scaled alike, at the scenario's period; tried from 1/20 to 20, as far as a scenario
+    can state them.  None for a law that believes no mass, and where the loop is unstable with the
+    believed one.
     """
     if not loop.traits.model:
         return None
@@ -254,7 +256,9 @@ def stable_masses(loop: Loop) -> tuple[float, float] | None:
         return largest_radius(loop, loop.scenario.clock.control, robot=robot)
 
     steps = [RATIO**k for k in range(1, round(math.log(MASSES) / math.log(RATIO)) + 1)]
-    up, down = _last(of, 1.0, steps), _last(of, 1.0, [1 / step for step in steps])
+    heavier = [step for step in steps if step * max(believed.m, believed.I) <= LARGEST]
+    up = _last(of, 1.0, heavier) if heavier else math.inf
+    down = _last(of, 1.0, [1 / step for step in steps])
     return None if up is None or down is None else (max(down, 1 / MASSES), min(up, MASSES))
 
 

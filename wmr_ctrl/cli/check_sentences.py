@@ -227,6 +227,21 @@ def idle_keys(case: Scenario) -> tuple[str, ...]:
     return tuple(key for key in keys if key not in SAFE_ANYWAY)
 
 
+def idle_by_user(
+    case: Scenario, source: str, assignments: Sequence[str], laws: Sequence[str]
+) -> tuple[str, ...]:
+    """Those of `idle_keys` that the user states, and gains that he sets of laws that do not run."""
+    from wmr_ctrl.laws import LAWS
+    from wmr_ctrl.scenario import parse_assignments
+    from wmr_ctrl.scenario.toml_io import stated_keys
+
+    given = parse_assignments(assignments)
+    stated = stated_keys(source, given)
+    gains = [key for key in given if key.startswith("gains.") and key.count(".") > 1]
+    others = (key for key in gains if (law := key.split(".")[1]) in LAWS and law not in laws)
+    return (*(key for key in idle_keys(case) if key in stated), *others)
+
+
 def sight(run: Run) -> str:
     """One run in a sentence."""
     from wmr_ctrl.results import driving, percent, tracked

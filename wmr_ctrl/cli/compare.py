@@ -139,7 +139,9 @@ def _simulated(
             f"--law runs one scenario, and {len(sources)} were named. Name one preset or TOML "
             "file, or compare saved runs without --law."
         )
-    scenario = opt.load(sources[0] if sources else opt.SCENARIO, assignments, guard)
+    source = sources[0] if sources else opt.SCENARIO
+    scenario = opt.load(source, assignments, guard)
+    opt.note_idle(scenario, source, assignments, names)
     for name in names:
         with Progress(f"{name} on {scenario.name}"):
             yield api.simulate(scenario, name, seed=seed)

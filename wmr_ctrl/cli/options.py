@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from wmr_ctrl.cli.console import say
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.values import SEED_END
 
@@ -152,6 +153,16 @@ def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = No
     from wmr_ctrl.scenario import parse_assignments
 
     return scenario_of(scenario, parse_assignments(assignments), guard)
+
+
+def note_idle(
+    case: Scenario, scenario: str, assignments: Sequence[str], laws: Sequence[str]
+) -> None:
+    """Name on stderr what the user states and these laws' runs do not read."""
+    from wmr_ctrl.cli.check_sentences import idle_by_user
+
+    if idle := idle_by_user(case, scenario, assignments, laws):
+        say("note", f"without effect here: {', '.join(idle)}.")
 
 
 def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None:

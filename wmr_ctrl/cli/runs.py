@@ -86,7 +86,9 @@ def run(
         from wmr_ctrl.report.animate import check_film
 
         check_film(files["film"], plant)
-    finished = _simulated(opt.load(scenario, assignments, guard), law, seed, engine, plant)
+    case = opt.load(scenario, assignments, guard)
+    opt.note_idle(case, scenario, assignments, [law])
+    finished = _simulated(case, law, seed, engine, plant)
     deliver(finished, as_json, **files)
 
 

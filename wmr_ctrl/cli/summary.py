@@ -11,6 +11,7 @@ from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import OBJECTED, RigidMonitor, Run, driving, percent, speeds, summary
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
+from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.scenario import loads_scenario
 
 MISSING = "- (not reached)"
@@ -126,7 +127,8 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     ise, split = figures["ise"], run.settings.split
-    yield "ISE", _number(ise["total"]), "m2 s + rad2 s"
+    _, turns = heading_rms(run, 0.0, run.settings.duration) or (0.0, False)
+    yield "ISE", _number(ise["total"]), f"m2 s + rad2 s{', with whole turns' if turns else ''}"
     windows = [(window, values) for window, values in figures["e_rms"].items() if values]
     if _changes_there(run):
         yield f"ISE before {split:g} s", _number(ise["before"]), ""
@@ -136,7 +138,14 @@ def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "ISE of the position", _number(ise["position"], "m2 s"), ""
     for window, values in windows:
         errors = map(_small, values, ("m", "m", "rad"))
-        yield f"RMS of e, {window} s", ", ".join(errors), "Eq. (8)"
+        yield f"RMS of e, {window} s", ", ".join(errors), f"Eq. (8){_without_turns(run, window)}"
+
+
+def _without_turns(run: Run, window: str) -> str:
+    """What is left of the heading error without whole turns, where it has some."""
+    begin, end = map(float, window.split("-"))
+    angle, turns = heading_rms(run, begin, end) or (0.0, False)
+    return f"; {_small(angle, 'rad')} without whole turns" if turns else ""
 
 
 def _changes_there(run: Run) -> bool:

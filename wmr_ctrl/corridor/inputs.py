@@ -185,11 +185,11 @@ def _turns(setup: Setup, acting: list[Effect]) -> bool:
 
 def check_covered(setup: Setup) -> None:
     """NoCorridorError for a base or a law of which there is no loop to certify."""
-    if setup.takes_velocity:
-        _check_base(setup.scenario)
     if setup.control_law.inside is None:
         able = ", ".join(name for name, law in LAWS.items() if law.inside is not None)
         raise NoCorridorError(f"only {able} have one, away from their limits")
+    if setup.takes_velocity:
+        _check_base(setup.scenario)
     if setup.predicted:
         raise NoCorridorError("a law that predicts (its gain delay) is not covered")
 

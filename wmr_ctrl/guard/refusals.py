@@ -252,7 +252,7 @@ def _enough(needed: Callable[[float], float], least: float, r: float) -> float |
     ``needed``: the force [N] to hold against at a limit.  It may grow with the limit, so the limit
     is tried: doubled until it is enough, then halved in between; four digits, rounded up.
     """
-    low = high = _four_digits_up(least)
+    low = high = float(rounded(least, 4))
     for _ in range(DOUBLINGS):
         if _holds(needed(high), high, r):
             break
@@ -262,7 +262,7 @@ def _enough(needed: Callable[[float], float], least: float, r: float) -> float |
     for _ in range(HALVINGS if low < high else 0):
         middle = (low + high) / 2.0
         low, high = (low, middle) if _holds(needed(middle), middle, r) else (middle, high)
-    return _four_digits_up(high)
+    return float(rounded(high, 4))
 
 
 def _told_apart(larger: float, smaller: float) -> tuple[str, str]:
@@ -273,23 +273,9 @@ def _told_apart(larger: float, smaller: float) -> tuple[str, str]:
 
 def _above(value: float) -> float:
     """A number of four digits that is larger."""
-    return _four_digits_up(value * (1.0 + SLACK))
+    return float(rounded(value * (1.0 + SLACK), 4))
 
 
 def _below(value: float) -> float:
     """A number of four digits that is smaller, 0 for 0."""
-    if value <= 0.0:
-        return 0.0
-    step = _step(value)
-    return float(f"{math.floor(value * (1.0 - SLACK) / step) * step:.4g}")
-
-
-def _step(value: float) -> float:
-    """The fourth digit's weight."""
-    return float(10.0 ** (math.floor(math.log10(value)) - 3))
-
-
-def _four_digits_up(value: float) -> float:
-    """The next number of four digits that is not smaller."""
-    step = _step(value)
-    return float(f"{math.ceil(value / step - 1e-9) * step:.4g}")
+    return float(rounded(max(value, 0.0) * (1.0 - SLACK), 4, up=False))

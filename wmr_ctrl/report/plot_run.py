@@ -33,6 +33,7 @@ from wmr_ctrl.report.style import (
     verbatim,
 )
 from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
+from wmr_ctrl.results.measures import heading_error, heading_rms
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
@@ -93,7 +94,7 @@ def _draw(figure: Figure, run: Run) -> None:
     _velocity(parts[3], run, 1)
     position = {"e₁": run["e[1]"], "e₂": run["e[2]"]}
     _errors(parts[4], run, "Position errors, Eq. (8)", position, tube)
-    _errors(parts[5], run, "Orientation error e₃", {"e₃": _turned(run["e[3]"])}, tube)
+    _errors(parts[5], run, "Orientation error e₃", {"e₃": heading_error(run)}, tube)
     _torques(parts[6], run)
     _barrier(parts[7], run)
 
@@ -135,9 +136,8 @@ def _figures(run: Run) -> list[str]:
     end, of = (end, "") if arrival is None or arrival > end else (arrival, " of the drive")
     begin = max(0.0, end - 10.0)
     errors = e_rms(run, begin, end) or (None, None, None)
-    angle = _turned(run["e[3]"][(run.time >= begin) & (run.time < end)])
-    turned = float(np.sqrt(np.mean(angle**2))) if len(angle) else None
-    e1, e2, e3 = map(_error, (*errors[:2], turned), ("m", "m", "rad"))
+    angle, turns = heading_rms(run, begin, end) or (None, False)
+    e1, e2, e3 = map(_error, (*errors[:2], angle), ("m", "m", "rad"))
     before, after = shown(square["before"]), shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
     split = switch_time(run) == run.settings.split
@@ -145,7 +145,7 @@ def _figures(run: Run) -> list[str]:
         f"ISE {shown(square['total'])} m² s + rad² s{parts if split else ''}",
         f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",
         f"RMS errors of the last {end - begin:g} s{of}:",
-        f"    e₁ {e1}, e₂ {e2}, e₃ {e3}",
+        f"    e₁ {e1}, e₂ {e2}, e₃ {e3}{' without whole turns' if turns else ''}",
     ]
 
 
@@ -169,11 +169,6 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     axes.plot(*drawing.thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
     axes.plot(*drawing.thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
     drawing.view_limits(axes, limit, {"": run[name]})
-
-
-def _turned(e3: FloatArray) -> FloatArray:
-    """Orientation errors without whole turns, as the robot looks: between -pi and pi."""
-    return np.where(np.abs(e3) > np.pi, np.arctan2(np.sin(e3), np.cos(e3)), e3)
 
 
 def _errors(

@@ -190,7 +190,7 @@ def inherited(
     """
     if not is_path(source):
         return ()
-    stated = {key.partition("[")[0] for key in overridden} | _stated(Path(source))
+    stated = stated_keys(source, overridden)
     values = []
     for key in OF_A_ROBOT:
         table, _, name = key.partition(".")
@@ -202,6 +202,12 @@ def inherited(
             doc = described(what.doc, scenario.frames)
             values.append(InheritedValue(key, value, what.unit, doc))
     return tuple(values)
+
+
+def stated_keys(source: str, overridden: Iterable[str] = ()) -> set[str]:
+    """Fields that overrides, the file ``source`` or one that it extends state; presets do not."""
+    keys = {key.partition("[")[0] for key in overridden}
+    return keys | _stated(Path(source)) if is_path(source) else keys
 
 
 def _stated(file: Path) -> set[str]:

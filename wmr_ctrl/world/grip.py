@@ -71,6 +71,9 @@ def _in_a_turn(scenario: Scenario, m: float, most: float) -> float:
     """
     robot, body, (v, omega) = scenario.robot, scenario.body, scenario.limits.v_u1
     load = m * robot.g - most * (m * body.height + body.wheel_mass * robot.r) / body.caster
+    if load <= 0.0:
+        return 0.0
     lighter = load / 2 - m * v * omega * body.height / (2 * robot.l)
-    left = body.tyre**2 - (m * v * omega / load) ** 2
+    across = m * v * omega / load
+    left = body.tyre**2 - across * across
     return robot.r * max(lighter, 0.0) * math.sqrt(max(left, 0.0))

@@ -3,6 +3,8 @@
 import ctypes as ct
 import hashlib
 import os
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -111,14 +113,50 @@ def _reason(error: Exception) -> str:
     return f"{said}. Export it again, for co-simulation by FMI 2.0 or 3.0 on this platform."
 
 
+def _try_to_load(folder: Path, version: int, model: str) -> None:
+    """Raise ArgumentError unless a process of its own can load an unpacked FMU's library.
+
+    One that is cut off or overwritten ends the process that loads it instead of raising.
+    """
+    here = _fmpy.platform if version == 2 else _fmpy.platform_tuple
+    inside = Path("binaries", here, model + _fmpy.sharedLibraryExtension)
+    library = folder.absolute() / inside
+    if not library.is_file():
+        others = sorted(item.name for item in folder.glob("binaries/*") if any(item.iterdir()))
+        raise ArgumentError(
+            f"it has no {inside.as_posix()}, and this platform is {here}; it is built for "
+            f"{', '.join(others) or 'no platform'}. Export it for {here}."
+        )
+    load = [sys.executable, "-I", "-S", "-c", "import ctypes as c, sys; c.CDLL(sys.argv[1])"]
+    done = subprocess.run(
+        [*load, str(library)], cwd=library.parent, capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        *_, said = ("", *done.stderr.strip().splitlines())
+        _, ours, why = said.removeprefix("OSError: ").rpartition(f"{library}: ")
+        if done.returncode != 1:
+            why = "the process that tried was ended by it, so it is damaged or cut off"
+        elif ours and "No such file" in why:  # the loader's word for another processor's
+            why = "it is for another processor"
+        raise ArgumentError(
+            f"its library {inside.as_posix()} cannot be loaded on this machine: {why}. "
+            f"Copy the file again, or export it again for {here}."
+        )
+
+
 class Slave(FmuFile):
     """An FMU for co-simulation, version 2.0 or 3.0, ready to be initialised.
 
     ``name`` is how messages call it.  Raises FmuError where it cannot be loaded.
     """
 
-    def __init__(self, path: str | Path, name: str, folder: str | Path) -> None:
-        """Unpack ``path`` below ``folder`` and create one instance."""
+    def __init__(
+        self, path: str | Path, name: str, folder: str | Path, *, tried: bool = False
+    ) -> None:
+        """Unpack ``path`` below ``folder`` and create one instance.
+
+        ``tried``: its library was loaded before, or comes from this machine's compiler.
+        """
         super().__init__(path, name)
         self.time = 0.0
         self.messages: list[str] = []
@@ -130,13 +168,24 @@ class Slave(FmuFile):
             if interface is None:
                 text = "it has no co-simulation interface. Export it for co-simulation."
                 raise ArgumentError(text)
+            model = interface.modelIdentifier
+            _fmpy.extract(self.path, str(folder))
+            if not tried:
+                _try_to_load(Path(folder), self.version, model)
             self._fmu = (_fmi2.FMU2Slave if self.version == 2 else _fmi3.FMU3Slave)(
                 guid=self.description.guid,
-                unzipDirectory=_fmpy.extract(self.path, str(folder)),
+                unzipDirectory=str(folder),
                 instanceName=self.name,
-                modelIdentifier=interface.modelIdentifier,
+                modelIdentifier=model,
             )
             self._instantiate()
+        except AttributeError as error:  # a symbol that FMPy looks for
+            raise self.unusable(
+                ArgumentError(
+                    f"its library lacks a function of FMI {self.description.fmiVersion} "
+                    f"({str(error).rpartition(': ')[2]}). Export it again, for co-simulation."
+                )
+            ) from error
         except Exception as error:  # FMPy raises bare Exceptions
             raise self.unusable(error) from error
 

@@ -68,8 +68,9 @@ class Numbers:
         return lambda v: rho * value(v) / slope(v, c)
 
     def best(self, c: float) -> tuple[float, float]:
-        """Velocity of the largest rho V1/A, and that: the end of the plain range, or the top beyond
-        v_u2.
+        """Velocity at which rho V1/A is largest, and its value there.
+
+        It is v_u2, where the plain range ends, or lies beyond it.
         """
         target, resisted = self.target(c), self.resisted(c)
         ahead = _top(resisted, max(target, self.u2) + 1e-9, self.u1 - 1e-9)
