@@ -174,6 +174,18 @@ def test_our_files_may_come_from_another_scenario(exported, version):
     assert np.array_equal(given["x"], simulate(heavier, "mb")["x"])
 
 
+@pytest.mark.parametrize("known", [False, True])
+def test_a_guard_that_is_not_told_of_the_masters_delay_promises_nothing(known):
+    """Its least disturbance counts the torque that came late, and the text says so."""
+    safe = override(load_scenario("safe-simulation"), {"clock.duration": 0.2})
+    run = cosimulate(safe, "prox", master="jacobi", delay_known=known)
+    text = " ".join(summary_text(run).split())
+
+    assert ("assumption-void: Under the master jacobi" in text) is not known
+    assert ("torques acted a period late, untold" in text) is not known
+    assert (run.outcome == "bounds-left") is not known
+
+
 @pytest.mark.parametrize(
     ("law", "total", "fast"), [("pid", 2.42, 0.566), ("smc", 0.469, 1.806), ("nn", 0.826, 1.142)]
 )

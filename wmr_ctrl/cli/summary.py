@@ -175,7 +175,9 @@ def _disturbance(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
         return
     left = run.monitor.bounds_left
     verdict = "within" if left is None else f"from {left[0]:.4g} s on BEYOND"
-    yield "disturbance, at least", _force(least), f"{verdict} dbar {_force(bound)}"
+    late = run.provenance.get("master") == "jacobi" and "delay" not in run.provenance
+    why = "; torques acted a period late, untold" if late else ""
+    yield "disturbance, at least", _force(least), f"{verdict} dbar {_force(bound)}{why}"
 
 
 def _number(value: float | None, unit: str = "") -> str:

@@ -22,6 +22,7 @@ Every command under way adds another ROUNDING (see `rounding`).
 """
 
 MASS_KEYS = ("guard.M_min", "guard.M_max")
+MASS_UNITS, SPEED_UNITS = ("kg", "kg m2"), ("m/s", "rad/s")
 """Keys of the smallest and the largest mass and inertia that a guard counts on."""
 UNITS, AXES = ("N", "N m"), (0, 1)
 LATENESS = ("delay", "lag", "age", "window")
@@ -125,6 +126,13 @@ def derived_guard(scenario: Scenario, bound: Bound, tau_max: float) -> GuardNumb
 
 def _sum(a: Pair, b: Pair) -> Pair:
     return a[0] + b[0], a[1] + b[1]
+
+
+def masses(scenario: Scenario, axis: int) -> list[tuple[float, float]]:
+    """True mass or inertia [kg, kg m2] at the start and after each change of it, with times [s]."""
+    name = ("m", "I")[axis]
+    changed = [(item.t, item.values()[name]) for item in scenario.changes if name in item.values()]
+    return [(0.0, scenario.value(f"robot.{name}")[0]), *changed]
 
 
 def mass_range(guard: Guard, axis: int) -> Pair:

@@ -5,7 +5,18 @@ from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.guard.bounds import AXES, MASS_KEYS, UNITS, GuardNumbers, Pair, mass_range, pair_of
+from wmr_ctrl.guard.bounds import (
+    AXES,
+    MASS_KEYS,
+    MASS_UNITS,
+    SPEED_UNITS,
+    UNITS,
+    GuardNumbers,
+    Pair,
+    mass_range,
+    masses,
+    pair_of,
+)
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.lag import stepped
@@ -13,7 +24,6 @@ from wmr_ctrl.world.phases import Phase, drag, phases
 
 ROUNDING = 1e-9
 """Share by which a stated bound may be missed without contradiction: decimals of a file."""
-MASS_UNITS, SPEED_UNITS = ("kg", "kg m2"), ("m/s", "rad/s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,10 +128,8 @@ def beyond_belief(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> Iter
 
 
 def _mass(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> Iterator[Contradiction]:
-    (low, high), spread = mass_range(guard, i), bound.mass[i]
-    name, unit = ("m", "I")[i], MASS_UNITS[i]
-    changed = [(item.t, item.values()[name]) for item in scenario.changes if name in item.values()]
-    for t, mass in [(0.0, scenario.value(f"robot.{name}")[0]), *changed]:
+    (low, high), spread, unit = mass_range(guard, i), bound.mass[i], MASS_UNITS[i]
+    for t, mass in masses(scenario, i):
         light = mass - spread < low * (1 - ROUNDING)
         if light or mass + spread > high * (1 + ROUNDING):
             since = f" from t = {t:g} s on" if t else ""

@@ -8,6 +8,8 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import (
     AXES,
+    MASS_UNITS,
+    SPEED_UNITS,
     UNITS,
     GuardNumbers,
     Pair,
@@ -15,6 +17,7 @@ from wmr_ctrl.guard.bounds import (
     derived_guard,
     lateness_time,
     mass_range,
+    masses,
     mixed_time,
     net,
     pair_of,
@@ -46,7 +49,7 @@ def feasible_guard(
     complete = derived_guard(scenario, bound, tau_max)
     Guard.relate(complete)
     _check_times(scenario, complete)
-    _check(scenario, complete)
+    _check(scenario, complete, bound)
     _check_brake(scenario, complete, tau_max, bound_of or (lambda _: bound))
     return complete
 
@@ -70,7 +73,7 @@ def _check_times(scenario: Scenario, guard: GuardNumbers) -> None:
         )
 
 
-def _check(scenario: Scenario, guard: GuardNumbers) -> None:
+def _check(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> None:
     period, alpha = scenario.clock.control, float(guard.alpha or 0.0)
     if alpha * period > 1.0:
         raise ScenarioError(
@@ -80,7 +83,7 @@ def _check(scenario: Scenario, guard: GuardNumbers) -> None:
         )
     for i in AXES:
         _check_noise(scenario, guard, i)
-        _check_push(scenario, guard, i)
+        _check_push(scenario, guard, bound, i)
 
 
 def _check_noise(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
@@ -98,8 +101,8 @@ def _check_noise(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
         )
 
 
-def _check_push(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
-    _check_mixed(scenario, guard, i)
+def _check_push(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> None:
+    _check_mixed(scenario, guard, bound, i)
     need, have = 2.0 * net(guard, i), reach(scenario, guard, i)
     if need <= have:
         return
@@ -115,9 +118,38 @@ def _check_push(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
         f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed){said} is needed on axis {i + 1}, but "
         f"{shown[0]} > {low:g} * {alpha:g} * {room:g}{divided} = {shown[1]} {UNITS[i]}. It holds "
         f"{_sooner(scenario, low * room / need, alpha, late, guard.latest)}"
-        f"with guard.dbar[{i + 1}] <= {_below(have / 2 + guard.f_min[i]):g} {UNITS[i]}, or with "
-        f"guard.M_min[{i + 1}] >= {_above(need * (1 / alpha + late) / room):g}."
+        f"{_lower(scenario, bound, 'dbar', i, _below(have / 2 + guard.f_min[i]))}, or "
+        f"{_heavier(scenario, guard, bound, i, _above(need * (1 / alpha + late) / room))}."
     )
+
+
+def _lower(scenario: Scenario, bound: Bound, name: str, i: int, most: float) -> str:
+    """The remedy by dbar or nbar: the key if it is stated and may be ``most``, else its cause."""
+    stated, true, causes, unit = {
+        "dbar": (
+            scenario.guard.dbar,
+            bound.dbar[i] + scenario.guard.d_model[i],
+            "noise, push and guard.d_model add up to",
+            UNITS[i],
+        ),
+        "nbar": (scenario.guard.nbar, bound.nbar[i], "the sensors are off by", SPEED_UNITS[i]),
+    }[name]
+    if stated is not None and true <= most:
+        return f"with guard.{name}[{i + 1}] <= {most:g} {unit}"
+    said = "" if stated is None else f" and guard.{name}[{i + 1}] says so"
+    return f"where {causes} at most {most:g} {unit}{said}"
+
+
+def _heavier(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int, least: float) -> str:
+    """The remedy by mass: the key as it must be written where that is true, else another robot."""
+    unit = MASS_UNITS[i]
+    if min(mass for _, mass in masses(scenario, i)) - bound.mass[i] < least:
+        return f"for a robot of at least {least:g} {unit}, stated as guard.M_min"
+    if scenario.guard.M_min is not None:
+        return f"with guard.M_min[{i + 1}] >= {least:g} {unit}"
+    whole = [rounded(value, 4, up=False) for value in pair_of(guard.M_min)]
+    whole[i] = f"{least:g}"
+    return f"with guard.M_min = [{', '.join(whole)}] or more"
 
 
 def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> tuple[str, str]:
@@ -138,20 +170,20 @@ def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> t
     return f"/(1 + alpha late), late = {listed} s,", divided
 
 
-def _check_mixed(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
+def _check_mixed(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> None:
     mixed = mixed_time(scenario, guard, i)
     u1, nbar, low = aim(scenario, guard, i), pair_of(guard.nbar)[i], mass_range(guard, i)[0]
     need, have = 2.0 * net(guard, i) * mixed, low * (u1 - 2.0 * nbar)
     if need > have:
         lag, jitter = pair_of(guard.lag), f"jitter of {guard.jitter:g} s"
         varies = f"a lag between {lag[0]:g} and {lag[1]:g} s" if lag[0] < lag[1] else jitter
-        dbar = _below(have / (2 * mixed) + guard.f_min[i])
+        dbar, nbar_most = _below(have / (2 * mixed) + guard.f_min[i]), _below((u1 - need / low) / 2)
         raise ScenarioError(
             f"guard: {varies} and nbar[{i + 1}] = {nbar:g} together cannot be "
             f"met: 2 (dbar - f_min) mixed <= M_min (v_u1 - 2 nbar) is needed on axis {i + 1}, but "
-            f"{2 * net(guard, i):g} * {mixed:.4g} = {need:.6g} > {have:.6g}. It holds with "
-            f"guard.nbar[{i + 1}] <= {_below((u1 - need / low) / 2):g} or guard.dbar[{i + 1}] <= "
-            f"{dbar:g} {UNITS[i]}, or where the drives vary less."
+            f"{2 * net(guard, i):g} * {mixed:.4g} = {need:.6g} > {have:.6g}. It holds "
+            f"{_lower(scenario, bound, 'nbar', i, nbar_most)}, or "
+            f"{_lower(scenario, bound, 'dbar', i, dbar)}, or where the drives vary less."
         )
 
 
@@ -198,9 +230,10 @@ def _check_brake(
         inf where the guard would be refused for another reason then.
         """
         other = override(scenario, {"actuator.tau_max": limit})
-        numbers = derived_guard(other, bound_of(other), limit)
+        pushes = bound_of(other)
+        numbers = derived_guard(other, pushes, limit)
         try:
-            _check(other, numbers)
+            _check(other, numbers, pushes)
         except ScenarioError:
             return math.inf
         return sum(_pushed(numbers, robot.l))

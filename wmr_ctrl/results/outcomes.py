@@ -148,7 +148,8 @@ class Outcome(StrEnum):
 
 
 _NOT_COVERED = (
-    "its guarantee does not cover this run. Widen guard.dbar, or guard.M_min and guard.M_max."
+    "its guarantee does not cover this run. Widen guard.dbar, or guard.M_min and guard.M_max, "
+    "unless a remark names another cause."
 )
 
 _SENTENCES = {

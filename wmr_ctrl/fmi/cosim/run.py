@@ -2,7 +2,7 @@
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
 
@@ -33,7 +33,7 @@ from wmr_ctrl.fmi.model import FmuModel, Role
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.model.kinematics import tracking_error
-from wmr_ctrl.results import Run
+from wmr_ctrl.results import Assumptions, Run
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import (
     DIAGNOSTICS,
@@ -47,6 +47,11 @@ from wmr_ctrl.signals import (
 from wmr_ctrl.sim.many import checked_seeds
 from wmr_ctrl.sim.runnable import assemble_run
 
+UNTOLD = (
+    "Under the master jacobi each torque acts one control period later than the guard is told, and "
+    "the least disturbance counts that as a push. Build the controller for it: --know-delay, or "
+    "delay_known=True."
+)
 STAND_IN = "nn"
 """The law of a setup where none is named: sensors, drives and guard do not ask which it is."""
 
@@ -233,7 +238,15 @@ def _run(
     law = named if case.foreign else case.setup.name
     signals = (*LOG_HEAD, *case.diagnostics, *outside.columns)
     logged = (signals, _columns(signals, _table(loop)), outside.monitor(failure))
-    return assemble_run(scenario, law, seed, "fmu", logged, facts, case.own.assumptions)
+    return assemble_run(scenario, law, seed, "fmu", logged, facts, _assumed(case))
+
+
+def _assumed(case: CosimSetup) -> Assumptions:
+    """The guard's assumptions; void where its torques act a period later than it is told."""
+    assumed = case.own.assumptions
+    if not case.at_once or case.own is not case.setup:
+        return assumed
+    return replace(assumed, void=" ".join(filter(None, (assumed.void, UNTOLD))))
 
 
 def _controller(case: CosimSetup, slaves: Mapping[str, Slave]) -> Part | GuardedController:
