@@ -6,13 +6,10 @@ That is threads here, any `concurrent.futures` executor, or Dask.
 from __future__ import annotations
 
 import logging
-import os
-import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import resource_tracker
 from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
@@ -23,7 +20,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.table import REFUSED
-from wmr_ctrl.sim.batch import cores
+from wmr_ctrl.sim.batch import cores, deaf_to_interrupts
 from wmr_ctrl.sim.many import tabulated
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop
@@ -154,31 +151,13 @@ def _local(jobs: int | None) -> Iterator[Executor]:
     distributed: Any = library("distributed", "cluster")
     configured: Any = library("dask.config", "cluster")
     with configured.set(QUIET):
-        with _deaf_to_interrupts():
+        with deaf_to_interrupts():
             cluster = distributed.LocalCluster(
                 n_workers=jobs or cores(), threads_per_worker=1, processes=True,
                 dashboard_address=None, silence_logs=logging.CRITICAL,
             )  # fmt: skip
         with cluster, _client(distributed, cluster, DASK) as client:
             yield client.get_executor(pure=False, retries=RETRIES)
-
-
-@contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Keep Ctrl-C from processes started here; it comes to this one, once they are.
-
-    A terminal sends it to all processes at once, and the workers would end with tracebacks of
-    their own before they are closed.  Windows has no such mask.
-    """
-    if os.name == "nt":
-        yield
-        return
-    resource_tracker.ensure_running()  # which would clear the mask when the first process starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -94,6 +94,8 @@ def study(
         mujoco()
         description(chosen.loaded)  # refuses what no rigid body is
     facts = partial(study_facts, chosen.loaded, chosen.laws, chosen.plant, device)
+    if executor == THREADS:  # in this thread, where Ctrl-C ends a compiler
+        return run_study(chosen, Path(out), chunk_rows, facts(), None, jobs, progress, device)
     with ThreadPoolExecutor(1) as beside:
         known = beside.submit(facts)  # while processes start
         with executor_named(executor, jobs, known.result, facts) as running:

@@ -5,7 +5,7 @@ import platform
 import shlex
 import sys
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
@@ -80,6 +80,11 @@ def build_for(
     """
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as workers:
         jobs = {t.name: workers.submit(compile_for, t, sources, identifier) for t in targets}
+        try:
+            wait(jobs.values())
+        except BaseException:  # Ctrl-C: what has not begun need not
+            workers.shutdown(cancel_futures=True)
+            raise
     errors = {name: job.exception() for name, job in jobs.items()}
     failed: dict[str, str] = {}
     for name, error in errors.items():

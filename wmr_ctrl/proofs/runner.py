@@ -5,6 +5,7 @@ What was found is compared with the committed ledger.
 
 import gc
 import os
+import signal
 import sys
 import threading
 import time
@@ -28,6 +29,7 @@ from wmr_ctrl.proofs.ledger import (
     stale,
 )
 from wmr_ctrl.results import atomic_text, write_all
+from wmr_ctrl.sim.batch import deaf_to_interrupts
 
 PROCESSES = 2
 LEAST_COST = 0.1
@@ -125,16 +127,23 @@ def _entries(ids: Sequence[str], processes: int, anew: bool) -> Iterable[Entry]:
         return
     context = get_context("spawn")
     with ProcessPoolExecutor(processes, context, _begin, (os.getpid(),)) as pool:
-        for future in as_completed([pool.submit(_checked, key, anew) for key in ids]):
+        with deaf_to_interrupts():
+            jobs = [pool.submit(_checked, key, anew) for key in ids]
+        for future in as_completed(jobs):
             yield future.result()
 
 
 def _begin(parent: int) -> None:
     """Set up a process that works: it ends with its parent, and its solvers know one thread only.
 
+    Ctrl-C ends it in silence, though not before it has come so far.
+
     What they no longer need is collected between two entries: a collection in the thread that
     watches the parent would free a solver's terms while the solver works on them.
     """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if os.name != "nt":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     gc.disable()
     follow_parent(parent)
 

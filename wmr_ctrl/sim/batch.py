@@ -7,8 +7,10 @@ a run costs no memory; `run_logged` keeps the columns of a batch for as long as 
 
 import ctypes as ct
 import os
-from collections.abc import Callable, Iterable, Sequence
+import signal
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from itertools import islice
 from typing import TypeVar
 
@@ -166,3 +168,23 @@ def _finished(
             cancelled.value = 1
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+
+
+@contextmanager
+def deaf_to_interrupts() -> Iterator[None]:
+    """Keep Ctrl-C from processes started here; it comes to this one, once they are.
+
+    A terminal sends it to all processes at once, and the workers would end with tracebacks of
+    their own before they are closed.  Windows has no such mask.
+    """
+    if os.name == "nt":
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # which would clear the mask when the first process starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
