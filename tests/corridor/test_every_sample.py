@@ -13,7 +13,17 @@ import pytest
 
 from tests.corridor.further import burger
 from tests.corridor.one_by_one import HEADING, ROUND, SIDES, of_base, of_torques
-from wmr_ctrl.corridor import certified_corridor, find_corridor, run_corridor
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import (
+    certified_corridor,
+    find_corridor,
+    passage,
+    remainders,
+    run_corridor,
+)
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.inputs import bounded_inputs
+from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.scenario import load_scenario, override
 
 PERIOD = 0.05
@@ -126,6 +136,26 @@ def test_on_a_circle_a_whole_run_is_bounded_by_what_holds_for_good(case):
 
     assert found == pytest.approx(shares, rel=0.005)
     assert steady.position > 1.05 * steady.linear
+
+
+def test_a_set_that_does_not_stand_is_not_taken_for_one(monkeypatch):
+    """What its samples add is guessed to be half as much as it is."""
+    law, scenario, _ = CIRCLES["prox"]
+    monkeypatch.setattr(passage, "HELD", 0.5)
+    setup = settle(scenario, law)
+    course = Passing(Along(setup), bounded_inputs(setup), np.zeros(3)).run().position
+
+    assert course == pytest.approx(run_corridor(scenario, law).course[0], rel=1e-3)
+    assert course[-1] == pytest.approx(course.max(), rel=1e-3)
+
+
+def test_boxes_of_secants_that_are_left_certify_nothing(monkeypatch):
+    law, scenario, _ = CASES["from a standstill"]
+    assert run_corridor(scenario, law).position is not None
+    monkeypatch.setattr(remainders, "SLOW_ROOM", 0.6)
+    narrow = override(scenario, {"clock.duration": 8 * PERIOD})
+
+    assert "may grow as large as what the loop corrects" in run_corridor(narrow, law).refused
 
 
 def test_a_run_that_a_limit_stops_is_refused_with_its_time_and_what_would_do():
