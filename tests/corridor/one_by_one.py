@@ -52,7 +52,8 @@ class Answers:
     def of_samples(self, ways, sizes, start):
         """The same of e in each sample: at its plant steps, and at its begin."""
         each = self.sums(0, ways, sizes, start).reshape(len(self.rest[1]), -1)
-        return np.maximum(each.max(axis=1), np.append(0.0, each[:-1, -1]))
+        begun = (np.abs(ways) @ start).max()
+        return np.maximum(each.max(axis=1), np.append(begun, each[:-1, -1]))
 
 
 def of_torques(scenario, law, kinds):
