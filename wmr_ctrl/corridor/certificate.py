@@ -23,7 +23,7 @@ from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.corridor.enclosure import OpenBoxError, upper
-from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, Gains, loop_gains
+from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, loop_gains
 from wmr_ctrl.corridor.inputs import (
     Inputs,
     NoCorridorError,
@@ -36,7 +36,9 @@ from wmr_ctrl.corridor.inputs import (
 from wmr_ctrl.corridor.late_guard import counts_late, sizes_counted
 from wmr_ctrl.corridor.loop import NOTHING, UP, SampledLoop
 from wmr_ctrl.corridor.overlap import ALONE, Overlap, jitter_overlap, ramp_overlap, ramps
-from wmr_ctrl.corridor.peaks import Peaks, Tube, reckoned_inputs, reference_gap
+from wmr_ctrl.corridor.peaks import Peaks, Tube, reference_gap
+from wmr_ctrl.corridor.reckoning import Reckoning
+from wmr_ctrl.corridor.responses import Gains
 from wmr_ctrl.corridor.sample import SlowLoopError
 
 ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
@@ -44,7 +46,7 @@ ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
 FAR, DUST = 30.0, 1e-9
-"""Growth over the linear loop, and beyond it, with which the fixed point counts as lost."""
+"""Growth over the first round, and beyond it, with which the fixed point counts as lost."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
@@ -66,14 +68,14 @@ class Certifier:
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
         self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup), overlap, counted)
         check_size(loop)
+        self.reckoning = Reckoning(loop, self.inputs.missing)
         shown, moved = loop.law.value(), loop.step.value()
         self.added = np.array(
             [float((a - x).mid()) for a, x in zip(moved, loop.step.at, strict=False)]
         )
         try:
             start = np.diag((*setup.scenario.corridor.start, *[0.0] * (len(loop.at) - 3)))
-            reckons = self.inputs.missing > 0
-            self.gains = loop_gains(loop, start, self.added, reckons=reckons)
+            self.gains = loop_gains(loop, start, self.added, self.reckoning.together)
         except SlowLoopError as error:
             raise NoCorridorError(f"the loop is unstable, or takes too long: {error}") from error
         self.level = np.array([upper(item) for item in shown[-loop.count :]])
@@ -95,8 +97,7 @@ class Certifier:
     def started(self, start: Floats) -> Certifier:
         """The same from a start off by shares of some columns (n, columns)."""
         other = copy(self)
-        reckons = self.inputs.missing > 0
-        other.gains = loop_gains(self.loop, start, self.added, reckons=reckons)
+        other.gains = loop_gains(self.loop, start, self.added, self.reckoning.together)
         return other
 
     def _reckoning_gap(self) -> float:
@@ -181,13 +182,15 @@ class Certifier:
 
     def _closed(self, inputs: Inputs) -> Tube:
         peaks = first = self.linear(inputs)
+        scale = self.gains.scale[:ROBOT]
+        far = float((self.image(inputs, peaks).fast[:ROBOT] / scale).max()) * FAR
         for _ in range(ROUNDS):
             following = self.image(inputs, peaks).times(1 + INFLATED)
             change = np.abs(following.every - peaks.every) <= CLOSE * following.every
             peaks = following
             if change.all():
                 break
-            if (peaks.fast[:ROBOT] > FAR * first.fast[:ROBOT] + DUST).any():
+            if (peaks.fast[:ROBOT] > far * scale + DUST).any():
                 raise NoCorridorError(self._blamed(inputs, first))
         if not self.image(inputs, peaks).within(peaks):
             raise NoCorridorError(self._blamed(inputs, first))
@@ -224,11 +227,9 @@ class Certifier:
 
     def _reckoned(self, inputs: Inputs, peaks: Peaks) -> Inputs:
         """With the errors of a pose that is reckoned for as many samples as none comes."""
-        if not inputs.missing:
-            return inputs
-        sizes = peaks.fast[:ROBOT] + np.array([0.0, 0.0, 0.0, *inputs.velocity])
-        away = self.position(peaks)
-        return reckoned_inputs(self.loop, inputs, (sizes, peaks.fast[-3:]), away)
+        measured = peaks.fast[:ROBOT] + np.array([0.0, 0.0, 0.0, *inputs.velocity])
+        rows = peaks.fast[-3 * self.reckoning.together :].reshape(-1, 3)
+        return self.reckoning.added(inputs, measured, rows) if inputs.missing else inputs
 
     def _changes(self, inputs: Inputs, peaks: Peaks) -> Floats:
         """Largest changes (2) from one command that acts to the next."""
@@ -277,7 +278,7 @@ class Certifier:
         """Inputs, what the law adds, and what is off of what acts for commands that change so much,
         in the order of the gains' columns.
         """
-        error = np.array([inputs.pose, 0.0, inputs.turn, *inputs.velocity])
+        error = np.array([inputs.pose, *inputs.reckoned, *inputs.velocity])
         late = (self.loop.overlap.off * changes * UP).ravel()
         return np.concatenate((inputs.push, law, late, error))
 
@@ -290,7 +291,7 @@ class Certifier:
         both = peaks.fast[sums].reshape(-1, 2).max(axis=1) ** 2 / (4 * self.gains.ratios)
         for (a, b), most in zip(PAIRS, both, strict=True):
             pairs[a, b] = pairs[b, a] = min(pairs[a, b], most)
-        error = np.array([inputs.pose, inputs.pose, inputs.turn, *inputs.velocity])
+        error = inputs.measured
         moved = np.concatenate((peaks.fast[:nz], peaks.law[:COMMAND], inputs.push, inputs.body))
         state = np.split(peaks.state, [nz, nz + queue, nz + queue + memory])
         seen = np.concatenate((peaks.fast[:ROBOT] + error, state[2], state[1], state[3]))

@@ -8,8 +8,7 @@ q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from math import ceil, cos, log, log2, pi, sin
 
 import numpy as np
@@ -17,8 +16,9 @@ from flint import arb, ctx
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.loop import UP, SampledLoop
+from wmr_ctrl.corridor.reckoning import turning
+from wmr_ctrl.corridor.responses import Gains, Responses, largest, stacked
 from wmr_ctrl.corridor.sample import (
-    FLOOR,
     ROUNDING,
     OutputRows,
     SampleMatrices,
@@ -40,38 +40,12 @@ PAIRS = [(a, b) for a in range(ROBOT) for b in range(a + 1, ROBOT)]
 
 
 @dataclass(frozen=True)
-class Gains:
-    """Largest rows for inputs of size 1 in every sample, whatever their signs.
-
-    ``by``: columns push (2), errors of the law's outputs, errors of the command that acts in each
-    plant step of the overlap (2 each), a disc of (e1, e2) as measured, nothing,
-    errors of e3, v1 and omega as measured.
-    ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
-    after a start that is off by shares of the columns that were asked for; ``misled``: after
-    one whose estimated position is off by 1 m in any direction, alone; ``before`` (2 columns):
-    after one at which an observer remembers a velocity that is off by 1, alone.  ``first``: the
-    same within one sample, by the state at its begin and then as ``by`` and ``steps``.  ``left``:
-    what is left after ``samples``, by the state's largest deviation in units of ``scale``.
-    ``constant``: largest values under what every plant step adds alike, alone.
-    """
-
-    by: Floats
-    steps: Floats
-    start: Floats
-    misled: Floats
-    before: Floats
-    first: tuple[Floats, Floats, Floats]
-    left: Floats
-    constant: Floats
-
-
-@dataclass(frozen=True)
 class LoopGains:
     """Gains of the fast state at all plant steps, of the state at samples, of the law's outputs.
 
     Rows of ``fast``: its elements, directions of (e1, e2), then for each of PAIRS the sum and the
-    difference of its first with ``ratios`` times its second, and what dead reckoning is off, if
-    that was asked for.  ``damping`` is q, over ``samples``,
+    difference of its first with ``ratios`` times its second, and what dead reckoning over one, two
+    and more samples is off (3 each), if that was asked for.  ``damping`` is q, over ``samples``,
     ``scale`` the weights of its norm.
     """
 
@@ -97,13 +71,11 @@ class LoopGains:
         return replace(self, fast=fast, state=state, law=law)
 
 
-def loop_gains(
-    loop: SampledLoop, start: Floats, added: Floats, *, reckons: bool = False
-) -> LoopGains:
+def loop_gains(loop: SampledLoop, start: Floats, added: Floats, reckoned: int = 0) -> LoopGains:
     """All gains of a loop, from a start off by shares of the columns ``start`` (n, columns).
 
-    ``added``: what every plant step adds to the fast state, always the same.  ``reckons``: also by
-    how much (3) dead reckoning over a sample is off.
+    ``added``: what every plant step adds to the fast state, always the same.  ``reckoned``: also by
+    how much (3) dead reckoning over one and up to so many samples is off.
     SlowLoopError where it is unstable or too slow to be enclosed.
     """
     with ctx.workprec(SPARE_BITS):
@@ -115,7 +87,7 @@ def loop_gains(
     if bits > MOST_BITS:
         raise SlowLoopError(f"its matrix would take {bits} bits")
     with ctx.workprec(bits):
-        return _summed(SampleMatrices(loop), loop, samples, start, added, reckons)
+        return _summed(SampleMatrices(loop), loop, samples, start, added, reckoned)
 
 
 def _samples(a: Floats) -> tuple[int, float]:
@@ -133,7 +105,7 @@ def _summed(
     samples: int,
     start: Floats,
     added: Floats,
-    reckons: bool,
+    reckoned: int,
 ) -> LoopGains:
     n, nz = sample.n, len(loop.names)
     powers, summed, last = powers_until(sample.A, samples)
@@ -166,7 +138,7 @@ def _summed(
     rest = _weighed(steady[..., None], off[..., None], scale).sum()
     estimate = n - sample.acting - loop.filter if loop.filter else None
     old = nz + COMMAND * loop.queue + loop.observed[1] if loop.observed else None
-    sums = _Sums(
+    sums = Responses(
         course, whole, np.abs(every), norms, scale, damping, n, steps, start, estimate, old,
         steady, off.sum(axis=0), float(rest),
     )  # fmt: skip
@@ -181,9 +153,10 @@ def _summed(
         np.eye(count), shown, np.zeros((count, COMMAND)), np.eye(count), np.zeros((count, late)),
         np.abs(doubles(sample.seen)) * UP, np.zeros((count, nz)),
     )  # fmt: skip
-    fast = _largest(within)
-    if reckons:
-        fast = _stacked(fast, sums.gains(sample.reckoned_rows(loop), shares[-1]))
+    fast = largest(within)
+    if reckoned:
+        rows, turned = sample.reckoned_rows(loop), doubles(turning(loop.reckoning))
+        fast = stacked([fast, *sums.carried(rows, turned, shares[-1], reckoned)])
     three = fast, sums.gains(state), sums.gains(law)
     return LoopGains(*three, ratios, damping, samples, scale)
 
@@ -192,109 +165,6 @@ def _weighed(course: Floats, size: Floats, scale: Floats) -> Floats:
     """Weighed norms (samples, inputs) of what is rounded as sums of a ``size`` are."""
     norms: Floats = ((np.abs(course) + ROUNDING * size) / scale[:, None]).max(axis=1)
     return norms
-
-
-@dataclass
-class _Sums:
-    """The loop's course from each input's unit, (samples, n, inputs), and sums over it.
-
-    ``powers``: sizes of what the powers are sums of; ``norms`` (samples, inputs): weighed ones of
-    the course, ``steady_norm``: the sum of those of ``steady``.
-    """
-
-    course: Floats
-    powers: Floats
-    inputs: Floats
-    norms: Floats
-    scale: Floats
-    damping: float
-    n: int
-    steps: Floats
-    start: Floats
-    estimate: int | None
-    old: int | None
-    steady: Floats
-    steady_size: Floats
-    steady_norm: float
-
-    @cached_property
-    def _in_rows(self) -> Floats:
-        """The course as one matrix (n, samples inputs)."""
-        return np.ascontiguousarray(self.course.transpose(1, 0, 2)).reshape(self.n, -1)
-
-    def gains(self, rows: OutputRows, added: Floats | None = None) -> Gains:
-        """Gains of some rows: sums of sizes with the shares of rounding and tail, and the direct
-        part.
-
-        ``added``: what the present sample has added so far, of what it always adds, to the state
-        that ``rows`` picks from; None: nothing.
-        """
-        size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
-        ways = (rows.picked @ rows.state @ self._in_rows).reshape(len(size), len(self.course), -1)
-        seen = np.abs(ways)
-        slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
-        reach = size @ self.scale
-        tail = np.outer(reach, self.norms.sum(axis=0)) * self.damping / (1 - self.damping)
-        start = self._started(ways[..., :n], slack, reach)
-        misled, before = self._misled(seen, slack, reach), self._before(seen, slack, reach)
-        direct = np.hstack([rows.push, rows.law, rows.late, rows.measured])
-        disc = [-ROBOT, 1 - ROBOT]
-        for part in (seen, direct):
-            part[..., disc[0]] = np.hypot(part[..., disc[0]], part[..., disc[1]])
-        for part in (slack, tail):
-            part[..., disc[0]] += part[..., disc[1]]
-        for part in (seen, slack, tail, direct):
-            part[..., disc[1]] = 0.0
-        every = (seen.sum(axis=1) + slack + tail) * UP
-        steps = (every[:, :n] @ self.steps + rows.steps) * UP
-        held = (np.abs(rows.picked @ rows.state) + ROUNDING * size + FLOOR) * UP
-        first = held, direct, rows.steps
-        left = reach * self.damping * UP
-        constant = self._constant(rows, size, reach, added)
-        by = (every[:, n:] + direct) * UP
-        return Gains(by, steps, start, misled, before, first, left, constant)
-
-    def _started(self, ways: Floats, slack: Floats, reach: Floats) -> Floats:
-        """Largest values after a start at any sum of shares of the columns ``start``."""
-        size = np.abs(self.start).sum(axis=1)
-        if not size.any():
-            return np.zeros(len(reach))
-        rest = (
-            slack[:, : self.n] + np.outer(reach, self.norms[:, : self.n].max(axis=0)) * self.damping
-        )
-        off = (np.abs(ways) @ size).max(axis=1) * ROUNDING
-        most = np.abs(ways @ self.start).sum(axis=2).max(axis=1)
-        return np.asarray((most + off + rest @ size) * UP)
-
-    def _constant(
-        self, rows: OutputRows, size: Floats, reach: Floats, added: Floats | None
-    ) -> Floats:
-        """Largest values of the sums, with their signs, of what every sample adds alike."""
-        now = np.zeros(rows.picked.shape[1]) if added is None else added
-        each = rows.picked @ rows.state @ self.steady.T
-        course = np.cumsum(np.hstack([(rows.picked @ now)[:, None], each]), axis=1)
-        picked = np.abs(rows.picked) @ np.abs(now)
-        slack = (UP - 1) * (np.abs(each).sum(axis=1) + picked) + FLOOR
-        slack += ROUNDING * size @ self.steady_size
-        rest = reach * self.steady_norm * self.damping / (1 - self.damping)
-        return np.asarray((np.abs(course).max(axis=1) + slack + rest) * UP)
-
-    def _misled(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
-        """Largest values after a start whose estimated position alone is off."""
-        if self.estimate is None:
-            return np.zeros(len(reach))
-        e = slice(self.estimate, self.estimate + 2)
-        rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
-        size = np.hypot(seen[..., self.estimate], seen[..., self.estimate + 1]).max(axis=1)
-        return np.asarray((size + rest.sum(axis=1)) * UP)
-
-    def _before(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
-        """Largest values after a start at which one remembered velocity is off (2 columns)."""
-        if self.old is None:
-            return np.zeros((len(reach), COMMAND))
-        v = slice(self.old, self.old + COMMAND)
-        rest = slack[:, v] + np.outer(reach, self.norms[:, v].max(axis=0)) * self.damping
-        return np.asarray((seen[..., v].max(axis=1) + rest) * UP)
 
 
 def fast_rows(nz: int, ratios: Floats) -> Floats:
@@ -311,28 +181,3 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
     for place, value in entries:
         row[place] = value
     return row
-
-
-def _stacked(first: Gains, second: Gains) -> Gains:
-    """Rows of the first, then those of the second."""
-    own, more = (
-        {item.name: getattr(gains, item.name) for item in fields(Gains) if item.name != "first"}
-        for gains in (first, second)
-    )
-    held, direct, steps = (
-        np.concatenate(both) for both in zip(first.first, second.first, strict=True)
-    )
-    rows = {name: np.concatenate((value, more[name])) for name, value in own.items()}
-    return Gains(first=(held, direct, steps), **rows)
-
-
-def _largest(each: list[Gains]) -> Gains:
-    """Entry by entry."""
-    by, steps, start, misled, before, left, constant = (
-        np.max([getattr(item, name) for item in each], axis=0)
-        for name in ("by", "steps", "start", "misled", "before", "left", "constant")
-    )
-    held, direct, own = (
-        np.max(parts, axis=0) for parts in zip(*(item.first for item in each), strict=True)
-    )
-    return Gains(by, steps, start, misled, before, (held, direct, own), left, constant)

@@ -66,8 +66,8 @@ class Inputs:
     position from the true one [m]; ``velocity``: error of each measured velocity (2); ``body``:
     how far mass and inertia are off the scenario's (2) [kg, kg m2]; ``command``: by how much a
     velocity that acts is off the one that was sent (2); ``dead``: the size below which it may be
-    taken for 0 (2); ``missing``: samples in a row to which no pose comes; ``turn``: error of the
-    heading that is measured [rad].
+    taken for 0 (2); ``missing``: samples in a row to which no pose comes; ``reckoned``: how far the
+    pose that is taken instead is off besides (3) [m, m, rad].
     """
 
     push: Floats
@@ -77,7 +77,7 @@ class Inputs:
     command: Floats = field(default_factory=lambda: np.zeros(2))
     dead: Floats = field(default_factory=lambda: np.zeros(2))
     missing: int = 0
-    turn: float = 0.0
+    reckoned: Floats = field(default_factory=lambda: np.zeros(3))
 
     def scaled(self, share: float) -> Inputs:
         """Push and errors so many times as large."""
@@ -97,7 +97,8 @@ class Inputs:
     @property
     def measured(self) -> Floats:
         """Errors of what is measured of the robot: pose and velocity (5)."""
-        return np.array([self.pose, self.pose, 0.0, *self.velocity])
+        place = (self.pose + self.reckoned[:2]) * (1 + 1e-15)
+        return np.array([*place, self.reckoned[2], *self.velocity])
 
     @property
     def any(self) -> bool:

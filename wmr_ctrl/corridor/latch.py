@@ -67,6 +67,13 @@ def monitor_of(scenario: Scenario, law: str) -> System:
     setup = settle(override(scenario, ALONE), law)
     try:
         certifier = Certifier(setup)
+        if not seen(certifier):
+            raise ScenarioError(
+                f"{scenario.name} with {law}: drives with delay or lag, bases that take velocities, "
+                "rare or partly corrected poses and laws with a memory of their own have states "
+                "that a monitor cannot see. Watch prox or mb with torques, ideal drives and a pose "
+                "at every sample that is taken as it is."
+            )
         latch = latch_of(certifier, certifier.inputs)
     except NoCorridorError as error:
         raise ScenarioError(
@@ -77,13 +84,6 @@ def monitor_of(scenario: Scenario, law: str) -> System:
         raise ScenarioError(
             f"{scenario.name} with {law}: no box around the corridor keeps a robot inside, so "
             "nothing could be concluded. State smaller pushes or errors."
-        )
-    if not seen(setup, latch):
-        raise ScenarioError(
-            f"{scenario.name} with {law}: drives with delay or lag, bases that take velocities, "
-            "rare or partly corrected poses and laws with a memory of their own have states that a "
-            "monitor cannot see. Watch prox or mb with torques, ideal drives and a pose at every "
-            "sample that is taken as it is."
         )
     graph = monitor(setup, latch, measured=True)
     box = next(item.value for item in graph.params if item.signal.name == "corridor.box")
@@ -103,7 +103,7 @@ def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
         latch = _latch(setup)
     except WmrError:
         return None
-    if latch is None or not seen(setup, latch):
+    if latch is None:
         return None
     end = min((run.settings.index(item.t) for item in scenario.changes), default=run.rows)
     verdicts = _watched(run, monitor(setup, latch, measured=False), end)
@@ -125,7 +125,7 @@ def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
 def _latch(setup: Setup) -> Latch | None:
     try:
         certifier = Certifier(setup)
-        return latch_of(certifier, certifier.inputs)
+        return latch_of(certifier, certifier.inputs) if seen(certifier) else None
     except NoCorridorError:
         return None
 

@@ -17,6 +17,7 @@ import numpy as np
 from wmr_ctrl.checks.loop import loop_of
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs
 from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY, STARTED
 from wmr_ctrl.model.dynamics import wheel_to_force
@@ -49,13 +50,14 @@ class Latch:
     inputs: Inputs
 
 
-def seen(setup: Setup, latch: Latch) -> bool:
+def seen(certifier: Certifier) -> bool:
     """True where a monitor has the whole state: drives remember nothing, laws only what is SEEN."""
+    setup = certifier.loop.setup
     memory = [item.signal for item in loop_of(setup).core.state]
     size = sum(item.size for item in memory)
-    ideal = (len(latch.level) - ROBOT - size) % COMMAND == 0 and setup.scenario.actuator.ideal
-    known = ideal and not (setup.takes_velocity or latch.inputs.missing)
-    return known and all(item in SEEN for item in memory)
+    ideal = (len(certifier.loop.at) - ROBOT - size) % COMMAND == 0
+    known = ideal and setup.scenario.actuator.ideal and not certifier.inputs.missing
+    return known and not setup.takes_velocity and all(item in SEEN for item in memory)
 
 
 def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:

@@ -1,20 +1,12 @@
-"""Peaks: largest deviations of the loop, a tube of them, and what is measured amiss within them.
-
-Where no pose comes it is reckoned.  Over one sample a reckoned pose moves off a robot that it began
-with by what is a row of the loop, and one that is turned by b against it by its way times b more
-(ledger: corridor.reckoning).
-"""
+"""Peaks: largest deviations of the loop, and a tube of them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.corridor.enclosure import upper
-from wmr_ctrl.corridor.inputs import Inputs
-from wmr_ctrl.corridor.loop import UP, SampledLoop
 
 LEAST = 1e-15
 """Added to every deviation that is made larger."""
@@ -57,29 +49,6 @@ class Tube:
     binding: str
     share: float
     settling: float = 0.0
-
-
-def reckoned_inputs(
-    loop: SampledLoop, inputs: Inputs, sizes: tuple[Floats, Floats], away: float
-) -> Inputs:
-    """The inputs with the errors of a pose that is reckoned for as many samples as none comes.
-
-    ``sizes``: of e and v as measured (5), and of the linear part of what reckoning over a sample is
-    off (3); ``away`` [m]: how far the robot is from its place.
-    """
-    measured, row = sizes
-    curve, period = loop.reckoning, loop.setup.scenario.clock.control
-    left = curve.remainders(np.outer(measured, measured) * UP).sum(axis=(1, 2))
-    rest = np.array([upper(item) for item in curve.value()])
-    rest[:2] += reference_gap(curve.at[3:], period)
-    off = (row + left + rest) * UP
-    v = abs(float(curve.at[3])) + float(measured[3])
-    each = float(np.hypot(off[0], off[1]) + off[2] * away) * UP
-    pose, turn = inputs.pose, 0.0
-    for _ in range(inputs.missing):
-        pose = (pose + each + period * v * turn) * UP
-        turn = (turn + float(off[2])) * UP
-    return replace(inputs, pose=(pose + turn * away) * UP, turn=turn)
 
 
 def reference_gap(v_d: Floats, step: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -119,18 +119,23 @@ class SampleMatrices:
         )  # fmt: skip
 
     def reckoned_rows(self, loop: SampledLoop) -> OutputRows:
-        """Rows of e at a sample's end less where dead reckoning from its begin would have it."""
-        nz, steps = len(loop.names), loop.steps
-        rows, reckoned = self._rows(steps, np.eye(3, nz), self._end), balls(nz, self.n)
+        """Rows of e at a sample's end less where dead reckoning from its begin would have it.
+
+        Direct ones have their signs.
+        """
+        nz = len(loop.names)
+        rows, reckoned = self._rows(loop.steps, np.eye(3, nz), self._end), balls(nz, self.n)
         slopes = np.array(loop.reckoning.slopes(), dtype=object)
         reckoned[:3, :ROBOT] = slopes
-        now = self._end[0]
+        now, push, late = self._end
         command = now[:, self.n :]
         whole = now[:, : self.n] + command @ self.law[:COMMAND] - reckoned
         seen = command @ self.seen[:COMMAND]
         seen[:3, 3:] = seen[:3, 3:] - slopes[:, 3:]
-        measured = sizes(rows.picked, doubles(seen))
-        return replace(rows, state=doubles(whole), measured=measured)
+        law = np.zeros_like(rows.law)
+        law[:, :COMMAND] = doubles(command[:3])
+        pushed, lates, measured = (doubles(item[:3]) for item in (push, late, seen))
+        return OutputRows(rows.picked, doubles(whole), pushed, law, lates, measured, rows.steps)
 
 
 def powers_of(matrix: BallArray, count: int) -> list[BallArray]:
