@@ -91,12 +91,12 @@ def lossy(times):
     return {"sensor.pose_dropout": 0.1, "corridor.losses": times}
 
 
-def farthest_lost(scenario, pushes, come, velocities=None):
+def farthest_lost(scenario, pushes, come, velocities=None, law="prox"):
     """The largest distance and turn where poses ``come`` (samples) at 1 and are lost at 0."""
     found = []
     for k, push in enumerate(pushes):
         velocity = None if velocities is None else velocities[k]
-        loop = Attacked(scenario, "prox", push, np.zeros_like(push), velocity)
+        loop = Attacked(scenario, law, push, np.zeros_like(push), velocity)
         loop.sensor.chance = np.resize(come, len(push)).astype(float)
         loop.run(None)
         e = np.array(loop.errors)
@@ -114,6 +114,26 @@ def with_losses(times):
         return max(farthest_lost(scenario, pushes, come)[0] for come in each)
 
     return Further(scenario, "prox", reach)
+
+
+LINE = {
+    "reference.kind": "line", "reference.speed": 0.2, "disturbance.std": 0.0,
+    "sensor.velocity_noise": [1e-4, 0.0], "gains.kinematics.k": [4.0, 60.0, 6.0],
+    "gains.mb.rho": [180.0, 180.0],
+}  # fmt: skip
+
+
+def reckoned_for_long(times):
+    """mb on a line, which reckons for so many samples with a wrong speed; more of them are lost."""
+    scenario = simulated(lossy(times), LINE)
+
+    def reach(more):
+        lost = round(more * times)
+        still = np.zeros((lost + 50, 2))
+        off = np.tile(scenario.sensor.velocity_noise, (len(still), 1))
+        return farthest_lost(scenario, [still], [*[0] * lost, 1], [off], "mb")[0]
+
+    return Further(scenario, "mb", reach)
 
 
 def with_jitter(steps, size, *changes):
@@ -155,6 +175,9 @@ ROWS: dict[str, Callable[[], Further]] = {
     "safe-simulation, prox, 0.3 N m, one pose in a row lost": partial(with_losses, 1),
     "the same, two in a row": partial(with_losses, 2),
     "the same, four in a row": partial(with_losses, 4),
+    "mb on a line, k = (4, 60, 6), rho = 180, v1 off by 0.1 mm/s, 300 in a row": partial(
+        reckoned_for_long, 300
+    ),
     "safe-simulation, prox, 0.3 N m, jitter of 2 ms, no guard": partial(with_jitter, 2, 0.3),
     "the same, jitter of 5 ms, half a period": partial(with_jitter, 5, 0.3),
     "safe-simulation, prox, 1.5 N m, an untold delay of 4 ms, the guard on": partial(

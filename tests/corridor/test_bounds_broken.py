@@ -6,6 +6,7 @@ Errors of measurements are in `test_certificate`, beside what they reach within 
 import pytest
 
 from tests.corridor.adversary import farthest, farthest_displaced
+from tests.corridor.further import reckoned_for_long
 from wmr_ctrl.corridor import find_corridor
 from wmr_ctrl.scenario import load_scenario, override
 
@@ -44,3 +45,10 @@ def test_a_start_a_fifth_beyond_what_is_named_leaves_it_and_none_within():
     )
 
     assert tube.position / 1.1 < within <= tube.position < beyond
+
+
+def test_a_fifth_more_lost_poses_than_are_stated_leave_it_and_as_many_do_not():
+    case = reckoned_for_long(300)
+    tube = find_corridor(case.scenario, case.law)
+
+    assert case.reach(1.0) <= tube.position < case.reach(1.2)

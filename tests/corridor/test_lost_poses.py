@@ -7,7 +7,8 @@ import pytest
 
 from tests.corridor.adversary import worst_errors, worst_pushes
 from tests.corridor.further import farthest_lost, lossy, simulated
-from wmr_ctrl.corridor import corridor_monitor, find_corridor
+from wmr_ctrl import corridor as room
+from wmr_ctrl.corridor import corridor_monitor, find_corridor, reckoning
 from wmr_ctrl.errors import ScenarioError
 
 SAMPLES = 200
@@ -23,14 +24,30 @@ def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound(time
     some = farthest_lost(scenario, pushes[:2], (rng.random(SAMPLES) < 0.4) | _each(times + 1))
     beyond = farthest_lost(scenario, [1.2 * push for push in pushes], [*[0] * times, 1])
 
-    assert tube.position / 1.35 <= max(always[0], some[0]) <= tube.position
+    assert tube.position / 1.2 <= max(always[0], some[0]) <= tube.position
     assert max(always[1], some[1]) <= tube.heading
-    assert beyond[0] > tube.position or times > 1
+    assert beyond[0] > tube.position
     assert f"no pose comes to up to {times} samples in a row" in tube.sentence
 
 
 def _each(apart):
     return np.arange(SAMPLES) % apart == apart - 1
+
+
+def test_over_any_number_of_samples_more_than_are_summed_up_cost_no_less():
+    """Sums of more samples than have a row of their own are put together of those that have."""
+    corridors = [find_corridor(simulated(lossy(times)), "prox").position for times in (5, 9, 12)]
+    kept = reckoning.TOGETHER
+    reckoning.TOGETHER = 5
+    try:
+        room._of.cache_clear()
+        apart = [find_corridor(simulated(lossy(times)), "prox").position for times in (5, 9, 12)]
+    finally:
+        reckoning.TOGETHER = kept
+        room._of.cache_clear()
+
+    assert corridors[0] == apart[0] and corridors[0] < corridors[1] < corridors[2]
+    assert all(one < two < 1.3 * one for one, two in zip(corridors[1:], apart[1:], strict=True))
 
 
 @pytest.mark.slow
@@ -54,7 +71,7 @@ def test_a_pose_every_few_samples_is_as_many_that_are_lost():
     reached = farthest_lost(rare, worst_pushes(simulated(), "prox", SAMPLES, 0.3)[::3], [1])
 
     assert tube.position == find_corridor(lost, "prox").position
-    assert tube.position / 1.35 <= reached[0] <= tube.position
+    assert tube.position / 1.2 <= reached[0] <= tube.position
 
 
 @pytest.mark.parametrize(

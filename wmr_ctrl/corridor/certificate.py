@@ -45,8 +45,8 @@ ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
 """Rounds of the fixed point, the change at which they end, and what each of them adds."""
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
-FAR, DUST = 30.0, 1e-9
-"""Growth over the first round, and beyond it, with which the fixed point counts as lost."""
+FAR, NEAR, DUST = 30.0, 1e-3, 1e-9
+"""Growth over the linear loop, over such a share of all, and beyond it, with which it is lost."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
@@ -182,15 +182,16 @@ class Certifier:
 
     def _closed(self, inputs: Inputs) -> Tube:
         peaks = first = self.linear(inputs)
-        scale = self.gains.scale[:ROBOT]
-        far = float((self.image(inputs, peaks).fast[:ROBOT] / scale).max()) * FAR
+        begun, scale = self.image(inputs, first) if inputs.missing else first, self.gains.scale
+        near = NEAR * scale[:ROBOT] * float((begun.fast[:ROBOT] / scale[:ROBOT]).max())
+        far = FAR * np.maximum(begun.fast[:ROBOT], near) + DUST
         for _ in range(ROUNDS):
             following = self.image(inputs, peaks).times(1 + INFLATED)
             change = np.abs(following.every - peaks.every) <= CLOSE * following.every
             peaks = following
             if change.all():
                 break
-            if (peaks.fast[:ROBOT] > far * scale + DUST).any():
+            if (peaks.fast[:ROBOT] > far).any():
                 raise NoCorridorError(self._blamed(inputs, first))
         if not self.image(inputs, peaks).within(peaks):
             raise NoCorridorError(self._blamed(inputs, first))
@@ -228,8 +229,7 @@ class Certifier:
     def _reckoned(self, inputs: Inputs, peaks: Peaks) -> Inputs:
         """With the errors of a pose that is reckoned for as many samples as none comes."""
         measured = peaks.fast[:ROBOT] + np.array([0.0, 0.0, 0.0, *inputs.velocity])
-        rows = peaks.fast[-3 * self.reckoning.together :].reshape(-1, 3)
-        return self.reckoning.added(inputs, measured, rows) if inputs.missing else inputs
+        return self.reckoning.added(inputs, measured, peaks.fast) if inputs.missing else inputs
 
     def _changes(self, inputs: Inputs, peaks: Peaks) -> Floats:
         """Largest changes (2) from one command that acts to the next."""

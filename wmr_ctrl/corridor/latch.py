@@ -69,10 +69,10 @@ def monitor_of(scenario: Scenario, law: str) -> System:
         certifier = Certifier(setup)
         if not seen(certifier):
             raise ScenarioError(
-                f"{scenario.name} with {law}: drives with delay or lag, bases that take velocities, "
-                "rare or partly corrected poses and laws with a memory of their own have states "
-                "that a monitor cannot see. Watch prox or mb with torques, ideal drives and a pose "
-                "at every sample that is taken as it is."
+                f"{scenario.name} with {law}: drives with delay or lag, bases that take "
+                "velocities, rare or partly corrected poses and laws with a memory of their own "
+                "have states that a monitor cannot see. Watch prox or mb with torques, ideal "
+                "drives and a pose at every sample that is taken as it is."
             )
         latch = latch_of(certifier, certifier.inputs)
     except NoCorridorError as error:

@@ -234,6 +234,8 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
     except NoCorridorError as error:
         closes, near = _closing(certifier, inputs) if closing else (None, 1.0)
         others = _others(certifier, inputs) if closing and closes is None else ""
+        if closing and closes is not None and (oftener := _oftener(certifier, inputs)):
+            others = f"; it closes with {oftener}"
         raise NoCorridorError(f"{error}{others}", closes, near) from error
 
 
@@ -280,10 +282,8 @@ def _others(certifier: Certifier, inputs: Inputs) -> str:
             which = ALONE if enough is None else "it"
             narrow = f"cells as narrow as those of corridor.cells = {count}"
             result.append(narrow if enough is None else f"corridor.cells = {enough}")
-    if inputs.missing:
-        tried.append("the samples without a pose")
-        fewer = _oftener(certifier, inputs)
-        result += [fewer] * bool(fewer)
+    tried += ["the samples without a pose"] * bool(inputs.missing)
+    result += [fewer for fewer in [_oftener(certifier, inputs)] if fewer]
     if inputs.dead.any() or inputs.command.any():
         tried.append("base.deadband and base.quantum")
         share = _largest(lambda x: certifier.tube(inputs.hearing(x)))
@@ -308,6 +308,8 @@ def _enough_cells(setup: Setup, count: int) -> int | None:
 
 def _oftener(certifier: Certifier, inputs: Inputs) -> str:
     """What to set for fewer samples without a pose, so that it closes; empty where none does."""
+    if not inputs.missing:
+        return ""
 
     def most(without: Callable[[int], int], largest: int) -> int | None:
         share = _largest(

@@ -69,11 +69,13 @@ class Reckoning:
         rest[:2] += 3 * reference_gap(curve.at[3:], period)
         return rest
 
-    def added(self, inputs: Inputs, measured: Floats, rows: Floats) -> Inputs:
+    def added(self, inputs: Inputs, measured: Floats, fast: Floats) -> Inputs:
         """The inputs with the errors of a pose after up to ``inputs.missing`` samples without one.
 
-        ``measured``: sizes of e and v as measured (5); ``rows`` (together, 3): of the linear part.
+        ``measured``: sizes of e and v as measured (5); the last of ``fast`` are those of the linear
+        part, (together, 3).  NoCorridorError where an error makes itself grow without end.
         """
+        rows = fast[-3 * self.together :].reshape(-1, 3)
         linear, pose = self._summed(rows, inputs.missing), np.array([inputs.pose, inputs.pose, 0.0])
         guess = linear.max(axis=0) + pose
         for _ in range(ROUNDS):
