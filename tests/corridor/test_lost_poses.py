@@ -46,7 +46,8 @@ def test_over_any_number_of_samples_more_than_are_summed_up_cost_no_less():
         reckoning.TOGETHER = kept
         room._of.cache_clear()
 
-    assert corridors[0] == apart[0] and corridors[0] < corridors[1] < corridors[2]
+    assert corridors[0] == apart[0]
+    assert corridors[0] < corridors[1] < corridors[2]
     assert all(one < two < 1.3 * one for one, two in zip(corridors[1:], apart[1:], strict=True))
 
 
