@@ -95,10 +95,10 @@ class Reckoning:
 
     def _summed(self, rows: Floats, count: int) -> Floats:
         """Sizes (count, 3) of sums over 1, 2, ... samples."""
-        found = list(rows[:count])
-        while len(found) < count:
-            found.append((self._powers[-1] @ found[-len(rows)] + rows[-1]) * UP)
-        return np.array(found)
+        sums = list(rows[:count])
+        while len(sums) < count:
+            sums.append((self._powers[-1] @ sums[-len(rows)] + rows[-1]) * UP)
+        return np.array(sums)
 
     def _gathered(self, each: Floats, count: int) -> Floats:
         """The same of what every sample adds with any signs."""
