@@ -299,10 +299,10 @@ def test_an_operation_without_a_rule_is_refused_by_name(monkeypatch):
 def test_the_proximal_map_lies_between_the_lines_that_enclose_it(limited):
     rng = np.random.default_rng(5)
     for graph in limited.maps:
-        low = rng.uniform(-3.0, 2.0, 200)
-        high = low + rng.uniform(0.0, 1.0, 200)
+        low = rng.uniform(-3.0, 2.0, 40)
+        high = low + rng.uniform(0.0, 1.0, 40)
         slope, least, most, _ = _secant_of(graph, low, high)
-        for share in np.linspace(0.0, 1.0, 101):
+        for share in np.linspace(0.0, 1.0, 51):
             y = low + share * (high - low)
             x = _secant_of(graph, y, y)
             value = x[0] * y + x[1]
