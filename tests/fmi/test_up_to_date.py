@@ -1,0 +1,98 @@
+"""What an instance shows fits its values of now: time, states, inputs, and memory that moved."""
+
+from __future__ import annotations
+
+import ctypes as ct
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.fmi.raw import ME, OK, reals
+from tests.fmi.sequences import reach
+from tests.fmi.test_derivatives import call, system_of
+
+
+def rates(one):
+    count = ct.c_size_t(len(one.fmu.description.derivatives))
+    found = reals(*[0.0] * count.value)
+    assert one.fmu.GetContinuousStateDerivatives(one.handle, found, count) == OK
+    return found[:]
+
+
+def test_a_reference_is_where_it_is_at_the_solvers_time(raw):
+    fmu = raw("reference", 3)
+    one, late = reach(fmu, ME, "continuous"), fmu.new(ME).begin(start=1.5)
+    begun = one.get("x_d", "v1_d")
+    assert fmu.SetTime(one.handle, ct.c_double(1.5)) == OK
+
+    assert one.get("x_d", "v1_d") == late.get("x_d", "v1_d") != begun
+
+
+def test_rates_are_those_of_the_states_and_inputs_that_were_set_last(raw):
+    fmu, states = raw("plant", 3), [0.3, -0.2, 0.4, 0.25, -0.5]
+    one, other = reach(fmu, ME, "continuous"), fmu.new(ME)
+    rest = rates(one)
+    assert fmu.SetContinuousStates(one.handle, reals(*states), ct.c_size_t(5)) == OK
+    moved = rates(one)
+    assert one.put({"tau_right": 0.7}) == OK
+    names = ("x", "y", "theta", "v1", "omega")
+    other.put({**dict(zip(names, states, strict=True)), "tau_right": 0.7})
+
+    assert rest != moved != rates(one) == rates(other.begin())
+    assert one.get(*names) == states
+
+
+@pytest.mark.parametrize("name", ["GetDirectionalDerivative", "GetAdjointDerivative"])
+def test_derivatives_are_at_the_memory_that_the_last_sample_started_from(raw, name):
+    """Of a law that learns, with other inputs at each sample."""
+    system, fmu, draw = system_of("nn"), raw("nn", 3), np.random.default_rng(5)
+    knowns = [n for p in system.inputs for n in p.signal.elements]
+    unknowns = [n for o in system.outputs for n in o.signal.elements]
+    outputs = ca.vertcat(*(o.expr for o in system.outputs))
+    given = [system.u, system.x, system.p]
+    slopes = ca.Function("J", given, [ca.jacobian(outputs, system.u)])
+    after = ca.Function("after", given, [system.update])
+
+    one, x = fmu.new(), ca.DM(system.x0)
+    for k in range(3):
+        near = {"v1_d": 0.2, "v1": 0.1, "v2_d": 0.1, "omega": 0.2}  # where the network is large
+        u = [
+            near.get(n, 0.0) + x
+            for n, x in zip(knowns, draw.uniform(-0.01, 0.01, 20), strict=False)
+        ]
+        assert one.put(dict(zip(knowns, u, strict=True))) == OK
+        if k == 0:
+            one.begin()
+        before, x = x, after(u, x, system.p0)
+        assert one.step(0.01 * k, 0.01) == OK
+    exact, stale = (np.array(slopes(u, memory, system.p0)) for memory in (before, x))
+    forward = name == "GetDirectionalDerivative"
+    seed = draw.normal(size=len(knowns) if forward else len(unknowns))
+    _, found = call(one, name, unknowns, knowns, seed, len(unknowns) if forward else len(knowns))
+    off = [np.abs(found - (J @ seed if forward else seed @ J)).max() for J in (exact, stale)]
+
+    assert off[0] <= 1e-12 * (1 + np.abs(exact).max()) < 1e-3 * off[1]
+
+
+def test_events_are_told_while_their_category_is_on(raw):
+    for version in (2, 3):
+        fmu = raw("plant", version)
+
+        def told(*switches, fmu=fmu):
+            one = fmu.new()
+            for on, names in switches:
+                listed = (ct.c_char_p * len(names))(*names) if names else None
+                count = ct.c_size_t(len(names))
+                assert fmu.SetDebugLogging(one.handle, on, count, listed) == OK
+            before = len(fmu.messages)
+            one.begin().free()
+            return len(fmu.messages) > before
+
+        events, errors = [b"logEvents"], [b"logStatusError"]
+        assert not told()
+        assert told((1, []))
+        assert told((1, errors), (1, events))
+        assert told((1, events), (0, errors))
+        assert not told((1, errors))
+        assert not told((1, []), (0, events))
