@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.fmi.raw import ME, OK, reals
+from tests.fmi.raw import ME, OK, REFUSED, reals
 from tests.fmi.sequences import reach
 from tests.fmi.test_derivatives import call, system_of
 
@@ -96,3 +96,12 @@ def test_events_are_told_while_their_category_is_on(raw):
         assert told((1, events), (0, errors))
         assert not told((1, errors))
         assert not told((1, []), (0, events))
+
+
+def test_every_number_of_an_array_is_set_and_looked_at(raw):
+    fmu = raw("nn", 3)
+    one, ref, weights = fmu.new(), fmu.ref("W_hat1"), [0.01 * k for k in range(64)]
+
+    assert one.put_refs([ref], weights) == OK
+    assert one.put_refs([ref], [*weights[:-1], np.nan]) in REFUSED
+    assert one.get_refs([ref], 64) == (OK, weights)
