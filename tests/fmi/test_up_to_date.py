@@ -105,3 +105,27 @@ def test_every_number_of_an_array_is_set_and_looked_at(raw):
     assert one.put_refs([ref], weights) == OK
     assert one.put_refs([ref], [*weights[:-1], np.nan]) in REFUSED
     assert one.get_refs([ref], 64) == (OK, weights)
+
+
+def test_a_loop_in_half_steps_shows_at_its_samples_what_it_shows_in_whole_ones(raw):
+    fmu = raw("closed-loop", 3)
+    shown = []
+    for h in (0.01, 0.005, 0.02):
+        one = fmu.new().begin()
+        for k in range(round(0.04 / h)):
+            assert one.step(k * h, h) == OK
+        shown.append(one.all())
+
+    assert shown[0] == shown[1] == shown[2]
+
+
+def test_a_change_comes_with_the_first_plant_step_at_or_after_its_time(raw):
+    """As decimals have it: 0.07 / 0.001 is a little more than 70 in doubles."""
+    fmu, shown = raw("closed-loop", 3), {}
+    for time in (0.0691, 0.07, 0.0701):
+        one = fmu.new()
+        assert one.put({"changes[1].t": time}) == OK
+        assert one.begin().step(0.0, 0.1) == OK
+        shown[time] = one.get("x", "v1")
+
+    assert shown[0.07] == shown[0.0691] != shown[0.0701]
