@@ -120,12 +120,41 @@ def test_a_loop_in_half_steps_shows_at_its_samples_what_it_shows_in_whole_ones(r
 
 
 def test_a_change_comes_with_the_first_plant_step_at_or_after_its_time(raw):
-    """As decimals have it: 0.07 / 0.001 is a little more than 70 in doubles."""
+    """As decimals have it: 0.035 / 0.005 is a little more than 7 in doubles."""
     fmu, shown = raw("closed-loop", 3), {}
-    for time in (0.0691, 0.07, 0.0701):
+    for time in (0.0301, 0.035, 0.0351):
         one = fmu.new()
-        assert one.put({"changes[1].t": time}) == OK
+        assert one.put({"changes[1].t": time, "clock.plant": 0.005}) == OK
         assert one.begin().step(0.0, 0.1) == OK
         shown[time] = one.get("x", "v1")
 
-    assert shown[0.07] == shown[0.0691] != shown[0.0701]
+    assert shown[0.035] == shown[0.0301] != shown[0.0351]
+
+
+@pytest.mark.parametrize("what", ["nn", "closed-loop"])
+def test_samples_count_from_the_start_time(raw, what):
+    fmu, shown = raw(what, 3), []
+    for start in (0.0, 1.0):
+        one = fmu.new().begin(start)
+        if what == "nn":  # where the network is large, and learns
+            assert one.put({"v1_d": 0.2, "v1": 0.1, "v2_d": 0.1, "omega": 0.2}) == OK
+        for k in range(3):
+            assert one.step(start + 0.01 * k, 0.01) == OK
+        shown.append(one.get("tau_right", *(["x", "v1"] if what != "nn" else [])))
+
+    assert shown[0] == shown[1]
+
+
+def test_the_first_sample_alone_keeps_the_inputs_of_a_parallel_master(raw):
+    fmu, shown = raw("nn", 3), []
+    for parallel, speeds in ((1.0, (0.1, 0.3, 0.2)), (0.0, (0.1, 0.1, 0.2))):
+        one = fmu.new()
+        assert one.put({"clock.parallel": parallel, "v1": speeds[0]}) == OK
+        one.begin()
+        for k in (0, 1):
+            assert one.put({"v1": speeds[k + 1]}) == OK
+            assert one.step(0.01 * k, 0.01) == OK
+            shown.append(one.get("tau_right", "tau_left"))
+
+    assert shown[:2] == shown[2:]
+    assert shown[0] != shown[1]
