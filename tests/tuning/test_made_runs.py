@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import count
 from types import SimpleNamespace
 
@@ -11,7 +12,7 @@ import pytest
 
 from wmr_ctrl import tune
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.scenario import Model, load_scenario
 from wmr_ctrl.tuning import gains, judged
 from wmr_ctrl.tuning.search import Cost, TuningPlan
 
@@ -42,9 +43,14 @@ def runs(monkeypatch):
     return asked
 
 
+@pytest.mark.parametrize("stated", [True, False])
 def test_the_cost_is_of_three_robots_without_guard_that_believe_what_the_scenario_does(
-    guarded, runs
+    guarded, runs, stated
 ):
+    """Where no model is stated, the robot's own."""
+    if not stated:
+        guarded = replace(guarded, model=Model(mu=0.07))
+    m, inertia = (50.0, 5.0) if stated else (55.0, 6.0)
     plan = TuningPlan(scenario=guarded, law="mb", seeds=(4, 5), test_seeds=(7,), weight=0.1)
     own = {"gains.mb.rho": (60.0, 20.0)}
     runs.stop = {8: 2}
@@ -57,10 +63,10 @@ def test_the_cost_is_of_three_robots_without_guard_that_believe_what_the_scenari
     assert runs.seeds == [4, 5] * 6
     assert [case.gains["mb"]["rho"][0] for case in runs.cases] == [60.0] * 6 + [30.0] * 6
     bodies = [(case.robot.m, case.robot.I) for case in runs.cases[:6:2]]
-    assert bodies == [(55.0, 6.0), (0.6 * 50.0, 0.6 * 5.0), (1.6 * 50.0, 1.6 * 5.0)]
+    assert bodies == [(55.0, 6.0), (0.6 * m, 0.6 * inertia), (1.6 * m, 1.6 * inertia)]
     for case in runs.cases:
         assert not case.guard.enabled
-        assert (case.believed.m, case.believed.I, case.believed.mu) == (50.0, 5.0, 0.07)
+        assert (case.believed.m, case.believed.I, case.believed.mu) == (m, inertia, 0.07)
         assert case.changes == (guarded.changes if case.robot.m == 55.0 else ())
 
 
