@@ -18,7 +18,8 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.laws.law import Traits, commands_predicted
 from wmr_ctrl.model import kinematics
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.system import System
+from wmr_ctrl.model.evaluate import evaluated
+from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.world.phases import Phase, drag
 from wmr_ctrl.world.references import sample
@@ -84,6 +85,11 @@ class Loop:
         return law_graph(self.setup, self.in_flight)
 
     @cached_property
+    def remembered(self) -> tuple[Port, ...]:
+        """Inputs of the law that are torques applied or sent."""
+        return remembered(self.core)
+
+    @cached_property
     def around(self) -> Surroundings:
         """Robot, drives and sensors, linearised."""
         return surroundings(self.scenario)
@@ -135,16 +141,16 @@ class Loop:
         drives: DriveTimes | None = None,
         robot: Robot | None = None,
         sample: int | None = None,
-        learning: bool = False,
+        law: LinearLaw | None = None,
     ) -> Floats:
         """Matrix of the loop from one ``sample`` to the next, near a point.
 
         The state: that of `Surroundings.plant`, error and velocity (5) first, then the law's
         memory.  ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
-        The sample is one in which a pose comes, unless it is given; estimates and weights move
-        where the law is ``learning``.
+        The sample is one in which a pose comes, unless it is given; the ``law`` is `linear`, if it
+        is not at hand.
         """
-        law = self.linear(at, period, drives=drives, learning=learning)
+        law = law or self.linear(at, period, drives=drives)
         plant = self.around.plant(at.motion, period, drives=drives, robot=robot, sample=sample)
         upper = plant.moved + plant.forced @ law.d @ plant.measured, plant.forced @ law.c
         whole = np.block([[*upper], [law.b @ plant.measured, law.a]])
@@ -171,10 +177,11 @@ class Loop:
         """
         count = commands_predicted(self.setup.gains, period) if commands is None else commands
         law, moving = self.over(count), learning or not self.traits.estimates
-        asked = remembered(law.core)
+        asked = law.remembered
         graph = law._gradient_learning if moving else law._gradient
         forces = np.tile(at.force, len(asked))
-        whole = graph(at.s, at.v_d, at.v_d_dot, at.memory, forces, law.parameters(period)).full()
+        numbers = law.parameters(period)
+        (whole,) = evaluated(graph, at.s, at.v_d, at.v_d_dot, at.memory, forces, numbers)
         n = ROBOT + len(whole) - COMMAND
         force, memory = whole[:COMMAND], whole[COMMAND:]
         if not asked:
@@ -215,12 +222,12 @@ class Loop:
 
         Estimates stay as they are.
         """
-        forces = np.tile(point.force, len(remembered(self.core)))
-        force, memory = self.act(
-            point.s, point.v_d, point.v_d_dot, point.memory, forces, self.core.p0
+        forces = np.tile(point.force, len(self.remembered))
+        force, memory = evaluated(
+            self.act, point.s, point.v_d, point.v_d_dot, point.memory, forces, self.core.p0
         )
-        after = point.memory if self.traits.estimates else memory.full().ravel()
-        return replace(point, memory=after, force=force.full().ravel())
+        after = point.memory if self.traits.estimates else memory.ravel()
+        return replace(point, memory=after, force=force.ravel())
 
     def force_towards(self, v: Floats, v_c0: Floats, period: float | None = None) -> Floats:
         """Force (2, N) [N, N m] at velocities ``v`` (2, N), for an auxiliary velocity that stays.
@@ -250,14 +257,16 @@ class Loop:
         core = self.core
         pose_d, robot = kinematics.error_rotation(ca.SX(0)).T @ s[:3], self.scenario.robot
         known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, rate, s[3:])), strict=True))
-        names = [item.signal.name for item in remembered(core)]
+        names = [item.signal.name for item in self.remembered]
         forces = ca.SX.sym("forces", 2 * len(names))
         for name, force in zip(names, ca.vertsplit(forces, 2) if names else (), strict=True):
             known[name] = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force)
         signals = (port.signal for port in core.inputs)
         u = ca.vertcat(*(known.get(item.name, ca.SX.zeros(item.size)) for item in signals))
         asked = core.function("asked", [core.outputs[0].expr, core.update])(u, core.x, core.p)
-        return ca.Function("act", [s, v_d, rate, core.x, forces, core.p], list(asked))
+        return ca.Function(
+            "act", [s, v_d, rate, core.x, forces, core.p], [*map(ca.densify, asked)]
+        )
 
     def _differentiated(self, learning: bool) -> ca.Function:
         given = [ca.SX.sym(f"i{k}", *self.act.size_in(k)) for k in range(self.act.n_in())]
@@ -281,7 +290,7 @@ class Loop:
         v, v_c0, core = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2), self.core
         e, k = ca.SX.zeros(3), ca.SX(ca.DM(self.setup.kinematics.k))
         rate = -kinematics.auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
-        forces = ca.SX.zeros(2 * len(remembered(core)))
+        forces = ca.SX.zeros(2 * len(self.remembered))
         force, _ = self.act(ca.vertcat(e, v), v_c0, rate, core.x, forces, core.p)
         slope = ca.diag(ca.jacobian(force, v))
         return ca.Function("towards", [v, v_c0, core.x, core.p], [force, slope])

@@ -55,6 +55,7 @@ def largest_radius(
     return max(at(theta) for theta in loop.around.headings) ** (1 / samples)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what is not finite is no stable loop
 def from_pose_to_pose(
     loop: Loop,
     at: Point,
@@ -69,13 +70,13 @@ def from_pose_to_pose(
     Scaled back where it grows beyond doubles: hundreds of powers of ten on, the one pose in between
     makes no difference.
     """
-    closed = partial(loop.closed, at, period, drives=drives, robot=robot, learning=learning)
+    law = loop.linear(at, period, drives=drives, learning=learning)
+    closed = partial(loop.closed, at, period, drives=drives, robot=robot, law=law)
     samples, pose = loop.around.samples_a_pose(period), closed()
     if samples == 1:
         return pose
     none = closed(sample=samples + 1)
-    with np.errstate(over="ignore", invalid="ignore"):
-        whole = np.linalg.matrix_power(none, samples - 1) @ pose
+    whole = np.linalg.matrix_power(none, samples - 1) @ pose
     if np.isfinite(whole).all() or not np.isfinite(none).all():
         return whole
     return np.eye(len(none)) * min(radius(none) ** samples, np.finfo(float).max)

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, HELD, POSE, ROBOT, SPEED, Floats, World, names_of
-from wmr_ctrl.signals import PATH, SKID, TORQUE, places
+from wmr_ctrl.model.evaluate import evaluated
+from wmr_ctrl.signals import PATH, SKID, TORQUE
 
 GRID = 1e-9
 """Share of a period within which an instant counts as one of its ends."""
@@ -124,11 +125,11 @@ class Assembly:
         theta = self.motion.theta - omega * back
         known = {"x": v * back * math.sin(theta), "y": -v * back * math.cos(theta), "theta": theta,
                  "v1": v, "omega": omega, PATH.name: -v * back}  # fmt: skip
-        state, rows = np.zeros(world.size), places(item.signal for item in world.fast)
+        state = np.zeros(world.size)
         for item in world.fast:
             name, unit, size = item.signal.name, item.signal.unit, item.signal.size
             torque = unit == TORQUE[0].unit and size == COMMAND
-            state[rows[name]] = self.torque if torque else known.get(name, item.value)
+            state[world.rows[name]] = self.torque if torque else known.get(name, item.value)
         return state
 
     def _step(self, graph: ca.Function, step: float) -> Floats:
@@ -137,7 +138,7 @@ class Assembly:
         z = np.concatenate((motion.s, self._fast(0.0)[ROBOT:]))
         held = np.concatenate((self.torque, np.zeros(world.held - COMMAND)))
         numbers = self.numbers(world, step)
-        return np.asarray(graph(0, z, motion.theta, held, numbers, motion.v_d).full())
+        return evaluated(graph, 0, z, motion.theta, held, numbers, motion.v_d)[0]
 
     def flow(self, time: float) -> tuple[Floats, Floats]:
         """The fast state after a time [s] by that before, and by the held inputs."""
@@ -149,29 +150,26 @@ class Assembly:
 
     def sensed(self, sample: int) -> Floats:
         """Slopes of measurements, disturbances and memory after a sample."""
-        from scipy.linalg import block_diag  # slow to import, and seldom needed
-
         size, shown = self.world.size, ROBOT + HELD
         each = [(weight, self._of(world, sample)) for weight, world in self.worlds]
         seen = sum(weight * slopes[:shown, :size] for weight, slopes in each)
         sides = [weight * slopes[:shown, size:] for weight, slopes in each]
-        memory = block_diag(*(slopes[shown:, size:] for _, slopes in each))
+        memory = _diagonal([slopes[shown:, size:] for _, slopes in each])
         after = np.vstack([slopes[shown:, :size] for _, slopes in each])
         return np.block([[seen, np.hstack(sides)], [after, memory]])
 
     def _of(self, world: World, sample: int) -> Floats:
         T, numbers, memory = self.period, self.numbers(world, self.step), world.start.copy()
         for k, back in ((0, 2 * T), (1, T)) if world.nonlinear else ():
-            shown = world.shown(k, self._fast(back), memory, numbers)
-            memory = shown.full().ravel()[ROBOT + HELD :]
-        rows = places(item.signal for item in world.slow)
+            (shown,) = evaluated(world.shown, k, self._fast(back), memory, numbers)
+            memory = shown.ravel()[ROBOT + HELD :]
         natural = {POSE: self._fast(T)[:3], SPEED: np.array(self.motion.v)}
         for item in world.slow:
             value = natural.get(item.signal.unit)
             if value is not None and len(value) == item.signal.size:
-                memory[rows[item.signal.name]] = value
+                memory[world.slow_rows[item.signal.name]] = value
         given = (sample, self._fast(0.0), memory, numbers, self.motion.e)
-        return np.asarray(world.sensed(*given).full())
+        return evaluated(world.sensed, *given)[0]
 
     def plant(self, delay: float, sample: int | None) -> SampledPlant:
         """All of it, but for what shows in nothing, and for the way, which has no origin."""
@@ -241,6 +239,15 @@ class Assembly:
             plant.moved[np.ix_(i, i)], plant.forced[i], plant.pushed[i], plant.measured[:, i],
             tuple(every[k] for k in i[ROBOT:]),
         )  # fmt: skip
+
+
+def _diagonal(blocks: Sequence[Floats]) -> Floats:
+    """Square matrices along a diagonal."""
+    ends = np.cumsum([0, *map(len, blocks)]).tolist()
+    whole = np.zeros((ends[-1], ends[-1]))
+    for block, (first, end) in zip(blocks, pairwise(ends), strict=True):
+        whole[first:end, first:end] = block
+    return whole
 
 
 def _without_origin(plant: SampledPlant, way: int, memory: slice) -> SampledPlant:

@@ -84,6 +84,7 @@ class Surroundings:
         late = actuator.delay + actuator.unmodelled_delay + actuator.jitter
         self.drives = DriveTimes(late, actuator.delay, actuator.lag)
         self._lag = actuator.lag * (1 + actuator.lag_spread)
+        self._known = lru_cache(maxsize=64)(self._known_of_drives)
         # Kept for the next law, which is tried at the same periods, delays and masses.
         self._plant = lru_cache(maxsize=1024)(
             lambda motion, period, delay, robot, sample: self._assembly(
@@ -175,6 +176,11 @@ class Surroundings:
         self, period: float, late: DriveTimes, applied: bool, commands: int
     ) -> KnownDrives:
         """Memory of ``applied`` forces, if asked for, and of so many ``commands``."""
+        return self._known(period, late, applied, commands)
+
+    def _known_of_drives(
+        self, period: float, late: DriveTimes, applied: bool, commands: int
+    ) -> KnownDrives:
         whole, rest = divided(late.known, period)
         queue = max(applied * (whole + (rest > 0)), commands)
         sizes = (COMMAND * (applied and late.lag > 0), COMMAND * applied, COMMAND * queue)

@@ -18,6 +18,7 @@ from wmr_ctrl.model.graph import unrounded
 from wmr_ctrl.model.kinematics import error_rotation, pose_rate, tracking_error
 from wmr_ctrl.model.system import Port, stack, values
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import places
 from wmr_ctrl.world.effect import Rate
 
 Floats = NDArray[np.float64]
@@ -31,7 +32,8 @@ class World:
     """A scenario's graphs but for law and reference, their random numbers 0, nothing rounded.
 
     ``sensed`` (clock, x, m, p, e, T): measured pose and velocity, what disturbs, next slow state,
-    and gradient of all by fast state x and slow state m.  ``step`` (clock, z, theta, u, p, v_d):
+    and gradient of all by fast state x and slow state m, whose ports have their ``rows`` and
+    ``slow_rows``.  ``step`` (clock, z, theta, u, p, v_d):
     the fast state z one plant step later, both with the tracking error in the place of the pose;
     ``slopes``: its gradient by z and what is held u; ``rates`` and ``rate_slopes``: its change and
     that of its gradient per time, for steps without length.
@@ -43,6 +45,9 @@ class World:
         moved = _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
         self.fast, self.slow, self.ports = graphs.fast, graphs.slow, graphs.parameters.ports
         self.size, self.held = len(names_of(self.fast)), graphs.u.sym.numel()
+        self.rows, self.slow_rows = (
+            places(item.signal for item in part) for part in (self.fast, self.slow)
+        )
         x, m = (stack(item.sym for item in part) for part in (self.fast, self.slow))
         u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
         self._sense(graphs, x, m)
@@ -76,7 +81,7 @@ class World:
             after.append(later if item.signal.unit == POSE else other)
         slopes = ca.diagcat(*after) @ slopes @ ca.diagcat(*before)
         given = [graphs.sample.clock.sym, x, m, graphs.p]
-        self.shown = ca.Function("shown", given, [shown])
+        self.shown = ca.Function("shown", given, [ca.densify(shown)])
         self.sensed = ca.Function("sensed", [*given, e], [ca.densify(slopes)])
         self.start, units = np.array(values(self.slow)), (POSE, SPEED)
         others = stack(item.sym for item in self.slow if item.signal.unit not in units)

@@ -22,7 +22,7 @@ from wmr_ctrl.fmi.blocks import (
     reference_model,
 )
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.files import render, sources_of, write_archive
+from wmr_ctrl.fmi.files import LEVEL, render, sources_of, write_archive
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.targets import TARGETS, PartlyBuiltError, Target, build_for, host, targets_of
 from wmr_ctrl.laws import LAWS
@@ -129,9 +129,10 @@ def write_fmu(
     *,
     arrays: bool = True,
     result: bool = True,
+    level: int = LEVEL,
 ) -> Path:
     """Build and pack one file; ``result``: with a reference result, where FMPy is installed, and
-    of a law its plain C.
+    of a law its plain C; ``level``: of compression.
 
     Raises PartlyBuiltError, with the file written, where some of several platforms failed.
     """
@@ -154,7 +155,7 @@ def write_fmu(
     if result and host() in built and extra.steps_fmus():
         packed[extra.RESULT] = extra.reference_result(model, packed)
         packed |= {name: text.encode() for name, text in extra.references(model, TOOL).items()}
-    write_archive(path, packed)
+    write_archive(path, packed, level=level)
     if failed:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
         raise PartlyBuiltError(

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.symbolic import ca
 
 if TYPE_CHECKING:
@@ -69,7 +70,10 @@ def steepness(robot: Robot, phase: Phase) -> float:
 def drag(robot: Robot, phase: Phase, v: Floats | tuple[float, float]) -> Floats:
     """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N) or (2,)."""
     force, _ = _graphs()
-    return np.asarray(force(ca.DM(_numbers(robot, phase)), np.asarray(v)))
+    speeds = np.asarray(v)
+    if speeds.ndim == 1:
+        return evaluated(force, _numbers(robot, phase), speeds)[0]
+    return np.asarray(force(ca.DM(_numbers(robot, phase)), speeds))
 
 
 def _numbers(robot: Robot, phase: Phase) -> tuple[float, ...]:
@@ -82,7 +86,7 @@ def _graphs() -> tuple[ca.Function, ca.Function]:
     p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
     force = friction(p[0], p[1], p[2], p[3], v)
     slope = ca.substitute(ca.jacobian(force, v)[0, 0], v, ca.SX.zeros(2))
-    return ca.Function("friction", [p, v], [force]), ca.Function("slope", [p], [slope])
+    return ca.Function("friction", [p, v], [ca.densify(force)]), ca.Function("slope", [p], [slope])
 
 
 def demanded(robot: ca.SX, v_d: ca.SX, v_d_dot: ca.SX) -> ca.SX:

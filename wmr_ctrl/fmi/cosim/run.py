@@ -199,7 +199,7 @@ def _slaves(case: CosimSetup, fmi: int, folder: Path) -> dict[str, Slave]:
         given = case.files.get(name)
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
-            write_fmu(case.models[name], fmi, targets_of("host"), path, result=False)
+            write_fmu(case.models[name], fmi, targets_of("host"), path, result=False, level=0)
         slaves[name] = Slave(path, name, folder / name, tried=given is None)
     return slaves
 

@@ -30,10 +30,10 @@ class FmuError(WmrError, RuntimeError):
 class FmuFile:
     """Variables, units and name of an FMU.  Raises FmuError for a file that is none.
 
-    ``name`` is how messages call it.
+    ``name`` is how messages call it; ``checked``: against FMI's schema.
     """
 
-    def __init__(self, path: str | Path, name: str) -> None:
+    def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
         """Read the model description of ``path``."""
         self.name, self.path = name, os.fspath(path)
         try:
@@ -44,7 +44,7 @@ class FmuFile:
                     f"it is {unpacked / 1e6:.0f} MB unpacked, which is implausible for its size. "
                     "Check where it comes from."
                 )
-            self.description = _fmpy.read_model_description(self.path)
+            self.description = _fmpy.read_model_description(self.path, validate=checked)
         except Exception as error:  # FMPy raises bare Exceptions
             raise self.unusable(error) from error
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -155,9 +155,10 @@ class Slave(FmuFile):
     ) -> None:
         """Unpack ``path`` below ``folder`` and create one instance.
 
-        ``tried``: its library was loaded before, or comes from this machine's compiler.
+        ``tried``: its library was loaded before, or it is written by this process; it is then not
+        compared with FMI's schema.
         """
-        super().__init__(path, name)
+        super().__init__(path, name, checked=not tried)
         self.time = 0.0
         self.messages: list[str] = []
         self.version = 2 if self.description.fmiVersion == "2.0" else 3

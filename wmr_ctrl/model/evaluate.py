@@ -1,0 +1,32 @@
+"""Values of CasADi functions as arrays, without a matrix of CasADi's for each number given."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wmr_ctrl.symbolic import ca
+
+Floats = NDArray[np.float64]
+
+
+def evaluated(function: ca.Function, *given: ArrayLike) -> list[Floats]:
+    """Outputs (rows, columns) of a function whose inputs are vectors and which has no gaps.
+
+    The numbers are those of a call, in a fifth of its time.  Threads may share the function.
+    """
+    inputs = [np.array(item, dtype=float).ravel() for item in given]
+    outputs = [np.zeros(function.size_out(k)[::-1]) for k in range(function.n_out())]
+    sizes = [function.nnz_in(k) for k in range(function.n_in())]
+    assert [item.size for item in inputs] == sizes
+    assert [item.size for item in outputs] == [function.nnz_out(k) for k in range(len(outputs))]
+    buffer: Any
+    buffer, run = function.buffer()
+    for k, item in enumerate(inputs):
+        buffer.set_arg(k, item.data)
+    for k, item in enumerate(outputs):
+        buffer.set_res(k, item.data)
+    run()
+    return [item.T for item in outputs]
