@@ -66,7 +66,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched.
 
     Garbage is looked for seldom: what tests and graphs are made of is many objects, and stays.
-    Bytecode is kept: processes by the hundred import the same modules.
+    Bytecode is kept: processes by the hundred import the same modules.  So is memory that a process
+    has freed, by those that are started from here on: a solver asks for 16 MB a thousand times.
     """
     gc.set_threshold(50_000, 20, 50)
     sys.dont_write_bytecode = False
@@ -74,6 +75,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("every_case"):
         settings.load_profile("every example")
     os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
+    os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", str(2**29))
+    os.environ.setdefault("MALLOC_MMAP_THRESHOLD_", str(2**25))
     compile_quickly()
     cache = getattr(config, "cache", None)
     if cache is not None:
