@@ -264,9 +264,7 @@ class Loop:
         signals = (port.signal for port in core.inputs)
         u = ca.vertcat(*(known.get(item.name, ca.SX.zeros(item.size)) for item in signals))
         asked = core.function("asked", [core.outputs[0].expr, core.update])(u, core.x, core.p)
-        return ca.Function(
-            "act", [s, v_d, rate, core.x, forces, core.p], [*map(ca.densify, asked)]
-        )
+        return ca.Function("act", [s, v_d, rate, core.x, forces, core.p], [*map(ca.densify, asked)])
 
     def _differentiated(self, learning: bool) -> ca.Function:
         given = [ca.SX.sym(f"i{k}", *self.act.size_in(k)) for k in range(self.act.n_in())]

@@ -50,7 +50,8 @@ def _environment(escape: bool) -> Environment:
 def write_archive(path: Path, files: Mapping[str, bytes], *, level: int = LEVEL) -> Path:
     """Write ``files`` (name inside the archive to content) to ``path``, whole or not at all.
 
-    ``level``: of compression, 0 for a file that is read at once and deleted.  Its bytes depend on the content alone.
+    ``level``: of compression, 0 for a file that is read at once and deleted.  Its bytes depend
+    on the content alone.
     """
     make_folder(path.parent)
     with atomic_path(path) as partial, zipfile.ZipFile(partial, "w") as archive:
