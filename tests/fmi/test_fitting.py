@@ -49,6 +49,14 @@ def test_a_law_beside_a_foreign_controller_is_refused(foreign, mapped):
         cosimulate(SHORT, "pid", **given)
 
 
+def test_a_step_that_does_not_divide_the_period_is_refused(foreign, mapped):
+    """It would be rounded in silence."""
+    text = PLANT_MAP.replace("step = 0.005", "step = 0.003")
+    given = {"plant": foreign("TheirRobot", PLANT), "map_file": mapped(text)}
+    with pytest.raises(ArgumentError, match=r"0\.003 s, does not divide .* Take 0\.00333333333 s"):
+        cosimulate(SHORT, "pid", **given)
+
+
 def test_drives_limit_a_foreign_controller(foreign, mapped):
     limited = override(SHORT, {"actuator.tau_max": 4.5, "clock.duration": 0.5})
     run = cosimulate(limited, controller=foreign(*THEIRS), map_file=mapped(CONTROLLER_MAP))

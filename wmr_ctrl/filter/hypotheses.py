@@ -102,10 +102,17 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
     for axis, push in enumerate(push_speeds(scenario, bound)):
         if push > stated.d[axis] * (1 + ROUNDING):
+            limit = scenario.limits.v_u1[axis]
+            remedy = (
+                "Raise it to that."
+                if push < limit
+                else f"That is no less than limits.v_u1[{axis + 1}] = {limit:g}, so no command is "
+                "safe: lower the disturbance or the command's errors."
+            )
             yield (
                 f"The base may be pushed on by {rounded(push, 4)} {UNITS[axis]} (disturbances and "
                 f"errors of the command together), and filter.d[{axis + 1}] = {stated.d[axis]:g} "
-                f"{UNITS[axis]} is less. Raise it to that."
+                f"{UNITS[axis]} is less. {remedy}"
             )
 
 

@@ -26,7 +26,7 @@ _GUARDED = (
     "The velocity limit was broken although the guard was on, first by the {violation}; {steps} "
     "beyond a limit ({extremes}). The run started outside the limits, or left what the guard "
     "assumes: compare guard.dbar, M_min, M_max and nbar with the robot, state the drives' delay "
-    "in full, and give them no lag."
+    "and lag in full."
 )
 
 

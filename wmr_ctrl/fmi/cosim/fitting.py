@@ -102,6 +102,19 @@ def check_parts(setup: Setup, plant: Part) -> None:
         )
 
 
+def check_step(scenario: Scenario, part: Part) -> None:
+    """Raise ArgumentError unless the map's step of an FMU divides the control period."""
+    step, period = part.step_size, scenario.clock.control
+    if step is None:
+        return
+    count = max(1, round(period / step))
+    if abs(count * step - period) > _NEAR * period:
+        raise ArgumentError(
+            f"the map's step of {part.slave.path}, {step:g} s, does not divide clock.control = "
+            f"{period:g} s. Take {period / count:.9g} s, or leave it out for one step a period."
+        )
+
+
 def check_start(scenario: Scenario, plant: Part) -> None:
     """Raise ArgumentError unless an initialised foreign plant starts where the scenario does."""
     wanted = (*scenario.initial.pose, *scenario.initial.velocity)

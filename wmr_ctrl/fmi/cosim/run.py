@@ -216,6 +216,9 @@ def _run(
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
     fitting.check_parts(case.setup, parts.plant)
+    giver = parts.controller
+    for part in (parts.plant, giver if isinstance(giver, Part) else giver.controller):
+        fitting.check_step(scenario, part)
     for name, slave in slaves.items():
         if name in maps:
             starts = maps[name].start
