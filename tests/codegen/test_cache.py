@@ -401,3 +401,18 @@ def test_others_may_read_a_shared_cache(folder):
     library = build_cached(SOURCES, Compiler())
 
     assert library.parent.stat().st_mode & 0o777 == 0o755
+
+
+def test_a_folder_that_this_user_may_not_look_into_is_none(folder, monkeypatch):
+    """As of another user's home, which HOME names under sudo: a substitute serves instead."""
+    plain = Path.stat
+
+    def stat(path, **options):
+        if path == folder or folder in path.parents:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return plain(path, **options)
+
+    monkeypatch.setattr(Path, "stat", stat)
+
+    assert not cache.is_shared(folder)
+    cache.refuse_shared(folder / "kernels")

@@ -77,9 +77,10 @@ def run(
     """Run one law on one scenario, and print how it went.
 
     SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. Objections of
-    `wmr-ctrl check` are named on stderr before the run. A run that breaks the velocity limit,
-    diverges, spins its wheels or falls over is a result like any other: the exit code is 0, and the
-    outcome says so. Existing result files are replaced once the new ones are complete.
+    `wmr-ctrl check`, and keys that you state without effect, are named on stderr before the run. A
+    run that breaks the velocity limit, diverges, spins its wheels or falls over is a result like
+    any other: the exit code is 0, and the outcome says so. Existing result files are replaced once
+    the new ones are complete.
     """
     check_outputs(**files)
     if files["film"]:

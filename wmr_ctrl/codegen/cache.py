@@ -74,7 +74,10 @@ def keep_others_out(path: Path) -> None:
 
 def is_shared(path: Path) -> bool:
     """True if everybody may write there."""
-    return os.name == "posix" and path.exists() and bool(path.stat().st_mode & stat.S_IWOTH)
+    try:
+        return os.name == "posix" and bool(path.stat().st_mode & stat.S_IWOTH)
+    except OSError:  # there is none, or none that this user could load anything from
+        return False
 
 
 def refuse_shared(folder: Path) -> None:

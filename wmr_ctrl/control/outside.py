@@ -41,8 +41,9 @@ def _is_noise(effect: Effect, scenario: Scenario) -> bool:
 def check_takes_torques(scenario: Scenario, holder: str) -> None:
     """Raise ScenarioError where the base takes velocities, of which ``holder`` knows nothing."""
     if takes_velocity(scenario):
+        off = "" if scenario.filter.kind == "none" else ' and filter.kind = "none"'
         raise ScenarioError(
             f'base.kind = "velocity": {holder} only for robots that take wheel torques. Runs, '
             "studies, `check` and the closed-loop FMU support the base's speed loop. Use one of "
-            'these, or set base.kind = "torque".'
+            f'these, or set base.kind = "torque"{off}.'
         )

@@ -173,5 +173,5 @@ def _complex(values: Floats) -> str:
 
 def _one(value: complex) -> str:
     if abs(value.imag) < 1e-9 * max(1.0, abs(value)):
-        return f"{value.real:.5f}"
-    return f"{value.real:.5f}{value.imag:+.5f}j"
+        return f"{value.real:z.5f}"
+    return f"{value.real:z.5f}{value.imag:+.5f}j"
