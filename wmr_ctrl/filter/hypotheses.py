@@ -100,14 +100,12 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
         for axis, gain in enumerate(scenario.base.gain, 1):
             if not _within(gain, (0.0, stated.gain[1])):
                 yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
-    limits = scenario.limits.v_u1
     for axis, push in enumerate(push_speeds(scenario, bound)):
         if push > stated.d[axis] * (1 + ROUNDING):
-            remedy = "Raise it to that." if push < limits[axis] else "Lower that: it breaks v_u1."
             yield (
                 f"The base may be pushed on by {rounded(push, 4)} {UNITS[axis]} (disturbances and "
                 f"errors of the command together), and filter.d[{axis + 1}] = {stated.d[axis]:g} "
-                f"{UNITS[axis]} is less. {remedy}"
+                f"{UNITS[axis]} is less. Raise it to that, if that is below limits.v_u1."
             )
 
 
