@@ -31,11 +31,15 @@ class Made:
 
     law, guard = "prox", False
 
-    def __init__(self, scenario, at, frames="paper"):
+    def __init__(self, scenario, at, frames="paper", off=(0.0, 0.0)):
         loop = Attacked(scenario, "prox", np.zeros((scenario.clock.samples, 2)))
         loop.jump, loop.at = (0.05, 0.0, 0.0), at * scenario.clock.substeps
         loop.run(None)
         self.columns = loop.log.columns()
+        (ahead, aside), theta = off, self.columns["theta"]
+        s, c = np.sin(theta), np.cos(theta)
+        self.columns["x"] = self.columns["x"] + ahead * s + aside * c
+        self.columns["y"] = self.columns["y"] - ahead * c + aside * s
         if frames == "rep103":
             self.columns["theta"] = self.columns["theta"] + np.pi / 2
             self.columns["theta_d"] = self.columns["theta_d"] + np.pi / 2
@@ -46,22 +50,47 @@ class Made:
         return self.columns[name]
 
 
-def test_what_is_certified_comes_down_after_each_round_of_samples(monitor, numbers):
-    """Of a robot that never leaves its path; the first sample knows of none before."""
-    K, most = int(numbers["corridor.samples"][0]), numbers["corridor.position"]
-    run = Made(override(CASE, {"clock.duration": (2 * K + 8) * PERIOD}), -1)
+def watched(monitor, run):
+    """What it tells at each sample."""
     names = [item.signal.name for item in monitor.inputs]
     step, x, told = monitor.function("step", [monitor.update, monitor.y]), monitor.x0, []
     for u in np.hstack([run[name].reshape(run.rows, -1) for name in names]):
         x, y = step(u, x, monitor.p0)
         told.append(y.full().ravel())
-    held, left, certified, distance = np.array(told).T
+    return np.array(told).T
+
+
+def test_what_is_certified_comes_down_after_each_round_of_samples(monitor, numbers):
+    """Of a robot that never leaves its path; the first sample knows of none before."""
+    K, most = int(numbers["corridor.samples"][0]), numbers["corridor.position"]
+    run = Made(override(CASE, {"clock.duration": (2 * K + 8) * PERIOD}), -1)
+    held, left, certified, distance = watched(monitor, run)
 
     assert held.tolist() == [0.0] * K + [1.0] * (K + 8)
     assert certified.tolist() == [0.0] * (K + 1) + [most[0]] * K + [most[1]] * 7
     assert most[0] > most[1] >= find_corridor(CASE, "prox").position
     assert not left.any()
     assert distance.max() < 1e-6
+
+
+def test_a_robot_that_left_and_came_back_has_left(monitor):
+    _, left, certified, distance = watched(
+        monitor, Made(override(CASE, {"clock.duration": 12.0}), 180)
+    )
+
+    assert distance[-1] < certified[-1]
+    assert left.tolist() == [0.0] * 181 + [1.0] * 59
+
+
+@pytest.mark.parametrize("frames", ["paper", "rep103"])
+def test_a_run_is_settled_by_what_it_is_off_ahead_and_aside(numbers, frames):
+    ahead, aside = numbers["corridor.box"][:2]
+    between = (ahead + aside) / 2
+    shown = [left_by(Made(CASE, 180, frames, off), CASE) for off in ((between, 0), (0, between))]
+
+    assert ahead > 1.5 * aside
+    assert shown[0] is not None
+    assert shown[1] is None
 
 
 @pytest.mark.parametrize("frames", ["paper", "rep103"])
