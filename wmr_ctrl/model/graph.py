@@ -8,6 +8,7 @@ reads CasADi's instructions.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import casadi as ca
 
@@ -28,12 +29,14 @@ _CALLS = frozenset(
     }
 )  # fmt: skip
 _SLOW = frozenset({ca.OP_DIV, ca.OP_INV, ca.OP_SQRT})
+_SPECIAL = frozenset(
+    {ca.OP_OUTPUT, ca.OP_INPUT, ca.OP_CONST, ca.OP_ASSIGN, ca.OP_IF_ELSE_ZERO, ca.OP_ADD}
+)
 PLAIN, STEADY, CHANGING = 0, 1, 2
 """A value is a plain number, stays the same during a run, or changes."""
 
 
-@dataclass(frozen=True, slots=True)
-class Node:
+class Node(NamedTuple):
     """One value: operation and operands, a constant's number, or an input's vector and index."""
 
     op: int
@@ -100,8 +103,9 @@ class _Numbering:
     ) -> int:
         """Number of a value; its own where it is new."""
         key = (op, operands) if operands else (op, repr(number), place)
-        own = self._known.setdefault(key, len(self.nodes))
-        if own == len(self.nodes):
+        own = self._known.get(key)
+        if own is None:
+            own = self._known[key] = len(self.nodes)
             self.nodes.append(Node(op, operands, number, place))
         return own
 
@@ -114,45 +118,46 @@ class _Reader:
     ) -> None:
         self.into = _Numbering()
         self.stores: list[Store] = []
-        self._function, self._inputs, self._outputs = function, inputs, outputs
-        self._slots: dict[int, int] = {}
+        number_of, slots = self.into.number_of, dict[int, int]()
+        code, output, given = (
+            function.instruction_id, function.instruction_output, function.instruction_input
+        )  # fmt: skip
         for k in range(function.n_instructions()):
-            self._instruction(k)
+            op, into, operands = code(k), output(k), given(k)
+            if op not in _SPECIAL:
+                slots[into[0]] = number_of(op, tuple([slots[i] for i in operands]))
+            elif op == ca.OP_OUTPUT:
+                self.stores.append(Store(outputs[into[0]], into[1], slots[operands[0]]))
+            elif op == ca.OP_INPUT:
+                slots[into[0]] = number_of(op, place=(inputs[operands[0]], operands[1]))
+            elif op == ca.OP_CONST:
+                slots[into[0]] = number_of(op, number=function.instruction_constant(k))
+            else:
+                slots[into[0]] = self._chosen(op, tuple([slots[i] for i in operands]))
 
-    def _instruction(self, k: int) -> None:
-        f = self._function
-        op, into, operands = f.instruction_id(k), f.instruction_output(k), f.instruction_input(k)
-        if op == ca.OP_OUTPUT:
-            self.stores.append(Store(self._outputs[into[0]], into[1], self._slots[operands[0]]))
-        elif op == ca.OP_INPUT:
-            place = (self._inputs[operands[0]], operands[1])
-            self._slots[into[0]] = self.into.number_of(op, place=place)
-        elif op == ca.OP_CONST:
-            self._slots[into[0]] = self.into.number_of(op, number=f.instruction_constant(k))
-        else:
-            self._slots[into[0]] = self._value(op, tuple(self._slots[i] for i in operands))
-
-    def _value(self, op: int, operands: tuple[int, ...]) -> int:
+    def _chosen(self, op: int, operands: tuple[int, ...]) -> int:
+        """Number of a value that stays as it is, that may not be taken, or that may be a choice."""
         if op == ca.OP_ASSIGN:
             return operands[0]
         if op == ca.OP_IF_ELSE_ZERO:
             zero = self.into.number_of(ca.OP_CONST, number=0.0)
             return self.into.number_of(SELECT, (*operands, zero))
-        chosen = self._choice(*operands) if op == ca.OP_ADD else None
+        chosen = self._choice(*operands)
         return self.into.number_of(SELECT, chosen) if chosen else self.into.number_of(op, operands)
 
     def _choice(self, left: int, right: int) -> tuple[int, ...] | None:
         """Operands of (c ? a : 0) + (!c ? b : 0), either way round, as one choice."""
+        if not (self._zero_else(left) and self._zero_else(right)):
+            return None
         for first, second in ((left, right), (right, left)):
             one, other = self.into.nodes[first], self.into.nodes[second]
-            if not (self._zero_else(one) and self._zero_else(other)):
-                continue
             negated = self.into.nodes[other.operands[0]]
             if negated.op == ca.OP_NOT and negated.operands[0] == one.operands[0]:
                 return (*one.operands[:2], other.operands[1])
         return None
 
-    def _zero_else(self, node: Node) -> bool:
+    def _zero_else(self, number: int) -> bool:
+        node = self.into.nodes[number]
         if node.op != SELECT:
             return False
         last = self.into.nodes[node.operands[2]]

@@ -13,7 +13,7 @@ import hashlib
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import casadi as ca
 
@@ -26,8 +26,7 @@ _NAMES = {
 LOGICAL = frozenset(_NAMES[op] for op in compiled_graph.LOGICAL)
 
 
-@dataclass(frozen=True, slots=True)
-class ProvedNode:
+class ProvedNode(NamedTuple):
     """One operation: its name, the nodes it reads, its constant or the name of its input."""
 
     op: str

@@ -148,6 +148,10 @@ class Both(Method):
 
 def described(value: Any) -> Any:
     """Fingerprint of a method for records, regions and boxes included; no engine order."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, (str, int)):
+        return str(value)
     if isinstance(value, Case):
         return value.described()
     if isinstance(value, Method):
@@ -155,11 +159,11 @@ def described(value: Any) -> Any:
         return [type(value).__name__, *((name, described(vars(value)[name])) for name in told)]
     if isinstance(value, Mapping):
         return [(str(key), described(item)) for key, item in value.items()]
-    if isinstance(value, Sequence) and not isinstance(value, str):
+    if isinstance(value, Sequence):
         return [described(item) for item in value]
     if callable(value):
         return described(value())
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return str(value)
 
 
 def versions(method: Method) -> dict[str, str]:
