@@ -171,7 +171,7 @@ class Slave(FmuFile):
                 raise ArgumentError(text)
             model = interface.modelIdentifier
             _fmpy.extract(self.path, str(folder))
-            if not tried:
+            if not tried and sys.executable:
                 _try_to_load(Path(folder), self.version, model)
             self._fmu = (_fmi2.FMU2Slave if self.version == 2 else _fmi3.FMU3Slave)(
                 guid=self.description.guid,
