@@ -22,6 +22,7 @@ from wmr_ctrl.codegen.items import (
     replaced,
     statements,
 )
+from wmr_ctrl.codegen.order import in_step
 from wmr_ctrl.codegen.pairs import CHOSEN, COMPARED, PAIRED, Paired, PairStore, in_pairs
 from wmr_ctrl.codegen.reroll import Place, fused, reroll, shared_rooms
 from wmr_ctrl.model.graph import SELECT, Graph
@@ -38,7 +39,8 @@ def body(graph: Graph, dialect: Dialect, *, pairs: bool = False) -> list[str]:
     """
     if pairs and dialect.pairs:
         paired = in_pairs(graph, statements(graph))
-        return _Writer(graph, dialect, branched(graph, paired.items), {}, paired).text()
+        items = in_step(graph, branched(graph, paired.items))
+        return _Writer(graph, dialect, items, {}, paired).text()
     items = branched(graph, statements(graph))
     if dialect.exp_batch:
         items = batch_exponentials(graph, items)

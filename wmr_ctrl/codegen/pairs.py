@@ -3,7 +3,8 @@
 What a filter computes of its channels is the same for each, forwards and backwards.  From results
 that lie side by side this walks backwards through the graph: two values of one operation become a
 pair (`wmr_two` of arithmetic.h), which a processor with vectors computes at once, and so do their
-operands, as far as they are alike; two that are not are computed one by one and joined.
+operands, as far as they are alike; two that are not are computed one by one and joined.  Forwards
+from these pairs, like operations on both halves of one become pairs, too.
 """
 
 from collections.abc import Sequence
@@ -71,6 +72,7 @@ def in_pairs(graph: Graph, items: Sequence[Item]) -> Paired:
         stores.append(two)
         del waiting[:2]
     pairing.join_twins()
+    pairing.go_on()
     others = [item for item in items if not isinstance(item, ResultStore)]
     listed = replaced([*others, *singles, *stores], pairing.made)
     return Paired(_needed(listed), pairing.names, pairing.masks, pairing.place)
@@ -92,10 +94,14 @@ class _Pairing:
     def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
         self.graph, self.made = graph, list[Pair]()
         self.lines = {item.node for item in items if isinstance(item, Operation)}
-        self.depth = depths(items)
+        self.depth, self.readers = depths(items), dict[int, list[int]]()
+        for number in self.lines:
+            for operand in computed(graph, graph.nodes[number].operands):
+                self.readers.setdefault(operand, []).append(number)
         self.names, self.maker = dict[Two, str](), dict[Two, Pair]()
         self.masks = dict[Two, Pair]()
         self.place = dict[int, tuple[str, int]]()
+        self.halves = dict[int, int]()
 
     def stored(self, first: ResultStore, second: ResultStore) -> PairStore | None:
         """Two results that are stored as a pair; None where they do not lie side by side."""
@@ -122,6 +128,21 @@ class _Pairing:
             if len(two) == 2 and (key[0] != SELECT or self._between_pairs(two)):
                 self.pair(two)
 
+    def go_on(self) -> None:
+        """Make pairs of like operations on the halves of pairs, and on what both have in common."""
+        nodes = self.graph.nodes
+        found = {(nodes[number].op, nodes[number].operands): number for number in self.lines}
+        for number in sorted(self.lines):
+            node = nodes[number]
+            others = tuple(map(self._second, node.operands))
+            if others != node.operands and (node.op, others) in found:
+                self.pair((number, found[node.op, others]))
+
+    def _second(self, number: int) -> int:
+        """The second half of the pair of which this is the first; else itself."""
+        _, k = self.place.get(number, ("", 1))
+        return number if k else self.halves[number]
+
     def _between_pairs(self, two: Two) -> bool:
         return any(o in self.names or self.beside(o) for o in self._operands(two)[1:])
 
@@ -144,6 +165,7 @@ class _Pairing:
                     needs = frozenset(self._mask(operands[0]).defines), *needs[1:]
                 self._add(own, self.graph.nodes[own[0]].op, operands, needs)
                 self.place |= {number: (self.names[own], k) for k, number in enumerate(own)}
+                self.halves |= {own[0]: own[1], own[1]: own[0]}
             else:
                 waiting.append((own, True))
                 operands = self._operands(own)
@@ -183,17 +205,39 @@ class _Pairing:
     def _alike(self, two: Two) -> bool:
         """True where these values are free lines of one operation.
 
-        And of one depth: then neither needs the other, and no pairs need each other.
+        And of one depth (`_levelled`): then neither needs the other, and no pairs need each other.
         """
         nodes = [self.graph.nodes[number] for number in two]
         return (
             all(number in self.lines and number not in self.place for number in two)
             and nodes[0].op == nodes[1].op
-            and self.depth[two[0]] == self.depth[two[1]]
             and nodes[0].op in PAIRED
             and not any(map(self.graph.is_logical, two))
             and (nodes[0].op != SELECT or self._chosen(_condition(nodes[0]), _condition(nodes[1])))
+            and self._levelled(two)
         )
+
+    def _levelled(self, two: Two) -> bool:
+        """True where these values are of one depth, or can be: one sinks, with all that read it.
+
+        Halves of a pair sink together.  Where one of the two would sink below the other, it needs
+        the other, or their pair would need itself.
+        """
+        most = max(self.depth[number] for number in two)
+        before, waiting = dict[int, int](), [(number, most) for number in two]
+        while waiting:
+            number, depth = waiting.pop()
+            if self.depth[number] >= depth:
+                continue
+            if number in two and depth > most:
+                self.depth |= before
+                return False
+            before.setdefault(number, self.depth[number])
+            self.depth[number] = depth
+            waiting += [(reader, depth + 1) for reader in self.readers.get(number, ())]
+            if number in self.halves:
+                waiting.append((self.halves[number], depth))
+        return True
 
     def _chosen(self, one: int, other: int) -> bool:
         """True where pairs can be chosen by these conditions."""

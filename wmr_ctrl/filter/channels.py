@@ -11,7 +11,7 @@ min(V, l Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 
@@ -59,20 +59,21 @@ FLAG_MEANINGS = {
 
 @dataclass(frozen=True)
 class Channel:
-    """Speed row[0] v + row[1] omega with its numbers; ``largest`` is the value of its limit.
+    """Speed ways[0] v + ways[1] arm omega with its numbers; ``largest``: value of its limit.
 
-    ``made_of``: positive numbers of which the least or the largest is among them, each of which may
-    be none.
+    ``ways``: 1, -1 or 0 each.  ``made_of``: positive numbers of which the least or the largest is
+    among them, each of which may be none.
     """
 
-    row: tuple[ca.SX, ca.SX]
+    ways: tuple[int, int]
+    arm: ca.SX
     bounds: FirstOrder
     largest: float
     made_of: tuple[ca.SX, ...] = ()
 
-    def of(self, pair: Sequence[ca.SX] | ca.SX) -> ca.SX:
+    def of(self, pair: Sequence[ca.SX | int] | ca.SX) -> ca.SX:
         """The channel's part of (v, omega)."""
-        return self.row[0] * pair[0] + self.row[1] * pair[1]
+        return self.ways[0] * pair[0] + self.ways[1] * (self.arm * pair[1])
 
 
 def channels_of(
@@ -84,8 +85,7 @@ def channels_of(
     V = p.take("limits.v_u1") * (1 - ROUNDING)
     nbar = p.take("filter.odometry") if settings.odometry else ca.SX.zeros(2)
     body = [FirstOrder(V[i], d[i], nbar[i], K_min[i], K_max[i], kappa) for i in AXES]
-    unit = ((ca.SX(1), ca.SX(0)), (ca.SX(0), ca.SX(1)))
-    both = [Channel(unit[i], body[i], limits[i]) for i in AXES]
+    both = [Channel((1 - i, i), ca.SX(1), body[i], limits[i]) for i in AXES]
     wheels = settings.channels == "wheels"
     if not wheels and settings.wheel_speed is None:
         return both
@@ -100,7 +100,7 @@ def channels_of(
         ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa,
     )  # fmt: skip
     made_of = (l, *top, *ca.vertsplit(K_min), *ca.vertsplit(K_max))
-    sides = [Channel((ca.SX(1), way * l), rim, min(most), made_of) for way in WAYS]
+    sides = [Channel((1, way), l, rim, min(most), made_of) for way in WAYS]
     return sides if wheels else [*both, *sides]
 
 
@@ -112,9 +112,9 @@ def scaled(
     ``scale``: by one factor, each axis by its own, or one axis first and then the other.
     """
     if scale in FIRST:
-        return one_first(r, channels, lo, hi, FIRST[scale])[0]
+        return one_first(r, channels, lo, hi, FIRST[scale])
     sent = stretched(r, channels, lo, hi, scale)
-    if channels[0].row[1].is_zero():  # the axes themselves: no rounding leads beyond their limits
+    if not channels[0].ways[1]:  # the axes themselves: no rounding leads beyond their limits
         return ca.vertcat(*(ca.fmin(ca.fmax(sent[i], lo[i]), hi[i]) for i in AXES))
     return sent
 
@@ -131,17 +131,28 @@ def stretched(
 
 def one_first(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], first: int
-) -> tuple[ca.SX, list[list[ca.SX]]]:
-    """One axis' command, then the other's within what it leaves; shares of both, by channel."""
-    sent, shares = [ca.SX(0), ca.SX(0)], list[list[ca.SX]]()
+) -> ca.SX:
+    """One axis' command (of both), then the other's within what it leaves."""
+    sent = [ca.SX(0), ca.SX(0)]
     for axis in (first, 1 - first):
-        used = [channel.of(sent) for channel in channels]
-        left = [ca.fmin(lo[k] - used[k], -TINY) for k in range(len(channels))]
-        right = [ca.fmax(hi[k] - used[k], TINY) for k in range(len(channels))]
-        asked = [channel.row[axis] * r[axis] for channel in channels]
-        shares.append(admitted(asked, left, right))
-        sent[axis] = reduce(ca.fmin, shares[-1]) * r[axis]
-    return ca.vertcat(*sent), shares
+        ends = zip(*_rooms(sent, channels, lo, hi, axis), strict=True)
+        back, ahead = (reduce(ca.fmin, rooms) for rooms in ends)
+        if axis != first:  # what is used up may be so beyond the limit, by roundings
+            back, ahead = ca.fmax(back, 0), ca.fmax(ahead, 0)
+        sent[axis] = ca.fmax(ca.fmin(r[axis], ahead), -back)
+    return ca.vertcat(*sent)
+
+
+def _rooms(
+    sent: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], axis: int
+) -> Iterator[tuple[ca.SX, ca.SX]]:
+    """How far back and ahead of 0 each channel lets an axis go beside what is sent on the other."""
+    for channel, low, high in zip(channels, lo, hi, strict=True):
+        way, used = channel.ways[axis], channel.of(sent)
+        if way:
+            room = used - low, high - used
+            inverse = 1 / channel.arm if axis else ca.SX(1)
+            yield room[way < 0] * inverse, room[way > 0] * inverse
 
 
 def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:

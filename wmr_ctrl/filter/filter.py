@@ -211,7 +211,7 @@ def called_filter(scenario: Scenario) -> System:
 
 
 def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float], float]]:
-    """Speeds row[0] v + row[1] omega by name, with the size within which a command passes.
+    """Speeds, as parts of v and of omega, by name, with the size within which a command passes.
 
     Whatever came before: the clip's own limits, than which a governor's are never less, since the
     speed that it counts on is at most V (ledger: filter.contains-clip).  Of a clip without slew or
@@ -224,7 +224,8 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float],
         Clip(scenario) if scenario.filter.kind == "clip" else Governor(scenario)
     )
     limits = [largest_command(item.bounds.V, item.bounds) for item in built.channels]
-    rows = ca.vertcat(*(ca.horzcat(*map(ca.SX, item.row)) for item in built.channels))
+    units = ((1, 0), (0, 1))
+    rows = ca.vertcat(*(ca.horzcat(*map(item.of, units)) for item in built.channels))
     ports = built.p.ports
     numbers = [stack(item.sym for item in ports)]
     graph = ca.Function("passing", numbers, [ca.vertcat(*limits), rows, built.sound])

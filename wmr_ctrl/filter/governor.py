@@ -55,7 +55,7 @@ def drive_back(u: ca.SX, b: FirstOrder) -> ca.SX:
 
 def largest_command(v_bar: ca.SX, b: FirstOrder) -> ca.SX:
     """hi: largest command that is safe where it takes over at a speed of at most v_bar."""
-    return (b.V - b.dbar + b.kappa * (b.V - v_bar)) / b.K_max
+    return (b.V - b.dbar) / b.K_max + b.kappa / b.K_max * (b.V - v_bar)
 
 
 def relaxed(v: ca.SX, target: ca.SX, most: ca.SX, least: ca.SX) -> ca.SX:
@@ -154,12 +154,21 @@ class SpeedBound:
         return most, least
 
     def carried(
-        self, v: ca.SX, piece: Piece, targets: Sequence[ca.SX], shares: tuple[ca.SX, ca.SX]
+        self,
+        v: ca.SX,
+        piece: Piece,
+        targets: Sequence[ca.SX],
+        shares: tuple[ca.SX, ca.SX],
+        cut: bool = True,
     ) -> ca.SX:
-        """Bound of the speed behind a piece of these shares; ``targets[age]`` of each command."""
+        """Bound of the speed behind a piece of these shares; ``targets[age]`` of each command.
+
+        Without ``cut`` it may be above V.
+        """
         stopped = [self.bounds.dbar] if self.schedule.hold > 0 else []
-        target = largest([*(targets[age] for age in piece.ages), *stopped])
-        return ca.fmin(relaxed(v, target, *shares), self.bounds.V)
+        target = largest([*(targets[age] for age in reversed(piece.ages)), *stopped])
+        bound = relaxed(v, target, *shares)
+        return ca.fmin(bound, self.bounds.V) if cut else bound
 
     def now(self, y: ca.SX, age: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
         """Bound of the speed at a sample from odometry y that is ``age`` [s] old.
@@ -191,12 +200,20 @@ class SpeedBound:
         return self._during(v, self.schedule.delay, 1, targets)
 
     def following(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
-        """Bound of the speed at the next sample; ``targets[0]``: of the command just sent."""
+        """Bound of the speed at the next sample; ``targets[0]``: of the command just sent.
+
+        It may be above V: what was kept is cut there when it is used.
+        """
         jitter = self.schedule.jitter
-        return self._during(v, (1 - jitter, 1 + jitter), 0, targets)
+        return self._during(v, (1 - jitter, 1 + jitter), 0, targets, cut=False)
 
     def _during(
-        self, v: ca.SX, when: tuple[float, float], newest: int, targets: Sequence[ca.SX]
+        self,
+        v: ca.SX,
+        when: tuple[float, float],
+        newest: int,
+        targets: Sequence[ca.SX],
+        cut: bool = True,
     ) -> ca.SX:
         """Largest bound at any of the instants ``when`` [periods], first and last, after a sample.
 
@@ -207,19 +224,21 @@ class SpeedBound:
         first, last = when
         ends, ages, least = list[ca.SX](), None, ca.SX(0) if first <= NEAR else None
         began, start = 0.0, v
-        for piece in self.schedule.pieces(0.0, last, newest, first) if last else []:
+        pieces = self.schedule.pieces(0.0, last, newest, first) if last else []
+        for piece in pieces:
+            cuts = cut or piece is not pieces[-1]
             if ages not in (None, piece.ages):  # else carried from where these began to act
                 began, start, least = piece.start, v, None
             ages = piece.ages
             shares = self.shares((piece.end - began) * self.period)
-            v = self.carried(start, piece, targets, shares)
+            v = self.carried(start, piece, targets, shares, cuts)
             if piece.end < first - NEAR:
                 continue
             if least is None:
                 least = shares[1]
                 ends.append(v)
             else:
-                ends[-1:] = [self.carried(start, piece, targets, (shares[0], least))]
+                ends[-1:] = [self.carried(start, piece, targets, (shares[0], least), cuts)]
         return largest(ends or [v])
 
 

@@ -137,9 +137,9 @@ class Governor:
                 motion.now(way * channel.of(self.odometry.sym), self.age.sym, self._targets(way, i))
                 for i, (motion, channel) in enumerate(zip(self.motions, self.channels, strict=True))
             ]
-            carried = [ca.fmin(known.sym[i], b.V) for i, b in enumerate(self.bounds)]
-            both = [ca.fmin(odometry[i], carried[i]) for i in range(len(carried))]
-            sides.append([ca.if_else(self.seen, b, c) for b, c in zip(both, carried, strict=True)])
+            pairs = zip(odometry, self.bounds, strict=True)
+            most = [ca.if_else(self.seen, bound, b.V) for bound, b in pairs]
+            sides.append([ca.fmin(known.sym[i], bound) for i, bound in enumerate(most)])
         return sides
 
     @cached_property
@@ -175,19 +175,23 @@ class Governor:
         return sides
 
     @cached_property
-    def sent(self) -> ca.SX:
-        """The safe command (2,); 0 where the parameters are unsound."""
+    def safe(self) -> ca.SX:
+        """The safe command (2,) of sound parameters."""
         upper, lower = self.limits
         backwards, scale = [-limit for limit in lower], self.scenario.filter.scale
-        safe = scaled(self.command, self.channels, backwards, upper, scale)
-        return ca.if_else(self.sound, safe, 0)
+        return scaled(self.command, self.channels, backwards, upper, scale)
+
+    @cached_property
+    def sent(self) -> ca.SX:
+        """The safe command (2,); 0 where the parameters are unsound."""
+        return ca.if_else(self.sound, self.safe, 0)
 
     @cached_property
     def following(self) -> Sides:
-        """Bounds of the speed at the next sample."""
+        """Bounds of the speed at the next sample, behind the safe command."""
         return [
             [
-                motion.following(side[i], self._targets(way, i, self.sent))
+                motion.following(side[i], self._targets(way, i, self.safe))
                 for i, motion in enumerate(self.motions)
             ]
             for way, side in zip(WAYS, self.start, strict=True)

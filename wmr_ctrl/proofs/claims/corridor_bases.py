@@ -57,12 +57,10 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     On this condition the base gets what the law asks for.
     """
     t = symbols("v omega l A B C", "l A B C")
-    unit = ((ca.SX(1), ca.SX(0)), (ca.SX(0), ca.SX(1)))
-    rows = list(unit) * ("axes" in kinds)
-    most = [t["A"], t["B"]] * ("axes" in kinds)
-    if "wheels" in kinds:
-        rows, most = [*rows, *((ca.SX(1), way * t["l"]) for way in WAYS)], [*most, t["C"], t["C"]]
-    channels, asked = [Channel(row, NOTHING, 0.0) for row in rows], (t["v"], t["omega"])
+    axes = [Channel((1 - i, i), ca.SX(1), NOTHING, 0.0) for i in (0, 1)] * ("axes" in kinds)
+    wheels = [Channel((1, way), t["l"], NOTHING, 0.0) for way in WAYS] * ("wheels" in kinds)
+    most = [t["A"], t["B"]] * ("axes" in kinds) + [t["C"], t["C"]] * ("wheels" in kinds)
+    channels, asked = [*axes, *wheels], (t["v"], t["omega"])
     sent = scaled(asked, channels, [-item for item in most], most, scale)
     given = (
         *(above(t[name], 1e-29) for name in ("l", "A", "B", "C")),

@@ -107,8 +107,9 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
     given = tuple(above(limit) for limit in every.values())
     every["numbers are sound"] = step.graph.sound
-    goal = at_least(mutation(1, 0.99) * step.limit, step.way * step.graph.sent[axis])
-    return Statement(step.symbols, (goal,), given, every)
+    most, commands = mutation(1, 0.99) * step.limit, (step.graph.sent, step.graph.safe)
+    goals = tuple(at_least(most, step.way * command[axis]) for command in commands)
+    return Statement(step.symbols, goals, given, every)
 
 
 @claim(
@@ -180,11 +181,11 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     v, share, (_, most, least) = step.way * step.free["v"], step.free["share"], step.cuts.values()
-    sent, b = step.way * step.graph.sent[axis], step.graph.bounds[axis]
-    target = (drive, drive_back)[side](step.graph.sent[axis], b)
+    sent, b = step.way * step.graph.safe[axis], step.graph.bounds[axis]
+    target = (drive, drive_back)[side](step.graph.safe[axis], b)
     within = at_least(step.limit, sent), at_least(share, -least), at_least(-most, share)
     given = (*step.given(mutation, target), *within, *step.slow, at_least(highest(sent, b), target))
     end = v + share * (step.free["mean"] - v)
-    commands = {"sent command": step.graph.sent[axis], "other command": step.graph.sent[1 - axis]}
+    commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
     cuts = step.cuts | commands | {"driven towards": target}
     return Statement(step.symbols, (at_least(step.graph.following[side][axis], end),), given, cuts)

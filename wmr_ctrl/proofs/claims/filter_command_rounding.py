@@ -23,8 +23,6 @@ BEYOND = 2.0**-50
 """Share of its limit by which roundings may carry v or omega beyond it."""
 RIM = 2.0**-48
 """Share of the wheels' largest limit by which they may carry a wheel's speed beyond its own."""
-LEAST = 2.0**-40
-"""Least limit [m/s, rad/s]: far above what counts as used up (`TINY`)."""
 OVER = 2.0**-29
 """Share of its limit by which rounding may carry a command that changes slowly beyond it."""
 SLOWEST = 2.0**-20
@@ -40,7 +38,6 @@ class Limited:
     """
 
     on: str
-    least: float = LEAST
 
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
@@ -58,9 +55,9 @@ class Limited:
     @cached_property
     def channels(self) -> list[Channel]:
         """Speeds that are limited."""
-        ones, unit = FirstOrder(*[ca.SX(1)] * 6), ((ca.SX(1), ca.SX(0)), (ca.SX(0), ca.SX(1)))
-        axes = [Channel(row, ones, 1.0) for row in unit]
-        sides = [Channel((ca.SX(1), way * self.arm), ones, 1.0) for way in SIDES]
+        ones = FirstOrder(*[ca.SX(1)] * 6)
+        axes = [Channel((1 - i, i), ca.SX(1), ones, 1.0) for i in AXES]
+        sides = [Channel((1, way), self.arm, ones, 1.0) for way in SIDES]
         return {"body": axes, "wheels": sides, "both": [*axes, *sides]}[self.on]
 
     @property
@@ -86,13 +83,13 @@ class Limited:
         given = [above(self.arm)]
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             for size in (high, -low):
-                given.append(at_least(size, self.least) if self.least else above(size))
+                given.append(above(size))
                 given += [] if self.is_axis(channel) else [at_least(self.symbols["M"], size)]
         return tuple(given)
 
     def is_axis(self, channel: Channel) -> bool:
         """True for v and omega."""
-        return any(part.is_zero() for part in channel.row)
+        return not all(channel.ways)
 
     def kept(self, command: list[ca.SX], spare: float, axes: bool) -> tuple[Relation, ...]:
         """v and omega (``axes``), or the wheels, within their limits but for ``spare``."""
@@ -111,7 +108,6 @@ class Limited:
 
 GIVEN = "every command; l > 0; limits lo < 0 < hi"
 ROUNDED = "operations rounded by at most 2^-53"
-AT_LEAST = "of at least 2^-40 in size"
 ORDER = ({"scale": "turn", "how": "omega"}, {"scale": "drive", "how": "v"})
 
 
@@ -125,7 +121,7 @@ def wheels(mutation: Mutation) -> Statement:
 
     Wheels that are limited by themselves keep their limits, however v and l omega cancel.
     """
-    a = Limited("wheels", least=0)
+    a = Limited("wheels")
     sent = scaled(a.asked, a.channels, *a.ends, "curvature")
     goals = a.kept(a.sent, mutation(1, 2.0**-6) * 2.0**-49, axes=False)
     return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
@@ -133,7 +129,7 @@ def wheels(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.wheels-{scale}",
-    given=f"{GIVEN} of the wheels, {AT_LEAST} and at most M; {{how}} first; {ROUNDED}",
+    given=f"{GIVEN} of the wheels, of at most M in size; {{how}} first; {ROUNDED}",
     premises="assumption.libm",
     over=ORDER,
 )
@@ -150,18 +146,18 @@ def wheels_first(mutation: Mutation, scale: str) -> Statement:
 
 @claim(
     "filter.rounding.axes-{scale}",
-    given=f"every command; limits lo < 0 < hi of v and omega, {AT_LEAST}; {{how}} first; {ROUNDED}",
+    given=f"every command; limits lo < 0 < hi of v and omega; {{how}} first; {ROUNDED}",
     premises="assumption.libm",
     over=ORDER,
 )
 def axes_first(mutation: Mutation, scale: str) -> Statement:
-    """lo (1 + 2^-50) <= v, omega <= hi (1 + 2^-50), of the command that is computed.
+    """lo <= v, omega <= hi, of the command that is computed.
 
-    v and omega keep their limits to within roundings, whichever goes first.
+    v and omega keep their limits to the last bit, whichever goes first.
     """
     a = Limited("body")
     sent = scaled(a.asked, a.channels, *a.ends, scale)
-    goals = a.kept(a.sent, mutation(1, 2.0**-6) * BEYOND, axes=True)
+    goals = a.kept(a.sent, mutation(0, -BEYOND), axes=True)
     return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
 
 
@@ -179,7 +175,7 @@ def beside(mutation: Mutation) -> Statement:
 
     One factor keeps v, omega and both wheels within their limits.
     """
-    a = Limited("both", least=0)
+    a = Limited("both")
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
     spare = mutation(1, 2.0**-6)
     goals = *a.kept(a.sent, spare * BEYOND, axes=True), *a.kept(a.sent, spare * RIM / 2, axes=False)
@@ -198,7 +194,7 @@ def beside_cut(mutation: Mutation) -> Statement:
     v and omega that are cut at their limits take the wheels no further beyond theirs than
     roundings.
     """
-    a = Limited("both", least=0)
+    a = Limited("both")
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
     sent = ca.vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
     known = *a.kept(a.sent, BEYOND, axes=True), *a.kept(a.sent, RIM / 2, axes=False)
@@ -209,23 +205,21 @@ def beside_cut(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.beside-axes-{scale}",
-    given=f"{BESIDE}, all {AT_LEAST}; the wheels' shares any that are not negative; {{how}} first; "
-    f"{ROUNDED}",
+    given=f"{BESIDE}; {{how}} first; {ROUNDED}",
     premises="assumption.libm",
     over=ORDER,
 )
 def beside_axes(mutation: Mutation, scale: str) -> Statement:
-    """lo (1 + 2^-50) <= v, omega <= hi (1 + 2^-50), of the command that is computed.
+    """lo <= v, omega <= hi, of the command that is computed.
 
-    v and omega keep their limits beside those of the wheels.
+    v and omega keep their limits beside those of the wheels to the last bit.
     """
-    return _first(scale, True, mutation(1, 2.0**-6) * BEYOND)
+    return _first(scale, True, mutation(0, -BEYOND))
 
 
 @claim(
     "filter.rounding.beside-{scale}",
-    given=f"{BESIDE}, all {AT_LEAST}; the shares of v and omega any that are not negative; {{how}} "
-    f"first; {ROUNDED}",
+    given=f"{BESIDE}; {{how}} first; {ROUNDED}",
     premises="assumption.libm",
     over=ORDER,
 )
@@ -238,15 +232,11 @@ def beside_first(mutation: Mutation, scale: str) -> Statement:
 
 
 def _first(scale: str, axes: bool, spare: float) -> Statement:
-    """One axis first: goals of v and omega, or of the wheels, whatever the others leave of it."""
+    """One axis first: goals of v and omega, or of the wheels."""
     a = Limited("both")
-    sent, shares = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
-    others = [k for k, channel in enumerate(a.channels) if a.is_axis(channel) != axes]
-    cuts = {f"share{k}of{i}": own[k] for i, own in enumerate(shares) for k in others}
-    free = symbols(" ".join(cuts))
-    given = *a.stated, *map(at_least, free.values())
+    sent = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
     goals = a.kept(a.sent, spare, axes=axes)
-    return Statement(a.symbols | free, goals, given, cuts, computed=a.computed(sent))
+    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
 
 
 @claim(
@@ -322,7 +312,7 @@ def slew_step(mutation: Mutation) -> Statement:
     "filter.rounding.slew",
     given="the hypotheses of filter.slew; a t = 0 or >= 2^-20 of the largest command on each axis, "
     "t the time since the sample before, T at most; "
-    "limits of at least 2^-40 where one axis goes first; no overflow and no underflow",
+    "no overflow and no underflow",
     by=HAND,
     premises="filter.slew filter.rounding.slew-limit filter.rounding.slew-kept "
     "filter.rounding.slew-step filter.rounding.axes-turn filter.rounding.axes-drive",

@@ -165,16 +165,18 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
 @claim(
     "filter.rounding.takeover",
     given=f"{INTERVALS}; w + (2^-28 + 2 n 2^-44) V >= v, the speed; w, the computed bound, from "
-    "-2 V to V; mean <= K_max hi + dbar + d, (1 - e) d <= 2^-45 V; 1 <= n; e = exp(-H/tau_min) <= "
-    "1 - n 2^-14, kappa within 2^-49 of e/(1 - e); operations rounded by at most 2^-53",
+    "-2 V to V; mean = K_max hi + dbar + d at most, (1 - e) d <= 2^-45 V; 1 <= n; "
+    "e = exp(-H/tau_min) <= 1 - n 2^-14, kappa within 2^-49 of e/(1 - e); operations rounded "
+    "by at most 2^-53",
     premises="assumption.libm",
 )
 def takeover(mutation: Mutation) -> Statement:
-    """e v + (1 - e) mean <= V (1 + 2^-28) for the hi that the governor's text computes.
+    """e v + (1 - e) mean <= V (1 + 2^-28) for the hi that the governor's text computes, by
+    quotients or by 1/K_max.
 
     From a bound that was carried through n pieces of time, too, the computed limit keeps the speed.
     """
-    s, b = _numbers("w hi v e d mean n")
+    s, b = _numbers("w direct inverse v e d n")
     V, e, n = b.V, s["e"], s["n"]
     known = s["w"] + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
     given = (
@@ -182,10 +184,13 @@ def takeover(mutation: Mutation) -> Statement:
         *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s["v"]),
         at_least(V, s["w"]), at_least(s["w"], -2 * V), at_least(s["d"]),
         at_least(2.0**-45 * V, (1 - e) * s["d"]),
-        at_least(b.K_max * s["hi"] + b.dbar + s["d"], s["mean"]),
     )  # fmt: skip
-    goal = at_least(V * (1 + SLACK), e * s["v"] + (1 - e) * s["mean"])
-    return Statement(s, (goal,), given, computed={"hi": largest_command(s["w"], b)})
+    each = 1 / b.K_max
+    by_it = (V - b.dbar) * each + b.kappa * each * (V - s["w"])
+    computed = {"direct": largest_command(s["w"], b), "inverse": by_it}
+    means = (b.K_max * s[name] + b.dbar + s["d"] for name in computed)
+    goals = tuple(at_least(V * (1 + SLACK), e * s["v"] + (1 - e) * mean) for mean in means)
+    return Statement(s, goals, given, computed=computed)
 
 
 @claim(
@@ -200,7 +205,7 @@ def rim(mutation: Mutation) -> Statement:
     The speed towards which a command drives a wheel is computed well enough.
     """
     s, b = _numbers("v omega l target", "l")
-    exact = drive(Channel((ca.SX(1), s["l"]), b, 1.0).of((s["v"], s["omega"])), b)
+    exact = drive(Channel((1, 1), s["l"], b, 1.0).of((s["v"], s["omega"])), b)
     size = ca.fabs(s["v"]) + s["l"] * ca.fabs(s["omega"])
     most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
     goals = within(s["target"] - exact, most)
@@ -290,7 +295,7 @@ def agrees(mutation: Mutation) -> Statement:
     given="the hypotheses of filter.induction; jitter of at most T/2; odometry at most 60 tau_min "
     "old; at most n pieces of time from a sample to the next, to the latest takeover, and in any "
     "period that odometry looks back through; T >= n 2^-13 tau_max; pieces as the schedule cuts "
-    "them; limits of at least 2^-40 where one axis goes first; no overflow and no underflow",
+    "them; no overflow and no underflow",
     by=HAND,
     premises="filter.induction filter.rounding.takeover filter.rounding.target filter.rounding.rim "
     "filter.rounding.relaxed filter.rounding.piece-rising filter.rounding.piece-falling "
