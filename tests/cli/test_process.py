@@ -70,7 +70,7 @@ def test_reader_that_leaves_early_is_no_error(started, args):
     process.stdout.close()
 
     _, stderr = process.communicate(timeout=60)
-    slow = (" left", " s")  # progress: "33 %, about 5 s left", "at work for 2 s"
+    slow = (" left", " s", " begun")  # progress: "33 %, about 5 s left", "at work for 2 s"
     assert all(line.endswith(slow) for line in stderr.splitlines())
     assert process.returncode == 141
 
