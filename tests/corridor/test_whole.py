@@ -110,6 +110,7 @@ SMOOTH = {"reference.kind": "stop-and-go", "reference.period": 4.0, "reference.s
 STOPS = {
     "from rest, without friction": ({"robot.mu": 0.0, "disturbance.std": 0.25}, 2.0, 2.0, 1.15),
     "to a stop and on": ({"robot.mu": 0.02, "disturbance.std": 0.2}, 6.0, 4.6, 3.5),
+    "in the third lap": ({"robot.mu": 0.02, "disturbance.std": 0.2}, 14.0, 12.6, 3.5),
 }
 """Changes, duration and time to which pushes lead furthest [s], and how tight it is at least."""
 
@@ -132,6 +133,39 @@ def test_a_path_that_stops_has_a_corridor_that_no_adversary_leaves(case):
     if loose < 1.2:
         beyond = (attack(scenario, "prox", 1.2 * size * push).position for push in signs)
         assert max(beyond) > tube.position
+
+
+def test_a_lap_stands_for_those_that_follow_and_is_as_large(monkeypatch):
+    told = {"clock.control": PERIOD, "clock.duration": 17.0, **SMOOTH, "robot.mu": 0.02,
+            "disturbance.std": 0.2}  # fmt: skip
+    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    along, lap = Along(setup), 200
+    assert along.laps.lap == lap
+    assert 0 < along.laps.spread[lap : 2 * lap].max() < 1e-12
+    first = (passing := Passing(along, bounded_inputs(setup), np.zeros(3))).run()
+    assert passing.tried < 3 * lap
+    monkeypatch.setattr(Passing, "_lapped", lambda item, k: None)
+    second = Passing(along, bounded_inputs(setup), np.zeros(3)).run()
+
+    assert len(first.position) == len(second.position) == 850
+    assert first.position == pytest.approx(second.position, rel=0.02)
+    assert first.linear == pytest.approx(second.linear, rel=0.01)
+    begun = passing.tried
+    assert (first.share[begun + lap :] == first.share[begun:-lap]).all()
+
+
+def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):
+    """Where a set at the begin of a lap is not shown to hold that at its end."""
+    told = {"clock.control": PERIOD, "clock.duration": 13.0, **SMOOTH, "disturbance.std": 0.2}
+    setup = settle(override(load_scenario("safe-simulation"), told), "mb")
+    along, inputs = Along(setup), bounded_inputs(setup)
+    jump, sent = along.jump(401, 201)
+    monkeypatch.setattr(along, "jump", lambda k, other: (jump + 0.01, sent))
+    refused = (passing := Passing(along, inputs, np.zeros(3))).run()
+    assert passing.tried == 650
+    monkeypatch.setattr(Passing, "_lapped", lambda item, k: None)
+
+    assert (Passing(along, inputs, np.zeros(3)).run().position == refused.position).mean() > 0.6
 
 
 @pytest.mark.parametrize(

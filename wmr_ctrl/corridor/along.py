@@ -8,7 +8,6 @@ matrices and every rounding, is a box.  Columns that have become old are counted
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -22,10 +21,11 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import NoCorridorError, check_size, conditions
 from wmr_ctrl.corridor.loop import UP
-from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius, hull
-from wmr_ctrl.corridor.motion import MovingLoop, motion_of
+from wmr_ctrl.corridor.midradius import ROUNDED, MidRadius, hull, widened
+from wmr_ctrl.corridor.motion import MovingLoop, laps_of, motion_of
 from wmr_ctrl.corridor.secants import SecantCurve
 from wmr_ctrl.corridor.stretch import Stretch, forgets, stretch
+from wmr_ctrl.scenario import Scenario
 
 DIRECTIONS = 12
 CHUNK, KNOT = 1.0, 0.02
@@ -34,8 +34,6 @@ LEFT, LONGEST = 5e-3, 1500
 """Share of its first size below which a column is old, and samples after which any is."""
 STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
-PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
-"""Of a box on which it is looked which term grows."""
 TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.1, 10, 0.5, 0.03
 """Seconds and samples that are followed at once; seconds after which some samples' columns stand
 for all, and between these."""
@@ -46,7 +44,6 @@ KEPT, MOST_TOGETHER = 4, 8
 TOGETHER, PLACES = 500, 9
 """Samples whose undisturbed run is compared with the graphs at once; samples at which it is looked
 how fast the loop forgets."""
-WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
 class Along:
@@ -54,7 +51,8 @@ class Along:
 
     def __init__(self, setup: Setup) -> None:
         """Compose the graphs and run the loop undisturbed; NoCorridorError if that fails."""
-        self.setup, self.motion = setup, motion_of(setup.scenario)
+        self.setup, motion = setup, motion_of(setup.scenario)
+        self.laps, self.motion = laps_of(motion, _lap(setup.scenario))
         self.loop = loop = MovingLoop(setup, self.motion, partial(conditions, setup))
         check_size(loop)
         self.states, self.fine, self.outs = loop.undisturbed()
@@ -94,12 +92,6 @@ class Along:
         ends = sorted({int(k) for k in own})
         return [(a, b) for a, b in pairwise(ends) if a < b]
 
-    @property
-    def lap(self) -> int:
-        """Samples after which the reference does about the same again, 0 if it never does."""
-        samples = self.setup.scenario.reference.cycle / self.setup.scenario.clock.control
-        return round(samples) if samples < len(self.states) else 0
-
     @cached_property
     def together(self) -> int:
         """Samples that are followed at once."""
@@ -125,20 +117,21 @@ class Along:
         return sorted((i, j) for i, j in result if j < ROBOT)
 
     @cached_property
-    def _halfway(self) -> Stretch:
+    def halfway(self) -> Stretch:
+        """Matrices of the sample in the middle."""
         return self._stretch(np.array([len(self.motion.v_d) // 2]))
 
     @cached_property
     def lasting(self) -> list[int]:
         """Components of the state of which boxes become columns: those that last."""
         first = len(self.loop.names) + COMMAND * self.loop.queue
-        lasting = np.abs(np.diag(self._halfway.A.middle[0])) > ROUNDED
+        lasting = np.abs(np.diag(self.halfway.A.middle[0])) > ROUNDED
         return [*range(len(self.loop.names)), *(first + np.flatnonzero(lasting[first:])).tolist()]
 
     @cached_property
     def typical(self) -> Floats:
         """Sizes of errors (5, 2) that pushes of 1 N m lead to, halfway; nothing rests on them."""
-        here = self._halfway
+        here = self.halfway
         A, x, seen = here.A.middle[0], here.push.middle[0], 0.0
         for _ in range(LONGEST):
             seen, x = seen + np.abs(x[:ROBOT]), A @ x
@@ -190,25 +183,41 @@ class Along:
         for first in range(0, n, TOGETHER):
             part = np.arange(first, min(first + TOGETHER, n))
             given = MidRadius(self._law_by(part))
-            value = loop.law_curve.value(given, MidRadius(loop.law_numbers[part]))
+            value = loop.law_curve.value(given, self._law_numbers(part))
             law = np.maximum(law, (value - MidRadius(self.outs[part])).most.max(axis=0))
             given = MidRadius(self._step_by(part))
-            value = loop.step_curve.value(given, MidRadius(loop.step_numbers[part]))
+            spread = self.laps.spread[part, None, None]
+            value = loop.step_curve.value(given, MidRadius(loop.step_numbers[part], spread))
             off = (value - MidRadius(self.fine[part, 1:])).most
             step = np.maximum(step, off.max(axis=(0, 1)))
         return law, step
 
     def law_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Of the law's variables and numbers over some samples."""
-        return hull(self._law_by(np.arange(first, last)), 0), hull(
-            self.loop.law_numbers[first:last], 0
-        )
+        by, numbers = hull(self._law_by(np.arange(first, last)), 0), self.loop.law_numbers
+        spread = self.laps.spread[first:last].max()
+        return by, widened(hull(numbers[first:last], 0), spread)
 
     def step_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Of a plant step's variables and numbers over all plant steps of some samples."""
         by, numbers = self._step_by(np.arange(first, last)), self.loop.step_numbers[first:last]
         one, other = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
-        return one, other
+        return one, widened(other, self.laps.spread[first:last].max())
+
+    def _law_numbers(self, at: IntArray) -> MidRadius:
+        """Numbers of the law at some samples, and in laps that these stand for."""
+        return MidRadius(self.loop.law_numbers[at], self.laps.spread[at, None])
+
+    def _step_numbers(self, at: IntArray) -> MidRadius:
+        """The same of all plant steps of each."""
+        return widened(hull(self.loop.step_numbers[at], 1), self.laps.spread[at, None])
+
+    def jump(self, k: int, other: int) -> tuple[Floats, Floats]:
+        """How far the undisturbed loop's state, and commands sent before, differ at two samples."""
+        state = np.abs(self.states[k] - self.states[other])
+        ages = np.arange(1, self.loop.queue + 1)
+        sent = self.outs[k - ages, :COMMAND] - self.outs[other - ages, :COMMAND]
+        return state * UP, np.abs(sent[::-1]) * UP
 
     def steady_until(self, k: int) -> tuple[int, int]:
         """First and last of the samples about ``k`` in which reference and robot are the same."""
@@ -238,8 +247,8 @@ class Along:
     def _slopes(self, at: IntArray) -> tuple[MidRadius, MidRadius]:
         """Of the law at samples and of the plant step in all of a sample's steps."""
         loop = self.loop
-        by = MidRadius(self._law_by(at)), MidRadius(loop.law_numbers[at])
-        steps = hull(self._step_by(at), 1), hull(loop.step_numbers[at], 1)
+        by = MidRadius(self._law_by(at)), self._law_numbers(at)
+        steps = hull(self._step_by(at), 1), self._step_numbers(at)
         return loop.law_curve.slopes(*by), loop.step_curve.slopes(*steps)
 
     def matrices(self, first: int, last: int) -> Stretch:
@@ -271,15 +280,12 @@ class Along:
     def secant_stretch(self, first: int, last: int, wide: tuple[Floats, Floats]) -> Stretch:
         """The same by secants over boxes of law's and plant step's variables."""
         loop, at = self.loop, np.arange(first, last)
-        law_by, numbers = self._law_by(at), loop.law_numbers[at]
-        outs = self.outs[first:last, None]
-        law = self._law_secants.over(
-            MidRadius(law_by), MidRadius(numbers), wide[0], law_by[:, None], outs
-        )
-        step_by, numbers = self._step_by(at), loop.step_numbers[at]
-        step = self._step_secants.over(
-            hull(step_by, 1), hull(numbers, 1), wide[1], step_by, self.fine[first:last, 1:]
-        )
+        law_by, outs = self._law_by(at), self.outs[first:last, None]
+        numbers = self._law_numbers(at)
+        law = self._law_secants.over(MidRadius(law_by), numbers, wide[0], law_by[:, None], outs)
+        step_by, after = self._step_by(at), self.fine[first:last, 1:]
+        numbers = self._step_numbers(at)
+        step = self._step_secants.over(hull(step_by, 1), numbers, wide[1], step_by, after)
         return replace(stretch(loop, law.slopes, step.slopes, self.knots), secants=(law, step))
 
     @cached_property
@@ -313,30 +319,11 @@ class Along:
         """The same of the heading (n)."""
         return np.asarray(np.abs(self.fine[:, :, 2]).max(axis=1) * UP + self.motion.turned)
 
-    def blamed(self, reach: Floats, k: int) -> str:
-        """The product of two errors that adds most to what a plant step leaves, in words."""
-        curve, nz = self.loop.step_curve, len(self.loop.names)
-        bends = self._bends_near(reach, k)
-        row, i, j = curve.bends.T
-        inside = (row < nz) & (i < ROBOT) & (j < ROBOT)
-        row, i, j, bends = row[inside], i[inside], j[inside], bends[inside]
-        own = np.maximum(reach[row], np.finfo(float).tiny)  # where nothing is off
-        worst = (bends * reach[i] * reach[j] / own).argmax()
-        a, b = sorted((i[worst], j[worst]))
-        term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
-        why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""
-        far = f" beyond {d:.3g} mm" if np.isfinite(d := 1e3 * np.hypot(reach[0], reach[1])) else ""
-        return f"{term} may grow as large as what the loop corrects{why}{far} {self.place(k)}"
 
-    def _bends_near(self, reach: Floats, k: int) -> Floats:
-        """Of a plant step, on the largest part of the box that has any."""
-        by, numbers = self.step_range(k, k + 1)
-        wide, nz = np.zeros(by.middle.shape), len(self.loop.names)
-        for share in PARTS:
-            wide[:nz] = share * reach[:nz]
-            with suppress(OpenBoxError):
-                return self.loop.step_curve.bend(MidRadius(by.middle, wide), numbers)
-        return np.ones(len(self.loop.step_curve.bends))
+def _lap(scenario: Scenario) -> int:
+    """Samples after which the reference does about the same again, 0 if it never does."""
+    samples = scenario.reference.cycle / scenario.clock.control
+    return round(samples) if samples <= scenario.clock.samples else 0
 
 
 def _row(size: int, *entries: tuple[int, float]) -> Floats:

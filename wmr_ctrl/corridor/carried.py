@@ -114,6 +114,13 @@ class CarriedColumns:
         off = np.asarray(sum(rest for _, rest in both))
         return CarriedColumns(births, *(kind for kind, _ in both)), off
 
+    def with_more(self, share: float, more: float, other: CarriedColumns | None) -> CarriedColumns:
+        """With larger weights of all that is not known, and at least those of others, if alike."""
+        weight = self.bent.weight * share + more
+        if other is not None and np.array_equal(other.born, self.born):
+            weight = np.maximum(weight, other.bent.weight)
+        return replace(self, bent=Kind(self.bent.values, weight))
+
     def older(self, samples: int) -> CarriedColumns:
         """The same, born so much later."""
         return replace(self, born=self.born + samples)

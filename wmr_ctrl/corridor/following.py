@@ -14,6 +14,7 @@ import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.blame import blamed
 from wmr_ctrl.corridor.blocks import DOT, each
 from wmr_ctrl.corridor.carried import CarriedColumns, Kind
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
@@ -144,10 +145,10 @@ class Following(Remainders):
             lost = (most[:, :ROBOT] > FAR * ahead[:, :ROBOT] + near).any(axis=1)
             if lost.any() and tried > 1:
                 k = int(lost.argmax())
-                raise NoCorridorError(along.blamed(most[k], now.k + k))
+                raise NoCorridorError(blamed(along, most[k], now.k + k))
             guess = guess.and_more(answer.grown(GROWN)) if tried else answer.grown(GUESSED)
         else:
-            raise NoCorridorError(along.blamed(most[0], now.k))
+            raise NoCorridorError(blamed(along, most[0], now.k))
         if first and self._too_wide(now):
             raise OtherBoxError
         if self._leaves(now):

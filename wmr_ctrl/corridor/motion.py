@@ -1,19 +1,23 @@
 """The sampled loop along any motion of its reference: what it does undisturbed, and its slopes.
 
 The motion is given by the reference's numbers at the samples.  Between two of them a robot that
-keeps its place moves at one velocity ``way``, which ends at the later pose but for ``gap``.
+keeps its place moves at one velocity ``way``, which ends at the later pose but for ``gap``.  Where
+a reference does the same again, the undisturbed loop of one lap serves for later ones, too: what
+its end differs from its begin is a deviation, and numbers that differ from lap to lap are spans.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
 from flint import arb
 
+from wmr_ctrl.checks.loop import IntArray
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, carried
 from wmr_ctrl.codegen.build import first_step_at
 from wmr_ctrl.control.setup import Setup
@@ -28,6 +32,8 @@ from wmr_ctrl.world.references import sample
 UNSURE, OPERATIONS = 1e-12, 16.0
 """A size far below all that matters, and roundings of a coordinate in a step of `carried`."""
 
+SAME = 1e-10
+"""Largest difference of a reference's numbers from lap to lap."""
 STEEP, PARTS = 1.5, 8
 """Growth of a force's remainder from half a box to all of it that cuts a box up, and its parts."""
 
@@ -80,6 +86,46 @@ def motion_of(scenario: Scenario) -> RunMotion:
     way = np.vstack([way[:1], way])
     return RunMotion(at[:-1, 3:5], at[:-1, 5:7], way, apart[:, -1], reckoned, apart.max(axis=1),
                      turned, _robots(scenario, n, steps))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Laps:
+    """Of ``lap`` samples each; 0: there are none.
+
+    ``end`` (n): the sample until which each sample's laps go, 0 where there are none.  ``spread``
+    (n): how far the reference's numbers are off at most in later laps.
+    """
+
+    lap: int
+    end: IntArray
+    spread: Floats
+
+    def are_from(self, k: int) -> bool:
+        """True where a lap from a sample on stands for a part of the next one at least."""
+        return bool(
+            self.lap > 0 and self.end[k : k + self.lap].min(initial=len(self.end)) > k + self.lap
+        )
+
+
+def laps_of(motion: RunMotion, lap: int) -> tuple[Laps, RunMotion]:
+    """Those of a motion, and the motion with its distances as large as in any later lap."""
+    n = len(motion.v_d)
+    numbers = np.hstack([motion.v_d, motion.rate, motion.way[:-1], motion.way[1:]])
+    most = np.column_stack([motion.gap, motion.reckoned, motion.aside, motion.turned])
+    spread, last, longest = np.zeros(n), np.zeros(n, dtype=int), most.copy()
+    ends = sorted({0, *(k + more for k in motion.moved for more in (0, 1)), n})
+    for begin, end in pairwise(ends if lap else ()):
+        last[begin:end] = end
+        for later in range(begin + lap, end, lap):
+            first = slice(begin, begin + end - later)
+            off = np.abs(numbers[later:end] - numbers[first]).max(axis=1)
+            spread[first] = np.maximum(spread[first], off)
+            longest[first] = np.maximum(longest[first], most[later:end])
+    spread = np.where(spread <= SAME, spread, np.inf)
+    same = np.isfinite(spread)
+    gap, reckoned, aside, turned = np.where(same[:, None], longest, most).T
+    motion = replace(motion, gap=gap, reckoned=reckoned, aside=aside, turned=turned)
+    return Laps(lap, np.where(same, last, 0), np.where(same, spread, 0.0)), motion
 
 
 def _chord(start: Floats, end: Floats, turn: Floats, period: float) -> Floats:

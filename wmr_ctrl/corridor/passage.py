@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
-from typing import TypeAlias
+from itertools import pairwise
+from typing import TypeAlias, cast
 
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.blame import blamed
 from wmr_ctrl.corridor.blocks import FollowedBlock, blocks_of
 from wmr_ctrl.corridor.carried import CarriedColumns, Kind
 from wmr_ctrl.corridor.following import TRIES, Following, OtherBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.instant import Instant, RunBounds
+from wmr_ctrl.corridor.instant import Guess, Instant, RunBounds
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.motion import UNSURE
 
@@ -22,8 +25,14 @@ HELD, RAISED, HELD_TRIES, AGAIN_AFTER = 1.002, 1.005, 20, 4
 little, and how often; part of the time without changes after which such a set is sought again."""
 SLOW_FROM = 4.0
 """Growth of what is reached that brings the robot to a stop where secants are tried at last."""
+LAP_HELD, LAP_GUESSED, LAP_TRIES = 1.0003, 1.0005, 5
+"""Growth of the set that a lap begins with, and of what its blocks add; how often it is tried."""
+GROWTH = 1.25
+"""Most growth of what is reached from one block to the next that is expected."""
 ALIKE = 2.0**-46
 """Share of two columns by which the rounding of their difference is less."""
+LapBlock: TypeAlias = "tuple[Instant, Guess, tuple[tuple[Floats, Floats] | None, ...]]"
+"""A block, what it adds, and the boxes that law's and plant step's bends are for."""
 Reached: TypeAlias = "tuple[Floats, Floats]"
 """What rows reach by what disturbs alone, and in all."""
 
@@ -35,7 +44,7 @@ class Passing(Following):
         """From a start off by |e| <= ``start`` (3), or from a later sample, there without any."""
         super().__init__(along, inputs, start if first == 0 else np.zeros(3))
         self._result, self._first, self._done = list[Floats](), first, first
-        self._again = 0
+        self._again, self._blocks = 0, cast("list[LapBlock] | None", None)
         self._sizes = [np.full((len(along.states), x.shape[1]), np.nan) for x in self.latest]
         self._reach = np.zeros(len(self.rows)), np.abs(self.rows) @ self.pending
 
@@ -45,6 +54,8 @@ class Passing(Following):
         NoCorridorError at the first at which a condition is broken: ``tried`` is the one after.
         """
         for first, last in self.along.chunks():
+            if until is None:
+                self._lapped(max(first, self._done))
             if last <= self._done or (until is not None and first >= until):
                 continue
             k, reach = max(first, self._done), self._reach
@@ -84,6 +95,7 @@ class Passing(Following):
                     raise
                 return self._slowly(k, last, reach, result)
             result.append(items)
+            self._followed(now)
             k = ready = k + now.count
         return reach
 
@@ -97,7 +109,7 @@ class Passing(Following):
                 now = foreseen[0]
             elif not tries:
                 count = min(most, last - k)
-                law, step = (np.tile(sizes.max(axis=0), (count, 1)) for sizes in self.latest)
+                law, step = self._expected(k, count)
                 now = self._slow_blocks(k, k + count, count, (law, step))[0]
             try:
                 reach, items = self._follow(now, reach, guess, first=tries < 3)
@@ -110,7 +122,7 @@ class Passing(Following):
                 now = self._slow_blocks(k, k + now.count, now.count, (law, step))[0]
                 tries, guess = tries + 1, error.guess
                 if tries > TRIES:
-                    raise NoCorridorError(self.along.blamed(reach[1], k)) from error
+                    raise NoCorridorError(blamed(self.along, reach[1], k)) from error
             except NoCorridorError:
                 if now.count == 1:
                     raise
@@ -118,14 +130,33 @@ class Passing(Following):
             else:
                 for seen, sizes in zip(self._sizes, self.latest, strict=True):
                     seen[k : k + now.count] = sizes
+                self._followed(now)
                 k, tries, guess = k + now.count, 0, None
                 most = min(2 * most, self.along.brief)
                 result.append(items)
         return reach
 
+    def _followed(self, now: Instant) -> None:
+        """Keep a block for later laps."""
+        if self._blocks is not None:
+            self._blocks.append((now, self.last, tuple(self.bends)))
+
+    def _expected(self, k: int, count: int) -> list[Floats]:
+        """Boxes of secants for some samples, by what was reached in the ones before."""
+        before = slice(k - 2 * count, k - count), slice(k - count, k)
+        result = []
+        for seen, latest in zip(self._sizes, self.latest, strict=True):
+            old, new = (seen[max(0, part.start) : part.stop] for part in before)
+            if len(old) == count and not np.isnan(old).any() and not np.isnan(new).any():
+                growth = np.clip(new / np.maximum(old, 1e-300), 1 / GROWTH, GROWTH)
+                result.append(self.roomy(new * growth))
+            else:
+                result.append(np.tile(latest.max(axis=0), (count, 1)))
+        return result
+
     def _foreseen(self, first: int, last: int) -> list[Instant]:
         """Blocks by secants over boxes for what was reached a lap before, if there was one."""
-        lap, count = self.along.lap, self.along.brief
+        lap, count = self.along.laps.lap, self.along.brief
         last -= (last - first) % count
         before = slice(first - lap, last - lap)
         lately = any(first - lap - self.along.memory < k <= first for k in self.along.motion.moved)
@@ -143,6 +174,75 @@ class Passing(Following):
         at = np.arange(last - first).reshape(-1, count)
         blocks = blocks_of(here, self.inputs, at, self.which)
         return [Instant(first + int(x.at[0]), first + int(x.at[-1]) + 1, here, x) for x in blocks]
+
+    def _lapped(self, k: int) -> None:
+        """Follow a lap from ``k`` on, if one stands for others, and with it all that follow."""
+        along, lap = self.along, self.along.laps.lap
+        since = max(self._first, *(m + 1 for m in (-1, *along.motion.moved) if m < k))
+        if k < since + along.memory or not along.laps.are_from(k):
+            return
+        if along.steady_until(k)[1] >= k + lap:
+            return  # a set that stands takes less
+        end = int(along.laps.end[k])
+        stop = k + ((end - k) % lap or lap)
+        ends = {k, stop, k + lap, *(last for _, last in along.chunks())}
+        reach, self._blocks = self._reach, []
+        for first, last in pairwise(sorted(x for x in ends if k <= x <= k + lap)):
+            reach = self._chunk(first, last, reach, self._result)
+        self._done, self._reach = k + lap, reach
+        before, blocks = vars(self).copy(), self._blocks
+        self._blocks = None
+        with suppress(NoCorridorError, OtherBoxError):
+            items = self._later_laps(blocks, k, end)
+            again = np.arange(lap, end - k) % lap
+            for seen in before["_sizes"]:
+                seen[k + lap : end] = seen[again + k]
+            before["_result"].append(items[again])
+            return
+        vars(self).update(before)
+        self._blocks = None
+
+    def _later_laps(self, blocks: list[LapBlock], k: int, end: int) -> Floats:
+        """The numbers of RunBounds (lap, 5) that hold in all laps after one from ``k`` on.
+
+        By a set at their begin that is a little larger than the one that there is, and that none
+        of their blocks leaves: at the end of a lap deviations are from its begin again (ledger:
+        corridor.passage).  NoCorridorError without such a set.
+        """
+        along, lap = self.along, self.along.laps.lap
+        stop = k + ((end - k) % lap or lap)
+        jump, heard = along.jump(k + lap, k)
+        self._moved_on(-lap, jump, heard)
+        held = None
+        for _ in range(LAP_TRIES):
+            self.carried = held = self.carried.with_more(LAP_HELD, UNSURE, held)
+            pending = self.pending = self._rest(self.pending * LAP_HELD + UNSURE)
+            sent = self.commands = self.commands * LAP_HELD + UNSURE
+            reach, items = self._reached(), list[Floats]()
+            for place, (now, answer, bends) in enumerate(blocks):
+                self.bends = list(bends)
+                reach, item = self._follow(now, reach, answer.grown(LAP_GUESSED), first=False)
+                blocks[place] = now, self.last, tuple(self.bends)
+                items.append(item)
+                if now.k + now.count == stop:
+                    stopped = self.carried, self.pending, self.commands
+            self._moved_on(-lap, jump, heard)
+            off, fits = self._beside(held)
+            off = self._rest((self.pending + off) * UP)
+            if fits and (off <= pending).all() and (self.commands <= sent).all():
+                self.carried, self.pending, self.commands = stopped
+                self._moved_on(end - stop, *along.jump(end, stop))
+                self._done, self._reach = end, self._reached()
+                return np.vstack(items)
+        raise NoCorridorError("no set is shown that a lap begins and ends in")
+
+    def _moved_on(self, samples: int, jump: Floats, heard: Floats) -> None:
+        """All deviations at a sample so much later, where the undisturbed loop is off by a jump."""
+        self.carried = self.carried.older(samples).with_more(1.0, 0.0, None)
+        newest = self.carried.bent.weight[-1, COMMAND:]
+        newest[:] = (newest + jump[self.along.lasting]) * UP
+        self.pending = (self.pending + self._rest(jump)) * UP
+        self.commands = (self.commands + heard) * UP
 
     def _held(self, k: int) -> tuple[Reached, Floats] | None:
         """Samples from ``k`` on in which nothing changes, by one set that no block leaves.

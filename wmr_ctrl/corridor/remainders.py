@@ -6,6 +6,7 @@ import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.blame import blamed
 from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.instant import Instant
@@ -112,7 +113,7 @@ class Remainders:
         try:
             bend = grown, self.curves[place].bend_within(by, grown, numbers, fine=now.held)
         except OpenBoxError as error:
-            text = self.along.blamed(sizes, now.k)
+            text = blamed(self.along, sizes, now.k)
             raise NoCorridorError(text) from error
         self.bends[place] = bend
         return bend

@@ -1,0 +1,43 @@
+"""Which term of a plant step grows as large as what the loop corrects, in words."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import numpy as np
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.corridor.along import Along
+from wmr_ctrl.corridor.enclosure import OpenBoxError
+from wmr_ctrl.corridor.midradius import MidRadius
+
+PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
+"""Of a box on which it is looked which term grows."""
+WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
+
+
+def blamed(along: Along, reach: Floats, k: int) -> str:
+    """The product of two errors that adds most to what a plant step leaves, in words."""
+    curve, nz = along.loop.step_curve, len(along.loop.names)
+    bends = _bends_near(along, reach, k)
+    row, i, j = curve.bends.T
+    inside = (row < nz) & (i < ROBOT) & (j < ROBOT)
+    row, i, j, bends = row[inside], i[inside], j[inside], bends[inside]
+    own = np.maximum(reach[row], np.finfo(float).tiny)  # where nothing is off
+    worst = (bends * reach[i] * reach[j] / own).argmax()
+    a, b = sorted((i[worst], j[worst]))
+    term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
+    why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""
+    far = f" beyond {d:.3g} mm" if np.isfinite(d := 1e3 * np.hypot(reach[0], reach[1])) else ""
+    return f"{term} may grow as large as what the loop corrects{why}{far} {along.place(k)}"
+
+
+def _bends_near(along: Along, reach: Floats, k: int) -> Floats:
+    """Of a plant step, on the largest part of the box that has any."""
+    by, numbers = along.step_range(k, k + 1)
+    wide, nz = np.zeros(by.middle.shape), len(along.loop.names)
+    for share in PARTS:
+        wide[:nz] = share * reach[:nz]
+        with suppress(OpenBoxError):
+            return along.loop.step_curve.bend(MidRadius(by.middle, wide), numbers)
+    return np.ones(len(along.loop.step_curve.bends))
