@@ -24,7 +24,7 @@ SHIPS: Sequence[Start] = (
     (0.05, 0.02, 0.15), (0.02, 0.05, 0.15),
 )  # fmt: skip
 """Ahead, aside, turned [m, m, rad]."""
-SLOWER: Sequence[Start] = ((0.03, 0.03, 0.075), (0.01, 0.05, 0.15))
+SLOWER: Sequence[Start] = ((0.03, 0.03, 0.075), (0.01, 0.05, 0.15), (0.05, 0.03, 0.1))
 """The same with the observer of SLOW [1/s]."""
 SLOW = 2.301
 
