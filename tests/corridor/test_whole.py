@@ -115,9 +115,7 @@ STOPS = {
 """Changes, duration and time to which pushes lead furthest [s], and how tight it is at least."""
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(x, marks=[pytest.mark.slow] * ("third" in x)) for x in STOPS]
-)
+@pytest.mark.parametrize("case", STOPS)
 def test_a_path_that_stops_has_a_corridor_that_no_adversary_leaves(case):
     changes, duration, until, loose = STOPS[case]
     told = {"clock.control": PERIOD, "clock.duration": duration, **SMOOTH, **changes}
