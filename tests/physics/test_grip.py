@@ -8,9 +8,10 @@ from tests.physics.test_rigid import scenario
 from wmr_ctrl import simulate
 from wmr_ctrl.checks import first_torques, grip_warnings, reference_torque
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.physics.rigid import RigidBody
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.physics.rigid import RigidBody, loads
+from wmr_ctrl.scenario import load_scenario, preset_names
 from wmr_ctrl.world.grip import grip
+from wmr_ctrl.world.phases import phases
 
 ROBOTS = (
     {},
@@ -101,3 +102,16 @@ def test_torque_on_the_reference():
 def test_without_grip_in_the_turn_nothing_is_kept():
     seen = grip(scenario(body__tyre=0.1, limits__v_u1=[2.0, 2.0], limits__v_u2=[1.0, 1.0]))
     assert seen.keep == 0.0
+
+
+@pytest.mark.parametrize(("wheel", "named"), [(0.5, ["body.wheel_mass"]), (0.49, [])])
+def test_wheels_as_heavy_as_the_robot_are_named(wheel, named):
+    setup = settle(load_scenario("turtlebot3-burger", {"body.wheel_mass": wheel}), "prox")
+    assert [item.key for item in grip_warnings(setup)] == named
+
+
+def test_robots_of_presets_have_wheels_that_are_a_part_of_them():
+    for name in preset_names():
+        case = load_scenario(name)
+        for item in phases(case):
+            assert loads(case, item.m, case.robot.I, item.mu).mass > 0, name

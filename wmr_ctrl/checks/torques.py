@@ -19,7 +19,7 @@ from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.signals import PLANT_STATE, REFERENCE
 from wmr_ctrl.world.grip import grip
-from wmr_ctrl.world.phases import largest_friction, needed_torque
+from wmr_ctrl.world.phases import largest_friction, needed_torque, phases
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.references import sample
 
@@ -107,10 +107,24 @@ def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
     if steady > tyres.keep:
         sentences.append(
             f"The reference needs up to {steady:.3g} N m at a wheel, and the tyres of [body] are "
-            f"certain to transmit only {tyres.keep:.3g} N m at limits.v_u1. Ask for a slower or "
-            "smoother reference."
+            f"certain to transmit {f'only {tyres.keep:.3g} N m' if tyres.keep else 'nothing'} at "
+            "limits.v_u1. Ask for a slower or smoother reference."
         )
-    return tuple(Warning(KEY, sentence, GRIP) for sentence in sentences)
+    gripping = (Warning(KEY, sentence, GRIP) for sentence in sentences)
+    return (*_heavy_wheels(setup.scenario), *gripping)
+
+
+def _heavy_wheels(scenario: Scenario) -> Iterator[Warning]:
+    """Yield wheels of [body] that are as heavy as the whole robot."""
+    wheel, least = scenario.body.wheel_mass, min(phase.m for phase in phases(scenario))
+    if 2 * wheel >= least:
+        yield Warning(
+            "body.wheel_mass",
+            f"Two wheels of body.wheel_mass = {wheel:g} kg are as heavy as the robot of {least:g} "
+            "kg or heavier: no rigid body is, and what is said of its tyres is wrong. State the "
+            "mass of its wheels.",
+            GRIP,
+        )
 
 
 def noise_gain(loop: Loop) -> Iterator[Warning]:
