@@ -230,7 +230,7 @@ def idle_keys(case: Scenario) -> tuple[str, ...]:
 def idle_by_user(
     case: Scenario, source: str, assignments: Sequence[str], laws: Sequence[str]
 ) -> tuple[str, ...]:
-    """Those of `idle_keys` that the user states, and gains that he sets of laws that do not run."""
+    """Those of `idle_keys` that the user states, and gains set for laws that do not run."""
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.scenario import parse_assignments
     from wmr_ctrl.scenario.toml_io import stated_keys

@@ -46,7 +46,8 @@ ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
 FAR, NEAR, DUST = 30.0, 1e-3, 1e-9
-"""Growth over the linear loop, over such a share of all, and beyond it, with which it is lost."""
+"""Growth over the linear loop with which the fixed point is lost; the least share of the largest
+element, and the size, from which growth counts."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 

@@ -22,8 +22,8 @@ Every command under way adds another ROUNDING (see `rounding`).
 """
 
 MASS_KEYS = ("guard.M_min", "guard.M_max")
-MASS_UNITS, SPEED_UNITS = ("kg", "kg m2"), ("m/s", "rad/s")
 """Keys of the smallest and the largest mass and inertia that a guard counts on."""
+MASS_UNITS, SPEED_UNITS = ("kg", "kg m2"), ("m/s", "rad/s")
 UNITS, AXES = ("N", "N m"), (0, 1)
 LATENESS = ("delay", "lag", "age", "window")
 """Fields of GuardNumbers on late velocities and drives."""
