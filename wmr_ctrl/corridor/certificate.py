@@ -46,8 +46,7 @@ ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
 FAR, NEAR, DUST = 30.0, 1e-3, 1e-9
-"""Growth over the linear loop with which the fixed point is lost; the least share of the largest
-element, and the size, from which growth counts."""
+"""Growth over the linear loop, over a least share of all, and a size: beyond these it is lost."""
 WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
