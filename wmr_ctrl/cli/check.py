@@ -237,7 +237,7 @@ def _table(answers: Answers) -> Iterator[str]:
         "stable\n[ms]": f"longest stable clock.control, which is {period} here",
         "off\n[mm]": f"RMS distance from the desired position in the {place}, seed 0",
         "guard\n[%]": "share of samples that the guard changed, on the worse axis",
-        "corridor\n[mm]": "certified largest distance from the desired position, of starts at it",
+        "corridor\n[mm]": "certified largest distance from the desired position, started there",
         FINDINGS: "objections by key; in brackets notes, which need no change",
     }
     columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)
@@ -257,6 +257,7 @@ def _table(answers: Answers) -> Iterator[str]:
 
 def _cells(answers: Answers, law: str) -> Iterator[str]:
     """Cells of a law, NONE where it has none."""
+    from wmr_ctrl.fields.units import rounded
     from wmr_ctrl.results.measures import guard_share, tracking
 
     limits, run = answers.stable.get(law), answers.runs.get(law)
@@ -273,7 +274,7 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
         yield low + (_digits(1e3 * limits.period) if limits.period < inf else "any")
     yield NONE if away is None else _digits(1e3 * away)
     yield _digits(100 * max(shares)) if shares and answers.scenario.guard.enabled else NONE
-    yield NONE if most is None else _digits(1e3 * most)
+    yield NONE if most is None else _digits(float(rounded(1e3 * most, 3)))  # never less
     yield ", ".join(_reasons(answers, law)) or NONE
 
 

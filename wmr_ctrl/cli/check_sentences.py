@@ -29,6 +29,7 @@ REMEDIES = {
     "gains.nn.eta": "lower gains.nn.eta, or raise gains.nn.rho1",
     "actuator.delay": "lower the gains, or shorten clock.control and the delay",
     "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
+    "body.wheel_mass": "state the mass of one of its wheels",
     "guard.dbar": "state true bounds; where they cost too much speed, drive slower",
     "guard.alpha": "lower guard.alpha, or measure the velocity better",
     "filter.kind": "set a filter.kind that holds for the base",

@@ -154,19 +154,19 @@ class Corridor:
         M, I = (f"{rounded(ends[0], 6)} to {rounded(ends[1], 6, up=False)}" for ends in self.masses)
         return f"M is anything from {M} kg, I from {I} kg m2{also}"
 
-    def _while(self, share: float) -> str:
+    def _while(self, share: float, more: str = ",") -> str:
         velocity = (share * self.velocity[0], share * self.velocity[1])
         reckoned = ""
         if self.missing:
-            reckoned = f", no pose comes to up to {self.missing} samples in a row"
+            reckoned = f"{more} no pose comes to up to {self.missing} samples in a row"
         return f"while {bounds(share * self.push, share * self.pose, velocity)}{reckoned}"
 
     def _closing(self, share: float) -> str:
         """With which pushes and errors, and from where."""
         if self.near == 1 or not any(self.start):
-            return self._while(share)
+            return self._while(share, ", and")
         if not self.near:
-            return f"from a start on the path {self._while(share)}"
+            return f"from a start on the path {self._while(share, ', and')}"
         return f"from a start moved by {rounded(100 * self.near, 2, up=False)} % of that"
 
     @property
