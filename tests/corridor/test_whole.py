@@ -136,7 +136,7 @@ def test_a_path_that_stops_has_a_corridor_that_no_adversary_leaves(case):
 
 
 def test_a_lap_stands_for_those_that_follow_and_is_as_large(monkeypatch):
-    told = {"clock.control": PERIOD, "clock.duration": 17.0, **SMOOTH, "robot.mu": 0.02,
+    told = {"clock.control": PERIOD, "clock.duration": 29.0, **SMOOTH, "robot.mu": 0.02,
             "disturbance.std": 0.2}  # fmt: skip
     setup = settle(override(load_scenario("safe-simulation"), told), "prox")
     along, lap = Along(setup), 200
@@ -147,11 +147,31 @@ def test_a_lap_stands_for_those_that_follow_and_is_as_large(monkeypatch):
     monkeypatch.setattr(Passing, "_lapped", lambda item, k: None)
     second = Passing(along, bounded_inputs(setup), np.zeros(3)).run()
 
-    assert len(first.position) == len(second.position) == 850
+    assert len(first.position) == len(second.position) == 1450
     assert first.position == pytest.approx(second.position, rel=0.02)
     assert first.linear == pytest.approx(second.linear, rel=0.01)
-    begun = passing.tried
-    assert (first.share[begun + lap :] == first.share[begun:-lap]).all()
+    last = (1450 - passing.tried) % lap
+    assert (first.share[-last:] == first.share[-last - lap : -lap]).all()
+
+
+@pytest.mark.slow
+def test_no_more_laps_than_there_are_need_one_that_stands_for_others(monkeypatch):
+    """Each of them is followed from what the one before it ends in."""
+    told = {"clock.control": PERIOD, "clock.duration": 17.0, **SMOOTH, "robot.mu": 0.0,
+            "disturbance.std": 0.2, "corridor.start": [1e-3, 1e-3, 5e-3]}  # fmt: skip
+    setup = settle(override(load_scenario("safe-simulation"), told), "prox")
+    along, start = Along(setup), np.array(setup.scenario.corridor.start)
+    shown, lap = Passing._beside, 200
+    monkeypatch.setattr(Passing, "_beside", lambda item, held: (shown(item, held)[0], False))
+    first = (passing := Passing(along, bounded_inputs(setup), start)).run()
+    begun = passing.tried - lap
+    monkeypatch.setattr(Passing, "_lapped", lambda item, k: None)
+    second = Passing(along, bounded_inputs(setup), start).run()
+
+    assert begun < 2 * lap
+    assert (first.position[:begun] == second.position[:begun]).all()
+    assert first.position == pytest.approx(second.position, rel=0.01)
+    assert first.share == pytest.approx(second.share, rel=0.01)
 
 
 def test_what_a_lap_does_not_end_in_is_followed_sample_by_sample(monkeypatch):

@@ -194,23 +194,24 @@ class Passing(Following):
         self._blocks = None
         with suppress(NoCorridorError, OtherBoxError):
             items = self._later_laps(blocks, k, end)
-            again = np.arange(lap, end - k) % lap
+            again = k + np.arange(lap, end - k) % lap
             for seen in before["_sizes"]:
-                seen[k + lap : end] = seen[again + k]
-            before["_result"].append(items[again])
+                seen[k + lap : end] = seen[again]
+            before["_result"].append(items)
             return
         vars(self).update(before)
         self._blocks = None
 
     def _later_laps(self, blocks: list[LapBlock], k: int, end: int) -> Floats:
-        """The numbers of RunBounds (lap, 5) that hold in all laps after one from ``k`` on.
+        """The numbers of RunBounds of all samples until ``end`` after a lap from ``k`` on.
 
-        By a set at their begin that is a little larger than the one that there is, and that none
-        of their blocks leaves: at the end of a lap deviations are from its begin again (ledger:
-        corridor.passage).  NoCorridorError without such a set.
+        Lap by lap from sets that are a little larger than what is reached, until one is found that
+        a lap begins and ends in, which then holds for all that follow: at the end of a lap
+        deviations are from its begin again (ledger: corridor.passage).  NoCorridorError without it.
         """
         along, lap = self.along, self.along.laps.lap
-        stop = k + ((end - k) % lap or lap)
+        stop, left = k + ((end - k) % lap or lap), -(-(end - k) // lap) - 1
+        every = list[Floats]()
         jump, heard = along.jump(k + lap, k)
         self._moved_on(-lap, jump, heard)
         held = None
@@ -229,11 +230,14 @@ class Passing(Following):
             self._moved_on(-lap, jump, heard)
             off, fits = self._beside(held)
             off = self._rest((self.pending + off) * UP)
-            if fits and (off <= pending).all() and (self.commands <= sent).all():
+            every.append(np.vstack(items))
+            fits = fits and bool((off <= pending).all() and (self.commands <= sent).all())
+            if fits or len(every) == left:
                 self.carried, self.pending, self.commands = stopped
                 self._moved_on(end - stop, *along.jump(end, stop))
                 self._done, self._reach = end, self._reached()
-                return np.vstack(items)
+                every += [every[-1]] * (left - len(every))
+                return np.vstack(every)[: end - k - lap]
         raise NoCorridorError("no set is shown that a lap begins and ends in")
 
     def _moved_on(self, samples: int, jump: Floats, heard: Floats) -> None:
