@@ -23,6 +23,7 @@ from wmr_ctrl.corridor.answer import Corridor, bounds
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.masses import certified
 from wmr_ctrl.corridor.whole import certified_run
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.scenario import load_scenario, override
 
@@ -374,3 +375,8 @@ def test_a_first_command_counts_from_the_measured_velocity():
     refused = find_corridor(far, "kanayama")
     assert refused.position is None
     assert "the measured velocity is off by" in refused.refused
+
+
+def test_a_name_instead_of_a_scenario_is_refused():
+    with pytest.raises(ArgumentError, match=r"find_corridor: scenario = .* must be a Scenario"):
+        find_corridor("safe-simulation", "prox")

@@ -18,6 +18,7 @@ from wmr_ctrl.corridor.answer import Corridor as Corridor
 from wmr_ctrl.corridor.answer import CorridorLeft as CorridorLeft
 from wmr_ctrl.corridor.clearance import Clearance as Clearance
 from wmr_ctrl.corridor.clearance import find_clearance
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.system import System
 from wmr_ctrl.results import Run
@@ -45,6 +46,7 @@ def _alone() -> Iterator[None]:
         yield
 
 
+@checks_arguments
 def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corridor:
     """The Corridor of ``law`` on ``scenario``; raises what `settle` raises.
 
