@@ -9,11 +9,11 @@ import numpy as np
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.enclosure import OpenBoxError
+from wmr_ctrl.corridor.inputs import product
 from wmr_ctrl.corridor.midradius import MidRadius
 
 PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 """Of a box on which it is looked which term grows."""
-WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
 def blamed(along: Along, reach: Floats, k: int) -> str:
@@ -25,9 +25,9 @@ def blamed(along: Along, reach: Floats, k: int) -> str:
     row, i, j, bends = row[inside], i[inside], j[inside], bends[inside]
     own = np.maximum(reach[row], np.finfo(float).tiny)  # where nothing is off
     worst = (bends * reach[i] * reach[j] / own).argmax()
-    a, b = sorted((i[worst], j[worst]))
-    term = f"{WORDS[a]}^2" if a == b else f"{WORDS[a]} {WORDS[b]}"
-    why = ", since friction turns near standstill," if a == b == ROBOT - COMMAND else ""
+    pair = i[worst], j[worst]
+    term, turns = product(*pair), pair == (ROBOT - COMMAND, ROBOT - COMMAND)
+    why = ", since friction turns near standstill," if turns else ""
     far = f" beyond {d:.3g} mm" if np.isfinite(d := 1e3 * np.hypot(reach[0], reach[1])) else ""
     return f"{term} may grow as large as what the loop corrects{why}{far} {along.place(k)}"
 

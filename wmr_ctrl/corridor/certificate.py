@@ -31,6 +31,7 @@ from wmr_ctrl.corridor.inputs import (
     check_covered,
     check_size,
     conditions,
+    product,
     steady_motion,
 )
 from wmr_ctrl.corridor.late_guard import counts_late, sizes_counted
@@ -47,7 +48,6 @@ SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
 FAR, NEAR, DUST = 30.0, 1e-3, 1e-9
 """Growth over the linear loop, over a least share of all, and a size: beyond these it is lost."""
-WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
 
 
 class Certifier:
@@ -321,10 +321,9 @@ class Certifier:
         own = self.gains.fast.steps[rows].max(axis=0)
         added = np.einsum("i,ijk->jk", own, step)[:ROBOT, :ROBOT]
         added = added + np.einsum("i,ijk->jk", by, law)[:ROBOT, :ROBOT]
-        a, b = np.unravel_index((added + added.T).argmax(), added.shape)
-        term = f"{WORDS[a]}^2" if a == b else f"{WORDS[min(a, b)]} {WORDS[max(a, b)]}"
+        worst = np.unravel_index((added + added.T).argmax(), added.shape)
         return (
-            f"{term} may grow as large as what the loop corrects, beyond the "
+            f"{product(*worst)} may grow as large as what the loop corrects, beyond the "
             f"{length(self.position(peaks))} that the linear loop leaves"
         )
 

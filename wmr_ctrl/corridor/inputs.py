@@ -48,6 +48,8 @@ OF_BASE = (
     PI,
 )  # fmt: skip
 """Effects of a base that takes velocities which are counted."""
+WORDS = ("e1", "e2", "e3", "(v1 - v1_d)", "(w - w_d)")
+"""Deviations of error and velocity."""
 
 
 class NoCorridorError(ArithmeticError):
@@ -331,3 +333,9 @@ def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
         }
         for name, (value, room) in sizes.items():
             yield Condition(name, value, ca.SX(slope * room - left))
+
+
+def product(a: int, b: int) -> str:
+    """The product of two deviations of error and velocity, in words."""
+    first, second = (WORDS[place] for place in sorted((a, b)))
+    return f"{first}^2" if a == b else f"{first} {second}"
