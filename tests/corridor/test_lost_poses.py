@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -73,6 +75,12 @@ def test_a_pose_every_few_samples_is_as_many_that_are_lost():
 
     assert tube.position == find_corridor(lost, "prox").position
     assert tube.position / 1.2 <= reached[0] <= tube.position
+
+
+def test_where_hardly_any_pose_comes_it_is_refused_and_told_how_often_one_has_to():
+    refused = find_corridor(simulated(NOISY, {"sensor.pose_period": 1000.0}), "prox").refused
+
+    assert re.search(r"for 99999 samples may grow.* it closes with .*_period = \d", refused)
 
 
 @pytest.mark.parametrize(

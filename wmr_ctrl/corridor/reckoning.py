@@ -33,6 +33,8 @@ BITS = 320
 """For Phi."""
 ROUNDS, MORE = 30, 1.001
 """Rounds in which an error is found, and by how much a guess exceeds the last one."""
+LOST = 1e3
+"""Error [m, rad] that is not looked for any more."""
 
 
 def turning(curve: Curve) -> BallArray:
@@ -84,21 +86,21 @@ class Reckoning:
             bent = self._gathered((each + self._rest) * UP, inputs.missing)
             off = (linear + bent) * UP
             if (off.max(axis=0) + pose <= guess).all():
-                break
+                return replace(inputs, reckoned=off.max(axis=0) * UP)
             guess = (off.max(axis=0) + pose) * MORE
-        else:
-            raise NoCorridorError(
-                f"the error of a pose that is reckoned for {inputs.missing} samples may grow by "
-                "itself, by its turn as the robot goes on"
-            )
-        return replace(inputs, reckoned=off.max(axis=0) * UP)
+            if not (guess < LOST).all():
+                break
+        raise NoCorridorError(
+            f"the error of a pose that is reckoned for {inputs.missing} samples may grow by itself, "
+            "by its turn as the robot goes on"
+        )
 
     def _summed(self, rows: Floats, count: int) -> Floats:
         """Sizes (count, 3) of sums over 1, 2, ... samples."""
-        sums = list(rows[:count])
-        while len(sums) < count:
-            sums.append((self._powers[-1] @ sums[-len(rows)] + rows[-1]) * UP)
-        return np.array(sums)
+        sums = [rows[:count]]
+        for _ in range(-(-count // len(rows)) - 1):
+            sums.append((sums[-1] @ self._powers[-1].T + rows[-1]) * UP)
+        return np.concatenate(sums)[:count]
 
     def _gathered(self, each: Floats, count: int) -> Floats:
         """The same of what every sample adds with any signs."""
