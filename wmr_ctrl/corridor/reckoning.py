@@ -91,8 +91,8 @@ class Reckoning:
             if not (guess < LOST).all():
                 break
         raise NoCorridorError(
-            f"the error of a pose that is reckoned for {inputs.missing} samples may grow by itself, "
-            "by its turn as the robot goes on"
+            f"the error of a pose that is reckoned for {inputs.missing} samples may grow by "
+            "itself, by its turn as the robot goes on"
         )
 
     def _summed(self, rows: Floats, count: int) -> Floats:
