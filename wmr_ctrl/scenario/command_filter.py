@@ -67,7 +67,10 @@ class Filter(Section, key="filter"):
         "body", "1", "speeds with a loop of their own: v and omega, or each wheel", options=CHANNELS
     )
     wheel_speed: float | None = quantity(
-        None, "m/s", "limit of each wheel's speed over the ground", above=0
+        None,
+        "m/s",
+        "limit of each wheel's speed over the ground, for wheels whose loops are alike",
+        above=0,
     )
     damping: tuple[float, float] | None = quantity(
         None, "1", "bounds of a second-order loop's damping ratio", above=0, size=2
