@@ -75,7 +75,7 @@ class Certifier:
         )
         try:
             start = np.diag((*setup.scenario.corridor.start, *[0.0] * (len(loop.at) - 3)))
-            self.gains = loop_gains(loop, start, self.added, self.reckoning.together)
+            self.gains = loop_gains(loop, start, self.added, self.reckoning)
         except SlowLoopError as error:
             raise NoCorridorError(f"the loop is unstable, or takes too long: {error}") from error
         self.level = np.array([upper(item) for item in shown[-loop.count :]])
@@ -97,7 +97,7 @@ class Certifier:
     def started(self, start: Floats) -> Certifier:
         """The same from a start off by shares of some columns (n, columns)."""
         other = copy(self)
-        other.gains = loop_gains(self.loop, start, self.added, self.reckoning.together)
+        other.gains = loop_gains(self.loop, start, self.added, self.reckoning)
         return other
 
     def _reckoning_gap(self) -> float:

@@ -16,7 +16,7 @@ from flint import arb, ctx
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.loop import UP, SampledLoop
-from wmr_ctrl.corridor.reckoning import turning
+from wmr_ctrl.corridor.reckoning import Reckoning
 from wmr_ctrl.corridor.responses import Gains, Responses, largest, stacked
 from wmr_ctrl.corridor.sample import (
     ROUNDING,
@@ -71,11 +71,13 @@ class LoopGains:
         return replace(self, fast=fast, state=state, law=law)
 
 
-def loop_gains(loop: SampledLoop, start: Floats, added: Floats, reckoned: int = 0) -> LoopGains:
+def loop_gains(
+    loop: SampledLoop, start: Floats, added: Floats, reckoning: Reckoning | None = None
+) -> LoopGains:
     """All gains of a loop, from a start off by shares of the columns ``start`` (n, columns).
 
-    ``added``: what every plant step adds to the fast state, always the same.  ``reckoned``: also by
-    how much (3) dead reckoning over one and up to so many samples is off.
+    ``added``: what every plant step adds to the fast state, always the same.  With a
+    ``reckoning`` also by how much (3) it is off over one sample and more.
     SlowLoopError where it is unstable or too slow to be enclosed.
     """
     with ctx.workprec(SPARE_BITS):
@@ -87,7 +89,7 @@ def loop_gains(loop: SampledLoop, start: Floats, added: Floats, reckoned: int = 
     if bits > MOST_BITS:
         raise SlowLoopError(f"its matrix would take {bits} bits")
     with ctx.workprec(bits):
-        return _summed(SampleMatrices(loop), loop, samples, start, added, reckoned)
+        return _summed(SampleMatrices(loop), loop, samples, start, added, reckoning)
 
 
 def _samples(a: Floats) -> tuple[int, float]:
@@ -105,7 +107,7 @@ def _summed(
     samples: int,
     start: Floats,
     added: Floats,
-    reckoned: int,
+    reckoning: Reckoning | None,
 ) -> LoopGains:
     n, nz = sample.n, len(loop.names)
     powers, summed, last = powers_until(sample.A, samples)
@@ -154,9 +156,9 @@ def _summed(
         np.abs(doubles(sample.seen)) * UP, np.zeros((count, nz)),
     )  # fmt: skip
     fast = largest(within)
-    if reckoned:
-        rows, turned = sample.reckoned_rows(loop), doubles(turning(loop.reckoning))
-        fast = stacked([fast, *sums.carried(rows, turned, shares[-1], reckoned)])
+    if reckoning and reckoning.together:
+        reckoned = sample.reckoned_rows(loop), reckoning.turning
+        fast = stacked([fast, *sums.carried(*reckoned, shares[-1], reckoning.together)])
     three = fast, sums.gains(state), sums.gains(law)
     return LoopGains(*three, ratios, damping, samples, scale)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from copy import copy
 from dataclasses import replace
 from itertools import pairwise
-from typing import TypeAlias, cast
+from typing import TypeAlias
 
 import numpy as np
 
@@ -44,7 +45,8 @@ class Passing(Following):
         """From a start off by |e| <= ``start`` (3), or from a later sample, there without any."""
         super().__init__(along, inputs, start if first == 0 else np.zeros(3))
         self._result, self._first, self._done = list[Floats](), first, first
-        self._again, self._blocks = 0, cast("list[LapBlock] | None", None)
+        self._again = 0
+        self._blocks: list[LapBlock] | None = None
         self._sizes = [np.full((len(along.states), x.shape[1]), np.nan) for x in self.latest]
         self._reach = np.zeros(len(self.rows)), np.abs(self.rows) @ self.pending
 
@@ -190,17 +192,14 @@ class Passing(Following):
         for first, last in pairwise(sorted(x for x in ends if k <= x <= k + lap)):
             reach = self._chunk(first, last, reach, self._result)
         self._done, self._reach = k + lap, reach
-        before, blocks = vars(self).copy(), self._blocks
-        self._blocks = None
+        blocks, self._blocks = self._blocks, None
         with suppress(NoCorridorError, OtherBoxError):
-            items = self._later_laps(blocks, k, end)
+            items = (later := copy(self))._later_laps(blocks, k, end)
             again = k + np.arange(lap, end - k) % lap
-            for seen in before["_sizes"]:
+            for seen in self._sizes:
                 seen[k + lap : end] = seen[again]
-            before["_result"].append(items)
-            return
-        vars(self).update(before)
-        self._blocks = None
+            self._result.append(items)
+            vars(self).update(vars(later))
 
     def _later_laps(self, blocks: list[LapBlock], k: int, end: int) -> Floats:
         """The numbers of RunBounds of all samples until ``end`` after a lap from ``k`` on.

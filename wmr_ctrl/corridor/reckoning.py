@@ -22,9 +22,9 @@ from flint import ctx
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.enclosure import upper
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
-from wmr_ctrl.corridor.loop import UP, Curve, SampledLoop
+from wmr_ctrl.corridor.loop import UP, SampledLoop
 from wmr_ctrl.corridor.peaks import reference_gap
-from wmr_ctrl.corridor.sample import BallArray, doubles
+from wmr_ctrl.corridor.sample import doubles
 
 TOGETHER = 400
 """Samples at most that are summed up with their signs; of more, such sums are added up.  The sums
@@ -35,11 +35,6 @@ ROUNDS, MORE = 30, 1.001
 """Rounds in which an error is found, and by how much a guess exceeds the last one."""
 LOST = 1e3
 """Error [m, rad] that is not looked for any more."""
-
-
-def turning(curve: Curve) -> BallArray:
-    """Phi (3, 3): what dead reckoning over a sample makes of an error of its first pose."""
-    return np.array([row[:3] for row in curve.slopes()], dtype=object)
 
 
 @dataclass(frozen=True)
@@ -55,12 +50,18 @@ class Reckoning:
         return min(self.count, TOGETHER)
 
     @cached_property
+    def turning(self) -> Floats:
+        """Phi (3, 3): what reckoning over a sample makes of an error of its first pose."""
+        with ctx.workprec(BITS):
+            slopes = self.loop.reckoning.slopes()
+            return doubles(np.array([row[:3] for row in slopes], dtype=object))
+
+    @cached_property
     def _powers(self) -> Floats:
         """Sizes of Phi^j (together + 1, 3, 3)."""
-        with ctx.workprec(BITS):
-            turned, powers = doubles(turning(self.loop.reckoning)), [np.eye(3)]
+        powers = [np.eye(3)]
         for _ in range(self.together):
-            powers.append(turned @ powers[-1])
+            powers.append(self.turning @ powers[-1])
         return np.abs(powers) * UP
 
     @cached_property
