@@ -13,7 +13,7 @@ from tests.identification.conftest import KNOWN, TRUTH
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
 from wmr_ctrl.identification.fit import events_of, packed
-from wmr_ctrl.identification.kalman import CompiledFilter, torque_graph
+from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.logs.log import LogError
 from wmr_ctrl.logs.samples import Samples
 from wmr_ctrl.scenario import Scenario, loads_scenario
@@ -177,27 +177,26 @@ def test_gradient_and_likelihood_agree():
         t, np.cumsum(rng.normal(size=(200, 2)) * 1e-3, axis=0), np.array([1e-8, 1e-7]),
         t, rng.normal(size=(200, 2)), np.array([0]),
     )  # fmt: skip
-    filter_ = CompiledFilter(torque_graph(Scenario()))
+    filter_ = CompiledFilter(Scenario())
     values = dict.fromkeys(("s1", "n1", "n2"), 1.0) | {"q1": 3.0, "q2": 0.5, "s2": 0.3, "time": 0.5}
     values |= {"m": 30.0, "I": 1.6, "Fc": 12.0, "Fv": 6.0, "c": 3.0, "Mv": 0.3}
     values |= {"delay": 0.033, "lag": 0.05}
-    names = filter_.graph.names
-    theta = searched(values, names)
+    theta = searched(values)
     known, covariance = (
         np.array([0.08, 0.2, 9.81, 0.01, 0.02]),
         packed(np.array([1e-8, 1e-7, 1.0, 1.0, 0.1, 0.1])),
     )
 
     def read(theta, slopes=True):
-        events = events_of(log, theta[names.index("delay")], np.zeros((1, 8)), filter_.wide)
+        events = events_of(log, theta[INDEX["delay"]], np.zeros((1, 8)))
         return filter_(events, np.concatenate((theta, known)), covariance, slopes)
 
     whole, alone = read(theta), read(theta, slopes=False)
     assert (alone.nll == whole.nll).all()
     assert (alone.mean == whole.mean).all()
     gradient = whole.gradient.sum(axis=0)
-    for k, name in enumerate(names):
-        step = np.zeros(len(names))
+    for k, name in enumerate(NAMES):
+        step = np.zeros(len(NAMES))
         step[k] = 1e-5
         slope = (read(theta + step).nll.sum() - read(theta - step).nll.sum()) / 2e-5
         assert gradient[k] == pytest.approx(
@@ -214,12 +213,12 @@ def test_the_filter_is_the_kalman_filter_of_a_linear_robot():
     t, tau = np.arange(120) * T, rng.normal(size=(120, 2))
     seen = np.cumsum(rng.normal(size=(120, 2)) * 2e-3, axis=0)
     log = Samples(t, seen, np.array(var), t, tau, np.array([0]))
-    filter_ = CompiledFilter(torque_graph(Scenario()))
+    filter_ = CompiledFilter(Scenario())
     values = dict.fromkeys(("Fc", "Fv", "c", "Mv", "s1", "s2"), 0.0)
     values |= {"m": m, "I": inertia, "delay": 0.0, "lag": 5e-4, "q1": q[0], "q2": q[1], "time": 1.0,
                "n1": 1.0, "n2": 1.0}  # fmt: skip
-    theta = searched(values, filter_.graph.names)
-    events = events_of(log, 0.0, np.zeros((1, 8)), filter_.wide)
+    theta = searched(values)
+    events = events_of(log, 0.0, np.zeros((1, 8)))
     covariance = packed(np.array([*var, 0.5, 0.5, 0.0, 0.0]))
     told = filter_(
         events, np.concatenate((theta, [r, half, 9.81, 0.01, T])), covariance, slopes=False

@@ -11,6 +11,7 @@ import pytest
 from wmr_ctrl.identification import estimate
 from wmr_ctrl.identification.estimate import intervals_of, plant_step
 from wmr_ctrl.identification.fit import COUNTED, LogProblem, errors_of
+from wmr_ctrl.identification.kalman import LOGARITHMIC, NAMES
 from wmr_ctrl.identification.refuted import guard_bounds, tolerance_sentence, usable_speeds
 from wmr_ctrl.logs.log import of_columns
 from wmr_ctrl.logs.samples import Samples, motion_of
@@ -36,11 +37,9 @@ def test_a_half_width_is_the_larger_of_that_by_fisher_and_that_by_blocks(gradien
 
 
 def test_no_interval_is_narrower_than_a_step_of_the_plant(monkeypatch) -> None:
-    names = list(estimate.PHYSICAL)
-    theta = np.array([math.log(2.0) if n in estimate.LOGARITHMIC else 2.0 for n in names])
-    log, graph = SimpleNamespace(period=0.01), SimpleNamespace(names=names)
-    problem = SimpleNamespace(log=log, filter=SimpleNamespace(graph=graph))
-    monkeypatch.setattr(estimate, "half_widths", lambda _: np.zeros(len(names)))
+    theta = np.array([math.log(2.0) if n in LOGARITHMIC else 2.0 for n in NAMES])
+    problem = SimpleNamespace(log=SimpleNamespace(period=0.01))
+    monkeypatch.setattr(estimate, "half_widths", lambda _: np.zeros(len(NAMES)))
     found = intervals_of(SimpleNamespace(theta=theta, problem=problem))
 
     for name, (value, low, high) in found.items():
@@ -74,12 +73,10 @@ def white_fit(period: float, duration: float = 60.0) -> SimpleNamespace:
     sizes = np.array([[9.0, 9.0], *[[-4.5, 1.0]] * (len(log.t) - 1)])
     kinds = np.array([COUNTED - 1, *[COUNTED] * (len(log.t) - 1)])
     mean = np.array([[0, 0, -0.5, 2.0]])
-    graph = SimpleNamespace(names=["q1", "q2"])
-    problem = SimpleNamespace(
-        log=log, filter=SimpleNamespace(graph=graph), counting=lambda: (kinds, None)
-    )
+    problem = SimpleNamespace(log=log, counting=lambda: (kinds, None))
     last = SimpleNamespace(sizes=sizes, mean=mean)
-    return SimpleNamespace(theta=np.log([2.0, 3.0]), problem=problem, last=last)
+    theta = np.where(np.array(NAMES) == "q1", math.log(2.0), math.log(3.0))
+    return SimpleNamespace(theta=theta, problem=problem, last=last)
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from wmr_ctrl.identification.fit import (
     scored,
     standard_errors,
 )
-from wmr_ctrl.identification.kalman import LOGARITHMIC
+from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC, NAMES
 from wmr_ctrl.identification.speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
 from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.logs.samples import AxisLog, Samples, differenced, speeds, wheels
@@ -43,6 +43,8 @@ LOW_SPEED, LOW_FADING, LOW_FACTOR = 0.06, 0.1, 10.0
 MOVED = 3.5
 """Standard errors of the worse fit from which on a parameter has moved."""
 HELD_OUT = 1 / 3
+PART_PASSES = 12
+"""Passes of the fit of a part of a log, from that of the whole."""
 AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
 """Sections of what is known that the identified numbers take the place of."""
 FREE_RUN = 1.0
@@ -88,18 +90,18 @@ def first_guess(log: Samples) -> tuple[dict[str, float], float]:
     }, shift
 
 
-def searched(values: dict[str, float], names: tuple[str, ...]) -> Floats:
+def searched(values: dict[str, float]) -> Floats:
     """Parameters in the order and form of the search."""
     with np.errstate(divide="ignore"):
-        return np.array([np.log(values[n]) if n in LOGARITHMIC else values[n] for n in names])
+        return np.array([np.log(values[n]) if n in LOGARITHMIC else values[n] for n in NAMES])
 
 
 def free_of(problem: LogProblem, coloured: bool) -> np.ndarray:
     """Parameters that are searched (n,): with a coloured push or without."""
-    names, left = problem.filter.graph.names, set() if coloured else {"s1", "s2", "time"}
+    left = set() if coloured else {"s1", "s2", "time"}
     if not problem.log.of_speed:
         left |= {"n1", "n2"}
-    return np.array([name not in left for name in names])
+    return np.array([name not in left for name in NAMES])
 
 
 def started(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -> Floats:
@@ -109,7 +111,6 @@ def started(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -
         log.command.sum(axis=1), robot.l * (log.command[:, 0] - log.command[:, 1])
     )) / robot.r  # fmt: skip
     guess, shift = first_guess(replace(log, command=force))
-    names = problem.filter.graph.names
     piece = replace(problem, log=log.until(log.t[0] + START_SECONDS))
     rest = {"q1": 0.1 * guess["m"], "q2": 0.1 * guess["I"], "s1": 0.0, "s2": 0.0, "time": 1.0}
     noise = 1e-3 if log.of_speed else 1.0
@@ -118,15 +119,15 @@ def started(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -
     for split in SPLITS:
         start = guess | rest | {"n1": noise, "n2": noise}
         start |= {"delay": late * split, "lag": max(late * (1 - split), 1e-3)}
-        tried.append(scored(piece, searched(start, names), free_of(problem, False), 8, tell, ROUGH))
+        tried.append(scored(piece, searched(start), free_of(problem, False), 8, tell, ROUGH))
     return min(tried, key=lambda item: item.nll).theta
 
 
 def white_fit(problem: LogProblem, scenario: Scenario, tell: Callable[[], None]) -> Fit:
     """The fit with white force noise; where delay or lag is at an end also from its other split."""
-    names, free = problem.filter.graph.names, free_of(problem, False)
+    free = free_of(problem, False)
     fit = scored(problem, started(problem, scenario, tell), free, tell=tell)
-    late = [names.index("delay"), names.index("lag")]
+    late = [INDEX["delay"], INDEX["lag"]]
     delay, lag = fit.theta[late]
     if delay > 0 and lag > LAG_LEAST:
         return fit
@@ -139,20 +140,19 @@ def white_fit(problem: LogProblem, scenario: Scenario, tell: Callable[[], None])
 
 def coloured_if_likelier(white: Fit, tell: Callable[[], None]) -> tuple[Fit, float | None]:
     """The fit with a coloured push where twice its gain is above 4 ln n, else the white one."""
-    names = white.problem.filter.graph.names
     best: Fit | None = None
     for time in (0.4, 3.0):
         start = white.theta.copy()
         for axis in ("1", "2"):
-            start[names.index(f"s{axis}")] = white.theta[names.index(f"q{axis}")] - 1.0
-        start[names.index("time")] = math.log(time)
+            start[INDEX[f"s{axis}"]] = white.theta[INDEX[f"q{axis}"]] - 1.0
+        start[INDEX["time"]] = math.log(time)
         passes = 40 if best is None else 12
         fit = scored(white.problem, start, free_of(white.problem, True), passes, tell, ROUGH)
         best = fit if best is None or fit.nll < best.nll else best
     assert best is not None
     if 2 * (white.nll - best.nll) > 4 * math.log(white.problem.counted()):
         best = scored(white.problem, best.theta, best.free, tell=tell)
-        return best, float(np.exp(best.theta[names.index("time")]))
+        return best, float(np.exp(best.theta[INDEX["time"]]))
     return white, None
 
 
@@ -160,7 +160,7 @@ def distrusting_low_speeds(
     fit: Fit, remarks: list[str], tell: Callable[[], None]
 ) -> tuple[Fit, list[str]]:
     """The fit with noise at low speeds counted more, where that moves a parameter; else ``fit``."""
-    problem, names = fit.problem, fit.problem.filter.graph.names
+    problem = fit.problem
     speed = np.abs(wheels(speeds(problem.log), problem.known[1])).min(axis=1)
     slow = np.flatnonzero(speed < LOW_SPEED)
     if not slow.size or slow.size > 0.8 * len(speed):
@@ -174,11 +174,8 @@ def distrusting_low_speeds(
         replace(problem, boost=1 + (LOW_FACTOR - 1) * near), fit.theta, fit.free, tell=tell
     )
     errors = np.maximum.reduce([*standard_errors(fit), *standard_errors(again)])
-    moved = [
-        name
-        for k, name in enumerate(names)
-        if name in PHYSICAL and abs(again.theta[k] - fit.theta[k]) > MOVED * errors[k]
-    ]
+    by = {name: abs(again.theta[INDEX[name]] - fit.theta[INDEX[name]]) for name in PHYSICAL}
+    moved = [name for name in PHYSICAL if by[name] > MOVED * errors[INDEX[name]]]
     if not moved:
         return fit, remarks
     said = (
@@ -186,8 +183,7 @@ def distrusting_low_speeds(
         f"{100 * LOW_SPEED:g} cm/s count less, as stiction or backlash make them; values are those "
         "of that fit, and Coulomb friction at low speed is not covered."
     )
-    least = {names.index(name): abs(again.theta[names.index(name)] - fit.theta[names.index(name)])
-            for name in moved}  # fmt: skip
+    least = {INDEX[name]: by[name] for name in moved}
     return replace(again, least=least), [*remarks, said]
 
 
@@ -196,8 +192,8 @@ def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
 
     Maxima as high as a profile's interval reaches widen the intervals: none of them is refuted.
     """
-    names, half = fit.problem.filter.graph.names, half_widths(fit)
-    m, inertia, delay, lag = (names.index(name) for name in ("m", "I", "delay", "lag"))
+    half = half_widths(fit)
+    m, inertia, delay, lag = (INDEX[name] for name in ("m", "I", "delay", "lag"))
     if half[delay] <= fit.problem.log.period and half[m] <= SHARES[0]:
         return fit
     fits = [fit]
@@ -208,7 +204,7 @@ def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
         fits.append(scored(fit.problem, start, fit.free, SURE_PASSES, tell, ROUGH))
     best = min(fits, key=lambda item: item.nll)
     near = [item.theta for item in fits if item.nll < best.nll + ACCEPTED]
-    places = [k for k, name in enumerate(names) if name in PHYSICAL]
+    places = [INDEX[name] for name in PHYSICAL]
     least = {
         k: max(fit.least.get(k, 0.0), *(abs(x[k] - best.theta[k]) for x in near)) for k in places
     }
@@ -217,12 +213,11 @@ def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
 
 def intervals_of(fit: Fit) -> dict[str, tuple[float, float, float]]:
     """Value, low and high of each physical parameter, in SI units."""
-    half, names = half_widths(fit), fit.problem.filter.graph.names
+    half = half_widths(fit)
     step = plant_step(fit.problem.log.period)
     intervals = {}
     for name in PHYSICAL:
-        place = names.index(name)
-        value, width = float(fit.theta[place]), float(half[place])
+        value, width = float(fit.theta[INDEX[name]]), float(half[INDEX[name]])
         if name in LOGARITHMIC:
             value, width = math.exp(value), min(max(width, 2e-3), 50.0)
             intervals[name] = (value, value * math.exp(-width), value * math.exp(width))
@@ -259,19 +254,17 @@ def cut_of(log: Samples) -> float:
     return float(log.t[-1] - HELD_OUT * (log.t[-1] - log.t[0]))
 
 
-def fitted_part(
-    fit: Fit, begin: float, end: float, passes: int, tell: Callable[[], None], start: Fit
-) -> Fit:
+def fitted_part(fit: Fit, begin: float, end: float, tell: Callable[[], None], start: Fit) -> Fit:
     """The fit, in its own model, of the part from ``begin`` to before ``end`` [s]."""
     t, boost = fit.problem.log.t, fit.problem.boost
     own = None if boost is None else boost[(t >= begin) & (t < end)]
     part = replace(fit.problem, log=fit.problem.log.until(end, begin), boost=own)
-    return replace(scored(part, start.theta, fit.free, passes, tell), least=fit.least)
+    return replace(scored(part, start.theta, fit.free, PART_PASSES, tell), least=fit.least)
 
 
-def score_of(white: Fit, trained: Fit, cut: float) -> Score:
+def score_of(white: Fit, trained: Fit) -> Score:
     """Score of a fit of the rest on the last third, in free runs of a second."""
-    problem = white.problem
+    problem, cut = white.problem, cut_of(white.problem.log)
     rest = problem.log.until(np.inf, cut)
     result = replace(problem, log=rest).read(trained.theta, slopes=False)
     foretold, held = free_runs(problem, rest, trained.theta, result.mean)

@@ -12,8 +12,12 @@ from scipy.special import stdtrit
 
 from wmr_ctrl.identification.kalman import (
     BLOCKS,
+    INDEX,
     LOGARITHMIC,
+    MEAN,
+    NAMES,
     PIECE,
+    WIDE,
     CompiledFilter,
     Events,
     PassResult,
@@ -45,7 +49,6 @@ def events_of(
     log: Samples,
     delay: float,
     start: Floats,
-    wide: int,
     boost: Floats | None = None,
     kinds: NDArray[np.int32] | None = None,
     blocks: NDArray[np.int32] | None = None,
@@ -77,7 +80,7 @@ def events_of(
     size = own.copy()
     size[:-1] += parts
     place = np.concatenate(([0], np.cumsum(size)))
-    rows = np.zeros((place[-1], wide))
+    rows = np.zeros((place[-1], WIDE))
     kind = np.full(place[-1], PIECE_KIND, np.int32)
     block = np.full(place[-1], -1, np.int32)
     piece = np.repeat(np.arange(len(parts)), parts)
@@ -122,9 +125,7 @@ class LogProblem:
     def events(self, theta: Floats) -> Events:
         """Events for these parameters' delay."""
         kinds, blocks = self.counting()
-        delay = theta[self.filter.graph.names.index("delay")]
-        args = self.log, delay, self._starts(), self.filter.wide
-        return events_of(*args, self.boost, kinds, blocks)
+        return events_of(self.log, theta[INDEX["delay"]], self._starts(), self.boost, kinds, blocks)
 
     def read(self, theta: Floats, slopes: bool = True) -> PassResult:
         """A pass through the filter."""
@@ -134,8 +135,7 @@ class LogProblem:
     def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
         """Means (N, state) that follow from those (F, state) at the start of each stretch alone."""
         kinds = np.full(len(log.t), WATCHED, np.int32)
-        delay = theta[self.filter.graph.names.index("delay")]
-        events = events_of(log, delay, start, self.filter.wide, None, kinds)
+        events = events_of(log, theta[INDEX["delay"]], start, None, kinds)
         parameters = np.concatenate((theta, self.known))
         return self.filter(events, parameters, self._covariance(), slopes=False).mean
 
@@ -152,8 +152,7 @@ class LogProblem:
         return kinds, np.minimum((t - t[0]) / span * BLOCKS, BLOCKS - 1).astype(np.int32)
 
     def _starts(self) -> Floats:
-        log, first = self.log, self.log.first
-        start = np.zeros((len(first), self.filter.graph.state))
+        log, first, start = self.log, self.log.first, at_rest(self.log)
         if log.of_speed:
             start[:, 2:4] = log.seen[first]
         else:
@@ -161,8 +160,6 @@ class LogProblem:
             later = np.minimum(first + 5, len(log.t) - 1)
             span = np.maximum(log.t[later] - log.t[first], 1e-6)
             start[:, 2:4] = (log.seen[later] - log.seen[first]) / span[:, None]
-        sent = np.searchsorted(log.command_t, log.t[first], "right") - 1
-        start[:, 6:8] = log.command[np.maximum(sent, 0)]
         return start
 
     def _covariance(self) -> Floats:
@@ -171,6 +168,14 @@ class LogProblem:
         """
         way = np.full(2, 1.0) if self.log.of_speed else self.log.variance
         return packed(np.concatenate((way, [0.25, 1.0, 0.0, 0.0])))
+
+
+def at_rest(log: Samples) -> Floats:
+    """Means (F, MEAN) at the beginning of each stretch of a robot at rest: the torques alone."""
+    start = np.zeros((len(log.first), MEAN))
+    sent = np.searchsorted(log.command_t, log.t[log.first], "right") - 1
+    start[:, 6:8] = log.command[np.maximum(sent, 0)]
+    return start
 
 
 def packed(diagonal: Floats) -> Floats:
@@ -204,8 +209,7 @@ class Fit:
         others.
         """
         least, most = ends(self.problem, self.free)
-        names = self.problem.filter.graph.names
-        noise = np.array([name[0] in "qsn" or name == "time" for name in names])
+        noise = np.array([name[0] in "qsn" or name == "time" for name in NAMES])
         return self.free & ~(noise & ((self.theta <= least) | (self.theta >= most)))
 
     def information(self) -> Floats:
@@ -246,7 +250,7 @@ def scored(
             step = np.clip(step, -1.5, 1.5) if np.abs(step).max() > 50 else step
             trial = theta.copy()
             trial[moving] += step
-            trial = np.clip(trusted(trial, theta, problem), least, most)
+            trial = np.clip(trusted(trial, theta), least, most)
             step = trial[moving] - theta[moving]
             promised = -float(gradient[moving] @ step + step @ fisher @ step / 2)
             if 0 <= promised < enough / 10:
@@ -273,7 +277,7 @@ def ends(problem: LogProblem, free: np.ndarray) -> tuple[Floats, Floats]:
 
     Integration, rounding and effects without a name are in the cleanest of logs.
     """
-    log, names = problem.log, problem.filter.graph.names
+    log = problem.log
     r, half_track = problem.known[:2]
     right, left = log.command.T
     force = np.std([right + left, half_track * (right - left)], axis=1) / r
@@ -285,15 +289,15 @@ def ends(problem: LogProblem, free: np.ndarray) -> tuple[Floats, Floats]:
     most = dict.fromkeys(("q1", "q2", "s1", "s2"), math.log(1e6))
     most |= {"time": math.log(60.0), "delay": LONGEST_DELAY, "lag": LAG_MOST}
     low, high = (
-        np.where(free, [side.get(name, other) for name in names], other)
+        np.where(free, [side.get(name, other) for name in NAMES], other)
         for side, other in ((least, -np.inf), (most, np.inf))
     )
     return low, high
 
 
-def trusted(trial: Floats, before: Floats, problem: LogProblem) -> Floats:
+def trusted(trial: Floats, before: Floats) -> Floats:
     """Logarithms no further from ``before`` than scoring can be trusted."""
-    near = np.array([name in LOGARITHMIC for name in problem.filter.graph.names])
+    near = np.array([name in LOGARITHMIC for name in NAMES])
     near &= np.isfinite(before)
     new = trial.copy()
     new[near] = np.clip(trial[near], before[near] - 1.5, before[near] + 1.5)

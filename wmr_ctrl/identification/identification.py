@@ -38,7 +38,7 @@ from wmr_ctrl.identification.estimate import (
 )
 from wmr_ctrl.identification.fit import COUNTED as MEASURED
 from wmr_ctrl.identification.fit import Fit, LogProblem, standard_errors
-from wmr_ctrl.identification.kalman import CompiledFilter, torque_graph
+from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
 from wmr_ctrl.identification.velocity_base import of_velocities
 from wmr_ctrl.logs import lint
@@ -90,11 +90,11 @@ class Identification(BaseIdentification):
 
     def traces(self) -> Traces:
         """Measured and predicted speeds, and residuals; takes some passes through the log."""
-        problem, names = self.white.problem, self.white.problem.filter.graph.names
+        problem = self.white.problem
         trained = self.trained.theta
         mean = problem.read(trained, slopes=False).mean
         foretold, _ = free_runs(problem, problem.log, trained, mean)
-        q = np.exp(self.white.theta[[names.index("q1"), names.index("q2")]])
+        q = np.exp(self.white.theta[[INDEX["q1"], INDEX["q2"]]])
         counts = (problem.counting()[0] == MEASURED)[:, None]
         force = np.where(counts, q * self.white.last.sizes, np.nan)
         began = problem.log.t < problem.log.t[0] + FREE_RUN
@@ -103,13 +103,13 @@ class Identification(BaseIdentification):
 
     def surfaces(self) -> tuple[Surface]:
         """Likelihood over delay and lag, all else as it was fitted."""
-        names, theta = self.fit.problem.filter.graph.names, self.fit.theta.copy()
-        errors = dict(zip(names, standard_errors(self.fit)[0].tolist(), strict=True))
+        theta = self.fit.theta.copy()
+        errors = dict(zip(NAMES, standard_errors(self.fit)[0].tolist(), strict=True))
         pair = "delay", "lag"
         x, y = (grid_about(self.parameters[n].value, errors[n], LEAST_LATE[n]) for n in pair)
         values = np.empty((len(x), len(y)))
         for i, j in np.ndindex(values.shape):
-            theta[[names.index(name) for name in pair]] = x[i], y[j]
+            theta[[INDEX[name] for name in pair]] = x[i], y[j]
             values[i, j] = -self.fit.problem.read(theta, slopes=False).nll.sum()
         return (Surface(pair, x, y, np.asarray(values + self.fit.nll)),)
 
@@ -234,9 +234,8 @@ def _of_torques(
     name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Callable[[], None]
 ) -> Identification:
     robot = scenario.robot
-    filter_ = CompiledFilter(torque_graph(scenario))
     known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
-    problem = LogProblem(log, filter_, known)
+    problem = LogProblem(log, CompiledFilter(scenario), known)
     white = white_fit(problem, scenario, tell)
     fit, colour = coloured_if_likelier(white, tell)
     fit, remarks = distrusting_low_speeds(fit, remarks, tell)
@@ -245,17 +244,16 @@ def _of_torques(
     speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))
     values = {key: item[0] for key, item in widths.items()}
     scale = sizes(values, speed, log.period)
-    names = filter_.graph.names
     for key, (value, low, high) in widths.items():
-        place = names.index(key)
+        place = INDEX[key]
         seconds = informative_seconds(log.t, fit.last.fisher[:, place, place])
         half = (high - low) / 2
         word = verdict(half, scale[key])
         estimates[key] = Estimate(value, low, high, word, seconds, half / scale[key])
     vague = {key for key, item in estimates.items() if item.verdict != DETERMINED}
-    places = [k for k, name in enumerate(names) if fit.free[k] and name in estimates]
+    places = [k for name, k in INDEX.items() if fit.free[k] and name in estimates]
     information = fit.last.fisher.sum(axis=0)[np.ix_(places, places)]
-    remarks += list(mixtures([names[k] for k in places], information, vague))
+    remarks += list(mixtures([NAMES[k] for k in places], information, vague))
     if widths["Fv"][2] < 0:
         remarks.append(
             "friction falls with speed (Fv < 0), as stiction makes it: Coulomb friction and Fv are "
@@ -270,16 +268,15 @@ def _of_torques(
     bare = bare_scenario(scenario, log)
     clocked = replace(bare, actuator=replace(bare.actuator, tau_max=scenario.actuator.tau_max))
     bounds = guard_bounds(white, widths, clocked, colour)
-    end = held_out(white, fit, clocked, colour, tell)
-    bounds = replace(explaining(white, bounds), refuted=end.refuted, wide=bounds.wide or unknown)
+    trained, refuted = held_out(white, fit, clocked, colour, tell)
+    bounds = replace(explaining(white, bounds), refuted=refuted, wide=bounds.wide or unknown)
     identified = _scenario(name, clocked, values, bounds, remarks)
-    score = score_of(white, end.trained, end.cut)
+    score = score_of(white, trained)
     price = usable_speeds(override(identified, {"guard.enabled": True}))
     if price:
         score = replace(score, usable_speed=price[0], one_newton_more=price[1])
-    return Identification(
-        name, estimates, bounds, tuple(remarks), score, identified, fit, white, end.trained
-    )
+    said = tuple(remarks)
+    return Identification(name, estimates, bounds, said, score, identified, fit, white, trained)
 
 
 def _scenario(

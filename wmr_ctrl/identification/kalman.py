@@ -12,7 +12,6 @@ from __future__ import annotations
 import ctypes as ct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import casadi as ca
 import numpy as np
@@ -39,29 +38,22 @@ SEEN = ("first", "second", "variance1", "variance2", "of_speed")
 """Inputs of a measurement: both axes' way and turn, or speeds (of_speed = 1), known variances."""
 
 
-@dataclass(frozen=True)
-class FilterGraph:
-    """Kernels of one model, without slopes and with them, and the order of their vectors.
-
-    ``names``: parameters; ``known``: numbers that are not searched; ``state``: length of the mean;
-    ``noisy``: how many of it carry a covariance; ``outputs``: residuals of a measurement.
-    """
-
-    kernels: tuple[Kernel, ...]
-    names: tuple[str, ...]
-    known: tuple[str, ...]
-    state: int
-    noisy: int
-    outputs: int
-
-
-TORQUE_NAMES = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag", "q1", "q2", "s1", "s2", "time",
-                "n1", "n2")  # fmt: skip
-"""Parameters of the torque base: see docs/identify.md.  m, I and what follows lag are searched as
-logarithms; q: rms white force a control period, s: rms of the coloured force and its time, n: rms
-of measured speeds."""
+NAMES = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag", "q1", "q2", "s1", "s2", "time",
+         "n1", "n2")  # fmt: skip
+"""Parameters, see docs/identify.md.  m, I and what follows lag are searched as logarithms; q: rms
+white force a control period, s: rms of the coloured force and its time, n: rms of measured
+speeds."""
 LOGARITHMIC = frozenset({"m", "I", "q1", "q2", "s1", "s2", "time", "n1", "n2"})
-TORQUE_KNOWN = ("r", "l", "g", "v_s", "T")
+INDEX = {name: k for k, name in enumerate(NAMES)}
+KNOWN = ("r", "l", "g", "v_s", "T")
+"""Numbers that are not searched."""
+MEAN, NOISY = 8, 6
+"""Length of the mean, and how many of it carry a covariance."""
+PACKED = NOISY * (NOISY + 1) // 2
+OUTPUTS = 2
+"""Residuals of a measurement."""
+WIDE = max(MEAN, len(PIECE))
+"""Numbers in a row of events."""
 
 
 def ground(scenario: Scenario) -> System:
@@ -88,15 +80,12 @@ def _of(ports: Sequence[Port], name: str) -> ca.SX:
     return next(item.sym for item in ports if item.signal.name == name)
 
 
-def torque_graph(scenario: Scenario) -> FilterGraph:
-    """Filter of a base that takes torques."""
-    theta, known = ca.SX.sym("theta", len(TORQUE_NAMES)), ca.SX.sym("known", len(TORQUE_KNOWN))
-    a = {
-        name: ca.exp(theta[i]) if name in LOGARITHMIC else theta[i]
-        for i, name in enumerate(TORQUE_NAMES)
-    }
-    a |= {name: known[i] for i, name in enumerate(TORQUE_KNOWN)}
-    u, mean, cov = ca.SX.sym("u", len(PIECE)), ca.SX.sym("mean", 8), ca.SX.sym("cov", 21)
+def kernels(scenario: Scenario) -> tuple[Kernel, ...]:
+    """Steps over a piece and over a measurement, each without slopes and with them."""
+    theta, known = ca.SX.sym("theta", len(NAMES)), ca.SX.sym("known", len(KNOWN))
+    a = {name: ca.exp(theta[i]) if name in LOGARITHMIC else theta[i] for name, i in INDEX.items()}
+    a |= {name: known[i] for i, name in enumerate(KNOWN)}
+    u, mean, cov = ca.SX.sym("u", len(PIECE)), ca.SX.sym("mean", MEAN), ca.SX.sym("cov", PACKED)
     h = u[2] + u[3] * a["delay"]
     acting = mean[6:8]
     after = followed(u[:2], ca.exp(-h / a["lag"]), acting)
@@ -111,7 +100,8 @@ def torque_graph(scenario: Scenario) -> FilterGraph:
     white = ca.diag(ca.vertcat(a["q1"], a["q2"]) ** 2) * u[4] ** 2 * a["T"] / h
     fresh = ca.vertcat(a["s1"], a["s2"]) ** 2 * (1 - keep**2)
     noise = ca.blockcat([[by[2] @ white @ by[2].T, ca.SX(4, 2)], [ca.SX(2, 4), ca.diag(fresh)]])
-    p = _full(cov, 6)
+    # From the upper triangle, row after row.
+    p = ca.tril2symm(ca.SX(ca.Sparsity.lower(NOISY), cov))
     following = ca.vertcat(by[0], keep * push, after, _packed(f @ p @ f.T + noise))
     piece = _both("predict", "a piece", following, u, mean, cov, theta, known)
     seen = ca.SX.sym("seen", len(SEEN))
@@ -122,7 +112,7 @@ def torque_graph(scenario: Scenario) -> FilterGraph:
     after_it, reading = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
     what = "correct", "a measurement, and what the likelihood takes of it"
     measured = _both(*what, after_it, seen, mean, cov, theta, known, reading)
-    return FilterGraph((*piece, *measured), TORQUE_NAMES, TORQUE_KNOWN, 8, 6, 2)
+    return (*piece, *measured)
 
 
 def stepped(
@@ -232,14 +222,8 @@ def _slopes(residual: ca.SX, s: ca.SX, inverse: ca.SX, along: Callable[[ca.SX], 
     return ca.horzcat(*columns)
 
 
-def _full(packed: ca.SX, size: int) -> ca.SX:
-    """A symmetric matrix from its upper triangle, row after row."""
-    return ca.tril2symm(ca.SX(ca.Sparsity.lower(size), packed))
-
-
 def _packed(whole: ca.SX) -> ca.SX:
-    size = whole.shape[0]
-    return ca.vertcat(*(whole[i, j] for i in range(size) for j in range(i, size)))
+    return ca.vertcat(*(whole[i, j] for i in range(NOISY) for j in range(i, NOISY)))
 
 
 @dataclass(frozen=True)
@@ -267,42 +251,33 @@ class PassResult:
 
 
 class CompiledFilter:
-    """A model's filter as compiled C."""
+    """The filter of a scenario as compiled C."""
 
-    def __init__(self, graph: FilterGraph) -> None:
+    def __init__(self, scenario: Scenario) -> None:
         """Build the library, or take it from the cache.  Raises CompilerError."""
-        self.graph = graph
-        self.wide = max(graph.state, len(PIECE))
-        self._library = ct.CDLL(_library(graph))
-        self._call = self._library.wmr_read_log
+        sizes = {
+            "NAMES": len(NAMES),
+            "KNOWN": len(KNOWN),
+            "STATE": MEAN,
+            "PRIMAL": MEAN + PACKED,
+            "OUTPUTS": OUTPUTS,
+            "DIRECTIONS": DIRECTIONS,
+            "WIDE": WIDE,
+        }
+        self._library = ct.CDLL(str(lanes_library("read_log.c", sizes, kernels(scenario))))
 
     def __call__(
         self, events: Events, parameters: Floats, covariance: Floats, slopes: bool = True
     ) -> PassResult:
         """One pass with ``parameters`` (searched, then known); ``covariance`` packed."""
-        n, g = len(self.graph.names), self.graph
+        n = len(NAMES)
         nll, gradient = np.zeros(BLOCKS), np.zeros((BLOCKS, n))
         fisher = np.zeros((BLOCKS, n, n))
-        residuals = np.zeros((events.measured, 2 * g.outputs + g.state))
+        residuals = np.zeros((events.measured, 2 * OUTPUTS + MEAN))
         arrays = (events.rows, events.kinds, events.blocks, np.ascontiguousarray(parameters))
         pointers = [ct.c_void_p(item.ctypes.data) for item in (*arrays, covariance)]
         results = [ct.c_void_p(item.ctypes.data) for item in (nll, gradient, fisher, residuals)]
-        self._call(ct.c_int64(len(events.kinds)), *pointers, ct.c_int32(bool(slopes)), *results)
-        parts = np.split(residuals, [g.outputs, 2 * g.outputs], axis=1)
+        count, sloped = ct.c_int64(len(events.kinds)), ct.c_int32(bool(slopes))
+        self._library.wmr_read_log(count, *pointers, sloped, *results)
+        parts = np.split(residuals, [OUTPUTS, 2 * OUTPUTS], axis=1)
         return PassResult(nll, gradient, fisher, *parts)
-
-
-@cache
-def _library(graph: FilterGraph) -> str:
-    """Path of the compiled filter."""
-    # Length of mean and covariance together.
-    sizes = {
-        "NAMES": len(graph.names),
-        "KNOWN": len(graph.known),
-        "STATE": graph.state,
-        "PRIMAL": (graph.state + graph.noisy * (graph.noisy + 1) // 2),
-        "OUTPUTS": graph.outputs,
-        "DIRECTIONS": DIRECTIONS,
-        "WIDE": max(graph.state, len(PIECE)),
-    }
-    return str(lanes_library("read_log.c", sizes, graph.kernels))

@@ -18,7 +18,7 @@ from wmr_ctrl.identification.bounds import BaseIdentification, sizes, verdict
 from wmr_ctrl.identification.estimate import PHYSICAL
 from wmr_ctrl.identification.fit import Fit, LogProblem
 from wmr_ctrl.identification.identification import Identification
-from wmr_ctrl.identification.kalman import LOGARITHMIC, stepped
+from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC, NAMES, stepped
 from wmr_ctrl.identification.speed_loop import (
     ORDER,
     PLACE,
@@ -105,22 +105,10 @@ def propose(result: BaseIdentification, floor: float = 4.0) -> ProposedDrive:
     return max(fitting, key=lambda item: item[0])[1]
 
 
-@dataclass(frozen=True)
-class Simulated:
-    """Outcome of a drive: the path (N, 3) of the robot as estimated; of all corners the farthest
-    way from the start [m], the largest speeds, the share of samples at a limit of torque; the
-    logarithm of the information's determinant, and the verdicts that it would earn.
-    """
-
-    path: Floats
-    farthest: float
-    fastest: tuple[float, float]
-    saturated: float
-    information: float
-    expected: Mapping[str, str]
-
-
-def _simulated(result: BaseIdentification, t: Floats, wanted: Floats) -> Simulated:
+def _simulated(
+    result: BaseIdentification, t: Floats, wanted: Floats
+) -> tuple[float, ProposedDrive]:
+    """Information, the logarithm of its determinant, and a drive (N, 2) at all corners."""
     if isinstance(result, VelocityIdentification):
         return _commanded(result, t, wanted)
     assert isinstance(result, Identification)
@@ -130,8 +118,9 @@ def _simulated(result: BaseIdentification, t: Floats, wanted: Floats) -> Simulat
     path = np.column_stack((motion[0, :, 4:6], motion[0, :, 1]))
     farthest = float(np.hypot(motion[:, :, 4], motion[:, :, 5]).max())
     speed = np.abs(motion[:, :, 2:4]).max(axis=(0, 1)).tolist()
-    verdicts = _expected(result, motion[0], torque[0])
-    return Simulated(path, farthest, (speed[0], speed[1]), share, *verdicts)
+    information, expected = _expected(result, motion[0], torque[0])
+    shown = path, farthest, (speed[0], speed[1]), share, expected
+    return information, ProposedDrive(t, wanted[:, 0], wanted[:, 1], *shown)
 
 
 def _fitted(
@@ -147,18 +136,18 @@ def _fitted(
         strays = [float(np.hypot(*_path(t, *item.T)[:, :2].T).max()) for item in wanted]
         wanted = wanted[int(np.argmin(strays))]
         if min(strays) <= floor / 2:
-            seen = _simulated(result, t, wanted)
+            information, drive = _simulated(result, t, wanted)
             # A better loop than the one here follows exactly.
-            farthest = max(min(strays), seen.farthest)
-            if farthest <= floor / 2 and (np.array(seen.fastest) <= limits).all():
-                numbers = farthest, seen.fastest, seen.saturated, seen.expected
-                drive = ProposedDrive(t, wanted[:, 0], wanted[:, 1], seen.path, *numbers)
-                return seen.information, drive
+            farthest = max(min(strays), drive.farthest)
+            if farthest <= floor / 2 and (np.array(drive.fastest) <= limits).all():
+                return information, replace(drive, farthest=farthest)
         most = SMALLER * most
     return None
 
 
-def _commanded(result: VelocityIdentification, t: Floats, wanted: Floats) -> Simulated:
+def _commanded(
+    result: VelocityIdentification, t: Floats, wanted: Floats
+) -> tuple[float, ProposedDrive]:
     """A base that is sent a drive: every corner of v's numbers with every one of omega's."""
     speeds: list[Floats] = []
     information, expected = 0.0, dict[str, str]()
@@ -177,7 +166,8 @@ def _commanded(result: VelocityIdentification, t: Floats, wanted: Floats) -> Sim
     fastest = (float(np.abs(speeds[0]).max()), float(np.abs(speeds[1]).max()))
     ways = [[_path(t, v, omega) for omega in speeds[1].T] for v in speeds[0].T]
     farthest = max(float(np.hypot(*way[:, :2].T).max()) for row in ways for way in row)
-    return Simulated(ways[0][0], farthest, fastest, 0.0, information, expected)
+    shown = ways[0][0], farthest, fastest, 0.0, expected
+    return information, ProposedDrive(t, wanted[:, 0], wanted[:, 1], *shown)
 
 
 def _ends(result: BaseIdentification, name: str, value: float) -> tuple[float, float]:
@@ -313,12 +303,11 @@ def _expected(
     log = Samples(t, seen, old.log.variance, t, torque, first, old.log.of_speed)
     problem = LogProblem(log, old.filter, old.known)
     known = Fit(problem, fit.theta, fit.free, problem.read(fit.theta))
-    names, whole = old.filter.graph.names, known.information()
-    errors = np.zeros(len(names))
+    whole, errors = known.information(), np.zeros(len(NAMES))
     errors[fit.free] = np.sqrt(np.diag(np.linalg.pinv(whole)))
     values = {name: result.parameters[name].value for name in PHYSICAL}
     size = sizes(values, np.sqrt(np.mean(motion[:, 2:4] ** 2, axis=0)), log.period)
-    half = {name: NORMAL * errors[names.index(name)] for name in PHYSICAL}
+    half = {name: NORMAL * errors[INDEX[name]] for name in PHYSICAL}
     return float(np.linalg.slogdet(whole)[1]), {
         name: verdict(half[name] * (values[name] if name in LOGARITHMIC else 1.0), size[name])
         for name in PHYSICAL

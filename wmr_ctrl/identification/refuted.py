@@ -20,8 +20,8 @@ from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.identification.bounds import UNITS, GuardBounds
 from wmr_ctrl.identification.estimate import cut_of, fitted_part, intervals_of
-from wmr_ctrl.identification.fit import COUNTED, LAG_LEAST, Fit
-from wmr_ctrl.identification.kalman import BLOCKS
+from wmr_ctrl.identification.fit import COUNTED, LAG_LEAST, Fit, at_rest
+from wmr_ctrl.identification.kalman import BLOCKS, INDEX, NAMES
 from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.logs.samples import Samples
 from wmr_ctrl.scenario import Scenario
@@ -31,8 +31,6 @@ SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 """Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""
 LATE_POINTS = 5, 3
 """Delays and lags in their intervals for which the force that acted is worked out."""
-PASSES = 12
-"""Passes of the fits of either part."""
 APART = 1.5
 """Sums of half-widths by which two parts of a log are apart where something changed."""
 WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
@@ -59,8 +57,8 @@ def guard_bounds(
     dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the residuals in
     standard deviations.  ``colour``: time constant of the coloured push [s], where there is one.
     """
-    names, log = white.problem.filter.graph.names, white.problem.log
-    q = np.exp(white.theta[[names.index("q1"), names.index("q2")]])
+    log = white.problem.log
+    q = np.exp(white.theta[[INDEX["q1"], INDEX["q2"]]])
     counted = white.problem.counting()[0] == COUNTED
     z = np.abs(white.last.sizes[counted])
     dbar = q * np.maximum(SIGMAS, z.max(axis=0))
@@ -72,7 +70,7 @@ def guard_bounds(
         high.append(value * (most / value) ** wider)
     period, robot = scenario.clock.control, scenario.robot
     if log.of_speed:
-        noise = np.exp(white.theta[[names.index("n1"), names.index("n2")]])
+        noise = np.exp(white.theta[[INDEX["n1"], INDEX["n2"]]])
         nbar = noise * np.maximum(SIGMAS, z.max(axis=0))
     else:
         counts = float(scenario.value("encoder.counts")[0])
@@ -127,34 +125,23 @@ def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
     return now, now - then
 
 
-@dataclass(frozen=True)
-class HeldOut:
-    """The white fit of the first two thirds, where the last begins [s], and what that has against
-    the bounds that the first two give.
-    """
-
-    trained: Fit
-    cut: float
-    refuted: tuple[str, ...]
-
-
 def held_out(
     white: Fit, fit: Fit, scenario: Scenario, colour: float | None, tell: Callable[[], None]
-) -> HeldOut:
-    """Bounds of a log's first two thirds, made as those of the whole log are, against its last.
+) -> tuple[Fit, tuple[str, ...]]:
+    """The white fit of a log's first two thirds, and contradictions of its last to their bounds.
 
-    ``white`` and ``fit`` as for `guard_bounds`, of the whole log; ``scenario`` has its clock.
+    ``white`` and ``fit`` are of the whole log; ``scenario`` has its clock.
     """
     cut = cut_of(white.problem.log)
-    before = fitted_part(fit, -np.inf, cut, PASSES, tell, fit)
-    rest = fitted_part(fit, cut, np.inf, PASSES, tell, before)
+    before = fitted_part(fit, -np.inf, cut, tell, fit)
+    rest = fitted_part(fit, cut, np.inf, tell, before)
     same = fit.problem is white.problem and (fit.free == white.free).all()
-    trained = before if same else fitted_part(white, -np.inf, cut, PASSES, tell, white)
+    trained = before if same else fitted_part(white, -np.inf, cut, tell, white)
     earlier, later = intervals_of(before), intervals_of(rest)
     bounds = guard_bounds(trained, earlier, scenario, colour)
     moved = [item.against(bounds) for item in contradictions(white, bounds, cut)]
     period = white.problem.log.period
-    return HeldOut(trained, cut, (*moved, *outside(bounds, earlier, later, period)))
+    return trained, (*moved, *outside(bounds, earlier, later, period))
 
 
 @dataclass(frozen=True)
@@ -263,17 +250,13 @@ def _unit_motions(white: Fit, bounds: GuardBounds, log: Samples) -> Iterator[Flo
 
     What they gain is the force that acted, by the filter's own graph, for a delay and a lag each.
     """
-    problem, names = white.problem, white.problem.filter.graph.names
-    start = np.zeros((len(log.first), problem.filter.graph.state))
-    sent = np.searchsorted(log.command_t, log.t[log.first], "right") - 1
-    start[:, 6:8] = log.command[np.maximum(sent, 0)]
     free = dict.fromkeys(("m", "I", "Fc", "Fv", "c", "Mv"), 0.0)
     lags = max(bounds.lag[0], LAG_LEAST), max(bounds.lag[1], LAG_LEAST)
     for delay in np.linspace(*bounds.delay, LATE_POINTS[0]).tolist():
         for lag in np.linspace(*lags, LATE_POINTS[1]).tolist():
             values = free | {"delay": delay, "lag": lag}
-            theta = np.array([values.get(n, x) for n, x in zip(names, white.theta, strict=True)])
-            yield problem.foretold(log, theta, start)[:, :4]
+            theta = np.array([values.get(n, x) for n, x in zip(NAMES, white.theta, strict=True)])
+            yield white.problem.foretold(log, theta, at_rest(log))[:, :4]
 
 
 @dataclass(frozen=True)
