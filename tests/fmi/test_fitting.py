@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import ctypes as ct
+
 import numpy as np
 import pytest
 
-from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, PLANT, PLANT_MAP
+from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, GUSTY, LOST, PLANT, PLANT_MAP
 from tests.fmi.raw import OK, REFUSED
 from tests.fmi.test_cosim import SHORT
 from wmr_ctrl.api import simulate
+from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.cosim import cosimulate
+from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.scenario import load_scenario, override
 
@@ -90,7 +94,61 @@ def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):
                             "limits.v_u2": [1e-10, 1e-10], "limits.clip": 1e-11})  # fmt: skip
     run = cosimulate(slow, "pid", plant=foreign("TheirRobot", PLANT), map_file=mapped(PLANT_MAP))
     assert run.monitor.violations == 2 * run.rows
+    assert run.settings.plant == 0.005
+    assert run.settings.plant_kind == "fmu"
+    text = " ".join(summary_text(run).split())
+    assert "watched every 0.005 s" in text
+    assert "100 plant steps of 0.005 s" in text
     assert simulate(slow, "pid").monitor.violations == 10 * run.rows
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"actuator.lag": 0.02}, r"0\.005 s, does not divide clock\.plant = 0\.001 s"),
+        ({"actuator.delay": 0.003}, r"0\.005 s, does not divide clock\.plant = 0\.001 s"),
+        ({"changes": [{"t": 0.013, "m": 55.0}]}, r"t = 0\.013 s falls between two steps"),
+    ],
+)
+def test_a_plant_is_stepped_by_its_maps_step_or_not_at_all(foreign, mapped, changes, match):
+    text = f'{PLANT_MAP}[plant.parameters]\n"robot.m" = "wheelR"\n'
+    given = {"plant": foreign("TheirRobot", PLANT), "map_file": mapped(text)}
+    with pytest.raises(ArgumentError, match=match):
+        cosimulate(override(SHORT, changes), "pid", **given)
+
+
+def test_a_plant_that_gives_no_numbers_is_named(foreign, mapped):
+    given = {"plant": foreign("TheirLoss", LOST), "map_file": mapped(PLANT_MAP)}
+    run = cosimulate(override(SHORT, {"clock.duration": 1.0}), "pid", **given)
+    assert run.outcome == "failed"
+    assert "TheirLoss.fmu (plant) failed at t = 0.495 s in its outputs, which give" in (
+        run.explanation
+    )
+    assert ": kept until it ended" in " ".join(summary_text(run).split())
+
+
+@pytest.mark.slow
+def test_a_push_out_of_the_corridor_is_told_of_a_foreign_plant(foreign, mapped):
+    """Its bounds are proved for our plant alone."""
+    given = {"plant": foreign("TheirGust", GUSTY), "map_file": mapped(PLANT_MAP)}
+    calm = {"changes": [], "clock.duration": 15.5}
+    pushed = cosimulate(override(load_scenario("safe-simulation"), calm), "prox", **given)
+    said = {item.key: item.text for item in pushed.remarks}
+    assert said["corridor-left"].startswith("At t = 15.0")
+
+
+def test_messages_of_fmi_2_have_their_values(exported, tmp_path):
+    """A model may leave it to the importer to put them into the text, each its own."""
+    slaves = [Slave(exported("nn", 2), name, tmp_path / name) for name in ("first", "second")]
+    for size, slave in enumerate(slaves):
+        at = ct.cast(slave._callbacks.logger, ct.c_void_p).value
+        said = (b"i", 3, b"c", b"a step of %d s", ct.c_int(size))
+        ct.CFUNCTYPE(None, ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p, ct.c_int)(
+            at
+        )(slave._callbacks.componentEnvironment, *said)
+    assert [slave.messages for slave in slaves] == [["a step of 0 s"], ["a step of 1 s"]]
+    for slave in slaves:
+        slave.end()
 
 
 def test_our_files_take_the_masters_timing(exported):

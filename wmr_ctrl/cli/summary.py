@@ -28,10 +28,17 @@ def summary_text(run: Run) -> str:
     rigid = "" if run.monitor.rigid is None else f", {run.settings.plant_kind} plant"
     head = [f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"]
     labels = {name: run.provenance.get(f"fmu_{name}") for name in FMUS}
+    if _theirs(run):
+        labels["plant"] = f"{labels['plant']}; watched every {run.settings.plant:g} s"
     head += [wrapped(f"{name}: {label}", hang="  ") for name, label in labels.items() if label]
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
     said = (wrapped(run.explanation), *remarks, *_counted(run))
     return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, summary(run)))))
+
+
+def _theirs(run: Run) -> bool:
+    """True if the plant was somebody else's."""
+    return run.settings.plant_kind == "fmu"
 
 
 def _unsaid(run: Run) -> Iterator[str]:
@@ -65,7 +72,8 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
     yield "wheel torque, change", _number(figures["torque_change_rms"], "N m"), "RMS per sample"
-    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), "RMS, by the motion"
+    needed = "RMS, by the motion" + (" of the scenario's robot" if _theirs(run) else "")
+    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), needed
     if figures["saturated_share"] is not None:
         yield "wheel torque at its limit", percent(figures["saturated_share"]), "of the samples"
     if run.monitor.rigid is not None:
@@ -160,7 +168,7 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     named = (("|v1|", "m/s"), ("|omega|", "rad/s"))
     limits = run.settings.v_u1
     for (name, unit), value, limit in zip(named, figures["max_abs_v"], limits, strict=True):
-        verdict = "kept until it ended" if run.monitor.stopped else "kept"
+        verdict = "kept" if run.rows == run.settings.samples else "kept until it ended"
         if value is None or (value > limit and figures["violations"]):
             verdict = "BROKEN"
         yield f"largest {name}", _number(value, unit), f"limit {limit:g} {unit}: {verdict}"

@@ -107,14 +107,15 @@ def corridor_monitor(scenario: Scenario, law: str) -> System:
 def left_corridor(run: Run) -> CorridorLeft | None:
     """The first leaving of the corridor by a run that was settled in it, None without one.
 
-    Asked of runs on the rigid body, and of those with effects of other packages, whose bounds
-    nothing proves; None without python-flint.
+    Asked of runs on the rigid body, on somebody else's plant, and with effects of other packages,
+    whose bounds nothing proves; None without python-flint.
     """
     scenario = scenario_of_run(run)
     if scenario is None or run.law not in LAWS or LAWS[run.law].inside is None:
         return None
     foreign = any(item.present(scenario) for item in EFFECTS.plugins)
-    if find_spec("flint") is None or not (foreign or run.monitor.rigid):
+    ours = run.settings.plant_kind == "ode" and not foreign
+    if find_spec("flint") is None or ours:
         return None
     from wmr_ctrl.corridor.latch import left_by
 

@@ -55,7 +55,8 @@ class Settings(CountedNumbers):
     ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
     before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s];
     ``tolerance``: position error that counts as tracked [m], None where not known;
-    ``plant_kind``: "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which
+    ``plant_kind``: "ode", the plane model, "mujoco", a rigid body, or "fmu", somebody else's, whose
+    ``plant`` is the time between two looks of the monitor; ``arrival``: time at which
     the desired motion comes to rest for good [s], None if it never does; ``keep_out``: circles
     and polygons that a body of ``radius`` [m] must not touch; ``frames``: how the columns state
     orientations, as in a scenario.

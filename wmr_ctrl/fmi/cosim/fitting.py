@@ -3,6 +3,7 @@
 import zipfile
 from pathlib import Path
 
+from wmr_ctrl.codegen.build import first_step_at
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup, settle
@@ -105,14 +106,43 @@ def check_parts(setup: Setup, plant: Part) -> None:
 def check_step(scenario: Scenario, part: Part) -> None:
     """Raise ArgumentError unless the map's step of an FMU divides the control period."""
     step, period = part.step_size, scenario.clock.control
-    if step is None:
-        return
-    count = max(1, round(period / step))
-    if abs(count * step - period) > _NEAR * period:
+    if step is not None and not _divides(step, period):
         raise ArgumentError(
             f"the map's step of {part.slave.path}, {step:g} s, does not divide clock.control = "
-            f"{period:g} s. Take {period / count:.9g} s, or leave it out for one step a period."
+            f"{period:g} s. Take {period / max(1, round(period / step)):.9g} s, or leave it out "
+            "for one step a period."
         )
+
+
+def check_spans(scenario: Scenario, plant: Part, steady: bool) -> None:
+    """Raise ArgumentError where a plant would be stepped over less than its map's step.
+
+    ``steady``: what acts on it stays the same over a control period; else it may change after
+    every clock.plant.
+    """
+    step, pace = plant.step_size, scenario.clock.plant
+    if step is None:
+        return
+    path = plant.slave.path
+    if not steady and not _divides(step, pace):
+        raise ArgumentError(
+            f"the map's step of {path}, {step:g} s, does not divide clock.plant = {pace:g} s, by "
+            "which drives or disturbances of this scenario change what acts on the plant. Set "
+            "clock.plant to a multiple of that step, or use a scenario without lag and delay."
+        )
+    for change in scenario.changes:
+        begins = first_step_at(change.t, pace) * pace
+        if begins < scenario.clock.duration and not _divides(step, begins):
+            raise ArgumentError(
+                f"the change at t = {change.t:g} s falls between two steps of {path}, whose map "
+                f"says {step:g} s. Move it to a multiple of that step."
+            )
+
+
+def _divides(step: float, span: float) -> bool:
+    """True if ``span`` [s] is a whole number of steps, but for rounding; 0 is none."""
+    count = round(span / step)
+    return abs(count * step - span) <= _NEAR * span and (count > 0 or span == 0)
 
 
 def check_start(scenario: Scenario, plant: Part) -> None:

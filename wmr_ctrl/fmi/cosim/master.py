@@ -83,7 +83,7 @@ class Master:
         """Everything is initialised already; the first step begins at t = 0."""
         self.scenario, self.clock, self.parts = scenario, scenario.clock, parts
         self.outside = outside
-        self.stride = self.clock.substeps if parts.plant.foreign else 1
+        self.stride = self.clock.substeps if parts.plant.foreign and outside.steady else 1
         start = (*scenario.initial.pose, *scenario.initial.velocity)
         self.state = (*start, *tuple(parts.plant.read())[len(start) :])
         self.applied: Sequence[float] = (0.0, 0.0)
@@ -100,6 +100,12 @@ class Master:
             ended = self.sample(k)
             if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
                 progress((k + 1) / self.clock.samples)
+
+    @property
+    def watched_every(self) -> float:
+        """Longest time between two looks of the monitor at the plant [s]."""
+        span = self.stride * self.clock.plant
+        return min(span, self.parts.plant.step_size or span)
 
     def sample(self, k: int) -> bool:
         """Reference, controller, plant; True if the run must end."""
@@ -170,7 +176,7 @@ class Master:
         """Plant steps (from, to) to take at once; what changes at their start is changed before."""
         last = first + self.clock.substeps
         edges = [n for n, _ in self.changes if first < n < last]
-        regular = range(first, last + 1, self.stride if self.outside.steady else 1)
+        regular = range(first, last + 1, self.stride)
         for start, end in pairwise(sorted({*regular, *edges})):
             while self.changes and self.changes[0][0] <= start:
                 self.parts.change(self.changes.pop(0)[1])

@@ -193,6 +193,7 @@ def plant_part(
         DRIVEN,
         part.step,
         foreign=True,
+        strict=True,
     )
 
 

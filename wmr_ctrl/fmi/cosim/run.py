@@ -219,6 +219,7 @@ def _run(
     giver = parts.controller
     for part in (parts.plant, giver if isinstance(giver, Part) else giver.controller):
         fitting.check_step(scenario, part)
+    fitting.check_spans(scenario, parts.plant, outside.steady)
     for name, slave in slaves.items():
         if name in maps:
             starts = maps[name].start
@@ -241,7 +242,10 @@ def _run(
     law = named if case.foreign else case.setup.name
     signals = (*LOG_HEAD, *case.diagnostics, *outside.columns)
     logged = (signals, _columns(signals, _table(loop)), outside.monitor(failure))
-    return assemble_run(scenario, law, seed, "fmu", logged, facts, _assumed(case))
+    run = assemble_run(scenario, law, seed, "fmu", logged, facts, _assumed(case))
+    if not parts.plant.foreign:
+        return run
+    return replace(run, settings=replace(run.settings, plant_kind="fmu", plant=loop.watched_every))
 
 
 def _assumed(case: CosimSetup) -> Assumptions:

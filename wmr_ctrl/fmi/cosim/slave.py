@@ -1,5 +1,7 @@
 """One FMU in co-simulation, through FMPy: read, write and step with arrays made once."""
 
+from __future__ import annotations
+
 import ctypes as ct
 import hashlib
 import os
@@ -11,6 +13,7 @@ from contextlib import suppress
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
+from weakref import WeakValueDictionary
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
 from wmr_ctrl.fields.values import may_unpack
@@ -21,6 +24,22 @@ _fmpy, _fmi2, _fmi3 = (library(f"fmpy{part}", "fmi") for part in ("", ".fmi2", "
 _WARNING = 1  # the highest status of a call that did what it should
 Read = Callable[[], list[float]]
 Write = Callable[[Sequence[float]], None]
+
+
+_HEARERS: WeakValueDictionary[int, Slave] = WeakValueDictionary()
+"""Instances of FMI 2 by the environment that their messages name."""
+
+
+def _heard(environment: int | None, *logged: Any) -> None:
+    """Pass a message on to its instance, or to FMPy: the library knows one logger for all."""
+    slave = _HEARERS.get(environment or 0)
+    if slave is None:
+        _fmi2.printLogMessage(environment, *logged)
+    else:
+        slave._hear(*logged)
+
+
+_LOGGER = _fmi2.fmi2CallbackLoggerTYPE(_heard)
 
 
 class FmuError(WmrError, RuntimeError):
@@ -195,9 +214,13 @@ class Slave(FmuFile):
             self._fmu.instantiate(logMessage=self._hear)
             return
         callbacks = _fmi2.fmi2CallbackFunctions()
-        callbacks.logger = _fmi2.fmi2CallbackLoggerTYPE(self._hear)
+        callbacks.logger = _LOGGER
+        callbacks.componentEnvironment = id(self)
+        _HEARERS[id(self)] = self
         callbacks.allocateMemory = _fmi2.defaultCallbacks.allocateMemory
         callbacks.freeMemory = _fmi2.defaultCallbacks.freeMemory
+        with suppress(Exception):  # FMPy's library that puts a message's values into its text
+            library("fmpy.logging", "fmi").addLoggerProxy(ct.byref(callbacks))
         self._callbacks = callbacks
         self._fmu.instantiate(callbacks=callbacks)
 
