@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from wmr_ctrl.checks.barrier import largest_pull, phases, velocity_error
+from wmr_ctrl.checks.loop import Loop
 
 MODEL = "model"
 
@@ -49,6 +52,17 @@ def test_pull_at_the_papers_start_is_that_of_its_auxiliary_velocity(loop):
     assert pull[0] == pytest.approx(25.74, rel=1e-2)
 
 
+@pytest.mark.parametrize("law", ["mb", "nn"])
+def test_the_pull_is_the_same_in_either_direction(loop, law):
+    own = Loop(loop(law).setup)
+    phase = next(phases(own.scenario))
+    pull = largest_pull(own, phase)
+    for signs in ([-1.0, 1.0], [1.0, -1.0]):
+        vars(own)["start"] = replace(own.start, v_c0=np.array(signs) * own.start.v_c0)
+
+        assert largest_pull(own, phase) == pytest.approx(pull, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("scenario", "when"),
     [("far-start-friction-overestimated", "at the start"), ("far-start-drop", "from 3 s on")],
@@ -59,7 +73,7 @@ def test_stress_cases_that_break_the_model_based_law_are_foreseen(told, scenario
     assert f"cannot hold |v1| below 1 m/s {when}" in warning.sentence
 
 
-@pytest.mark.parametrize("start", [[1.3, 0.0], [0.0, 2.0], [1.3, 2.0]])
+@pytest.mark.parametrize("start", [[1.3, 0.0], [-1.3, 0.0], [0.0, -2.0], [1.3, 2.0]])
 def test_what_starts_outside_on_an_axis_is_not_said_to_be_pushed_through(told, start):
     outside = {"initial.velocity": start}
     warnings = told("mb", outside, scenario="far-start-friction-overestimated", key=MODEL)
@@ -83,6 +97,18 @@ def test_change_after_the_approach_cannot_push_through(told):
 
     assert sentences
     assert not any("cannot hold" in sentence for sentence in sentences)
+
+
+@pytest.mark.parametrize(("share", "pushed"), [(0.98, True), (1.02, False)])
+def test_the_approach_is_as_long_as_the_robot_takes_to_the_reference_at_v_u2(
+    loop, told, share, pushed
+):
+    at = loop("mb", scenario="far-start-drop")
+    approach = np.hypot(*at.start.e[:2]) / at.scenario.limits.v_u2[0]
+    drop = {"changes": [{"t": round(share * approach, 2), "mu": 0.0}]}
+    sentences = [w.sentence for w in told("mb", drop, scenario="far-start-drop", key=MODEL)]
+
+    assert any("cannot hold" in sentence for sentence in sentences) is pushed
 
 
 def test_switch_of_the_paper_leaves_the_model_based_law_behind(loop, told):

@@ -48,6 +48,7 @@ def test_a_start_that_a_push_can_carry_out_before_the_first_command(told, start,
 
     assert bool(places) is warned
     assert all("0.00667 m/s" in sentence for sentence in places)
+    assert all("Start below 0.9933 m/s for" in sentence for sentence in places)
     at_once = told("prox", changed, key="initial.velocity")
     assert not [item for item in at_once if "first command" in item.sentence]
 

@@ -10,8 +10,16 @@ import pytest
 from tests.checks.asking import closed
 from wmr_ctrl.api import compile_loop, simulate
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.radius import _of_product, largest_radius, radius, stretches_of
+from wmr_ctrl.checks.radius import (
+    _of_product,
+    from_pose_to_pose,
+    largest_radius,
+    radius,
+    stretches_of,
+)
 from wmr_ctrl.checks.sample_time import largest_period
+from wmr_ctrl.checks.sampled_plant import divided
+from wmr_ctrl.checks.surroundings import DriveTimes, _counts
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.model.kinematics import error_rotation
@@ -193,6 +201,54 @@ def test_stretches_of_a_reference_share_its_period_and_its_way() -> None:
         np.abs(desired[:, 4]).mean(), rel=0.05
     )
     assert stretches_of(still({})) is None
+
+
+def test_each_stretch_has_the_velocity_of_its_middle() -> None:
+    """Neighbours are one only where both velocities are the same."""
+    scenario = still({"reference.kind": "lemniscate"})
+    each, shares, cycle = stretches_of(scenario)
+    counts = np.round(16 * shares).astype(int)
+    middles = sample(scenario, (np.arange(16) + 0.5) * cycle / 16)[:, 3:5]
+
+    assert np.repeat(each, counts, axis=0) == pytest.approx(middles, abs=1e-8)
+
+
+def test_from_pose_to_pose_is_the_product_of_the_samples_between() -> None:
+    loop = Loop(settle(still({"sensor.pose_period": 5 * T, "sensor.correction": 0.5}), "prox"))
+    at = loop.on_reference(V_D)
+    samples = [loop.closed(at, T, sample=k) for k in range(5, 10)]
+    expected = np.linalg.multi_dot(samples[::-1])
+
+    assert from_pose_to_pose(loop, at, T) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("value", "period", "whole"), [(0.3, 0.1, 3), (0.06, 0.01, 6), (0.035, 0.01, 3), (0.0, 0.1, 0)]
+)
+def test_a_delay_is_as_many_periods_as_its_decimals_say(value, period, whole) -> None:
+    count, rest = divided(value, period)
+
+    assert count == whole
+    assert count * period + rest == pytest.approx(value, abs=1e-12)
+    assert rest == 0 or rest > 0.1 * period
+
+
+@pytest.mark.parametrize("ratio", [1.25, 3.9, 5.0])
+def test_samples_that_stand_for_a_time_are_that_time_on_average(ratio) -> None:
+    ways = _counts("sensor.velocity_window", ratio, True)
+
+    assert sum(weight for weight, _ in ways) == pytest.approx(1.0)
+    assert sum(weight * count for weight, count in ways) == pytest.approx(ratio)
+    assert all(abs(count - ratio) < 1 for _, count in ways)
+    assert _counts("sensor.velocity_window", 0.4, True) == [(1.0, 1)]
+
+
+def test_what_a_law_knows_of_its_drives_falls_with_their_lag() -> None:
+    lag = 0.03
+    around = Loop(settle(still({"actuator.lag": lag}), "mb")).around
+    known = around.known_of_drives(T, DriveTimes(0.0, 0.0, lag), applied=True, commands=0)
+
+    assert radius(known.moved) == pytest.approx(np.exp(-T / lag), rel=1e-12)
 
 
 def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> None:

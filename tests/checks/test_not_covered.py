@@ -33,6 +33,14 @@ def test_bounded_noise_is_named_so(told):
     assert "0.5 N m rms, cut at 3 times that" in warning.sentence
 
 
+def test_noise_turns_by_the_arm_of_its_wheels(told):
+    """Both wheels' torques, over r and by half the track: sqrt(2) 0.5/0.1 times 0.25 m."""
+    turned = {"disturbance.std": 0.5, "initial.pose": [0.0, 0.0, 0.0]}
+    (warning,) = told("mb", turned, key="disturbance.std")
+
+    assert "pushes omega with 1.77 N m rms" in warning.sentence
+
+
 @pytest.mark.parametrize(
     ("law", "scenario"), [("mb", "paper-simulation-nominal"), ("pid", "far-start")]
 )
@@ -42,9 +50,12 @@ def test_silent_without_noise_and_for_laws_that_promise_nothing(told, law, scena
 
 @pytest.mark.parametrize(("tau_max", "warned"), [(1.95, True), (1.97, False)])
 def test_torque_that_friction_uses_up(told, tau_max, warned):
+    """The remedy names where that ends."""
     limited = {"actuator.tau_max": tau_max}
+    found = told("mb", limited, key="actuator.tau_max")
 
-    assert bool(told("mb", limited, key="actuator.tau_max")) is warned
+    assert bool(found) is warned
+    assert all("Raise it above 1.96 N m." in item.sentence for item in found)
 
 
 def test_friction_after_a_change_counts_too(told):

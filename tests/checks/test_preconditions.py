@@ -53,6 +53,13 @@ def test_reference_that_does_not_move_forwards(told, overrides, words):
     assert words in warning.sentence
 
 
+@pytest.mark.parametrize("speed", [1e-3, 0.05])
+def test_a_slow_reference_moves_forwards(told, speed):
+    line = {"reference.kind": "line", "reference.speed": speed}
+
+    assert told("nn", line, key="reference") == []
+
+
 def test_second_kinematic_gain_below_one(told):
     (warning,) = told("mb", {"gains.kinematics.k": (10, 0.5, 4)}, key="gains.kinematics.k")
 

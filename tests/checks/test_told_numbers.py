@@ -18,6 +18,7 @@ from wmr_ctrl.checks.sample_time import shortest_tried
 from wmr_ctrl.checks.surroundings import oldest_shown
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.phases import largest_friction
 
 
 @pytest.mark.parametrize(("tolerance", "objects"), [(0.001, True), (1.0, False)])
@@ -146,4 +147,5 @@ def test_a_noisy_rate_of_turn_swings_the_torques_by_its_own_inertia_and_arm(told
     robot, guard = scenario.robot, settle(scenario, "kanayama").guard
     inertia, alpha = guard.M_min[1], guard.alpha
 
+    assert f"more than {largest_friction(scenario) * robot.r / 2:.3g} N m" in warning.sentence
     assert swing == pytest.approx(4 * 0.3 * inertia * alpha * robot.r / (2 * robot.l), rel=5e-3)

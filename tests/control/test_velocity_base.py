@@ -217,8 +217,11 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     k = 0.9 / 1.1
     expected = [k * (V + kappa * (V - 2 * 0.01)) / (1 + kappa * k) for V in (1.0, 2.0)]
     assert facts.usable_speed == pytest.approx(expected, rel=1e-6)
-    assert facts.delay_cost is not None
-    assert min(facts.delay_cost) > 0
+    later = filter_facts(settle(based({**GOVERNED, "filter.delay": [0.0, 0.001]}), "kanayama"))
+    assert later is not None
+    left = [now - then for now, then in zip(facts.usable_speed, later.usable_speed, strict=True)]
+    assert facts.delay_cost == pytest.approx(left, rel=1e-9)
+    assert min(left) > 0
     clip = {**GOVERNED, "filter": {"kind": "clip", "gain": [0.9, 1.1]}}
     memoryless = filter_facts(settle(based(clip), "kanayama"))
     assert memoryless is not None
@@ -299,6 +302,10 @@ def test_check_says_what_holds_of_loops_that_overshoot_and_what_it_leaves(
         assert facts.rise is not None
         assert facts.rise_cost is not None
         assert 0.3 < min(facts.rise) < max(facts.rise) < 4.0
+        step = wmr_ctrl.command_filter(override(scenario, {"filter.scale": "axes"}))
+        sent = [0.0, *(step.step((10.0, 20.0)).command[0] for _ in range(100))]
+        times = scenario.clock.control * np.arange(101)
+        assert facts.rise[0] == pytest.approx(np.interp(0.9, sent, times), rel=1e-9)
         assert 0.0 < min(facts.rise_cost) < max(facts.rise_cost) < 0.5
     taken = [cost / share for cost, share in zip(facts.overshoot_cost, shares, strict=True)]
     assert (0.01 if kind == "clip" else 0.0) < min(taken) < max(taken) < 0.06
