@@ -195,7 +195,7 @@ def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
 def test_figures_that_became_worse_are_told(once):
     before = {"reference": "circle", "mass": 1.0, "tracking_drive_rms": 0.18, "lost": 0,
               "torque_change_rms": 0.5, "max_abs_v1": 0.9, "max_abs_v2": 1.0}  # fmt: skip
-    better = before | {"tracking_drive_rms": 0.15, "torque_change_rms": 0.52}
+    better = before | {"tracking_drive_rms": 0.15, "torque_change_rms": 0.52, "max_abs_v2": 1.4}
     worse = before | {"reference": "lemniscate", "tracking_drive_rms": 0.2, "max_abs_v1": 0.95}
     after = [better, worse | {"max_abs_v2": 1.6, "lost": 1}]
     tuning = replace(once, before=table_of_rows([before] * 2), after=table_of_rows(after))
