@@ -19,7 +19,6 @@ from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import tau_peak
 from wmr_ctrl.results.figures import FIGURES, Figure
-from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.tuning import judged, tunable
 from wmr_ctrl.tuning.gains import _costs, _start
@@ -190,25 +189,6 @@ def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
     assert done.exit_code == 2
     assert told in " ".join(done.stderr.split())
     assert not list(tmp_path.iterdir())
-
-
-def test_figures_that_became_worse_are_told(once):
-    before = {"reference": "circle", "mass": 1.0, "tracking_drive_rms": 0.18, "lost": 0,
-              "torque_change_rms": 0.5, "max_abs_v1": 0.9, "max_abs_v2": 1.0}  # fmt: skip
-    better = before | {"tracking_drive_rms": 0.15, "torque_change_rms": 0.52, "max_abs_v2": 1.4}
-    worse = before | {"reference": "lemniscate", "tracking_drive_rms": 0.2, "max_abs_v1": 0.95}
-    after = [better, worse | {"max_abs_v2": 1.6, "lost": 1}]
-    tuning = replace(once, before=table_of_rows([before] * 2), after=table_of_rows(after))
-
-    assert [(item.reference, item.figure, item.after) for item in tuning.worse] == [
-        ("lemniscate", "tracking_drive_rms", 0.2),
-        ("lemniscate", "max_abs_v2", 1.6),
-        ("lemniscate", "lost", 1),
-    ]
-    assert [item["figure"] for item in tuning.to_json()["worse"]] == [
-        item.figure for item in tuning.worse
-    ]
-    assert replace(once, after=once.before).worse == ()
 
 
 def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):

@@ -1,0 +1,126 @@
+"""The search by itself: what it asks for and keeps, which plans it takes, and what it is told."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import tune
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.results.table import table_of_rows
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.tuning import gains
+from wmr_ctrl.tuning.gains import Tuning
+from wmr_ctrl.tuning.search import WIDEST, Cost, Search, Trials, TuningPlan
+
+START = {"gains.mb.rho": (60.0, 20.0)}
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario("safe-simulation", START)
+
+
+def test_it_begins_with_the_start_and_goes_no_farther_than_its_bound():
+    """However much less it costs to be farther."""
+    search, most = Search({"a": (1.0,), "b": (2.0, 3.0)}), 0.0
+    for generation in range(40):
+        asked = search.ask()
+        assert generation or not asked[0].any()
+        search.tell(asked, [Cost(False, 0, -float(item.sum())) for item in asked])
+        most = max(most, np.abs(asked).max())
+
+    assert WIDEST - 0.1 < most <= WIDEST
+
+
+def test_trials_that_were_kept_are_known_again_until_the_search_is_over(tmp_path):
+    kept, target = [[Cost(True, 2, 0.5)], [Cost(False, 0, 0.25)]], tmp_path / "a.toml"
+    trials = Trials(target, "same")
+    for costs in kept:
+        trials.keep(costs)
+    again = Trials(target, "same")
+
+    assert [again.known(k) for k in range(3)] == [*kept, None]
+    with pytest.raises(ArgumentError, match="another search"):
+        Trials(target, "other")
+    again.forget()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_search_is_another_with_every_part_of_its_plan(scenario, monkeypatch, tmp_path):
+    found = set()
+
+    def told(*parts):
+        found.add(repr(parts))
+        raise InterruptedError
+
+    monkeypatch.setattr(gains, "digest_of", told)
+    monkeypatch.setattr(gains, "_check_corridor", lambda *_: None)
+    one = {"scenario": scenario, "law": "mb", "seeds": [1], "weight": 0.1, "hold": []}
+    others = (
+        {}, {"law": "pid"}, {"seeds": [2]}, {"weight": 0.2}, {"hold": ["gains.mb.rho"]},
+        {"merit": "corridor"}, {"scenario": load_scenario("safe-experiment")},
+    )  # fmt: skip
+    for other in others:
+        with pytest.raises(InterruptedError):
+            tune(out=tmp_path / "a.toml", **{**one, **other})
+
+    assert len(found) == len(others)
+
+
+@pytest.mark.parametrize("wrong", [{"trials": 0}, {"weight": -1e-9}, {"weight": math.inf}])
+def test_a_plan_takes_one_trial_and_no_weight_and_nothing_less(scenario, wrong):
+    least = {"trials": 1, "weight": 0.0}
+
+    assert TuningPlan(scenario=scenario, law="mb", **least).weight == 0.0
+    with pytest.raises(ArgumentError, match=next(iter(wrong))):
+        TuningPlan(scenario=scenario, law="mb", **(least | wrong))
+
+
+def test_a_cost_is_told_in_millimetres():
+    assert Cost(False, 0, 0.01234).sentence == "12.34 mm"
+
+
+def test_what_runs_without_rounded_gains_would_be_worse_is_not_taken(
+    scenario, monkeypatch, tmp_path
+):
+    """The search finds a set that costs less, and which costs more when both are run at last."""
+    calls = []
+
+    def costs(plan, sets, jobs):
+        calls.append(sets)
+        last = len(calls) == 2
+        return [Cost(False, 0, float(k + 1 if last else 9 - k)) for k in range(len(sets))]
+
+    monkeypatch.setattr(gains, "_costs", costs)
+    monkeypatch.setattr(gains, "judged", lambda *_: None)
+    found = tune(scenario, "mb", tmp_path / "a.toml", seeds=[1], test_seeds=[2], trials=1)
+
+    assert calls[1][1]["gains.mb.rho"] != START["gains.mb.rho"]
+    assert found.gains["gains.mb.rho"] == START["gains.mb.rho"]
+    assert found.objective == (Cost(False, 0, 1.0), Cost(False, 0, 1.0))
+
+
+def test_figures_that_became_worse_are_told(scenario):
+    before = {"reference": "circle", "mass": 1.0, "tracking_drive_rms": 0.18, "lost": 0,
+              "torque_change_rms": 0.5, "max_abs_v1": 0.9, "max_abs_v2": 1.0}  # fmt: skip
+    better = before | {"tracking_drive_rms": 0.15, "torque_change_rms": 0.52, "max_abs_v2": 1.4}
+    worse = before | {"reference": "lemniscate", "tracking_drive_rms": 0.2, "max_abs_v1": 0.95}
+    tables = [[before] * 2, [better, worse | {"max_abs_v2": 1.6, "lost": 1}]]
+    plan, cost = TuningPlan(scenario=scenario, law="mb"), Cost(False, 0, 1.0)
+    both = map(table_of_rows, tables)
+    tuning = Tuning(plan, scenario, START, (cost, cost), *both, Path("a.toml"))
+
+    assert [(item.reference, item.figure, item.after) for item in tuning.worse] == [
+        ("lemniscate", "tracking_drive_rms", 0.2),
+        ("lemniscate", "max_abs_v2", 1.6),
+        ("lemniscate", "lost", 1),
+    ]
+    assert [item["figure"] for item in tuning.to_json()["worse"]] == [
+        item.figure for item in tuning.worse
+    ]
+    assert replace(tuning, after=tuning.before).worse == ()
