@@ -12,6 +12,7 @@ import pytest
 import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
 from wmr_ctrl.checks import filter_facts
+from wmr_ctrl.checks.velocity_base import rise_times
 from wmr_ctrl.cli.check_sentences import filter_lines
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
@@ -226,6 +227,7 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     memoryless = filter_facts(settle(based(clip), "kanayama"))
     assert memoryless is not None
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
+    assert rise_times(based(clip)) == pytest.approx([0.05 * 0.9 * 1.1] * 2, rel=1e-6)
 
 
 def at_rest(
