@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.fmi.foreign import PLANT, PLANT_MAP
-from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import PartMap, compiled, input_rows, load_map, output_rows
 from wmr_ctrl.fmi.cosim.slave import FmuFile
@@ -40,10 +40,11 @@ def test_units_that_do_not_fit_are_refused(exported, mapped, row):
     ("unit", "row"), [("N.m", "tau_right"), ("rad/s", "omega"), ("m", "x"), ("rad", "theta")]
 )
 def test_the_hint_names_a_unit_of_the_right_dimension(unit, row):
+    gives, takes = ("controller", "plant") if unit == "N.m" else ("plant", "controller")
     with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
-        output_rows(PartMap(outputs={row: "theirs"}), lambda _: None, "plant")
+        output_rows(PartMap(outputs={row: "theirs"}), lambda _: None, gives)
     with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
-        input_rows(PartMap(inputs={"theirs": row}), lambda _: "furlong", "plant")
+        input_rows(PartMap(inputs={"theirs": row}), lambda _: "furlong", takes)
 
 
 UNSTATED = """
@@ -85,10 +86,12 @@ def test_units_are_what_the_fmu_defines():
     """mN.m by a factor, degC by an offset too, under whatever name."""
     milli = NamedUnit("milli", 1e-3, unit_of("N.m").exponents)
     theirs = {"torque": milli, "angle": NamedUnit("turned", np.pi / 180, {"rad": 1}, 0.5)}
-    part = PartMap(inputs={"torque": "tau_right", "angle": "theta"}, outputs={"theta": "angle"})
-    inward, back = input_rows(part, theirs.get, "plant")
+    part = PartMap(
+        inputs={"torque": "tau_applied[1]", "angle": "theta"}, outputs={"theta": "angle"}
+    )
+    inward, back = input_rows(part, theirs.get, "controller")
     (outward,) = output_rows(part, theirs.get, "plant")
-    assert inward.terms == (("tau_right", pytest.approx(1000.0)),)
+    assert inward.terms == (("tau_applied[1]", pytest.approx(1000.0)),)
     assert compiled([outward], ["angle"])([90.0]) == [pytest.approx(np.pi / 2 + 0.5)]
     assert compiled([back], ["theta"])([np.pi / 2 + 0.5]) == [pytest.approx(90.0)]
 
@@ -178,3 +181,44 @@ def test_keys_of_a_map_are_told_like_those_of_a_scenario(mapped, text, words):
 def test_entries_of_a_map_are_told_like_keys_of_a_scenario(row, words):
     with pytest.raises(ScenarioError, match=words):
         input_rows(PartMap(inputs={"x": row}), lambda _: "m", "plant")
+
+
+@pytest.mark.parametrize(
+    ("read", "part", "row", "words"),
+    [
+        (input_rows, "plant", "tau_applied[1]", r"plant\.inputs\.theirs can have .* tau_right"),
+        (input_rows, "controller", "torque_right", r"controller\.inputs\.theirs can have"),
+        (output_rows, "plant", "x_d", r"plant\.outputs\.x_d can have"),
+        (output_rows, "controller", "v1", r"controller\.outputs\.v1 can have"),
+    ],
+)
+def test_a_quantity_that_a_part_does_not_have_is_refused(read, part, row, words):
+    """It was without effect, or a KeyError in the first step."""
+    given = {"inputs": {"theirs": row}} if read is input_rows else {"outputs": {row: "theirs"}}
+    with pytest.raises(UnknownNameError, match=words):
+        read(PartMap(**given), lambda _: "m", part)
+
+
+@pytest.mark.parametrize(
+    ("part", "both"),
+    [
+        ("plant", ("theta", "psi")),
+        ("plant", ("v1", "w_left")),
+        ("controller", ("tau_left", "force[1]")),
+    ],
+)
+def test_rows_of_which_one_has_no_effect_are_refused(part, both):
+    with pytest.raises(ArgumentError, match=f"both {' and '.join(map(re.escape, both))}"):
+        output_rows(PartMap(outputs=dict.fromkeys(both, "theirs")), lambda _: "m", part)
+
+
+def test_a_part_of_a_map_without_its_file_is_refused(exported, mapped):
+    with pytest.raises(ArgumentError, match=r"part \[controller\], and no controller FMU"):
+        cosimulate(
+            SHORT, "pid", plant=exported("plant", 2), map_file=mapped("[controller]\nstep = 0.01\n")
+        )
+
+
+def test_an_array_is_refused(exported):
+    with pytest.raises(ArgumentError, match=r"W_hat1 .* is an array"):
+        FmuFile(exported("nn", 3), "controller").variable("W_hat1")

@@ -62,6 +62,22 @@ UNITS = {
 """Units of our quantities; the force (thrust, moment) may stand in the place of both torques."""
 UnitOf = Callable[[str], NamedUnit | str | None]
 """From the name of their variable to its unit: as the FMU defines it, its mere name, or nothing."""
+DESIRED = tuple(s.name for s in REFERENCE)
+NOISES = tuple(s.name for s in TORQUE_NOISE)
+DRIVEN = (*TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *DISTURBED)
+"""Sources of a plant."""
+SEEN = (*DESIRED, *STATE, *TAU_APPLIED.elements, *READY)
+"""Sources of a controller."""
+_TAKEN = {"plant": DRIVEN, "controller": SEEN}
+_GIVEN = {
+    "plant": (*STATE, *READY, PATH.name, SKID.name),
+    "controller": (*TORQUES, *FORCE.elements),
+}
+_EITHER = {
+    "plant": ((("theta",), ("psi",)), (("v1", "omega"), ("w_right", "w_left"))),
+    "controller": ((TORQUES, FORCE.elements),),
+}
+"""Outputs of which a map gives the one or the other."""
 _INSTEAD = {"plant": READY, "controller": FORCE.elements}
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -147,6 +163,13 @@ def input_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
 def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
     """Rows that give our quantities from their outputs."""
     given = part.outputs.items()
+    for one, other in _EITHER[name]:
+        both = [next((key for key in side if key in part.outputs), "") for side in (one, other)]
+        if all(both):
+            raise ArgumentError(
+                f"the map's [{name}.outputs] gives both {' and '.join(both)}, of which one has no "
+                f"effect. Give either {', '.join(one)} or {', '.join(other)}."
+            )
     return [_Row(f"{name}.outputs", *row, theirs, part.units, inward=False).read() for row in given]
 
 
@@ -158,6 +181,7 @@ class _Row:
     ) -> None:
         self.key = key = f"{table}.{target}"
         self.target, self.theirs, self.units = target, theirs, units
+        self.ours = (_TAKEN if inward else _GIVEN)[table.partition(".")[0]]
         if not isinstance(raw, str | Mapping):
             raise ArgumentError(f"{key} = {show(raw)} must be a name, or a table with terms.")
         self.entry = build(MapEntry, {"terms": {raw: 1.0}} if isinstance(raw, str) else raw, key)
@@ -187,8 +211,8 @@ class _Row:
 
     def unit_of_ours(self, name: str) -> NamedUnit:
         """Unit of a quantity of ours."""
-        if name not in UNITS:
-            raise UnknownNameError(f"quantity of ours (in {self.key})", name, UNITS)
+        if name not in self.ours:
+            raise UnknownNameError(f"quantity of ours that {self.key} can have", name, self.ours)
         return unit_of(UNITS[name])
 
     def unit_of_theirs(self, name: str) -> NamedUnit:

@@ -19,8 +19,8 @@ import numpy as np
 from wmr_ctrl.codegen.build import build_outside, first_step_at
 from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.fmi.cosim.mapping import STATE
-from wmr_ctrl.fmi.cosim.parts import DESIRED, GuardedController, Part, limiter, ready
+from wmr_ctrl.fmi.cosim.mapping import DESIRED, STATE
+from wmr_ctrl.fmi.cosim.parts import GuardedController, Part, limiter, ready
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.sim.coupled import Coupled
 

@@ -14,25 +14,15 @@ from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.scenario import Robot
 from wmr_ctrl.signals import (
-    BODY_FORCE,
     FORCE,
     GUARD_DIAGNOSTICS,
-    REFERENCE,
-    TAU_APPLIED,
-    TORQUE_NOISE,
     VELOCITY,
     Signal,
 )
 
-DESIRED = tuple(s.name for s in REFERENCE)
-NOISES = tuple(s.name for s in TORQUE_NOISE)
 GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
 """Sources of a guard."""
-DRIVEN = (*mapping.TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *mapping.DISTURBED)
-"""Sources of a plant."""
-SEEN = (*DESIRED, *mapping.STATE, *TAU_APPLIED.elements, *mapping.READY)
-"""Sources of a controller."""
-_VELOCITY = tuple(SEEN.index(signal.name) for signal in VELOCITY)
+_VELOCITY = tuple(mapping.SEEN.index(signal.name) for signal in VELOCITY)
 _ASKED = len(FORCE.elements)
 
 
@@ -135,7 +125,7 @@ class GuardedController:
 
 def reference_part(slave: Slave) -> Part:
     """Our reference FMU."""
-    return Part(slave, [], mapping.identity(DESIRED), ())
+    return Part(slave, [], mapping.identity(mapping.DESIRED), ())
 
 
 def guard_part(slave: Slave) -> Part:
@@ -157,15 +147,15 @@ def controller_part(
     """
     if part is None:
         known = {name for name, v in slave.variables.items() if v.causality == "input"}
-        inputs = [name for name in SEEN if name in known]
+        inputs = [name for name in mapping.SEEN if name in known]
         outputs = (*asked, *(name for name in diagnostics if name in slave.variables))
         _check_variables(slave, outputs[:2])
-        return Part(slave, mapping.identity(inputs), mapping.identity(outputs), SEEN)
+        return Part(slave, mapping.identity(inputs), mapping.identity(outputs), mapping.SEEN)
     return Part(
         slave,
         mapping.input_rows(part, slave.unit, "controller"),
         mapping.controller_outputs(part, slave.unit, robot, asked),
-        SEEN,
+        mapping.SEEN,
         part.step,
         foreign=True,
         strict=True,
@@ -183,14 +173,16 @@ def plant_part(
         shown = (*mapping.STATE, *(item.name for item in rolling[:1]))
         _check_variables(slave, (*shown, *mapping.TORQUES))
         inputs = [
-            name for name in DRIVEN if name in slave.variables and name not in mapping.DISTURBED
+            name
+            for name in mapping.DRIVEN
+            if name in slave.variables and name not in mapping.DISTURBED
         ]
-        return Part(slave, mapping.identity(inputs), mapping.identity(shown), DRIVEN)
+        return Part(slave, mapping.identity(inputs), mapping.identity(shown), mapping.DRIVEN)
     return Part(
         slave,
         mapping.input_rows(part, slave.unit, "plant"),
         mapping.plant_outputs(part, slave.unit, robot, rolling),
-        DRIVEN,
+        mapping.DRIVEN,
         part.step,
         foreign=True,
         strict=True,

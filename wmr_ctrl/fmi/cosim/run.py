@@ -16,10 +16,9 @@ from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import guard_model, parallel
 from wmr_ctrl.fmi.cosim import fitting
-from wmr_ctrl.fmi.cosim.mapping import TORQUES, PartMap, load_map
+from wmr_ctrl.fmi.cosim.mapping import NOISES, TORQUES, PartMap, load_map
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
 from wmr_ctrl.fmi.cosim.parts import (
-    NOISES,
     GuardedController,
     Part,
     controller_part,
@@ -175,6 +174,12 @@ def _cosim_setup(
 ) -> CosimSetup:
     controller = files["controller"]
     maps = load_map(map_file) if map_file is not None else {}
+    idle = next((part for part in maps if files[part] is None), None)
+    if idle is not None:
+        raise ArgumentError(
+            f"the map {map_file} has a part [{idle}], and no {idle} FMU is given. Name its file, "
+            "or leave that part out of the map."
+        )
     within = fitting.law_within(controller)
     theirs = controller is not None and within is None
     if theirs and law is not None:

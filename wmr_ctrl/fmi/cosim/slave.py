@@ -111,6 +111,11 @@ class FmuFile:
                 f"{name} of the FMU {self.path} is of type {variable.type}; only real "
                 "variables can be used. Map another variable."
             )
+        if variable.dimensions:
+            raise ArgumentError(
+                f"{name} of the FMU {self.path} is an array; only single numbers can be used. Map "
+                "another variable."
+            )
         return variable
 
 
