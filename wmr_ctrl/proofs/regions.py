@@ -189,13 +189,13 @@ def joined(one: Case, two: Case) -> Case:
     return Case(label, {**one.numbers, **two.numbers}, values, declared)
 
 
-def paired_cases(one: str, two: str) -> tuple[Case, ...]:
-    """Every open region of each axis once, against a different one of the other.
+def paired_cases() -> tuple[Case, ...]:
+    """Every open region of axis 1 and of axis 2 once, against a different one of the other.
 
     Enough where the statement is a sum of one term per axis: terms of independent variables whose
     sum is 0 are constant on their regions.
     """
-    return tuple(map(joined, open_cases(one), open_cases(two)[::-1]))
+    return tuple(map(joined, open_cases("1"), open_cases("2")[::-1]))
 
 
 def renamed(

@@ -122,9 +122,14 @@ def positive(*exprs: ca.SX | float) -> tuple[Relation, ...]:
     return tuple(map(above, exprs))
 
 
-def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, Relation]:
-    """|value| <= bound."""
-    return at_least(bound, value), at_least(value, -ca.SX(bound))
+def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
+    """|value| <= bound, for each element of a column."""
+    most = ca.SX(bound) * ca.SX.ones(value.shape)
+    return tuple(
+        side
+        for part, end in zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)
+        for side in (at_least(end, part), at_least(part, -end))
+    )
 
 
 def when(condition: ca.SX, relation: Relation) -> Relation:

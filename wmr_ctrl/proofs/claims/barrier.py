@@ -10,8 +10,7 @@ from wmr_ctrl.proofs.methods.spec import Z3, Both, Refute, Ring
 from wmr_ctrl.proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal
 
-ONE, TWO = "1", "2"
-PAIRS = paired_cases(ONE, TWO)
+PAIRS = paired_cases()
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)
 FAR = tuple(c for c in target_cases(edges=False) if "far" in c.label)
 NEAR = tuple(c for c in all_cases() if c.label.startswith(("v_c0 near", "v_c0 zero")))

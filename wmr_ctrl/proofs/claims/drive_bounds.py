@@ -92,7 +92,7 @@ def lag_bound(mutation: Mutation) -> Statement:
     g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth decay")
     h, time = g["clock.plant"], g["actuator.lag"]
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
-    fast, slow = g.bound("lag")
+    fast, slow = ca.vertsplit(g.bound("lag"))
     tau = time * (1 + spread * x)
     given = (
         *positive(g, "clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread),
@@ -102,7 +102,7 @@ def lag_bound(mutation: Mutation) -> Statement:
     )  # fmt: skip
     least = lag.equivalent_lag(h, t["growth"])
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
-    acting = ca.vertcat(*(g[f"{lag.ACTING.name}[{i}]"] for i in (1, 2)))
+    acting = g.column(lag.ACTING.name)
     goals = (
         at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast),
         *every(g.system.update, wanted + t["decay"] * (acting - wanted)),
@@ -121,10 +121,10 @@ def constant_lag(mutation: Mutation) -> Statement:
     g = EffectGraph(lag.LAG, (("actuator.lag", 0.02),), "clock")
     time, given = g["actuator.lag"], (*positive(g, "actuator.lag"), equal(g["actuator.lag_spread"]))
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
-    acting = ca.vertcat(*(g[f"{lag.ACTING.name}[{i}]"] for i in (1, 2)))
+    acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
     goals = (
-        *(equal(told, mutation * time) for told in g.bound("lag")),
+        *(equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag"))),
         *every(g.system.update, wanted + t["decay"] * (acting - wanted)),
     )
     return g.states(goals, given, cuts, t)

@@ -63,11 +63,10 @@ def world_slope(mutation: Mutation) -> Statement:
     g = EffectGraph(slope.SLOPE, numbers, "robot guard")
     a = slope.turned(g["theta"], g["slope.direction"])
     along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
-    bounds = g.bound("dbar")
-    goals = [part for i in (0, 1) for part in within(g.system.y[i], mutation(1, 0.9) * bounds[i])]
+    goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
     given = (
         *positive(g, "robot.m", "robot.g"), at_least(g["guard.M_max[1]"], g["robot.m"]),
-        at_least(sine), *within(along, 1), *within(across, 1),
+        at_least(sine), *within(ca.vertcat(along, across), 1),
     )  # fmt: skip
     return g.states(goals, given, {"along": along, "across": across, "sine": sine})
 
@@ -101,7 +100,7 @@ def resisted_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     given = (
         *(at_least(item) for item in (*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)),
         *positive(g, "robot.l", "robot.g", "robot.m"), heaviest,
-        at_least(v if axis == 0 else omega), *within(right, 1), *within(left, 1),
+        at_least(v if axis == 0 else omega), *within(ca.vertcat(right, left), 1),
     )  # fmt: skip
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
     return g.states((goal,), given, {"right": right, "left": left})
@@ -121,7 +120,7 @@ def noise_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     believed, most = (g["robot.r"], g["robot.l"]), g["disturbance.truncate"]
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
-    drawn = [part for i in (1, 2) for part in within(g[f"torque[{i}]"], most)]
+    drawn = within(g.column("torque"), most)
     given = (*positive(g, "robot.r", "robot.l"), at_least(g["disturbance.std"]), *drawn)
     return g.states(within(force, bound * mutation(1, 0.9)), given)
 
@@ -137,18 +136,12 @@ def world_gust(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(gust.GUST, (("gust.size", [1.0, 1.0]),))
     keep = ca.exp(-g["clock.control"] / g["gust.time"])
-    before = [g[f"{gust.SHARE.name}[{i}]"] for i in (1, 2)]
-    numbers = [g[f"{gust.NUMBERS.name}[{i}]"] for i in (1, 2)]
-    size = g.bound("dbar")
-    part = mutation(1, 0.9)
-    goals = [
-        item
-        for i in (0, 1)
-        for item in (*within(g.system.update[i], part), *within(g.system.y[i], part * size[i]))
-    ]
-    given = [item for value in (*before, *numbers) for item in within(value, 1)]
-    sides = (at_least(keep), at_least(1, keep), *(at_least(item) for item in size))
-    return g.states(goals, (*given, *sides), {"keep": keep})
+    size, part = g.bound("dbar"), mutation(1, 0.9)
+    drawn = ca.vertcat(g.column(gust.SHARE.name), g.column(gust.NUMBERS.name))
+    pairs = zip(*map(ca.vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
+    goals = [item for x, y, most in pairs for item in (*within(x, part), *within(y, most))]
+    sides = (at_least(keep), at_least(1, keep), *(at_least(size[i]) for i in (0, 1)))
+    return g.states(goals, (*within(drawn, 1), *sides), {"keep": keep})
 
 
 @claim("world.gyro", given="noise >= 0; the random number within [-1, 1]")
@@ -171,11 +164,9 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(velocity_noise.VELOCITY_NOISE, ())
     half = g.bound("nbar")
-    numbers = [g[f"{velocity_noise.NUMBERS.name}[{i}]"] for i in (1, 2)]
-    off = g.system.y - g.system.u
-    goals = [item for i in (0, 1) for item in within(off[i], mutation(1, 0.9) * half[i])]
-    given = [item for value in numbers for item in within(value, 1)]
-    return g.states(goals, (*given, *(at_least(item) for item in half)))
+    goals = within(g.system.y - g.system.u, mutation(1, 0.9) * half)
+    drawn = within(g.column(velocity_noise.NUMBERS.name), 1)
+    return g.states(goals, (*drawn, *(at_least(half[i]) for i in (0, 1))))
 
 
 @claim(
@@ -191,7 +182,7 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
     ages = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
     g = EffectGraph(velocity_mean.VELOCITY_MEAN, ages.items(), "clock limits")
     T, name = g["clock.control"], velocity_mean.PLACE.name
-    seen = [ca.vertcat(*(g[f"{name}_{k}[{i}]"] for i in (1, 2))) for k in (1, 2, 3)]
+    seen = [g.column(f"{name}_{k}") for k in (1, 2, 3)]
     goals = [*every(g.system.update, ca.vertcat(g["path"], g["theta"], *seen[:2]))]
     for axis in (0, 1):
         window, age = (g.bound(told)[axis] for told in ("window", "age"))
@@ -245,9 +236,8 @@ def world_push(mutation: Mutation) -> Statement:
     g = EffectGraph(push.PUSH, (("disturbance.push", [1.0, 1.0]),))
     size = g.bound("dbar")
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
-    goals = [item for i in (0, 1) for item in within(force[i], mutation(1, 0.9) * size[i])]
-    sides = (*positive(g, "robot.r", "robot.l"), *(at_least(item) for item in size))
-    return g.states(goals, sides)
+    sides = (*positive(g, "robot.r", "robot.l"), *(at_least(size[i]) for i in (0, 1)))
+    return g.states(within(force, mutation(1, 0.9) * size), sides)
 
 
 command_claim = Claims(by=Z3(effort=150))
@@ -319,5 +309,4 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
         x = g.system.u[i] / ca.if_else(step > 0, step, 1) + 0.5
         cuts[f"number{i + 1}"] = number = ca.floor(x)
         given += [above(step), at_least(x, number), above(1, x - number)]
-    goals = [item for i in (0, 1) for item in within(off[i], mutation(1, 0.9) * most[i])]
-    return g.states(goals, given, cuts)
+    return g.states(within(off, mutation(1, 0.9) * most), given, cuts)

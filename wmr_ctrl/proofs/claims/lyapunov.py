@@ -54,8 +54,16 @@ def at_target(m: Moving) -> ca.SX:
     return ca.if_else(barrier.h(m.x, u2), term, 0)
 
 
-ONE, TWO = "1", "2"
-OPEN35, PAIRS = Ring(open_cases()), Ring(paired_cases(ONE, TWO), spare=12)
+def two_axes() -> tuple[Moving, Moving, ca.SX]:
+    """Both axes, and V1' of them together."""
+    m, n = Moving("1"), Moving("2")
+    columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
+    point = ca.vertcat(*m.all[:2], *n.all[:2])
+    rates = ca.vertcat(*m.rates.values(), *n.rates.values())
+    return m, n, ca.jtimes(total_barrier(*columns), point, rates)
+
+
+OPEN35, PAIRS = Ring(open_cases()), Ring(paired_cases(), spare=12)
 TARGETS7 = Ring(target_cases(edges=False))
 LAW = tuple(Ring(law_cases(open_cases(), axis), CLOSED_FORM) for axis in (0, 1))
 NONZERO = off_target_cases()
@@ -146,12 +154,7 @@ def both_axes(mutation: Mutation) -> Statement:
 
     What the law can do about the barrier function, and what the moving target does to it.
     """
-    m, n = Moving("1"), Moving("2")
-    columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
-    point = ca.vertcat(*m.all[:2], *n.all[:2])
-    rate = ca.jtimes(
-        total_barrier(*columns), point, ca.vertcat(*m.rates.values(), *n.rates.values())
-    )
+    m, n, rate = two_axes()
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
     return Statement({**m.names, **n.names}, (equal(rate, terms[0] + mutation * terms[1]),))
 
@@ -162,12 +165,7 @@ def split(mutation: Mutation) -> Statement:
 
     The axes do not interfere.
     """
-    m, n = Moving("1"), Moving("2")
-    columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
-    point = ca.vertcat(*m.all[:2], *n.all[:2])
-    rate = ca.jtimes(
-        total_barrier(*columns), point, ca.vertcat(*m.rates.values(), *n.rates.values())
-    )
+    m, n, rate = two_axes()
     return Statement({**m.names, **n.names}, (equal(rate, m.along(m.V) + mutation * n.along(n.V)),))
 
 

@@ -12,30 +12,59 @@ from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case, at
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    equal,
+    positive,
+    symbols,
+)
+
+PAPER = (("v1d", 5, 1), ("v2d", 10, 1), ("k1", 1, 10), ("k2", 1, 5), ("k3", 1, 4), ("eps", 50, 1))
+"""Numbers b/a of the paper and of eps, by name, as a and b."""
 
 
-def _region(t: Tracking, eps: ca.SX) -> tuple[Relation, ...]:
-    """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
-    n = {**t.names, "eps": eps}
-    exact = (
-        ("v1d", 5, 1),
-        ("v2d", 10, 1),
-        ("k1", 1, 10),
-        ("k2", 1, 5),
-        ("k3", 1, 4),
-        ("eps", 50, 1),
-    )
-    inside = (
-        at_least(1, n["e1"] ** 2),
-        at_least(1, n["e2"] ** 2),
-        at_least(4 * ca.cos(n["e3"]), 1),
-    )
-    return (*(equal(a * n[name], b) for name, a, b in exact), *inside)
+class Strict(Tracking):
+    """Tracking with the weight eps of the strict Lyapunov function W = V2 + eps e2 sin e3."""
+
+    def __init__(self) -> None:
+        super().__init__("eps value rate")
+
+    @property
+    def W(self) -> ca.SX:
+        """W."""
+        return analysis.strict_lyapunov(self.e, self.k[1], self["eps"])
+
+    @property
+    def W_rate(self) -> ca.SX:
+        """W' for v = v_c0."""
+        return analysis.strict_rate(self.e, self.v_d, self.k, self["eps"])
+
+    @property
+    def size(self) -> ca.SX:
+        """e1^2 + e2^2 + sin^2 e3."""
+        return self.e[0] ** 2 + self.e[1] ** 2 + ca.sin(self.e[2]) ** 2
+
+    @property
+    def near(self) -> tuple[Relation, ...]:
+        """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
+        inside = (at_least(1, self["e1"] ** 2), at_least(1, self["e2"] ** 2))
+        nearly = at_least(4 * ca.cos(self["e3"]), 1)
+        return (*(equal(a * self[name], b) for name, a, b in PAPER), *inside, nearly)
 
 
-def _size(e: ca.SX) -> ca.SX:
-    return e[0] ** 2 + e[1] ** 2 + ca.sin(e[2]) ** 2
+def _undisturbed(t: Tracking) -> ca.SX:
+    """p = (v1d cos e3, v2d + k2 v1d e2): v_c0 without its corrections y = (k1 e1, k3 sin e3)."""
+    return ca.vertcat(t.v_d[0] * ca.cos(t.e[2]), t.v_d[1] + t.k[1] * t.v_d[0] * t.e[1])
+
+
+def _limited(t: Tracking) -> ca.SX:
+    """v_c1 of both axes."""
+    target = auxiliary_velocity(t.e, t.v_d, t.k)
+    return ca.vertcat(*(barrier.minimiser(target[i], t[f"u1{i + 1}"], t[f"u2{i + 1}"])
+                        for i in (0, 1)))  # fmt: skip
 
 
 LIMITS: dict[str, str | int] = {"u11": 1, "u12": "3/2", "u21": "4/5", "u22": "13/10"}
@@ -64,10 +93,8 @@ def falls(mutation: Mutation) -> Statement:
 
     Unlike V2, this function falls in every direction, so disturbances can be weighed against it.
     """
-    t, eps = Tracking(), ca.SX.sym("eps")
-    rate = analysis.strict_rate(t.e, t.v_d, t.k, eps)
-    goal = at_least(-mutation(1000, 10) * rate, _size(t.e))
-    return Statement({**t.names, "eps": eps}, (goal,), _region(t, eps))
+    t = Strict()
+    return t.states(at_least(-mutation(1000, 10) * t.W_rate, t.size), given=t.near)
 
 
 @claim("strict.bounds", (31,), given=NEAR)
@@ -76,10 +103,8 @@ def between(mutation: Mutation) -> Statement:
 
     W measures the distance from the path.
     """
-    t, eps = Tracking(), ca.SX.sym("eps")
-    value = analysis.strict_lyapunov(t.e, t.k[1], eps)
-    goals = (at_least(mutation(20, 2) * value, _size(t.e)), at_least(_size(t.e), value))
-    return Statement({**t.names, "eps": eps}, goals, _region(t, eps))
+    t = Strict()
+    return t.states(at_least(mutation(20, 2) * t.W, t.size), at_least(t.size, t.W), given=t.near)
 
 
 @claim("strict.rate", (31,), given=NEAR, by=Z3(points=RATES), premises="strict.falls strict.bounds")
@@ -90,15 +115,10 @@ def exponential(mutation: Mutation) -> Statement:
     says that it converges.
     """
     # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
-    t = Tracking()
-    names = {**t.names, **symbols("value rate eps")}
-    inner = {
-        "value": analysis.strict_lyapunov(t.e, t.k[1], names["eps"]),
-        "rate": analysis.strict_rate(t.e, t.v_d, t.k, names["eps"]),
-    }
-    value, rate, size = inner["value"], inner["rate"], _size(t.e)
-    given = (at_least(-mutation(1000, 2000) * rate, size), at_least(size, value))
-    return Statement(names, (at_least(-value, 1000 * rate),), given, inner)
+    t = Strict()
+    given = (at_least(-mutation(1000, 2000) * t.W_rate, t.size), at_least(t.size, t.W))
+    goal = at_least(-t.W, 1000 * t.W_rate)
+    return Statement(t.names, (goal,), given, {"value": t.W, "rate": t.W_rate})
 
 
 @claim("strict.region", (31,), given="k2 = 5, eps = 1/50")
@@ -107,12 +127,10 @@ def stays(mutation: Mutation) -> Statement:
 
     From inside this set the robot never leaves the region where the rate holds.
     """
-    t, eps = Tracking(), ca.SX.sym("eps")
-    n = {**t.names, "eps": eps}
-    value = analysis.strict_lyapunov(t.e, t.k[1], eps)
-    given = (equal(n["k2"], 5), equal(50 * eps, 1), above(mutation, 20 * mutation * value))
-    goals = (above(1, n["e1"] ** 2), above(1, n["e2"] ** 2), above(4 * ca.cos(n["e3"]), 1))
-    return Statement(n, goals, given)
+    t = Strict()
+    given = (equal(t["k2"], 5), equal(50 * t["eps"], 1), above(mutation, 20 * mutation * t.W))
+    goals = (above(1, t["e1"] ** 2), above(1, t["e2"] ** 2), above(4 * ca.cos(t["e3"]), 1))
+    return t.states(*goals, given=given)
 
 
 @claim("level.pull", (7, 18), given="every 0 < v_u2 < v_u1")
@@ -133,28 +151,20 @@ def saturated_rate(mutation: Mutation) -> Statement:
     """for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, p2 = v2d +
     k2 v1d e2.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("x1 x2 u11 u12 u21 u22")}
-    e, k, v_d = t.e, t.k, t.v_d
-    x = ca.vertcat(names["x1"], names["x2"])
-    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * ca.sin(e[2]) / k[1]
-    return Statement(names, (equal(analysis.position_rate(e, x, v_d, k[1]), written),))
+    t = Tracking("x1 x2")
+    e, k2, x, p = t.e, t.k[1], ca.vertcat(t["x1"], t["x2"]), _undisturbed(t)
+    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * ca.sin(e[2]) / k2
+    return t.states(equal(analysis.position_rate(e, x, t.v_d, k2), written))
 
 
 @claim("level.argument", (7,), given="any", by=Ring())
 def argument(mutation: Mutation) -> Statement:
     """v_c0 = p + (k1 e1, k3 sin e3)."""
-    # v_c0 = p + y with y1 = k1 e1 and y2 = k3 sin e3, which have the signs of e1 and sin e3.
+    # The corrections have the signs of e1 and sin e3.
     t = Tracking()
-    e, k, v_d = t.e, t.k, t.v_d
-    target = auxiliary_velocity(e, v_d, k)
-    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    goals = (
-        equal(target[0], p[0] + k[0] * e[0]),
-        equal(target[1], p[1] + mutation * k[2] * ca.sin(e[2])),
-    )
-    return t.states(*goals)
+    target, p = auxiliary_velocity(t.e, t.v_d, t.k), _undisturbed(t)
+    turn = p[1] + mutation * t.k[2] * ca.sin(t.e[2])
+    return t.states(equal(target[0], p[0] + t.k[0] * t.e[0]), equal(target[1], turn))
 
 
 @claim(
@@ -167,26 +177,16 @@ def level_set(mutation: Mutation) -> Statement:
     """V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, cos e3 >
     -1.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("u21 u22 level")}
-    e, k, v_d, level = t.e, t.k, t.v_d, names["level"]
-    room = names["u22"] - ca.fabs(v_d[1])
+    t = Tracking("u21 u22 level")
+    e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t["level"], _undisturbed(t)
+    room = t["u22"] - ca.fabs(v_d[1])
     given = (
-        above(k[1]),
-        above(v_d[0]),
-        at_least(names["u21"], v_d[0]),
-        above(room),
-        at_least(2, k[1] * level),
-        at_least(room**2, 2 * mutation * (k[1] * v_d[0]) ** 2 * level),
-        above(level, analysis.position_lyapunov(e, k[1])),
-    )
-    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    goals = (
-        at_least(names["u21"], ca.fabs(p[0])),
-        at_least(names["u22"], ca.fabs(p[1])),
-        above(ca.cos(e[2]), -1),
-    )
-    return Statement(names, goals, given)
+        *positive(k2, v_d[0]), at_least(t["u21"], v_d[0]), above(room),
+        at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level),
+        above(level, analysis.position_lyapunov(e, k2)),
+    )  # fmt: skip
+    kept = (at_least(t[f"u2{i + 1}"], ca.fabs(p[i])) for i in (0, 1))
+    return t.states(*kept, above(ca.cos(e[2]), -1), given=given)
 
 
 @claim(
@@ -205,10 +205,8 @@ def level_invariant(mutation: Mutation) -> Statement:
     there. This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is
     saturated.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("x1 x2")}
-    e, k, x = t.e, t.k, ca.vertcat(names["x1"], names["x2"])
-    p = ca.vertcat(t.v_d[0] * ca.cos(e[2]), t.v_d[1] + k[1] * t.v_d[0] * e[1])
+    t = Tracking("x1 x2")
+    e, k, x, p = t.e, t.k, ca.vertcat(t["x1"], t["x2"]), _undisturbed(t)
     pulls = e[0], ca.sin(e[2])
     given = (
         *(above(k[i]) for i in range(3)),
@@ -216,8 +214,7 @@ def level_invariant(mutation: Mutation) -> Statement:
     )
     behind = ca.if_else(ca.cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
     rate = analysis.position_rate(e, x, t.v_d, k[1])
-    goals = at_least(0, mutation * rate), at_least(behind)
-    return Statement(names, goals, given)
+    return t.states(at_least(0, mutation * rate), at_least(behind), given=given)
 
 
 @claim(
@@ -241,12 +238,8 @@ def saturated_growth(_: Mutation) -> Statement:
 
     Outside the set a saturated robot may first move away: 3 m to the side V2 grows.
     """
-    t = Tracking()
-    names = {**t.names, **symbols("u11 u12 u21 u22")}
-    target = auxiliary_velocity(t.e, t.v_d, t.k)
-    pairs = zip((target[0], target[1]), (("u11", "u21"), ("u12", "u22")), strict=True)
-    x = ca.vertcat(*(barrier.minimiser(c, names[a], names[b]) for c, (a, b) in pairs))
-    return Statement(names, (at_least(0, analysis.position_rate(t.e, x, t.v_d, t.k[1])),))
+    t = Tracking("u11 u12 u21 u22")
+    return t.states(at_least(0, analysis.position_rate(t.e, _limited(t), t.v_d, t.k[1])))
 
 
 @claim("E7", (7,), form=PRINTED, given="0 < v1d < v_u11, cos e3 > 0", by=Refute(FAST))
@@ -256,15 +249,6 @@ def stuck(_: Mutation) -> Statement:
     With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind for
     ever: the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).
     """
-    t = Tracking()
-    names = {**t.names, **symbols("u11 u12 u21 u22")}
-    target = auxiliary_velocity(t.e, t.v_d, t.k)
-    pairs = zip((target[0], target[1]), (("u11", "u21"), ("u12", "u22")), strict=True)
-    x = ca.vertcat(*(barrier.minimiser(c, names[a], names[b]) for c, (a, b) in pairs))
-    given = (
-        above(ca.cos(t.e[2])),
-        above(ca.sumsqr(t.e)),
-        above(t.v_d[0]),
-        above(names["u11"], t.v_d[0]),
-    )
-    return Statement(names, (above(ca.sumsqr(error_rate(t.e, x, t.v_d))),), given)
+    t = Tracking("u11 u12 u21 u22")
+    given = (*positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t["u11"], t.v_d[0]))
+    return t.states(above(ca.sumsqr(error_rate(t.e, _limited(t), t.v_d))), given=given)

@@ -41,7 +41,11 @@ class EffectGraph:
         with functions_for_traced("wmr_ctrl.world", but="wmr_ctrl.world.effect"):
             return self.effect.bound(scenario), trace
 
-    def bound(self, name: str) -> list[ca.SX]:
+    def column(self, name: str) -> ca.SX:
+        """The two elements ``name[1]`` and ``name[2]``."""
+        return ca.vertcat(self[f"{name}[1]"], self[f"{name}[2]"])
+
+    def bound(self, name: str) -> ca.SX:
         """The pair or number ``name`` of the effect's Bound, for the symbols of its graph.
 
         What it asks of its numbers on the way becomes part of what is claimed (`states`).
@@ -58,7 +62,7 @@ class EffectGraph:
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
         parts = ca.vertsplit(pairs[0])
         self.way = tuple(at_least(item, 1) for item in parts[len(pair) :])
-        return parts[: len(pair)]
+        return ca.vertcat(*parts[: len(pair)])
 
     def states(
         self,
@@ -180,7 +184,7 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     now = encoder.turned(scenario, g.parameters, g["path"], skidded)
     turn = symbols("old_right old_left")
     old = ca.vertcat(turn["old_right"], turn["old_left"])
-    whole = ca.vertcat(g["wheel_counts_1[1]"], g["wheel_counts_1[2]"])
+    whole = g.column("wheel_counts_1")
     given = [
         item
         for real, part in ((now, ca.floor(now)), (old, whole))
@@ -216,7 +220,7 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
     turn = encoder.turned(g.scenario, g.parameters, t["v"], t["omega"])
     shown = encoder.velocity_of(turn, g.parameters)[axis]
-    u1, u2 = (g[f"limits.v_u1[{i}]"] for i in (1, 2))
+    limits = g.column("limits.v_u1")
     counted = encoder.rounded_by(
         (g["robot.r"], g["robot.l"]), g["encoder.counts"], g["clock.control"]
     )
@@ -225,7 +229,7 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     given = (
         *positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
-        *within(t["v"], u1), *within(t["omega"], u2), above(u1), above(u2),
+        *within(ca.vertcat(*t.values()), limits), above(limits[0]), above(limits[1]),
     )  # fmt: skip
     return g.states(within(off, most * mutation(1, 0.9)), given, None, t)
 
@@ -252,7 +256,6 @@ def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     given = (
         *positive(g, "robot.r", "robot.l"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
-        *within(told[0], most + 0.5 * g["motor.step"]),
-        *within(told[1], most + 0.5 * g["motor.step"]),
+        *within(told, most + 0.5 * g["motor.step"]),
     )
     return g.states(within(made - meant, bound * mutation(1, 0.9)), given)
