@@ -12,7 +12,7 @@ from tests.results.conftest import build
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.results.measures import (
     arrival,
-    barrier_rises,
+    barrier,
     change_rms,
     halving_time,
     saturated_share,
@@ -97,8 +97,8 @@ def test_a_wheel_is_at_its_limit_there_and_nowhere_below_but_for_rounding() -> N
 def test_rises_of_the_barrier_are_counted_before_the_split() -> None:
     V1 = np.r_[3.0, 1.0, 2.0, 2.0, 0.0, 5.0, 0.0, 7.0, 0.0, 9.0]
 
-    assert barrier_rises(build(duration=0.1, split=0.05, V1=V1)) == 1.0
-    assert barrier_rises(build(duration=0.1, split=0.06, V1=V1)) == 2.0
+    assert barrier(build(duration=0.1, split=0.05, V1=V1))["rises"] == 1
+    assert barrier(build(duration=0.1, split=0.06, V1=V1))["rises"] == 2
 
 
 @pytest.mark.parametrize("count", [100, 101])

@@ -173,6 +173,11 @@ def _errors(axis: int, unit: str) -> Iterator[Figure]:
         yield Figure(name, unit, text, of, total, "e_rms")
 
 
+def _barrier(part: str, meaning: str) -> Figure:
+    """A number of the barrier function."""
+    return Figure(f"V1_{part}", "1", meaning, _at(measures.barrier, part))
+
+
 def _weights(axis: int) -> Iterator[Figure]:
     """Norms of an axis' weights."""
     for when, text in (("end", "last sample"), ("largest", "largest")):
@@ -255,20 +260,10 @@ _LOGGED: tuple[Figure, ...] = (
     Figure("limit_ratio1", "1", "largest |v1|/v_u1[1]", _at(measures.limit_ratios, 0)),
     Figure("limit_ratio2", "1", "largest |omega|/v_u1[2]", _at(measures.limit_ratios, 1)),
     Figure("tau_peak_late", "N.m", "largest commanded wheel torque from 2 s on", _LATE_PEAK),
-    Figure("V1_start", "1", "V1 at the start", measures.barrier_start),
-    Figure("V1_late", "1", "mean of V1 over 30-40 s, relative to its start", measures.barrier_late),
-    Figure(
-        "V1_rises",
-        "1",
-        "number of samples before the split at which V1 rose",
-        measures.barrier_rises,
-    ),
-    Figure(
-        "V1_rise_share",
-        "1",
-        "sum of these rises, relative to V1 at the start",
-        measures.barrier_rise_share,
-    ),
+    _barrier("start", "V1 at the start"),
+    _barrier("late", "mean of V1 over 30-40 s, relative to its start"),
+    _barrier("rises", "number of samples before the split at which V1 rose"),
+    _barrier("rise_share", "sum of these rises, relative to V1 at the start"),
     *_weights(1),
     *_weights(2),
 )

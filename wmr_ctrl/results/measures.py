@@ -311,32 +311,16 @@ def rises(run: Run, start: float = 0.0, end: float | None = None) -> Rises | Non
     return Rises(len(up), float(np.sum(up)), float(np.max(up, initial=0.0)))
 
 
-def barrier_start(run: Run) -> float | None:
-    """V1 at the first sample; None without any."""
-    return float(run["V1"][0]) if run.rows else None
+def barrier(run: Run) -> dict[str, float | None]:
+    """V1 at the ``start``, and the number of its ``rises`` before the split.
 
-
-def barrier_late(run: Run) -> float | None:
-    """Mean of V1 over 30-40 s, divided by V1 at the first sample."""
-    rows = window(run, *BEFORE)
-    return None if rows is None else _relative(run, float(np.mean(run["V1"][rows])))
-
-
-def barrier_rises(run: Run) -> float | None:
-    """Number of samples before the split at which V1 is larger than one sample earlier."""
-    climb = rises(run, 0.0, run.settings.split)
-    return None if climb is None else float(climb.count)
-
-
-def barrier_rise_share(run: Run) -> float | None:
-    """Sum of the rises of V1 before the split, divided by V1 at the first sample."""
-    climb = rises(run, 0.0, run.settings.split)
-    return None if climb is None else _relative(run, climb.total)
-
-
-def _relative(run: Run, value: float) -> float | None:
-    start = barrier_start(run)
-    return value / start if start else None
+    Divided by V1 at the start: ``late``, its mean over 30-40 s; ``rise_share``, the rises' sum.
+    """
+    start = float(run["V1"][0]) if run.rows else None
+    rows, climb = window(run, *BEFORE), rises(run, 0.0, run.settings.split)
+    late = float(np.mean(run["V1"][rows])) / start if rows and start else None
+    share = climb.total / start if climb and start else None
+    return {"start": start, "late": late, "rises": climb and climb.count, "rise_share": share}
 
 
 def weight_norm(run: Run) -> dict[str, list[float]] | None:
