@@ -64,7 +64,7 @@ def test_every_law_in_every_scene(page: Path, tmp_path: Path) -> None:
     shown = from_page(page, tmp_path, [(law, 80.0, {"scene": step.key}) for law, step in cases])
 
     for (law, step), columns in zip(cases, shown, strict=True):
-        assert_same_bits(columns, wmr_ctrl.simulate(step.preset, law, overrides=step.overrides))
+        assert_same_bits(columns, wmr_ctrl.simulate(step.scenario, law))
 
 
 @pytest.mark.slow

@@ -16,8 +16,7 @@ STEPS = {step.key: step for step in story()}
 
 
 def run_of(key: str, law: str) -> Run:
-    step = STEPS[key]
-    return wmr_ctrl.simulate(step.preset, law, overrides=step.overrides)
+    return wmr_ctrl.simulate(STEPS[key].scenario, law)
 
 
 def first_time(run: Run) -> float:

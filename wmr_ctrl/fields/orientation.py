@@ -5,24 +5,18 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from wmr_ctrl.errors import ScenarioError, choices
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.signals import MEASURED_POSE, POSE, REFERENCE
 
-
-class Angle(Protocol):
-    """A number or an array of numbers."""
-
-    def __add__(self, other: float, /) -> Self:
-        """Sum with a number."""
-
-    def __sub__(self, other: float, /) -> Self:
-        """Difference to a number."""
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
-T = TypeVar("T", bound=Angle)
+T = TypeVar("T", float, "NDArray[np.float64]")
 Q = TypeVar("Q", bound=Any)
 
 PAPER = "paper"

@@ -11,7 +11,7 @@ clipped, smoothed as is usual, or filtered in each way that the scenario's numbe
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.resources import files
 
 from wmr_ctrl.control.numbers import structure_of
@@ -154,38 +154,27 @@ class PageScene:
     speed: float = 1.0
 
 
-@dataclass(frozen=True)
-class StoryStep:
-    """A step of the story: a preset with overrides."""
-
-    key: str
-    title: str
-    text: str
-    preset: str
-    shown: tuple[str, ...]
-    overrides: Mapping[str, object] = field(default_factory=dict)
-
-
-def story() -> tuple[StoryStep, ...]:
-    """Steps of the story, from the file beside this one."""
+def story() -> tuple[PageScene, ...]:
+    """Steps of the story, from the file beside this one: presets with overrides."""
     text = files("wmr_ctrl.page").joinpath("story.toml").read_text(encoding="utf-8")
-    steps = tomllib.loads(text)["step"]
-    return tuple(StoryStep(**{**step, "shown": tuple(step["shown"])}) for step in steps)
+    steps = []
+    for step in tomllib.loads(text)["step"]:
+        own = load_scenario(step.pop("preset"), step.pop("overrides", {}))
+        steps.append(PageScene(scenario=own, **{**step, "shown": tuple(step["shown"])}))
+    return tuple(steps)
 
 
 def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     """The story for ``laws`` where a scenario is the one it begins with, else one scene of it."""
     steps = story()
-    if scenario != load_scenario(steps[0].preset):
+    if scenario != steps[0].scenario:
         most = MOST_WAYS if takes_velocity(scenario) else MOST_SHOWN
         shown = tuple(member.name for member in members_of(scenario, laws))[:most]
         return (PageScene("own", _own_title(scenario), "", scenario, shown),)
-    listed = []
-    for step in steps:
-        own = override(load_scenario(step.preset), step.overrides)
-        shown = tuple(name for name in step.shown if name in laws) or laws[:2]
-        listed.append(PageScene(step.key, step.title, step.text, own, shown))
-    return tuple(listed)
+    return tuple(
+        replace(step, shown=tuple(name for name in step.shown if name in laws) or laws[:2])
+        for step in steps
+    )
 
 
 def _own_title(scenario: Scenario) -> str:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
@@ -83,6 +83,15 @@ def target_of(
     if write:
         check_writable(target)
     return target
+
+
+PICTURES = (".png", ".svg", ".pdf")
+
+
+def picture_targets(path: str | os.PathLike[str] | None, are_drawn: str) -> list[Path]:
+    """The path of a picture, or none; ``are_drawn``: such as "runs are drawn"; as `target_of`."""
+    known = f"{are_drawn} as {', '.join(PICTURES)}"
+    return [] if path is None else [target_of(path, PICTURES, known)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,7 +270,7 @@ def dots(
 def plain_ticks(axes: Axes, steps: Sequence[float] = (1, 2, 5)) -> None:
     """Label a logarithmic horizontal axis with plain numbers at ``steps`` of each decade."""
     axes.xaxis.set_major_locator(LogLocator(subs=steps))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from wmr_ctrl.identification.bounds import Surface, Traces
     from wmr_ctrl.identification.propose import ProposedDrive
 
-SUFFIXES = (".png", ".svg", ".pdf")
 BLUE = "#1f77c9"
 LEVELS = {3.0: "95 %", 4.61: "99 %"}
 """Falls of the log-likelihood that bound regions of two numbers at these confidences."""
@@ -42,8 +41,7 @@ def write_identification(
     lag; on the page a ``drive`` that was proposed, too.  Each file whole or not at all.  Raises
     ResultFileError for another suffix or where a file cannot be written.
     """
-    known = f"an identification is drawn as {', '.join(SUFFIXES)}"
-    targets = [] if plot is None else [drawing.target_of(plot, SUFFIXES, known)]
+    targets = drawing.picture_targets(plot, "an identification is drawn")
     traces = result.traces()
     with tempfile.TemporaryDirectory() as folder:
         drawn = Path(folder, "fit.svg")

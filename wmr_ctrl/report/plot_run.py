@@ -8,7 +8,6 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import FuncFormatter
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report import drawing
@@ -35,7 +34,6 @@ from wmr_ctrl.report.style import (
 from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
 from wmr_ctrl.results.measures import heading_error, heading_rms
 
-SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75
 MARGINS = drawing.Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
@@ -62,8 +60,7 @@ def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
     Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
     for a run without any sample.
     """
-    known = f"a run is drawn as {', '.join(SUFFIXES)}"
-    targets = [] if path is None else [drawing.target_of(path, SUFFIXES, known)]
+    targets = drawing.picture_targets(path, "a run is drawn")
     return overview(run).written(targets)
 
 
@@ -192,9 +189,7 @@ def _errors(
     if farthest > SMALL:
         narrow = scale * NARROW
         axes.set_yscale("symlog", linthresh=narrow)
-        axes.yaxis.set_major_formatter(
-            FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−"))
-        )
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
         axes.axhspan(-narrow, narrow, color=GRID, alpha=0.35, lw=0, zorder=0)
         drawing.say_below(axes, f"logarithmic beyond ±{narrow:g} {unit}")
 

@@ -13,11 +13,11 @@ from typing import TypeAlias
 
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import NullFormatter
 
 from wmr_ctrl.report import drawing
 from wmr_ctrl.report.course import course_of, switch_time
-from wmr_ctrl.report.plot_run import MARGINS, SUFFIXES, time_axes
+from wmr_ctrl.report.plot_run import MARGINS, time_axes
 from wmr_ctrl.report.scene import names_of, scene_of
 from wmr_ctrl.report.style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
 from wmr_ctrl.results import FloatArray, Run, distance
@@ -46,9 +46,9 @@ def plot_runs(runs: Sequence[Run], path: str | os.PathLike[str]) -> None:
     Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
     for runs that one picture cannot show (`scene_of`).
     """
-    target = drawing.target_of(path, SUFFIXES, f"runs are drawn as {', '.join(SUFFIXES)}")
+    targets = drawing.picture_targets(path, "runs are drawn")
     scene_of(runs, 1)
-    drawing.Drawing("runs", _SIZE, partial(_draw, runs=runs)).written([target])
+    drawing.Drawing("runs", _SIZE, partial(_draw, runs=runs)).written(targets)
 
 
 def _draw(figure: Figure, runs: Sequence[Run]) -> None:
@@ -93,11 +93,10 @@ def _distance(part: SubFigure, lines: Lines) -> None:
     if axes.dataLim.ymin <= _LEAST:
         drawing.say_below(axes, f"less is drawn at {_LEAST:g} mm")
     axes.set_yscale("log")
-    plain = FuncFormatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_major_formatter(plain)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     low, high = axes.get_ylim()
     few = high < 10 * low  # no power of ten may be among the ticks then
-    axes.yaxis.set_minor_formatter(plain if few else NullFormatter())
+    axes.yaxis.set_minor_formatter(axes.yaxis.get_major_formatter() if few else NullFormatter())
 
 
 def _velocity(part: SubFigure, lines: Lines, axis: int) -> None:
@@ -135,8 +134,7 @@ def plot_drives(
     What none of them has is left out, and named.  Raises ResultFileError for another suffix or
     where the file cannot be written.
     """
-    known = f"drives are drawn as {', '.join(SUFFIXES)}"
-    targets = [] if path is None else [drawing.target_of(path, SUFFIXES, known)]
+    targets = drawing.picture_targets(path, "drives are drawn")
     return page_of(drives).written(targets)
 
 

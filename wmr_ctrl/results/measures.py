@@ -319,8 +319,9 @@ def barrier(run: Run) -> dict[str, float | None]:
     start = float(run["V1"][0]) if run.rows else None
     rows, climb = window(run, *BEFORE), rises(run, 0.0, run.settings.split)
     late = float(np.mean(run["V1"][rows])) / start if rows and start else None
+    count = None if climb is None else climb.count
     share = climb.total / start if climb and start else None
-    return {"start": start, "late": late, "rises": climb and climb.count, "rise_share": share}
+    return {"start": start, "late": late, "rises": count, "rise_share": share}
 
 
 def weight_norm(run: Run) -> dict[str, list[float]] | None:

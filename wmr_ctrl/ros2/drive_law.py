@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import controller, unfiltered_controller
@@ -124,16 +123,6 @@ class DriveLaw:
         self._function.move()
 
 
-class SteppedMotion(Protocol):
-    """A System by itself: `CompiledSystem`, or `Interpreted`."""
-
-    def look(self, u: Sequence[float]) -> list[float]:
-        """The outputs for inputs."""
-
-    def move(self) -> None:
-        """Take the next state of what was looked at last."""
-
-
 class Interpreted:
     """A System in CasADi's virtual machine: nothing has to be compiled while a robot waits."""
 
@@ -159,9 +148,7 @@ class DesiredMotion:
     def __init__(self, scenario: Scenario, *, compiled: bool = True) -> None:
         """Compile the graph, or interpret it.  Raises ArgumentError, CompilerError."""
         system = reference(scenario)
-        self._stepper: SteppedMotion = (
-            CompiledSystem(system, "reference") if compiled else Interpreted(system)
-        )
+        self._stepper = CompiledSystem(system, "reference") if compiled else Interpreted(system)
         self._inputs = [item.signal for item in system.inputs]
         self._stateful, self._period = bool(system.state), scenario.clock.control
         self._sample = 0

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import chain
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,35 +50,8 @@ class Batch(ct.Structure):
     )  # fmt: skip
 
 
-class GraphicsProcessor(Protocol):
-    """Runner of the compiled text: CUDA by CuPy; tests put an ordinary processor in its place."""
-
-    def threads(self) -> int:
-        """Threads that it holds at a time."""
-        ...
-
-    def free_memory(self) -> int:
-        """Bytes that arrays may take."""
-        ...
-
-    def run(
-        self, path: str, defines: Defines, batch: Batch, arrays: Arrays, cancelled: ct.c_int32
-    ) -> None:
-        """Run the text at ``path``; the arrays of `LEFT` among ``arrays`` are filled.
-
-        The numbers of ``batch`` are set; its pointers are set here, to copies of the arrays.
-        """
-        ...
-
-
 LEFT = ("findings", "state", "sums", "logs")
 """Arrays that a launch fills."""
-
-
-@cache
-def processor() -> GraphicsProcessor:
-    """The graphics processor; MissingExtraError without CuPy, DeviceError without a device."""
-    return Cuda()
 
 
 class Cuda:
@@ -110,7 +83,11 @@ class Cuda:
     def run(
         self, path: str, defines: Defines, batch: Batch, arrays: Arrays, cancelled: ct.c_int32
     ) -> None:
-        """As `GraphicsProcessor.run`.  Raises CompilerError and DeviceError."""
+        """Run the text at ``path``; the arrays of `LEFT` among ``arrays`` are filled.
+
+        The numbers of ``batch`` are set; its pointers are set here, to copies of the arrays.
+        Raises CompilerError and DeviceError.
+        """
         kernel, cuda = self._kernel(path, defines), self.cupy.cuda
         try:
             with cuda.Stream(non_blocking=True) as stream:
@@ -158,6 +135,15 @@ class Cuda:
                         "names the CUDA toolkit that CuPy found; it needs that of its own version."
                     ) from error
             return self.kernels[path, defines]
+
+
+@cache
+def processor() -> Cuda:
+    """The graphics processor; MissingExtraError without CuPy, DeviceError without a device.
+
+    Tests put an ordinary processor in its place.
+    """
+    return Cuda()
 
 
 def is_for_gpu(task: Task) -> bool:
