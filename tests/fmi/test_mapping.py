@@ -170,6 +170,13 @@ def test_keys_of_a_map_are_told_like_those_of_a_scenario(mapped, text, words):
         load_map(mapped(text))
 
 
+def test_a_row_of_no_source_is_a_constant_only_if_it_says_which():
+    with pytest.raises(ArgumentError, match=r"plant\.inputs\.x: no terms"):
+        input_rows(PartMap(inputs={"x": {"terms": {}}}), lambda _: "m", "plant")
+    (row,) = input_rows(PartMap(inputs={"x": {"terms": {}, "offset": 2.0}}), lambda _: "m", "plant")
+    assert (row.terms, row.offset) == ((), 2.0)
+
+
 @pytest.mark.parametrize(
     ("row", "words"),
     [

@@ -1,8 +1,11 @@
-"""Bounds that the last third of a log contradicts are named; good logs contradict none."""
+"""Bounds and numbers that a part of a log contradicts are named; good logs contradict none."""
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,13 +14,14 @@ from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, TRUTH
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.refuted import contradictions, explaining
+from wmr_ctrl.identification.widths import Fitted, changes
 
 PAUSE = 1.0
 
 
-def goes_on(driven, **changes):
+def goes_on(driven, seconds=12.0, **changes):
     """The first robot's log, and after a pause that of the same robot with other numbers."""
-    other = simulate(replace(TRUTH, **changes), 1, 12.0, seed=5, step=2e-3)
+    other = simulate(replace(TRUTH, **changes), 1, seconds, seed=5, step=2e-3)
     first, last = (
         {key: np.array(value) for key, value in log.items()}
         for log in (log_of(driven, 0), log_of(other, 0))
@@ -41,8 +45,8 @@ def test_a_pause_changes_nothing(driven):
 @pytest.mark.parametrize(
     ("changes", "key"),
     [
-        ({"m": 42.0}, "guard.M_min[1]"),
-        ({"I": 2.4}, "guard.M_min[2]"),
+        ({"m": 42.0}, "m was"),
+        ({"I": 2.4}, "I was"),
         ({"gust": (12.0, 2.4, 0.5)}, "guard.dbar[2]"),
     ],
 )
@@ -51,7 +55,47 @@ def test_what_changed_in_the_last_third_is_named_and_the_guard_is_off(driven, ch
 
     assert any(key in text for text in found.bounds.refuted), found.bounds.refuted
     assert not found.scenario.guard.enabled
-    assert any("the guard is off: the last third" in text for text in found.remarks)
+    assert any("the guard is off: a part of the log" in text for text in found.remarks)
+
+
+@pytest.mark.slow
+def test_a_load_taken_on_a_third_of_the_way_is_told_with_its_time_and_masses(driven):
+    found = identify(goes_on(driven, 48.0, m=36.0), overrides=KNOWN)
+
+    (text,) = found.bounds.refuted
+    before, when, after = map(float, re.findall(r"(?<![(\d.])\d+\.?\d*(?= \(| s )", text))
+    assert text.startswith("m was")
+    assert (before, when, after) == (
+        pytest.approx(30.0, rel=0.06), pytest.approx(24.5, abs=5.0), pytest.approx(36.0, rel=0.06)
+    )  # fmt: skip
+    assert not found.scenario.guard.enabled
+
+
+def told(values, seconds=30.0):
+    """Changes in fifteen blocks of time, each of which knows its own value to 1 %."""
+    names = ("m", "I", "delay")
+    values = np.array([values] * 3).T
+    theta = values.mean(axis=0)
+    information = np.array([1e4 * np.eye(3)] * 15)
+    fit = Fitted(theta, np.array([True, False, True]), 1e4 * (theta - values), information)
+    log = SimpleNamespace(t=np.array([0.0, seconds]), period=0.02)
+    return changes(fit, names, {"m": "kg", "I": "kg.m2", "delay": "s"}, log)
+
+
+@pytest.mark.parametrize("ends", range(3, 13))
+def test_values_of_blocks_that_step_are_told_with_both_values_and_the_time_between(ends):
+    """30 and 36 by their logarithms, and a delay by itself."""
+    m, delay = told(np.where(np.arange(15) < ends, np.log(30.0), np.log(36.0)))
+
+    assert re.fullmatch(rf"m was 30 .* kg until about {2 * ends} s and 36 .* after it", m)
+    assert re.fullmatch(rf"delay was 3.4 .* s until about {2 * ends} s and 3.58 .* after it", delay)
+
+
+@pytest.mark.parametrize("step", [0.0, 0.04])
+def test_blocks_that_scatter_or_step_by_little_tell_no_change(step):
+    values = math.log(30.0) + step * (np.arange(15) < 7) + 0.004 * np.cos(2.4 * np.arange(15))
+
+    assert [text for text in told(values) if text.startswith("m")] == []
 
 
 def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(found):

@@ -61,7 +61,7 @@ class Answers:
 
 @click.command(short_help="Validate a scenario, and say what to expect of it.")
 @click.argument("scenario")
-@opt.laws_option("chosen", "Check this law only.")
+@opt.laws_option("chosen", "Check this law instead of all.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every finding below the table.")
 @click.option(
     "--only",

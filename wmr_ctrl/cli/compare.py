@@ -45,7 +45,7 @@ COLUMNS = (
     ),
 )
 @click.argument("sources", metavar="[SCENARIO | RUN RUN...]", nargs=-1)
-@click.option("--law", "laws", metavar="A,B,...", help="Laws to run on the scenario, or all.")
+@opt.laws_option("laws", "A law to run on the scenario.")
 @opt.guard_option
 @opt.seed_option
 @opt.set_option
@@ -65,7 +65,7 @@ COLUMNS = (
 def compare(
     ctx: click.Context,
     sources: tuple[str, ...],
-    laws: str | None,
+    laws: tuple[str, ...],
     guard: bool | None,
     seed: int,
     assignments: tuple[str, ...],
@@ -85,9 +85,8 @@ def compare(
     compared: pose, velocities, commands, torques and wheels.
     """
     check_outputs(plot=plot, animate=animate)
-    if laws is not None:
-        names = _law_names(laws)
-        runs = dict(zip(names, _simulated(sources, names, seed, assignments, guard), strict=True))
+    if laws:
+        runs = dict(zip(laws, _simulated(sources, laws, seed, assignments, guard), strict=True))
     else:
         from wmr_ctrl.results import Run
 
@@ -100,7 +99,7 @@ def compare(
                 ctx.exit(DIFFERENCE)
             return
     _draw(runs, plot, animate)
-    pair = None if laws is not None or len(runs) > 2 else _difference(runs, tolerance)
+    pair = None if laws or len(runs) > 2 else _difference(runs, tolerance)
     if not as_json:
         click.echo(comparison_text(runs) if pair is None else f"{pair}\n\n{comparison_text(runs)}")
     elif pair is None:
@@ -113,18 +112,6 @@ def compare(
         ctx.exit(DIFFERENCE)
 
 
-def _law_names(text: str) -> list[str]:
-    from wmr_ctrl.laws.registry import LAWS
-
-    names = list(LAWS) if text == "all" else [name.strip() for name in text.split(",")]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ArgumentError(f"--law {text!r} names {', '.join(twice)} twice. Name each law once.")
-    for name in names:
-        LAWS[name]  # raises for a name that is none, before anything runs
-    return names
-
-
 def _simulated(
     sources: Sequence[str],
     names: Sequence[str],
@@ -133,6 +120,7 @@ def _simulated(
     guard: bool | None,
 ) -> Iterator[Run]:
     from wmr_ctrl import api
+    from wmr_ctrl.laws.registry import LAWS
 
     if len(sources) > 1:
         raise ArgumentError(
@@ -141,6 +129,8 @@ def _simulated(
         )
     source = sources[0] if sources else opt.SCENARIO
     scenario = opt.load(source, assignments, guard)
+    for name in names:
+        LAWS[name]  # raises for a name that is none, before anything runs
     opt.note_idle(scenario, source, assignments, names)
     for name in names:
         with Progress(f"{name} on {scenario.name}"):

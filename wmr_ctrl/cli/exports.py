@@ -196,7 +196,7 @@ def codegen(
 @click.option("--out", required=True, metavar="FILE.html", help="File to write.")
 @opt.scenario_option
 @opt.set_option
-@opt.laws_option("laws", "A law to offer on the page.")
+@opt.laws_option("laws", "A law to offer on the page instead of all.")
 @opt.seed_option
 @opt.debug_option
 def page(

@@ -112,15 +112,20 @@ law_option = click.option(
 
 
 def laws_option(name: str, text: str) -> Callable[[F], F]:
-    """The option ``--law`` for any number of laws, one by one or as A,B."""
+    """The option ``--law`` for any number of laws, one by one or as A,B; none is ()."""
     return click.option(
         "--law", name, metavar="NAME", multiple=True, callback=_each_law,
-        help=f"{text} A,B or several times for more.  [default: all]",
+        help=f"{text} A,B or several times for more, or all.",
     )  # fmt: skip
 
 
 def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(name.strip() for value in values for name in value.split(",")))
+    names = [name.strip() for value in values for name in value.split(",")]
+    if "all" in names:
+        from wmr_ctrl.laws.registry import LAWS
+
+        return tuple(LAWS)
+    return tuple(dict.fromkeys(names))
 
 
 seed_option = click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")

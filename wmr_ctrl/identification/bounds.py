@@ -14,6 +14,7 @@ import tomlkit
 from wmr_ctrl.identification.fit import LAG_LEAST
 from wmr_ctrl.identification.kalman import BLOCKS
 from wmr_ctrl.identification.speed_loop import AXES, Fits
+from wmr_ctrl.identification.widths import Fitted, changes
 from wmr_ctrl.logs.log import COMMAND, Floats
 from wmr_ctrl.scenario import Scenario, to_toml
 
@@ -128,8 +129,8 @@ class GuardBounds:
     """Numbers for [guard] in SI units, per axis or from least to most, and where they come from.
 
     ``q``: rms force noise a control period; the sentence is what may be said of dbar; ``wide``:
-    delay or masses are known too badly for a guard; ``refuted``: what the held-out third has
-    against bounds that the rest of the log gives.
+    delay or masses are known too badly for a guard; ``refuted``: what a part of the log
+    has against what the rest gives.
     """
 
     M_min: tuple[float, float]
@@ -324,6 +325,11 @@ def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
             names = [f"{name}{axis}" for name in fit.names]
             unsure = {name for name in names if estimates[name].verdict != DETERMINED}
             remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
+            units = {name: UNITS[name] for name in names if not name.startswith("accel")}
+            shown = np.diag(fit.fisher.sum(axis=0)) > 0
+            fitted = Fitted(fit.theta, shown, fit.gradient, fit.fisher)
+            for text in changes(fitted, names, units, fit.log):
+                remarks.append(f"{text}: take a log of each state, or state bounds for both.")
     vague = [name for name, item in estimates.items() if item.verdict == UNDETERMINED and
              not name.startswith("accel")]  # fmt: skip
     if vague:

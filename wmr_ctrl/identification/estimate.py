@@ -20,12 +20,17 @@ from wmr_ctrl.identification.fit import (
     LAG_LEAST,
     Fit,
     LogProblem,
-    half_widths,
     scored,
-    standard_errors,
 )
 from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC, NAMES
 from wmr_ctrl.identification.speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
+from wmr_ctrl.identification.widths import (
+    PHYSICAL,
+    WIDEST,
+    half_widths,
+    plant_step,
+    standard_errors,
+)
 from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.logs.samples import AxisLog, Samples, differenced, speeds, wheels
 from wmr_ctrl.scenario import Scenario
@@ -48,7 +53,6 @@ PART_PASSES = 12
 AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
 """Sections of what is known that the identified numbers take the place of."""
 FREE_RUN = 1.0
-PHYSICAL = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag")
 
 
 def first_guess(log: Samples) -> tuple[dict[str, float], float]:
@@ -211,28 +215,6 @@ def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
     return replace(best, least=least)
 
 
-def intervals_of(fit: Fit) -> dict[str, tuple[float, float, float]]:
-    """Value, low and high of each physical parameter, in SI units."""
-    half = half_widths(fit)
-    step = plant_step(fit.problem.log.period)
-    intervals = {}
-    for name in PHYSICAL:
-        value, width = float(fit.theta[INDEX[name]]), float(half[INDEX[name]])
-        if name in LOGARITHMIC:
-            value, width = math.exp(value), min(max(width, 2e-3), 50.0)
-            intervals[name] = (value, value * math.exp(-width), value * math.exp(width))
-            continue
-        least = step / 2 if name in ("delay", "lag") else 2e-3 * abs(value)
-        width = max(width, least)
-        intervals[name] = (value, value - width, value + width)
-    return intervals
-
-
-def plant_step(period: float) -> float:
-    """Step of the plant [s]: a whole part of a control period, of one millisecond at most."""
-    return period / math.ceil(period / 1e-3 - 1e-9)
-
-
 def bare_scenario(scenario: Scenario, log: Samples) -> Scenario:
     """The known scenario on the log's clock, without the parts that identified numbers replace."""
     period = float(f"{log.period:.4g}")
@@ -309,7 +291,7 @@ def loop_estimates(fits: Fits, period: float) -> dict[str, Estimate]:
             if name == "delay":
                 low, high, share = max(value - half, 0.0), value + half, half / max(value, period)
             else:
-                half = min(half, 50.0)
+                half = min(half, WIDEST)
                 low, high = value * math.exp(-half), value * math.exp(half)
                 share = half
             shares = fit.fisher[:, fit.names.index(name), fit.names.index(name)]

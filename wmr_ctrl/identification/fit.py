@@ -1,6 +1,4 @@
-"""Maximum likelihood of a log: its events in order, Fisher scoring, intervals by leaving out blocks
-of time.
-"""
+"""Maximum likelihood of a log: its events in order, Fisher scoring."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from wmr_ctrl.identification.kalman import (
     BLOCKS,
@@ -39,8 +36,6 @@ DAMPING = 1e-3
 """Damping of the first step, and the least after a step that gained nothing."""
 ACCEPTED = 1.92
 """Fall of the log-likelihood at the end of an interval by the likelihood."""
-FLOOR = 2e-3
-"""Least relative half-width of an interval."""
 FINEST = 3e-4
 """Least noise of force and speed, over how much these vary."""
 
@@ -302,48 +297,3 @@ def trusted(trial: Floats, before: Floats) -> Floats:
     new = trial.copy()
     new[near] = np.clip(trial[near], before[near] - 1.5, before[near] + 1.5)
     return new
-
-
-def standard_errors(fit: Fit) -> tuple[Floats, Floats]:
-    """Standard errors (n,) by the Fisher information, and by leaving out blocks of time.
-
-    Zero where a parameter is not free.
-    """
-    return _two_errors(fit.last.gradient, fit.last.fisher, fit.inside)
-
-
-def _two_errors(gradient: Floats, fisher: Floats, free: np.ndarray) -> tuple[Floats, Floats]:
-    """Both errors from gradient (B, n) and information (B, n, n) of blocks of time.
-
-    The second is by one Newton step for each block b that is left out, theta_b = theta + (H -
-    H_b)^-1 g_b.
-    """
-    whole = fisher.sum(axis=0)[np.ix_(free, free)]
-    tiny = 1e-10 * np.diag(np.diag(whole))
-    by_fisher, left = np.zeros(len(free)), np.zeros(len(free))
-    by_fisher[free] = np.sqrt(np.maximum(np.diag(np.linalg.inv(whole + tiny)), 0))
-    moved = []
-    for block in range(BLOCKS):
-        own = fisher[block][np.ix_(free, free)]
-        if not own.any():
-            continue
-        lacking = whole + tiny - own + 1e-9 * np.diag(np.diag(whole))
-        moved.append(np.linalg.solve(lacking, gradient[block][free]))
-    count = len(moved)
-    spread = np.array(moved) - np.mean(moved, axis=0)
-    left[free] = np.sqrt((count - 1) / count * (spread**2).sum(axis=0))
-    return by_fisher, left
-
-
-def errors_of(gradient: Floats, fisher: Floats, free: np.ndarray) -> Floats:
-    """Half-widths (n,) of 95 % intervals: the larger of both errors'."""
-    by_fisher, left = _two_errors(gradient, fisher, free)
-    return np.maximum(stdtrit(BLOCKS - 1, 0.975) * left, 1.96 * by_fisher)
-
-
-def half_widths(fit: Fit) -> Floats:
-    """Half-widths (n,) of 95 % intervals: the larger of both errors', and of the floor."""
-    half = errors_of(fit.last.gradient, fit.last.fisher, fit.inside)
-    for place, least in fit.least.items():
-        half[place] = max(half[place], least)
-    return half

@@ -31,16 +31,16 @@ from wmr_ctrl.identification.estimate import (
     coloured_if_likelier,
     distrusting_low_speeds,
     free_runs,
-    intervals_of,
     score_of,
     surest,
     white_fit,
 )
 from wmr_ctrl.identification.fit import COUNTED as MEASURED
-from wmr_ctrl.identification.fit import Fit, LogProblem, standard_errors
+from wmr_ctrl.identification.fit import Fit, LogProblem
 from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
 from wmr_ctrl.identification.velocity_base import of_velocities
+from wmr_ctrl.identification.widths import intervals_of, standard_errors
 from wmr_ctrl.logs import lint
 from wmr_ctrl.logs.log import (
     COMMAND,
@@ -301,9 +301,9 @@ def _scenario(
     })  # fmt: skip
     if bounds.refuted:
         remarks.append(
-            "the guard is off: the last third of the log contradicts bounds that the rest of it "
-            f"gives. {'; '.join(bounds.refuted).capitalize()}. Robot, load, floor or lateness "
-            "changed: take a log of each, or state bounds for all."
+            "the guard is off: a part of the log contradicts what the rest of it gives. "
+            f"{'; '.join(bounds.refuted)}. Robot, load, floor or lateness changed: take a log of "
+            "each, or state bounds for all."
         )
         return result
     if bounds.wide:

@@ -1,6 +1,7 @@
-"""Bounds that a guard may rely on by a log, and contradictions in the log's last third.
+"""Bounds that a guard may rely on by a log, and contradictions within the log.
 
-Motion that bounds of the rest do not explain, by the guard's own monitor, and changed numbers.
+Motion of its last third that bounds of the rest do not explain, by the guard's own monitor, and
+numbers that changed.
 """
 
 import math
@@ -19,9 +20,10 @@ from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.identification.bounds import UNITS, GuardBounds
-from wmr_ctrl.identification.estimate import cut_of, fitted_part, intervals_of
+from wmr_ctrl.identification.estimate import cut_of, fitted_part
 from wmr_ctrl.identification.fit import COUNTED, LAG_LEAST, Fit, at_rest
 from wmr_ctrl.identification.kalman import BLOCKS, INDEX, NAMES
+from wmr_ctrl.identification.widths import Fitted, changes, intervals_of
 from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.logs.samples import Samples
 from wmr_ctrl.scenario import Scenario
@@ -31,8 +33,8 @@ SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 """Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""
 LATE_POINTS = 5, 3
 """Delays and lags in their intervals for which the force that acted is worked out."""
-APART = 1.5
-"""Sums of half-widths by which two parts of a log are apart where something changed."""
+CONSTANT = {name: UNITS[name] for name in ("m", "I", "delay")}
+"""What is looked at for a change within the log, with its units."""
 WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
 """Factors on the range of masses that are tried where a motion is not explained."""
 CREEP, CREEP_LAG = 0.01, 0.005
@@ -128,20 +130,20 @@ def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
 def held_out(
     white: Fit, fit: Fit, scenario: Scenario, colour: float | None, tell: Callable[[], None]
 ) -> tuple[Fit, tuple[str, ...]]:
-    """The white fit of a log's first two thirds, and contradictions of its last to their bounds.
+    """The white fit of a log's first two thirds, what of its last is against their bounds, and
+    what was not the same all along.
 
     ``white`` and ``fit`` are of the whole log; ``scenario`` has its clock.
     """
     cut = cut_of(white.problem.log)
     before = fitted_part(fit, -np.inf, cut, tell, fit)
-    rest = fitted_part(fit, cut, np.inf, tell, before)
     same = fit.problem is white.problem and (fit.free == white.free).all()
     trained = before if same else fitted_part(white, -np.inf, cut, tell, white)
-    earlier, later = intervals_of(before), intervals_of(rest)
-    bounds = guard_bounds(trained, earlier, scenario, colour)
-    moved = [item.against(bounds) for item in contradictions(white, bounds, cut)]
-    period = white.problem.log.period
-    return trained, (*moved, *outside(bounds, earlier, later, period))
+    bounds = guard_bounds(trained, intervals_of(before), scenario, colour)
+    unexplained = [item.against(bounds) for item in contradictions(white, bounds, cut)]
+    fitted = Fitted(fit.theta, fit.inside, fit.last.gradient, fit.last.fisher)
+    changed = changes(fitted, NAMES, CONSTANT, fit.problem.log)
+    return trained, (*changed, *unexplained)
 
 
 @dataclass(frozen=True)
@@ -207,34 +209,6 @@ def contradictions(
             Unexplained(axis, float(windows[k].t[at]), length, most[k], next(enough, None))
         )
     return tuple(largest)
-
-
-def outside(
-    bounds: GuardBounds,
-    before: Mapping[str, tuple[float, float, float]],
-    rest: Mapping[str, tuple[float, float, float]],
-    period: float,
-) -> Iterator[str]:
-    """Sentences on bounds of a log's first part that a fit of its rest lies outside of.
-
-    Values are apart by APART times both half-widths and by what matters: a twentieth of a mass, a
-    control period [s] of the delay.
-    """
-    ranges = dict(zip(("m", "I", "delay"), (*bounds.masses, bounds.delay), strict=True))
-    keys = {"m": "guard.M_min[1] to M_max[1]", "I": "guard.M_min[2] to M_max[2]",
-            "delay": "guard.delay"}  # fmt: skip
-    for name, (least, most) in ranges.items():
-        (value, low, high), (own, own_low, own_high) = before[name], rest[name]
-        apart = max(own - value, value - own)
-        both = (high - low + own_high - own_low) / 2
-        matters = period if name == "delay" else value / 20
-        if apart > max(APART * both, matters) and not least <= own <= most:
-            unit = UNITS[name]
-            yield (
-                f"of that third alone {name} is {own:.3g} {unit} "
-                f"({own_low:.3g} to {own_high:.3g}), outside of {keys[name]}, "
-                f"{least:.3g} to {most:.3g} {unit}"
-            )
 
 
 def explaining(white: Fit, bounds: GuardBounds) -> GuardBounds:

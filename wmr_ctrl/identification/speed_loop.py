@@ -22,8 +22,9 @@ import numpy as np
 
 from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.identification.fit import FINEST, FLOOR, errors_of
+from wmr_ctrl.identification.fit import FINEST
 from wmr_ctrl.identification.kalman import BLOCKS
+from wmr_ctrl.identification.widths import FLOOR, errors_of
 from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.logs.samples import LONGEST_DELAY, AxisLog
 from wmr_ctrl.model.dynamics import rk4_step

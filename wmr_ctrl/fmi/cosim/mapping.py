@@ -185,6 +185,8 @@ class _Row:
         if not isinstance(raw, str | Mapping):
             raise ArgumentError(f"{key} = {show(raw)} must be a name, or a table with terms.")
         self.entry = build(MapEntry, {"terms": {raw: 1.0}} if isinstance(raw, str) else raw, key)
+        if not self.entry.terms and "offset" not in raw:
+            raise ArgumentError(f"{key}: no terms. Name a source, or state the constant as offset.")
         ours = [name for name in (self.entry.terms if inward else [target]) if name in UNITS]
         self.fitting = UNITS[ours[0]] if ours else "1"
         self.unit_of_target = self.unit_of_theirs if inward else self.unit_of_ours
