@@ -325,11 +325,13 @@ def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
             names = [f"{name}{axis}" for name in fit.names]
             unsure = {name for name in names if estimates[name].verdict != DETERMINED}
             remarks += mixtures(names, fit.fisher.sum(axis=0), unsure)
-            units = {name: UNITS[name] for name in names if not name.startswith("accel")}
             shown = np.diag(fit.fisher.sum(axis=0)) > 0
             fitted = Fitted(fit.theta, shown, fit.gradient, fit.fisher)
-            for text in changes(fitted, names, units, fit.log):
-                remarks.append(f"{text}: take a log of each state, or state bounds for both.")
+            for name, time in changes(fitted, names, fit.log).items():
+                remarks.append(
+                    f"{name} was not the same before about {time:.3g} s as after it: take a log of "
+                    "each state, or state bounds for both."
+                )
     vague = [name for name, item in estimates.items() if item.verdict == UNDETERMINED and
              not name.startswith("accel")]  # fmt: skip
     if vague:

@@ -33,8 +33,8 @@ SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 """Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""
 LATE_POINTS = 5, 3
 """Delays and lags in their intervals for which the force that acted is worked out."""
-CONSTANT = {name: UNITS[name] for name in ("m", "I", "delay")}
-"""What is looked at for a change within the log, with its units."""
+CONSTANT = ("m", "I", "delay")
+"""What must not change within a log."""
 WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
 """Factors on the range of masses that are tried where a motion is not explained."""
 CREEP, CREEP_LAG = 0.01, 0.005
@@ -141,9 +141,19 @@ def held_out(
     trained = before if same else fitted_part(white, -np.inf, cut, tell, white)
     bounds = guard_bounds(trained, intervals_of(before), scenario, colour)
     unexplained = [item.against(bounds) for item in contradictions(white, bounds, cut)]
+    return trained, (*changed(fit, tell), *unexplained)
+
+
+def changed(fit: Fit, tell: Callable[[], None]) -> Iterator[str]:
+    """Sentences on a mass, an inertia or a delay that was another in a part of the log."""
     fitted = Fitted(fit.theta, fit.inside, fit.last.gradient, fit.last.fisher)
-    changed = changes(fitted, NAMES, CONSTANT, fit.problem.log)
-    return trained, (*changed, *unexplained)
+    for name, time in changes(fitted, NAMES, fit.problem.log).items():
+        if name in CONSTANT:
+            spans = ((-np.inf, time), (time, np.inf))
+            parts = [intervals_of(fitted_part(fit, *span, tell, fit))[name] for span in spans]
+            before, after = (f"{x:.3g} ({low:.3g} to {high:.3g})" for x, low, high in parts)
+            unit = UNITS[name]
+            yield f"{name} was {before} {unit} until about {time:.3g} s and {after} {unit} after it"
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Intervals of what was fitted, by the Fisher information and by leaving out blocks of time."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -76,43 +76,26 @@ class Fitted(NamedTuple):
         return self.theta + step, errors_of(gradient + fisher @ step, fisher, free)
 
 
-def changes(
-    fit: Fitted, names: Sequence[str], units: Mapping[str, str], log: Samples | AxisLog
-) -> list[str]:
-    """Sentences on parameters that were not the same all along, with the time that shows it best.
+def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[str, float]:
+    """Parameters of ``names`` that were not the same all along, and the time [s] that shows it
+    best.
 
-    Those in ``units`` are looked at; all but delays are logarithms.  The log is cut where blocks
-    end; values of both parts are apart by APART times both half-widths and by what matters: a
-    twentieth, or a control period.
+    All but delays are logarithms.  The log is cut where blocks end; values of both parts are apart
+    by APART times both half-widths and by what matters: a twentieth, or a control period.
     """
-    count = len(fit.fisher)
-    ends, best = np.linspace(log.t[0], log.t[-1], count + 1), dict.fromkeys(units, (APART, ""))
+    count, best = len(fit.fisher), np.full(len(names), APART)
+    ends, times = np.linspace(log.t[0], log.t[-1], count + 1), {}
+    least = [log.period if name.startswith("delay") else math.log(1.05) for name in names]
     for block in range(LEAST_BLOCKS, count - LEAST_BLOCKS + 1):
         try:
-            parts = fit.of(slice(block)), fit.of(slice(block, count))
+            (before, wide), (after, narrow) = fit.of(slice(block)), fit.of(slice(block, count))
         except np.linalg.LinAlgError:
             continue
-        for name, unit in units.items():
-            if not fit.free[k := names.index(name)]:
-                continue
-            (before, after), halves = ([item[i][k] for item in parts] for i in (0, 1))
-            apart, late = abs(after - before), name.startswith("delay")
-            matters = log.period if late else math.log(1.05)
-            if apart > max(matters, best[name][0] * sum(halves)):
-                first, second = (
-                    "{:.3g} ({:.3g} to {:.3g})".format(
-                        *(x if late else math.exp(x) for x in (value, value - half, value + half))
-                    )
-                    for value, half in zip((before, after), halves, strict=True)
-                )
-                best[name] = (
-                    apart / sum(halves),
-                    (
-                        f"{name} was {first} {unit} until about {ends[block]:.3g} s and "
-                        f"{second} after it"
-                    ),
-                )
-    return [sentence for _, sentence in best.values() if sentence]
+        for k in np.flatnonzero(fit.free).tolist():
+            apart, both = abs(after[k] - before[k]), wide[k] + narrow[k]
+            if apart > max(least[k], best[k] * both):
+                best[k], times[names[k]] = apart / both, float(ends[block])
+    return times
 
 
 def half_widths(fit: Fit) -> Floats:
