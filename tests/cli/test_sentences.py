@@ -16,8 +16,8 @@ from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 
-check, compare, runs = (
-    import_module(f"wmr_ctrl.cli.{name}") for name in ("check", "compare", "runs")
+check, compare, runs, summary = (
+    import_module(f"wmr_ctrl.cli.{name}") for name in ("check", "compare", "runs", "summary")
 )
 BOTH = Warning("limits.v_u1", "of both", "Eq. (1)")
 ONE, OTHER = Warning("robot.m", "of one", "Eq. (2)"), Warning("robot.I", "of the other", "Eq. (3)")
@@ -82,11 +82,25 @@ def test_three_digits_as_long_as_they_say_something(value: float, text: str) -> 
 def test_a_row_has_millimetres_then_si_units(run: Run) -> None:
     figures = figures_of(run)
     values = (
-        1e3 * figures["position_rms"]["last_quarter"], 1e3 * figures["position_max"],
+        *(1e3 * figures["tracking"]["drive"][key] for key in ("position_rms", "position_max")),
         *figures["max_abs_v"], figures["tau_peak"], figures["torque_change_rms"],
     )  # fmt: skip
 
     assert compare._row("pid", run) == ("pid", *map(compare._shown, values), run.outcome.value)
+
+
+def test_a_comparison_judges_the_drive_and_names_every_limit(run: Run) -> None:
+    """A path that stops is at rest in its last quarter, where nothing tells laws apart."""
+    stops = replace(run, settings=replace(run.settings, arrival=0.1, v_u1=(0.9, 1.4)))
+    text = " ".join(compare.comparison_text({"pid": run, "mb": stops}).split())
+
+    assert "over the last quarter or drive (0.05 to 0.1 s) [mm]" in text
+    assert "limits 1 m/s and 1.5 rad/s or 0.9 m/s and 1.4 rad/s." in text
+    assert "over the last half or drive (0.05 to 0.1 s) [N m]" in text
+    judged = figures_of(stops)["tracking"]["drive"]["position_rms"]
+    assert compare._row("mb", stops)[1] == compare._shown(1e3 * judged)
+    rows = {name: said for name, _, said in summary._rows(stops, figures_of(stops))}
+    assert rows["wheel torque, change"] == "RMS per sample, drive (0.05 to 0.1 s)"
 
 
 def answers(law: str = "pid", **changes: object) -> check.Answers:

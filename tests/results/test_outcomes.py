@@ -77,6 +77,13 @@ def test_a_guarded_violation_does_not_advise_the_guard() -> None:
     assert "guard.dbar" in guarded
 
 
+@pytest.mark.parametrize("guard", [False, True])
+def test_a_start_outside_is_told_as_such_and_only_then(guard: bool) -> None:
+    outside = Monitor((1.3, 0.5), violations=9, first_violation=(0.0, 1))
+    assert "started outside the limits" in Outcome.LIMIT_VIOLATED.sentence(outside, guard)
+    assert "outside" not in Outcome.LIMIT_VIOLATED.sentence(BROKEN, guard)
+
+
 def test_the_sentences_of_a_rigid_body_tell_when_and_by_how_much() -> None:
     assert "1.985 s" in Outcome.TIPPED.sentence(FALLEN)
     assert "0.003 s" in Outcome.TIPPED.sentence(FALLEN)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,8 +23,8 @@ LEAST = 1e-3
 """Smaller figures [mm, m/s, rad/s, N m] are not written out."""
 HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 COLUMNS = (
-    ("position_rms_last_quarter", 1e3),
-    ("position_max", 1e3),
+    ("tracking_drive_rms", 1e3),
+    ("tracking_drive_max", 1e3),
     ("max_abs_v1", 1.0),
     ("max_abs_v2", 1.0),
     ("tau_peak", 1.0),
@@ -179,11 +179,15 @@ def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
 
 def comparison_text(runs: dict[str, Run]) -> str:
     """Figures of runs by name as a table, a line of what its columns are, and the remarks."""
-    (limit_v, limit_w) = next(iter(runs.values())).settings.v_u1
+    from wmr_ctrl.results import driving, labouring
+
+    def each(words: Callable[[Run], str]) -> str:
+        return " or ".join(dict.fromkeys(map(words, runs.values())))
+
     about = (
-        "RMS, max: distance from the desired position over the last quarter [mm]. |v1|, |omega|: "
-        f"largest over the run, limits {limit_v:g} m/s and {limit_w:g} rad/s. peak, change: wheel "
-        "torques, largest and RMS from sample to sample [N m]."
+        f"RMS, max: distance from the desired position over the {each(driving)} [mm]. |v1|, "
+        f"|omega|: largest over the run, limits {each(_limits)}. peak: largest wheel torque of the "
+        f"run; change: its RMS from sample to sample over the {each(labouring)} [N m]."
     )
     lines = [table([_row(name, run) for name, run in runs.items()], HEADER), "", wrapped(about)]
     for name, run in runs.items():
@@ -191,6 +195,11 @@ def comparison_text(runs: dict[str, Run]) -> str:
         if keys:
             lines.append(wrapped(f"- {name}: {', '.join(keys)}", hang="  "))
     return "\n".join(lines)
+
+
+def _limits(run: Run) -> str:
+    linear, angular = run.settings.v_u1
+    return f"{linear:g} m/s and {angular:g} rad/s"
 
 
 def _row(name: str, run: Run) -> tuple[str, ...]:

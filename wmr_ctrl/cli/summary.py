@@ -9,7 +9,16 @@ import click
 from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
 from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results import OBJECTED, RigidMonitor, Run, driving, percent, speeds, summary
+from wmr_ctrl.results import (
+    OBJECTED,
+    RigidMonitor,
+    Run,
+    driving,
+    labouring,
+    percent,
+    speeds,
+    summary,
+)
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
 from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.scenario import loads_scenario
@@ -71,11 +80,13 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
-    yield "wheel torque, change", _number(figures["torque_change_rms"], "N m"), "RMS per sample"
+    changed, when = figures["torque_change_rms"], labouring(run)
+    yield "wheel torque, change", _number(changed, "N m"), f"RMS per sample, {when}"
     needed = "RMS, by the motion" + (" of the scenario's robot" if _theirs(run) else "")
-    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), needed
+    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), f"{needed}, {when}"
     if figures["saturated_share"] is not None:
-        yield "wheel torque at its limit", percent(figures["saturated_share"]), "of the samples"
+        share = percent(figures["saturated_share"])
+        yield "wheel torque at its limit", share, f"of the samples, {when}"
     if run.monitor.rigid is not None:
         yield from _rigid(run.monitor.rigid)
 

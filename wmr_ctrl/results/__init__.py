@@ -35,3 +35,4 @@ from wmr_ctrl.results.settings import PLANTS as PLANTS
 from wmr_ctrl.results.settings import Assumptions as Assumptions
 from wmr_ctrl.results.settings import Settings as Settings
 from wmr_ctrl.results.windows import driving as driving
+from wmr_ctrl.results.windows import labouring as labouring

@@ -19,6 +19,7 @@ from wmr_ctrl.errors import MissingExtraError
 from wmr_ctrl.results.figures import FIGURES, READINGS, values_of
 from wmr_ctrl.results.measures import tracked
 from wmr_ctrl.results.settings import COUNTED
+from wmr_ctrl.results.windows import driving
 from wmr_ctrl.signals import TIME
 
 if TYPE_CHECKING:
@@ -138,7 +139,7 @@ def library(name: str, extra: str = "data") -> ModuleType:
 
 def run_html(run: Run) -> str:
     """A run's labels, outcome and main figures."""
-    names = ("position_rms", "position_rms_last_quarter", "ise_total", "tau_peak")
+    names = ("position_rms", "tracking_drive_rms", "ise_total", "tau_peak")
     taken = values_of(run, map(FIGURES.__getitem__, names))
     whole, late, ise, peak = (figure(taken[name]) for name in names)
     reached, guarded = tracked(run), ", guarded" if run.guard else ""
@@ -146,7 +147,7 @@ def run_html(run: Run) -> str:
         ("outcome", run.outcome.value),
         ("tracked", ABSENT if reached is None else "yes" if reached else "no"),
         ("position error, RMS [m]", whole),
-        ("position error, RMS of the last quarter [m]", late),
+        (f"position error, RMS of the {driving(run)} [m]", late),
         ("ISE [m² s + rad² s]", ise),
         ("largest |v1| [m/s], |omega| [rad/s]", ", ".join(map(figure, run.monitor.max_abs_v))),
         ("largest wheel torque [N m]", peak),

@@ -24,10 +24,13 @@ TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
 """Remedy where a guard holds back more than it must."""
 _GUARDED = (
     "The velocity limit was broken although the guard was on, first by the {violation}; {steps} "
-    "beyond a limit ({extremes}). The run started outside the limits, or left what the guard "
-    "assumes: compare guard.dbar, M_min, M_max and nbar with the robot, state the drives' delay "
-    "and lag in full."
+    "beyond a limit ({extremes}). {cause}"
 )
+_UNCOVERED = (
+    "The run left what the guard assumes: compare guard.dbar, M_min, M_max and nbar with the "
+    "robot, state the drives' delay and lag in full."
+)
+_OUTSIDE = "The run started outside the limits: start inside them."
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +136,8 @@ class Outcome(StrEnum):
         """
         text = _GUARDED if guard and self is Outcome.LIMIT_VIOLATED else _SENTENCES[self]
         linear, angular = monitor.max_abs_v
-        count = monitor.violations
+        count, first = monitor.violations, monitor.first_violation
+        outside = first is not None and first[0] == 0.0
         return text.format(
             violation=_place(monitor.first_violation),
             stop=_place(monitor.stopped),
@@ -143,10 +147,15 @@ class Outcome(StrEnum):
             steps="1 plant step was" if count == 1 else f"{count} plant steps were",
             extremes=f"largest |v1| {linear:.4g} m/s, largest |omega| {angular:.4g} rad/s",
             failure=monitor.failure,
+            cause=_OUTSIDE if outside else _UNCOVERED if guard else _UNGUARDED,
             **_rigid(monitor.rigid),
         )
 
 
+_UNGUARDED = (
+    "Switch the guard on (on a base that takes velocities: the filter), or ask for a slower "
+    "reference."
+)
 _NOT_COVERED = (
     "its guarantee does not cover this run. Widen guard.dbar, or guard.M_min and guard.M_max, "
     "unless a remark names another cause."
@@ -162,8 +171,7 @@ _SENTENCES = {
     ),
     Outcome.LIMIT_VIOLATED: (
         "The velocity limit was broken, first by the {violation}; {steps} beyond a limit "
-        "({extremes}). Switch the guard on (on a base that takes velocities: the filter), start "
-        "inside the limits, or ask for a slower reference."
+        "({extremes}). {cause}"
     ),
     Outcome.DIVERGED: (
         "The run ended early because of the {stop}: it reached {bound} {unit}, which counts as "

@@ -139,10 +139,11 @@ def _not_arrived(run: Run) -> Iterator[str]:
     times, settings = measures.arrival(run), run.settings
     if times is None or settings.arrival is None or times["robot"] is not None:
         return
-    if settings.duration < settings.arrival:
+    if settings.samples <= settings.index(settings.arrival):
         yield (
-            f"The desired motion comes to rest at its goal at t = {settings.arrival:.4g} s, after "
-            f"the run of {settings.duration:g} s. Lengthen clock.duration."
+            f"The desired motion comes to rest at its goal at t = {settings.arrival:.4g} s, and "
+            f"the run of {settings.duration:g} s has no sample from then on. Lengthen "
+            "clock.duration."
         )
     elif settings.tolerance is not None and run.rows:
         away = float(np.hypot(run["x"][-1] - run["x_d"][-1], run["y"][-1] - run["y_d"][-1]))

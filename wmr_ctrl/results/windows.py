@@ -94,6 +94,11 @@ def working(settings: Settings) -> Span:
     return max(settings.samples // 2 if settings.arrival is None else first, 1), end
 
 
+def labouring(run: Run) -> str:
+    """The window of the torques, in words."""
+    return "last half" if run.settings.arrival is None else driving(run)
+
+
 def rows_of(run: Run, samples: Span) -> slice | None:
     """The rows of a window of samples; None where the run does not cover it or it is empty."""
     first, end = samples
