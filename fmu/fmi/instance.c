@@ -79,7 +79,6 @@ wmr_instance *wmr_create(const char *name, wmr_interface interface)
     s->state.interface = (int32_t)interface;
     strncpy(s->name, name ? name : "", sizeof s->name - 1);
     start_values(&s->state);
-    kind_restore(s);
     return s;
 }
 
@@ -99,7 +98,6 @@ int wmr_is_instance(const wmr_instance *s)
 void wmr_reset(wmr_instance *s)
 {
     start_values(&s->state);
-    kind_restore(s);
 }
 
 wmr_status wmr_setup(wmr_instance *s, double start, int has_stop, double stop, int has_tolerance,

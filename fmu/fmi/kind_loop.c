@@ -81,7 +81,6 @@ int kind_start(struct wmr_instance *s)
     if (!fits(period, step, 1e5) || period < 0.5 * step) {
         return 0;
     }
-    memset(&s->state.memory, 0, sizeof s->state.memory);
     kind_restore(s);
     wmr_loop_start(&s->scratch.settings, &s->state.memory.loop);
     return s->state.memory.loop.delay_steps <= WMR_DELAY_MAX;

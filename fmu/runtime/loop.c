@@ -240,16 +240,17 @@ static void plant_steps(const wmr_settings *s, wmr_loop *w, const wmr_v *held)
 }
 
 #ifdef WMR_SAMPLE_WATCHED_PREPARED
-/* Adds this sample to the windows that it is in; behind the sums is how far it was off at most. */
+/* Adds this sample to the windows that it is in; behind the sums is how far it was off at most.  Of a
+   window that a run does not last through nobody reads them. */
 static void add_up(const wmr_settings *s, const wmr_loop *w, const wmr_v *seen)
 {
     for (int64_t k = 0; k < s->windows; ++k) {
         if (w->sample >= s->window[2 * k] && w->sample < s->window[2 * k + 1]) {
             wmr_v *kept = s->sums + WMR_WINDOW * k, *most = kept + WMR_SUMS;
             for (int i = 0; i < WMR_SUMS; ++i) {
-                kept[i] += wmr_choose(w->running, seen[i], wmr_all(0.0));
+                kept[i] += seen[i];
             }
-            set(most, w->running & wmr_mask(seen[0] > *most), seen[0]);
+            set(most, wmr_mask(seen[0] > *most), seen[0]);
         }
     }
 }

@@ -121,9 +121,7 @@ WMR_EXPORT void wmr_read_log(int64_t count, const double *rows, const int32_t *k
         } else if (kinds[n] == PIECE) {
             step(u, &m, &f);
         } else {
-            if (kinds[n] == WATCHED) {
-                memset(told, 0, 2 * WMR_OUTPUTS * sizeof(double));
-            } else {
+            if (kinds[n] != WATCHED) {
                 correct(u, &m, &f, counted ? nll + b : 0,
                         counted && slopes ? gradient + b * WMR_NAMES : 0,
                         counted && slopes ? fisher + b * WMR_NAMES * WMR_NAMES : 0, told);

@@ -50,8 +50,14 @@ class Fmu:
         self.dll = ct.CDLL(str(self.library))
         self.prefix = f"fmi{version}"
         self.messages: list[str] = []
-        self._log2 = LOGGER2(lambda _e, _n, _s, _c, text: self.messages.append(text.decode()))
-        self._log3 = LOGGER3(lambda _e, _s, _c, text: self.messages.append(text.decode()))
+        self.categories: set[tuple[int, str]] = set()
+
+        def hear(status: int, category: bytes, text: bytes) -> None:
+            self.messages.append(text.decode())
+            self.categories.add((status, category.decode()))
+
+        self._log2 = LOGGER2(lambda _e, _n, *said: hear(*said))
+        self._log3 = LOGGER3(lambda _e, *said: hear(*said))
         self._callbacks = Callbacks(logger=self._log2)
 
     @property
@@ -190,6 +196,8 @@ class Instance:
         assert getattr(f, f"Get{spelled}")(self.handle, ct.byref(kept)) == OK
         assert getattr(f, f"Serialized{spelled}Size")(self.handle, kept, ct.byref(size)) == OK
         buffer = (ct.c_ubyte * size.value)()
+        short = ct.c_size_t(size.value - 1)
+        assert getattr(f, f"Serialize{spelled}")(self.handle, kept, buffer, short) == ERROR
         assert getattr(f, f"Serialize{spelled}")(self.handle, kept, buffer, size) == OK
         assert getattr(f, f"Free{spelled}")(self.handle, ct.byref(kept)) == OK
         assert not kept.value

@@ -109,6 +109,7 @@ def test_wrong_requests_are_refused(raw):
     name = "GetDirectionalDerivative"
     assert call(instance, name, ["tau_right"], ["x"], [1.0], 1)[0] == ERROR
     assert call(instance, name, ["psi"], ["psi"], [1.0], 1)[0] == ERROR
+    assert call(instance, name, ["psi"], ["der(x)"], [1.0], 1)[0] == ERROR
     assert call(instance, name, ["psi"], ["theta"], [float("nan")], 1)[0] == ERROR
     assert (
         instance.fmu.GetDirectionalDerivative(
@@ -117,6 +118,7 @@ def test_wrong_requests_are_refused(raw):
         == ERROR
     )
     assert call(instance, name, ["psi"], ["theta"], [1.0], 1) == (OK, np.array([1.0]))
+    assert call(instance, name, ["psi"], ["theta"] * 2, [1.0, 0.5], 1) == (OK, np.array([1.5]))
     instance.free()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes as ct
 import math
 
 import numpy as np
@@ -77,15 +78,28 @@ def test_a_closed_loop_that_overflows_gives_error_for_it_has_no_inputs(raw, vers
     one = raw("closed-loop", version).new()
     assert one.put(UNSTABLE) == OK
     one.begin()
-    k, before = 0, one.all()
+    k, before, kept = 0, one.all(), one.bytes_of_state()
     while k < 1000 and (status := one.step(k * STEP, STEP)) == OK:
-        k, before = k + 1, one.all()
+        k, before, kept = k + 1, one.all(), one.bytes_of_state()
     assert status == ERROR
     assert "no longer finite" in one.fmu.messages[-1]
     assert one.all() == before
+    assert one.bytes_of_state() == kept
     assert one.step(k * STEP, STEP) == ERROR
     assert one.reset() == OK
     assert one.begin().step(0.0, STEP) == OK
+    one.free()
+
+
+def test_a_closed_loop_that_is_pushed_beyond_all_speeds_has_ended_and_says_so(raw):
+    """FMI 2 asks for that by itself; 1000 m/s end it, from the first sample on."""
+    one, told = raw("closed-loop", 2).new(), ct.c_int(-1)
+    assert one.put({"disturbance.push[1]": 1e7}) == OK
+    one.begin()
+    for k, status in enumerate((DISCARD, ERROR)):
+        assert one.fmu.GetBooleanStatus(one.handle, 3, ct.byref(told)) == OK
+        assert told.value == k
+        assert one.step(k * STEP, STEP) == status
     one.free()
 
 

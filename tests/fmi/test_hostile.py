@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.fmi.raw import CS, ERROR, ME, OK, REFUSED, Instance, reals, refs
+from tests.fmi.raw import CS, DISCARD, ERROR, ME, OK, REFUSED, Instance, reals, refs
 from tests.fmi.sequences import MODES, STEP, calls, reach
 from tests.matrix import versioned
 from wmr_ctrl.laws import LAWS
@@ -222,6 +222,42 @@ def test_bad_experiments(raw, what, version):
         one.begin().free()
 
 
+def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
+    """More than 1e5 of them in a period, or no whole number of them."""
+    for version in (2, 3):
+        fmu = raw("closed-loop", version)
+        for step, status in ((0.01 / 2e5, ERROR), (0.004, ERROR), (0.01 / 1e4, OK)):
+            one = fmu.new()
+            assert one.put({"clock.plant": step}) == OK
+            assert one.setup() == OK
+            assert one.leave() == status
+            one.free()
+
+
+def test_an_integer_is_read_as_it_was_set(raw):
+    fmu = raw("closed-loop", 2)
+    one, found = fmu.new(), ct.c_int()
+    which = one.handle, refs(fmu.ref("seed")), ct.c_size_t(1)
+    for seed in (0, 5, 2**31 - 1):
+        assert fmu.SetInteger(*which, ct.byref(ct.c_int(seed))) == OK
+        assert fmu.GetInteger(*which, ct.byref(found)) == OK
+        assert found.value == seed
+    one.free()
+
+
+def test_a_rest_of_a_step_is_a_step(raw):
+    """However short it is."""
+    for version in (2, 3):
+        fmu = raw("plant", version)
+        one, other = (fmu.new().begin() for _ in range(2))
+        for instance in (one, other):
+            assert instance.put({"tau_right": 2.0, "tau_left": 1.0}) == OK
+        assert one.step(0.0, 0.010005) == OK
+        assert other.step(0.0, 0.01) == OK
+        assert other.step(0.01, 0.000005) == OK
+        assert one.get("v1")[0] == pytest.approx(other.get("v1")[0], rel=1e-9)
+
+
 def test_states_of_solvers_must_be_numbers(raw):
     for version in (2, 3):
         fmu = raw("plant", version)
@@ -257,7 +293,8 @@ def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
 
 def test_intermediate_updates_and_early_returns(raw):
     """FMI 3: each internal step is shown; a return that is asked for happens there."""
-    for what, h, wanted in (("plant", 0.01, 9), ("nn", 0.05, 4), ("closed-loop", 0.05, 4)):
+    cases = ("plant", 0.01, 9), ("plant", 0.0105, 10), ("nn", 0.05, 4), ("closed-loop", 0.05, 4)
+    for what, h, wanted in cases:
         fmu, seen = raw(what, 3), []
         kind = ct.CFUNCTYPE(
             None,
@@ -274,16 +311,19 @@ def test_intermediate_updates_and_early_returns(raw):
         held: list[Instance] = []
 
         def update(_env, time, _put, _get, _done, _may, early, until, seen=seen, held=held):
-            seen.append((time, held[-1].get("time")[0], held[-1].step(0.0, 0.01)))
-            early[0] = len(seen) == 2  # which counts for nothing where it may not
-            until[0] = time
+            legal = held[-1].fmu.SetDebugLogging(held[-1].handle, 0, ct.c_size_t(0), None)
+            seen.append((time, held[-1].get("time")[0], held[-1].step(0.0, 0.01), legal))
+            early[0] = len(seen) in (1, 2)  # which counts for nothing where it may not
+            until[0] = time + (len(seen) == 1)
 
         callback = kind(update)
         one = fmu.new(update=callback)
         held.append(one)
         assert one.begin().step(0.0, h) == OK
         assert len(seen) == wanted
-        assert all(shown == time and status == ERROR for time, shown, status in seen)
+        assert all(
+            (shown, refused, legal) == (time, ERROR, OK) for time, shown, refused, legal in seen
+        )
         seen.clear()
         one = fmu.new(update=callback, early=True).begin()
         held.append(one)
@@ -300,9 +340,18 @@ def test_intermediate_updates_and_early_returns(raw):
             == OK
         )
         assert [flag.value for flag in flags] == [False, False, True]
+        assert len(seen) == 2  # at the first one a return is asked for at a later time
         assert last.value == seen[-1][0] == one.get("time")[0]
         assert one.step(last.value, h) == OK
         one.free()
+        if what == "plant":  # a step that is taken back after it was shown
+            one = fmu.new(update=callback)
+            held.append(one)
+            assert one.put({"v1": 1.7e308}) == OK
+            before = one.begin().all()
+            assert one.step(0.0, 10.0) == DISCARD
+            assert one.all() == before
+            one.free()
 
 
 def test_the_modes_are_all_there():

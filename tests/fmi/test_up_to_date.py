@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.fmi.raw import ME, OK, REFUSED, reals
+from tests.fmi.raw import DISCARD, ERROR, ME, OK, REFUSED, reals
 from tests.fmi.sequences import reach
 from tests.fmi.test_derivatives import call, system_of
 
@@ -41,6 +41,23 @@ def test_rates_are_those_of_the_states_and_inputs_that_were_set_last(raw):
 
     assert rest != moved != rates(one) == rates(other.begin())
     assert one.get(*names) == states
+
+
+@pytest.mark.parametrize("parallel", [False, True])
+def test_the_first_sample_has_the_inputs_of_its_step_unless_all_parts_step_at_once(raw, parallel):
+    """With `clock.parallel` those of initialisation; every other sample has those of its step."""
+    fmu = raw("nn", 3)
+    one, still = (fmu.new() for _ in range(2))
+    for instance in (one, still):
+        assert instance.put({"clock.parallel": float(parallel)}) == OK
+        instance.begin()
+    for k in range(2):
+        assert one.put({"v1": 0.3}) == OK
+        for instance in (one, still):
+            assert instance.step(0.01 * k, 0.01) == OK
+        same = one.get("tau_right", "tau_left") == still.get("tau_right", "tau_left")
+
+        assert same is (parallel and k == 0)
 
 
 @pytest.mark.parametrize("name", ["GetDirectionalDerivative", "GetAdjointDerivative"])
@@ -96,6 +113,12 @@ def test_events_are_told_while_their_category_is_on(raw):
         assert told((1, events), (0, errors))
         assert not told((1, errors))
         assert not told((1, []), (0, events))
+        one = fmu.new().begin()
+        assert (one.step(0.0, 1e9), one.step(0.0, -1.0)) == (DISCARD, ERROR)
+        one.free()
+        assert fmu.categories == {
+            (OK, "logEvents"), (DISCARD, "logStatusDiscard"), (ERROR, "logStatusError")
+        }  # fmt: skip
 
 
 def test_every_number_of_an_array_is_set_and_looked_at(raw):

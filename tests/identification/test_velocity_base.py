@@ -9,7 +9,9 @@ from wmr_ctrl import RecordedDrive, identify, simulate
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter import command_filter
 from wmr_ctrl.identification.propose import propose
+from wmr_ctrl.identification.speed_loop import foretold
 from wmr_ctrl.logs.log import LogError
+from wmr_ctrl.logs.samples import AxisLog
 from wmr_ctrl.report.identified import write_identification
 from wmr_ctrl.scenario import loads_scenario
 
@@ -51,6 +53,21 @@ def test_a_robots_drive_gives_what_its_columns_give(found):
     drive = RecordedDrive("log", dict.fromkeys(columns, t), columns)
 
     assert identify(drive, base="velocity").to_json() == found.to_json()
+
+
+def test_speeds_of_sets_that_are_followed_together_are_those_of_each_alone():
+    """However many they are, and whatever delays they have."""
+    rng = np.random.default_rng(3)
+    t, sent = 0.02 * np.arange(60), rng.uniform(-0.5, 0.5, 6).repeat(10)
+    log = AxisLog(t, sent, np.ones(60, bool), t, sent, np.array([0, 25]), of_way=False, period=0.02)
+    sets = rng.uniform((0.8, 2.0, 0.3, 0.5, 0.0), (1.2, 9.0, 1.1, 3.0, 0.1), (9, 5))
+    together = foretold(log, "second-order", sets)
+
+    assert np.ptp(together, axis=1).max() > 0.05
+    for place, one in enumerate(sets):
+        assert together[:, place] == pytest.approx(
+            foretold(log, "second-order", one[None])[:, 0], abs=1e-12
+        )
 
 
 def near(item, truth):

@@ -16,8 +16,9 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Monitor, split_columns
 from wmr_ctrl.results.frames import summary
+from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.sim.batch import run_logged, run_tasks
-from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.sim.memory import Task, laid_out
 from wmr_ctrl.sim.memory import vector_sets as usable
 
 Columns = dict[str, np.ndarray]
@@ -181,6 +182,33 @@ def test_order_jobs_and_company_do_not_matter() -> None:
     apart = [run_tasks([task], jobs=1) for task in wild]
     for task, own in zip((0, 1, 11, 12), apart, strict=True):
         assert all(same_values(mixed[k][task], own[k][0]) for k in own)
+
+
+def test_a_run_that_ended_counts_no_further_while_others_go_on() -> None:
+    """The guard acts in all samples of a push that throws the robot out, and hardly in others."""
+    guard = {**SHORT, "guard.enabled": True, "guard.trust": True, "guard.dbar": [70.0, 15.0]}
+    changed = ({**guard, "disturbance.push": [push, 1.0]} for push in (1e6, 1.0))
+    tasks = [
+        task for item in changed for task in tasks_of("paper-simulation", "pid", range(1), item)
+    ]
+    together = run_tasks(tasks)
+
+    assert (together["stop"] > 0).tolist() == [True, False]
+    for place, task in enumerate(tasks):
+        own = run_tasks([task])
+        assert [k for k in own if not same_values(together[k][place], own[k][0])] == []
+
+
+def test_a_batch_that_runs_again_begins_anew() -> None:
+    tasks = tasks_of("paper-simulation", "mb", range(2), {**SHORT, "actuator.delay": 0.02})
+    memory = laid_out(tasks, list(windows_of(tasks[0].loop.settings).values()))
+    arrays = memory.findings, memory.state, memory.added
+    assert memory.run()
+    first = [array.copy() for array in arrays]
+    memory.added[:] = 7.0
+    assert memory.run()
+
+    assert all(same_bits(one, again) for one, again in zip(first, arrays, strict=True))
 
 
 def test_tasks_of_different_structure_do_not_share_a_batch() -> None:

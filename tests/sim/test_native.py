@@ -27,7 +27,8 @@ from wmr_ctrl.scenario import Scenario, preset_names
 from wmr_ctrl.signals import LARGEST
 from wmr_ctrl.world.registry import Disturbance
 
-SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
+CHANGES = [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}, {"t": 4.5, "m": 40.0, "I": 4.0, "mu": 0.05}]
+SHORT = {"clock.duration": 6.0, "changes": CHANGES}
 
 
 def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
@@ -141,6 +142,15 @@ def test_truncated_noise_is_drawn_again_where_either_number_is_beyond() -> None:
     assert np.abs(drawn - np.column_stack([run["noise_right"], run["noise_left"]])).max() < 1e-12
 
 
+def test_noise_that_is_never_within_its_bound_ends_there() -> None:
+    """On either side; a pair within a thousandth is drawn once in a million tries."""
+    rare = {"clock.duration": 1.0, "disturbance.truncate": 1e-3}
+    run = simulate("paper-simulation", "mb", overrides=rare)
+    drawn = run["noise_right"], run["noise_left"]
+
+    assert {(x.min(), x.max()) for x in drawn} == {(-1e-3, 1e-3)}
+
+
 def test_change_acts_on_the_first_plant_step_that_starts_at_it() -> None:
     """Without a change both runs agree up to t = 3 s and differ after the next plant step."""
     same, heavier = (
@@ -194,8 +204,8 @@ def test_divergence_is_an_outcome() -> None:
 
 
 def test_compiled_law_steps_like_the_loop() -> None:
-    run = simulate("paper-simulation-nominal", "nn", overrides={"clock.duration": 1.0})
-    law = compile_law("nn", "paper-simulation-nominal")
+    run = simulate("paper-simulation-nominal", "pid", overrides={"clock.duration": 1.0})
+    law = compile_law("pid", "paper-simulation-nominal")
     for k in range(100):
         law.u[:] = [run[name][k] for name in law.inputs]
         torque = law.step()
