@@ -11,9 +11,18 @@ import pytest
 
 import wmr_ctrl
 from analysis.starts import start_at
-from wmr_ctrl.linear import largest_stable_period, margins_at, open_loop, with_robot
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.linear import (
+    closed_loop,
+    largest_stable_period,
+    loop_nlsys,
+    margins_at,
+    open_loop,
+    spectral_radius,
+    with_robot,
+)
 from wmr_ctrl.linear.margins import crossings
-from wmr_ctrl.scenario import override
+from wmr_ctrl.scenario import load_scenario, override
 from wmr_ctrl.world.references import Line
 
 LAWS = ("pid", "smc", "mb", "nn")
@@ -129,3 +138,38 @@ def test_friction_does_not_move_any_margin(nominal):
     other = with_robot(nominal, mu=1.5)
 
     assert margins_at(other, "mb", 0).phase == pytest.approx(margins_at(nominal, "mb", 0).phase)
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"axis": 2}, "axis = 2 must be 0, the thrust, or 1"),
+        ({"axis": -1}, "axis = -1 must be 0"),
+        ({"axis": 1.0}, "must be a whole number"),
+        ({"axis": 0, "period": 0.0}, r"period = 0\.0 s must be finite and above 0"),
+        ({"axis": 0, "period": -0.1}, "must be finite and above 0"),
+        ({"axis": 0, "period": math.nan}, "must be finite and above 0"),
+    ],
+)
+def test_an_axis_or_a_period_that_is_none_is_refused(given, match):
+    with pytest.raises(ArgumentError, match=match):
+        open_loop(load_scenario("paper-simulation-nominal"), "pid", **given)
+
+
+@pytest.mark.parametrize("function", [closed_loop, loop_nlsys, open_loop, spectral_radius])
+def test_a_scenario_by_its_name_is_told_what_is_wanted(function):
+    more = {open_loop: (0,), spectral_radius: ([0.01],)}.get(function, ())
+    with pytest.raises(ArgumentError, match=r"scenario = .* must be a Scenario"):
+        function("paper-simulation", "pid", *more)
+
+
+def test_margins_behind_a_delay_are_those_of_the_frequency_response():
+    """By polynomials python-control loses them: 19 states."""
+    late = load_scenario("paper-simulation-nominal", {"actuator.delay": 0.02})
+    for axis in (0, 1):
+        loop = open_loop(late, "prox", axis, period=0.01)
+        down, phase, *_ = ct.stability_margins(loop, method="frd")
+        found = margins_at(late, "prox", axis, period=0.01)
+        nearest = {found.gain, found.gain_down}
+        assert any(down == pytest.approx(gain, rel=1e-5) for gain in nearest)
+        assert found.phase == pytest.approx(phase, rel=1e-4)

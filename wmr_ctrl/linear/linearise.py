@@ -51,6 +51,14 @@ def column(value: ArrayLike) -> Floats:
     return np.asarray(value, dtype=float).ravel()
 
 
+def check_period(period: float | None) -> None:
+    """Raise ArgumentError for a period that is no time [s]; None: continuous."""
+    if period is not None and not 0.0 < period < np.inf:
+        raise ArgumentError(
+            f"period = {period!r} s must be finite and above 0. Leave it out for a continuous loop."
+        )
+
+
 def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
     """True if no pole is outside the stable region; marginal ones count as stable."""
     values = np.asarray(poles, dtype=complex)

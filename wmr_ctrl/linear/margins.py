@@ -15,6 +15,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wmr_ctrl.checks.sample_time import largest_stable_period
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     FORCES,
     STATES,
@@ -55,6 +57,7 @@ class Margins:
         return asdict(self)
 
 
+@checks_arguments
 def open_loop(
     scenario: Scenario,
     law: str,
@@ -65,8 +68,12 @@ def open_loop(
     """The loop cut at force ``axis`` (0 thrust, 1 moment) as a negative-feedback loop L.
 
     L goes from the force that acts on the robot to minus the force that the law then asks for; the
-    other axis stays closed.  Continuous, or sampled with ``period`` [s].
+    other axis stays closed.  Continuous, but for a delay and late sensors, which no differential
+    equation has, or sampled with ``period`` [s], with all of them; python-control's `margin` reads
+    these by ``method="frd"``.  Raises ArgumentError for another axis or a period that is none.
     """
+    if axis not in (0, 1):
+        raise ArgumentError(f"axis = {axis} must be 0, the thrust, or 1, the moment.")
     at = on_reference(scenario, law) if point is None else point
     plant = with_inputs(plant_at(scenario, at, period), FORCES)
     controller = law_at(scenario, law, at, period)

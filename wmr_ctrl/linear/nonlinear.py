@@ -15,6 +15,7 @@ from wmr_ctrl.checks.loop import PERIOD
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import Floats, column, element_names
 from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.model.dynamics import plant, rk4_step
@@ -81,6 +82,7 @@ def reference_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIO
     return ct.nlsys(None, output, name=block.name, inputs=0, outputs=names, dt=dt)
 
 
+@checks_arguments
 def loop_nlsys(
     scenario: Scenario, law: str, sampled: bool = False, memory: str = "learning"
 ) -> ct.InterconnectedSystem:

@@ -13,7 +13,15 @@ from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import from_pose_to_pose, radius, supremum
 from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
-from wmr_ctrl.linear.linearise import Floats, Point, law_loop, lowest, on_reference
+from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.linear.linearise import (
+    Floats,
+    Point,
+    check_period,
+    law_loop,
+    lowest,
+    on_reference,
+)
 from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.phases import Phase, drag
@@ -21,6 +29,7 @@ from wmr_ctrl.world.phases import Phase, drag
 SPEEDS = 400
 
 
+@checks_arguments
 def spectral_radius(
     scenario: Scenario,
     law: str,
@@ -42,6 +51,7 @@ def radius_of(
     loop, learning = law_loop(scenario, law), is_learning(memory)
 
     def of(period: float) -> float:
+        check_period(period)
         matrix = from_pose_to_pose(loop, at, period, learning=learning)
         return float(radius(matrix) ** (1 / loop.around.samples_a_pose(period)))
 

@@ -13,6 +13,7 @@ from wmr_ctrl.checks.radius import from_pose_to_pose
 from wmr_ctrl.checks.surroundings import DriveTimes, is_sampled, surroundings
 from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     DISTURBANCES,
     FORCES,
@@ -20,6 +21,7 @@ from wmr_ctrl.linear.linearise import (
     V_D,
     Floats,
     Point,
+    check_period,
     law_loop,
     linearise,
     on_reference,
@@ -53,6 +55,7 @@ def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> c
     equation has.  With ``period`` [s] sampled, with all of them: the force is the command, e, v1
     and omega are as measured, in a sample in which a pose comes.
     """
+    check_period(period)
     around = surroundings(scenario)
     if period is None:
         free, forced, pushed, names = around.rates(point.motion)
@@ -92,6 +95,7 @@ def law_at(
     drives make of it.  Read continuously a law predicts nothing, and its drives are ideal: there is
     no delay to predict over.
     """
+    check_period(period)
     loop, own = law_loop(scenario, law), scenario.clock.control if period is None else period
     drives, commands = (DriveTimes(0.0, 0.0, 0.0), 0) if period is None else (None, None)
     learning = is_learning(memory)
@@ -108,6 +112,7 @@ def law_at(
     )  # fmt: skip
 
 
+@checks_arguments
 def closed_loop(
     scenario: Scenario,
     law: str,
@@ -118,7 +123,8 @@ def closed_loop(
     """The linear closed loop near ``point`` (default: on the reference at t = 0).
 
     Inputs: disturbing force and moment [N, N m]; outputs: e [m, m, rad], v1 [m/s], omega [rad/s],
-    force [N, N m].  Continuous, or sampled with ``period`` [s].  Raises UnknownNameError.
+    force [N, N m].  Continuous, but for a delay and late sensors, or sampled with ``period`` [s],
+    with all of them.  Raises UnknownNameError, ArgumentError for a period that is none.
     """
     at = on_reference(scenario, law) if point is None else point
     parts = [plant_at(scenario, at, period), law_at(scenario, law, at, period, memory)]
