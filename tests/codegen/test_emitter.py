@@ -231,6 +231,20 @@ def test_pairs_have_the_bits_of_single_values(seed: int, first: str) -> None:
         assert np.array_equal(in_pairs(given), one_by_one(given), equal_nan=True)
 
 
+def test_neighbours_meet_neighbours_in_pairs() -> None:
+    """Also where one half of a pair goes on to a result and the other to another, much later."""
+    x = ca.SX.sym("x", 8)
+    near, far = (ca.fmin(ca.expm1(x[k]), x[2 + k]) * x[4] for k in (0, 1))
+    y = ca.vertcat(near, ca.sin(ca.sin(far) + near))
+    paired = replace(kernel("halves", "In pairs.", {"x": x}, {"y": y}), pairs=True)
+    single = kernel("alone", "One by one.", {"x": x}, {"y": y})
+    one_by_one, in_pairs = compiled([single, paired])
+    given = np.random.default_rng(0).normal(size=8)
+
+    assert "wmr_two_min(r" in definition(paired)
+    assert np.array_equal(in_pairs(given), one_by_one(given))
+
+
 @pytest.mark.parametrize("first", ["", "#undef __SSE2__"])
 def test_pairs_of_exponentials_less_one_have_the_bits_of_single_ones(first: str) -> None:
     """Of either sign, where nothing is reduced, at the ends of that, and beyond."""

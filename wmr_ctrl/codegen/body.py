@@ -30,6 +30,8 @@ from wmr_ctrl.model.graph import SELECT, Graph
 _STEP = "    "
 FEWEST = 4
 """Exponentials that are worth an array."""
+FORESEEN = 5
+"""Cost from which on a branch is worth it in a step of pairs, of which a filter's are foreseen."""
 
 
 def body(graph: Graph, dialect: Dialect, *, pairs: bool = False) -> list[str]:
@@ -39,7 +41,7 @@ def body(graph: Graph, dialect: Dialect, *, pairs: bool = False) -> list[str]:
     """
     if pairs and dialect.pairs:
         paired = in_pairs(graph, statements(graph))
-        items = in_step(graph, branched(graph, paired.items))
+        items = in_step(graph, branched(graph, paired.items, worth=FORESEEN))
         return _Writer(graph, dialect, items, {}, paired).text()
     items = branched(graph, statements(graph))
     if dialect.exp_batch:

@@ -9,6 +9,7 @@ from these pairs, like operations on both halves of one become pairs, too.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import casadi as ca
 
@@ -102,6 +103,7 @@ class _Pairing:
         self.masks = dict[Two, Pair]()
         self.place = dict[int, tuple[str, int]]()
         self.halves = dict[int, int]()
+        self.placed = {node.place: k for k, node in enumerate(graph.nodes) if node.place}
 
     def stored(self, first: ResultStore, second: ResultStore) -> PairStore | None:
         """Two results that are stored as a pair; None where they do not lie side by side."""
@@ -134,14 +136,19 @@ class _Pairing:
         found = {(nodes[number].op, nodes[number].operands): number for number in self.lines}
         for number in sorted(self.lines):
             node = nodes[number]
-            others = tuple(map(self._second, node.operands))
-            if others != node.operands and (node.op, others) in found:
-                self.pair((number, found[node.op, others]))
+            for others in product(*map(self._seconds, node.operands)):
+                if others != node.operands and (node.op, others) in found:
+                    self.pair((number, found[node.op, others]))
+                    break
 
-    def _second(self, number: int) -> int:
-        """The second half of the pair of which this is the first; else itself."""
-        _, k = self.place.get(number, ("", 1))
-        return number if k else self.halves[number]
+    def _seconds(self, number: int) -> tuple[int, ...]:
+        """The second half of the pair of which this is the first; else itself, or what is beside."""
+        if number in self.place:
+            _, k = self.place[number]
+            return (number if k else self.halves[number],)
+        vector, index = self.graph.nodes[number].place or ("", 0)
+        beside = self.placed.get((vector, index + 1))
+        return (number,) if beside is None else (number, beside)
 
     def _between_pairs(self, two: Two) -> bool:
         return any(o in self.names or self.beside(o) for o in self._operands(two)[1:])

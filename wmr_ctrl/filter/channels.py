@@ -132,27 +132,30 @@ def stretched(
 def one_first(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], first: int
 ) -> ca.SX:
-    """One axis' command (of both), then the other's within what it leaves."""
+    """One axis' command (of both), then the other's within what it leaves.
+
+    What is asked for meets the limits one by one, so that those known first do not wait for others.
+    """
     sent = [ca.SX(0), ca.SX(0)]
     for axis in (first, 1 - first):
-        ends = zip(*_rooms(sent, channels, lo, hi, axis), strict=True)
-        back, ahead = (reduce(ca.fmin, rooms) for rooms in ends)
+        back, ahead = zip(*_ends(sent, channels, lo, hi, axis), strict=True)
+        forth, down = reduce(ca.fmin, ahead, r[axis]), reduce(ca.fmax, back, r[axis])
         if axis != first:  # what is used up may be so beyond the limit, by roundings
-            back, ahead = ca.fmax(back, 0), ca.fmax(ahead, 0)
-        sent[axis] = ca.fmax(ca.fmin(r[axis], ahead), -back)
+            forth, down = ca.fmax(forth, 0), ca.fmin(down, 0)
+        sent[axis] = ca.if_else(r[axis] >= 0, forth, down)
     return ca.vertcat(*sent)
 
 
-def _rooms(
+def _ends(
     sent: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], axis: int
 ) -> Iterator[tuple[ca.SX, ca.SX]]:
-    """How far back and ahead of 0 each channel lets an axis go beside what is sent on the other."""
+    """How far back and ahead each channel lets an axis go beside what is sent on the other."""
     for channel, low, high in zip(channels, lo, hi, strict=True):
         way, used = channel.ways[axis], channel.of(sent)
         if way:
-            room = used - low, high - used
             inverse = 1 / channel.arm if axis else ca.SX(1)
-            yield room[way < 0] * inverse, room[way > 0] * inverse
+            ends = (low - used, high - used) if way > 0 else (used - high, used - low)
+            yield ends[0] * inverse, ends[1] * inverse
 
 
 def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:
