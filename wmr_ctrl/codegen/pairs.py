@@ -142,7 +142,7 @@ class _Pairing:
                     break
 
     def _seconds(self, number: int) -> tuple[int, ...]:
-        """The second half of the pair of which this is the first; else itself, or what is beside."""
+        """Second half of the pair of which this is the first; else itself, or what is beside."""
         if number in self.place:
             _, k = self.place[number]
             return (number if k else self.halves[number],)
