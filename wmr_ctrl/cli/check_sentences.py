@@ -59,7 +59,7 @@ def remedies(keys: Iterable[str]) -> Iterator[str]:
 
 
 def rest(arrival: float, duration: float) -> str:
-    """When the desired motion comes to rest [s], and whether the run ends before."""
+    """The time [s] at which the desired motion comes to rest, and a run that ends before."""
     late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
     early = f", but the run ends at {duration:g} s: lengthen clock.duration"
     return (
@@ -69,7 +69,7 @@ def rest(arrival: float, duration: float) -> str:
 
 
 def valid(case: Scenario) -> str:
-    """That the scenario is one, with what it is."""
+    """The scenario is valid; its title."""
     from wmr_ctrl.scenario import title_of
 
     title = title_of(case)

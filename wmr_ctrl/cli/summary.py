@@ -161,7 +161,7 @@ def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 
 def _without_turns(run: Run, window: str) -> str:
-    """What is left of the heading error without whole turns, where it has some."""
+    """The heading error without whole turns, where it has some."""
     begin, end = map(float, window.split("-"))
     angle, turns = heading_rms(run, begin, end) or (0.0, False)
     return f"; {_small(angle, 'rad')} without whole turns" if turns else ""

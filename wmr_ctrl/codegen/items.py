@@ -237,7 +237,7 @@ class _Branch:
         return [*(item for item in self.scope.items if item not in gone), block]
 
     def _needs(self, item: Choice) -> tuple[frozenset[int], frozenset[int]]:
-        """What has to be computed before, on either side."""
+        """Values that either side of a choice needs computed before."""
         if isinstance(item, Pair):
             _, yes, no = item.needs
             return yes, no

@@ -307,7 +307,7 @@ def known_footprint(law: str, float32: bool, guarded: bool, operations: int) -> 
 
 
 def nearest_footprint(law: str, float32: bool, guarded: bool, operations: int) -> Footprint | None:
-    """That of the measured package of a law whose number of operations is nearest."""
+    """Footprint of the measured package whose number of operations is nearest."""
     recorded = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else {}
     listed = (Footprint(**item) for item in recorded.get(footprint_key(law, float32, guarded), ()))
     return min(listed, key=lambda item: abs(item.operations - operations), default=None)

@@ -181,7 +181,7 @@ class _Pairing:
                 waiting += [(other, False) for other in operands]
 
     def beside(self, two: Two) -> tuple[str, int] | None:
-        """Where these values lie side by side in a vector."""
+        """Vector and place at which these values lie side by side, if they do."""
         one, other = (self.graph.nodes[number].place for number in two)
         if one is None or other != (one[0], one[1] + 1):
             return None

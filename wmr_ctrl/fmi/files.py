@@ -24,7 +24,7 @@ from wmr_ctrl.results import atomic_path, make_folder
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 LEVEL = 4
-"""How hard an archive is compressed: zlib's 6 takes over twice as long for 5 % less."""
+"""Level of compression of an archive: zlib's 6 takes over twice as long for 5 % less."""
 
 
 def render(name: str, **values: object) -> str:

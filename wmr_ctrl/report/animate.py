@@ -268,7 +268,7 @@ def _height(moments: Moments) -> int:
 
 
 def _off_path(run: Run, row: int, width: float) -> str:
-    """How far off its place on the path, beside the corridor [m], which knows no tyres."""
+    """Distance from the place on the path, beside the corridor's [m], which knows no tyres."""
     off = math.hypot(run["x"][row] - run["x_d"][row], run["y"][row] - run["y_d"][row])
     most = "" if math.isnan(width) else f"; band: certified {length(width)}, without slip"
     return f"{length(off)} off its place on the path{most}"

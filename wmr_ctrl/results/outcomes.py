@@ -198,7 +198,7 @@ _SENTENCES = {
 
 
 def beyond_bounds(monitor: Monitor) -> str:
-    """What the guard's bounds do not explain, of a run that ended in another way for it."""
+    """Sentence on motion beyond the guard's bounds, of a run with a graver outcome."""
     return (
         f"The {_place(monitor.bounds_left)} moved in a way that the guard's bounds do not explain, "
         f"so {_NOT_COVERED}"

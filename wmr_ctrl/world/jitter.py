@@ -70,7 +70,7 @@ def whole(number: ca.SX) -> ca.SX:
 
 
 def check(scenario: Scenario) -> None:
-    """It is at most one control period."""
+    """Refuse jitter of more than one control period."""
     jitter, clock = scenario.section(Jitter).jitter, scenario.clock
     if jitter > clock.control:
         raise ScenarioError(

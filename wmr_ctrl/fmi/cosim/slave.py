@@ -120,7 +120,7 @@ class FmuFile:
 
 
 def _reason(error: Exception) -> str:
-    """What is wrong with a file that cannot be loaded, and what to do; ours say both."""
+    """Fault of a file that cannot be loaded, and its remedy; our own errors name both."""
     if isinstance(error, WmrError):
         return str(error)
     if isinstance(error, FileNotFoundError):

@@ -87,7 +87,7 @@ def driven(mutation: Mutation) -> Statement:
 
 
 def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
-    """What drive(u) does not exceed."""
+    """Bound of drive(u)."""
     return ca.fmax(b.K_max * u, 0) + b.dbar
 
 

@@ -75,7 +75,7 @@ class GuardAxis:
 
     @property
     def J(self) -> ca.SX:
-        """By how much the delay varies [s]."""
+        """Range of the delay [s]."""
         return self["jitter"] if self.varies else ca.SX(0)
 
     @property
