@@ -235,7 +235,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         WORLD, "tests/checks/test_barrier.py",
-        ("phases.py", "return phase.mu, phase.m,", "return phase.mu, 30.0,"),
+        ("phases.py", "return robot.mu, robot.m,", "return robot.mu, 30.0,"),
     ),
     *_rows(
         WORLD, "tests/world/test_references.py",

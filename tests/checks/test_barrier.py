@@ -140,5 +140,5 @@ def test_the_wheels_pull_no_more_than_they_can(loop):
     free = largest_pull(loop("prox"), phase)
 
     assert (largest_pull(weak, phase) < free).all()
-    braking = 2 * 0.5 / robot.r + 2 * robot.m * robot.g * phase.mu
+    braking = 2 * 0.5 / robot.r + 2 * robot.m * robot.g * robot.mu
     assert largest_pull(weak, phase)[0] <= braking

@@ -43,7 +43,7 @@ def largest_pull(loop: Loop, phase: Phase) -> Floats:
     speeds = sign * (u1 - (u1 - u2) * np.linspace(0, 1, GRID + 1)[1:] ** 2)
     most = largest_force(loop.scenario.robot, loop.setup.tau_max)[:, None]
     asked = np.clip(loop.force_towards(speeds, loop.start.v_c0), -most, most)
-    net = asked - drag(loop.scenario.robot, phase, speeds)
+    net = asked - drag(phase.robot, speeds)
     return np.asarray((-sign * net).max(axis=1))
 
 
@@ -76,9 +76,7 @@ def wrong_model(loop: Loop) -> Iterator[Warning]:
     offset, phase = _largest_error(loop)
     if abs(offset) < NOTABLE:
         return
-    believed, robot = loop.scenario.believed, loop.scenario.robot
-    model = Phase(phase.t, believed.m, believed.mu)
-    forces = [full_friction(robot, item) for item in (phase, model)]
+    forces = [full_friction(robot) for robot in (phase.robot, loop.scenario.believed)]
     exact = ": its theorem asks for the exact model" if loop.traits.theorem else ""
     way = abs(offset) / loop.setup.kinematics.k[0] if loop.traits.auxiliary else math.inf
     side = "behind" if offset < 0 else "ahead of"
@@ -106,7 +104,7 @@ def unmodelled(loop: Loop) -> Iterator[Warning]:
     behind = -offset / loop.setup.kinematics.k[0]
     if behind <= tolerance:
         return
-    force = full_friction(loop.scenario.robot, phase)
+    force = full_friction(phase.robot)
     yield Warning(
         "gains.kinematics.k",
         f"Friction is {force:.3g} N {_from(phase)}, and {loop.law} has no term that compensates "
@@ -131,5 +129,5 @@ def _from(phase: Phase) -> str:
 def velocity_error(loop: Loop, phase: Phase) -> float:
     """Steady v1 - v_c0[1] [m/s] on the reference: surplus of force over the law's slope there."""
     v_d = max(operating_points(loop.scenario), key=lambda point: float(abs(point[0])))
-    surplus = loop.force_towards(v_d, v_d) - drag(loop.scenario.robot, phase, v_d)
+    surplus = loop.force_towards(v_d, v_d) - drag(phase.robot, v_d)
     return float(-surplus[0, 0] / loop.slope_towards(v_d, v_d)[0])

@@ -21,7 +21,7 @@ from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.scenario import Robot, Scenario
-from wmr_ctrl.world.phases import Phase, drag
+from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.references import sample
 
 PERIOD = "clock.control"
@@ -206,8 +206,8 @@ class Loop:
         """
         key = tuple(map(float, v_d))
         if key not in self._points:
-            bot, speed = self.scenario.believed, np.array(key)
-            force = drag(bot, Phase(0.0, bot.m, bot.mu), speed)[:, 0]
+            speed = np.array(key)
+            force = drag(self.scenario.believed, speed)[:, 0]
             memory = np.array(self.core.x0)
             there = Point(np.zeros(3), speed, speed, np.zeros(2), memory, force)
             self._points[key] = replace(self.after_a_sample(there), force=force)

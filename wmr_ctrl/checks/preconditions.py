@@ -208,8 +208,8 @@ def noise(loop: Loop) -> Iterator[Warning]:
 
 def coarse_step(loop: Loop) -> Iterator[Warning]:
     """Yield where a plant step is long for mu m g tanh(v1/v_s) at rest, whose slope is steepest."""
-    robot, step = loop.scenario.robot, loop.scenario.clock.plant
-    slope = max(steepness(robot, phase) / phase.m for phase in phases(loop.scenario))
+    step, robots = loop.scenario.clock.plant, [item.robot for item in phases(loop.scenario)]
+    slope = max(steepness(robot) / robot.m for robot in robots)
     if step * slope <= COARSE:
         return
     yield Warning(

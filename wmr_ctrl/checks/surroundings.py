@@ -26,7 +26,7 @@ from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.graph import rounds
 from wmr_ctrl.scenario import Model, Robot, Scenario, override
 from wmr_ctrl.signals import SAMPLE, STEP, TIME
-from wmr_ctrl.world.phases import Phase, drag
+from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
@@ -202,9 +202,7 @@ class Surroundings:
 
     def _assembly(self, motion: Motion, period: float, robot: Robot | None = None) -> Assembly:
         own = self.scenario.robot if robot is None else robot
-        steady: Floats = (
-            wheels(own) @ drag(own, Phase(0.0, own.m, own.mu), np.array(motion.v))[:, 0]
-        )
+        steady: Floats = wheels(own) @ drag(own, np.array(motion.v))[:, 0]
         return Assembly(
             self.worlds(period), motion, period, self.samples_a_pose(period),
             self.scenario.clock.plant,

@@ -116,7 +116,7 @@ def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
 
 def _heavy_wheels(scenario: Scenario) -> Iterator[Warning]:
     """Yield wheels of [body] that are as heavy as the whole robot."""
-    wheel, least = scenario.body.wheel_mass, min(phase.m for phase in phases(scenario))
+    wheel, least = scenario.body.wheel_mass, min(item.robot.m for item in phases(scenario))
     if 2 * wheel >= least:
         yield Warning(
             "body.wheel_mass",

@@ -26,7 +26,7 @@ from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.system import Output, Parameters, Port, System
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.signals import ASKED, SENT_BEFORE, TORQUE
-from wmr_ctrl.world.phases import Phase, drag
+from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.speed_loop_pi import INTEGRAL
 
 IDLE = {
@@ -104,7 +104,7 @@ def base_numbers(world: World, scenario: Scenario) -> list[float]:
 def balanced(scenario: Scenario, state: tuple[Port, ...], v_d: Floats) -> Floats:
     """A base's own state while it drives at ``v_d`` (2): it gives what friction takes."""
     robot = scenario.robot
-    force = drag(robot, Phase(0.0, robot.m, robot.mu), np.asarray(v_d))[:, 0]
+    force = drag(robot, np.asarray(v_d))[:, 0]
     torque = np.asarray(
         ca.evalf(force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), ca.SX(ca.DM(force)))), dtype=float
     ).ravel()

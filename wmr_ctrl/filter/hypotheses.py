@@ -257,8 +257,8 @@ def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
     """
     if not has_loop(scenario, "first-order"):
         return 0.0, 0.0
-    base, h, mass = scenario.base, scenario.clock.plant, min(phase.m for phase in phases(scenario))
-    inertia = min([scenario.robot.I, *(c.I for c in scenario.changes if c.I is not None)])
+    base, h, robots = scenario.base, scenario.clock.plant, [p.robot for p in phases(scenario)]
+    mass, inertia = min(robot.m for robot in robots), min(robot.I for robot in robots)
     linear, angular = (
         -h / math.expm1(-h / base.tau[axis]) * bound.dbar[axis] / (mass, inertia)[axis]
         + base.gain[axis] * bound.command[axis]

@@ -17,10 +17,10 @@ from wmr_ctrl.guard.bounds import (
     masses,
     pair_of,
 )
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.lag import stepped
-from wmr_ctrl.world.phases import Phase, drag, phases
+from wmr_ctrl.world.phases import drag, phases
 
 ROUNDING = 1e-9
 """Share by which a stated bound may be missed without contradiction: decimals of a file."""
@@ -107,7 +107,7 @@ def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
 
 def _friction(scenario: Scenario) -> Iterator[Contradiction]:
     """Friction that is claimed and that the laws do not believe in."""
-    believed = _believed_friction(scenario)
+    believed = _sure_friction(scenario, scenario.believed)
     for i in AXES:
         if scenario.guard.f_min[i] > believed[i] * (1 + ROUNDING):
             yield _too_much_friction(scenario, i, believed, "the laws believe in")
@@ -121,7 +121,8 @@ def beyond_belief(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> Iter
     """
     for i in AXES:
         yield from _mass(scenario, guard, bound, i)
-    believed, there = _believed_friction(scenario), _sure_friction(scenario, *phases(scenario))
+    believed = _sure_friction(scenario, scenario.believed)
+    there = _sure_friction(scenario, *(phase.robot for phase in phases(scenario)))
     for i in AXES:
         if there[i] * (1 + ROUNDING) < scenario.guard.f_min[i] <= believed[i] * (1 + ROUNDING):
             yield _too_much_friction(scenario, i, there, "the robot certainly has")
@@ -151,15 +152,10 @@ def _too_much_friction(scenario: Scenario, i: int, there: Pair, whose: str) -> C
     )
 
 
-def _believed_friction(scenario: Scenario) -> Pair:
-    (m,), (mu,) = scenario.value("model.m"), scenario.value("model.mu")
-    return _sure_friction(scenario, Phase(0.0, m, mu))
-
-
-def _sure_friction(scenario: Scenario, *robots: Phase) -> Pair:
+def _sure_friction(scenario: Scenario, *robots: Robot) -> Pair:
     """Least friction [N, N m] above guard.f_speed; a robot's turn has none."""
     slowest = (scenario.guard.f_speed[0], 0.0)
-    return min(drag(scenario.robot, robot, slowest)[0].item() for robot in robots), 0.0
+    return min(drag(robot, slowest)[0].item() for robot in robots), 0.0
 
 
 def _below(stated: Pair | None, axis: int, needed: float) -> bool:

@@ -24,7 +24,7 @@ from wmr_ctrl.linear.linearise import (
 )
 from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.world.phases import Phase, drag
+from wmr_ctrl.world.phases import drag
 
 SPEEDS = 400
 
@@ -146,14 +146,12 @@ def pull_of(
     """
     loop = law_loop(scenario, law)
     compensated = 1.0 if loop.uses("model.mu") else 0.0
-    robot = scenario.believed
-    phase = Phase(0.0, robot.m, robot.mu)
 
     def pull(v: float | Floats) -> Floats:
         speeds = np.tile(np.asarray(v_c0, float)[:, None], (1, np.size(v)))
         speeds[axis] = v
         own = loop.force_towards(speeds, v_c0, period)[axis]
-        own = own - compensated * drag(robot, phase, speeds)[axis]
+        own = own - compensated * drag(scenario.believed, speeds)[axis]
         return own if np.ndim(v) else own[0]
 
     return pull

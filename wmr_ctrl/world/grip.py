@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.world.phases import phases
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.scenario import Robot, Scenario
 
 
 @dataclass(frozen=True)
@@ -45,31 +45,31 @@ def grip(scenario: Scenario) -> Grip:
 
     The other torques are those of the start.
     """
-    forces = [_forces(scenario, phase.m, phase.mu) for phase in phases(scenario)]
+    forces = [_forces(scenario, phase.robot) for phase in phases(scenario)]
     first = forces[0]
     return Grip(first.spin, first.brake, max(0.0, min(item.keep for item in forces)), first.lift)
 
 
-def _forces(scenario: Scenario, m: float, mu: float) -> Grip:
-    robot, body = scenario.robot, scenario.body
-    r, tyre, wheel = robot.r, body.tyre, body.wheel_mass
-    bearing, lever = mu * m * robot.g * r / 2, (body.height + wheel * r / m) / body.caster
+def _forces(scenario: Scenario, robot: Robot) -> Grip:
+    body, m, r = scenario.body, robot.m, robot.r
+    tyre, wheel = body.tyre, body.wheel_mass
+    bearing, lever = robot.mu * m * robot.g * r / 2, (body.height + wheel * r / m) / body.caster
     most = tyre * robot.g / (1 + tyre * lever)
     rolling = r * (m + wheel) * most / 2
     return Grip(
         rolling + bearing,
         rolling - bearing,
-        _in_a_turn(scenario, m, most) - bearing,
+        _in_a_turn(scenario, robot, most) - bearing,
         m * robot.g * body.caster / 2 + bearing,
     )
 
 
-def _in_a_turn(scenario: Scenario, m: float, most: float) -> float:
+def _in_a_turn(scenario: Scenario, robot: Robot, most: float) -> float:
     """Torque [N m] that the lighter wheel passes on in the tightest turn at v_u1.
 
     At an acceleration ``most`` [m/s2] along; what tyres do across is shared as their load is.
     """
-    robot, body, (v, omega) = scenario.robot, scenario.body, scenario.limits.v_u1
+    m, body, (v, omega) = robot.m, scenario.body, scenario.limits.v_u1
     load = m * robot.g - most * (m * body.height + body.wheel_mass * robot.r) / body.caster
     if load <= 0.0:
         return 0.0

@@ -1,4 +1,4 @@
-"""The robot over a run: mass and friction of each phase, and the torque that its motion needs.
+"""The robot over a run: phases between its changes, friction, the torque that its motion needs.
 
     tau_d = B1^-1 (M1 v_d' + F1(v_d)),    Eq. (4) at the desired velocity,
 
@@ -9,7 +9,7 @@ to disturbances and to noise.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-KEYS = tuple(f"robot.{name}" for name in ("m", "I", "mu", "r", "l", "g", "v_s"))
+NAMES = ("m", "I", "mu", "r", "l", "g", "v_s")
+KEYS = tuple(f"robot.{name}" for name in NAMES)
 """Numbers that the needed torque rests on, in the order of `demanded`."""
 FAST = 1e6
 """Speed [m/s] at which nothing is missing of friction's full size."""
@@ -34,50 +35,48 @@ FAST = 1e6
 
 @dataclass(frozen=True)
 class Phase:
-    """The robot's friction from time ``t`` [s] on."""
+    """The robot from time ``t`` [s] on."""
 
     t: float
-    m: float
-    mu: float
+    robot: Robot
 
 
 def phases(scenario: Scenario) -> Iterator[Phase]:
-    """Yield the robot's friction at the start and from each change on."""
-    phase = Phase(0.0, scenario.robot.m, scenario.robot.mu)
-    yield phase
+    """Yield the robot at the start and from each change on."""
+    robot = scenario.robot
+    yield Phase(0.0, robot)
     for change in scenario.changes:
-        mass = phase.m if change.m is None else change.m
-        phase = Phase(change.t, mass, phase.mu if change.mu is None else change.mu)
-        yield phase
+        robot = replace(robot, **change.values())
+        yield Phase(change.t, robot)
 
 
 def largest_friction(scenario: Scenario) -> float:
     """Largest friction of the robot over a run [N]."""
-    return max(full_friction(scenario.robot, phase) for phase in phases(scenario))
+    return max(full_friction(phase.robot) for phase in phases(scenario))
 
 
-def full_friction(robot: Robot, phase: Phase) -> float:
+def full_friction(robot: Robot) -> float:
     """Friction of a robot that moves [N]: mu m g."""
-    return float(drag(robot, phase, (FAST, 0.0))[0, 0])
+    return float(drag(robot, (FAST, 0.0))[0, 0])
 
 
-def steepness(robot: Robot, phase: Phase) -> float:
+def steepness(robot: Robot) -> float:
     """Slope of friction over v1 at rest, its largest [N s/m]."""
     _, slope = _graphs()
-    return float(slope(ca.DM(_numbers(robot, phase))))
+    return float(slope(ca.DM(_numbers(robot))))
 
 
-def drag(robot: Robot, phase: Phase, v: Floats | tuple[float, float]) -> Floats:
-    """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N) or (2,)."""
+def drag(robot: Robot, v: Floats | tuple[float, float]) -> Floats:
+    """Friction F1 (2, N) [N, N m] of a robot at velocities ``v`` (2, N) or (2,)."""
     force, _ = _graphs()
     speeds = np.asarray(v)
     if speeds.ndim == 1:
-        return evaluated(force, _numbers(robot, phase), speeds)[0]
-    return np.asarray(force(ca.DM(_numbers(robot, phase)), speeds))
+        return evaluated(force, _numbers(robot), speeds)[0]
+    return np.asarray(force(ca.DM(_numbers(robot)), speeds))
 
 
-def _numbers(robot: Robot, phase: Phase) -> tuple[float, ...]:
-    return phase.mu, phase.m, robot.g, robot.v_s
+def _numbers(robot: Robot) -> tuple[float, ...]:
+    return robot.mu, robot.m, robot.g, robot.v_s
 
 
 @cache
@@ -102,11 +101,9 @@ def needed_torque(scenario: Scenario, times: Floats, v_d: Floats, v_d_dot: Float
     ``v_d`` (N, 2) [m/s, rad/s] and its rate ``v_d_dot`` (N, 2) are the reference's.
     """
     needed = np.zeros_like(v_d)
-    robot = {key: scenario.value(key)[0] for key in KEYS}
-    for start, changed in ((0.0, {}), *((item.t, item.values()) for item in scenario.changes)):
-        robot |= {f"robot.{name}": value for name, value in changed.items()}
-        rows = times >= start
-        numbers = ca.DM(list(robot.values()))
+    for phase in phases(scenario):
+        rows = times >= phase.t
+        numbers = ca.DM([vars(phase.robot)[name] for name in NAMES])
         needed[rows] = np.asarray(_graph()(numbers, v_d[rows].T, v_d_dot[rows].T)).T
     return needed
 
