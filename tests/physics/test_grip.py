@@ -114,4 +114,4 @@ def test_robots_of_presets_have_wheels_that_are_a_part_of_them():
     for name in preset_names():
         case = load_scenario(name)
         for item in phases(case):
-            assert loads(case, item.robot.m, case.robot.I, item.robot.mu).mass > 0, name
+            assert loads(case, item.robot).mass > 0, name

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError
-from wmr_ctrl.scenario import Change, Scenario
+from wmr_ctrl.scenario import Change, Robot, Scenario
 from wmr_ctrl.world.slope import Slope
 
 CHASSIS, RIGHT, LEFT = "chassis", "right", "left"
@@ -49,24 +49,21 @@ class Loads:
     drag: float
 
 
-def loads(scenario: Scenario, m: float, inertia: float, mu: float) -> Loads:
-    """The parts of a robot of mass m [kg], inertia [kg m2] and friction mu in all.
-
-    Raises ScenarioError where the wheels alone have more.
-    """
-    robot, body = scenario.robot, scenario.body
+def loads(scenario: Scenario, robot: Robot) -> Loads:
+    """The parts of a robot; raises ScenarioError where the wheels alone are heavier than it."""
+    m, body = robot.m, scenario.body
     _, across = wheel_inertia(scenario)
     chassis = m - 2 * body.wheel_mass
-    yaw = inertia - 2 * (body.wheel_mass * robot.l**2 + across)
+    yaw = robot.I - 2 * (body.wheel_mass * robot.l**2 + across)
     if chassis <= 0 or yaw <= 0:
         raise ScenarioError(
             f"body.wheel_mass = {body.wheel_mass:g} kg at robot.l = {robot.l:g} m leaves "
             f"{chassis:.3g} kg and {yaw:.3g} kg m2 to the chassis of a robot of {m:g} kg and "
-            f"{inertia:g} kg m2. State lighter wheels."
+            f"{robot.I:g} kg m2. State lighter wheels."
         )
     lift = (m * body.height - 2 * body.wheel_mass * robot.r) / chassis - robot.r
     flat = body.flatness * yaw
-    return Loads(chassis, lift, (flat, flat, yaw), mu * m * robot.g * robot.r / 2)
+    return Loads(chassis, lift, (flat, flat, yaw), robot.mu * m * robot.g * robot.r / 2)
 
 
 def wheel_inertia(scenario: Scenario) -> tuple[float, float]:
@@ -107,7 +104,7 @@ def description(scenario: Scenario) -> str:
         text, trim_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined
     )
     return template.render(
-        robot=robot, body=body, own=loads(scenario, robot.m, robot.I, robot.mu),
+        robot=robot, body=body, own=loads(scenario, robot),
         step=scenario.clock.plant, gravity=gravity(scenario), ground=GROUND, chassis=CHASSIS,
         thick=_THICK, casters=dict(zip(CASTERS, (body.caster, -body.caster), strict=True)),
         caster_radius=CASTER_RADIUS, rise=CASTER_RADIUS - robot.r + body.caster_gap,
@@ -226,7 +223,7 @@ class RigidBody:
     def change(self, change: Change) -> None:
         """New mass, inertia and friction from now on; what the change leaves out stays."""
         self._robot = robot = replace(self._robot, **change.values())
-        own = loads(self.scenario, robot.m, robot.I, robot.mu)
+        own = loads(self.scenario, robot)
         self.model.body_mass[self._chassis] = own.mass
         self.model.body_inertia[self._chassis] = own.inertia
         self.model.body_ipos[self._chassis] = (0.0, 0.0, own.lift)
