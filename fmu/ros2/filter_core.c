@@ -139,7 +139,7 @@ void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp
     core->reset = 0;
     core->before = now->steady;
     core->answered = answered;
-    core->stamp = answered ? stamp : core->stamp;
+    core->stamp = stamp;
 }
 
 int64_t wmr_filter_core_reset(wmr_filter_core *core)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import posixpath
+import re
 import zipfile
 from pathlib import Path
 
@@ -241,6 +242,9 @@ def test_an_importer_can_check_itself_by_the_manifest(exported, what, version):
         str(path), stop_time=0.1, step_size=0.01, output_interval=0.01, start_values=values,
         output=names[1:], fmi_type="CoSimulation",
     )  # fmt: skip
+    (told,) = (item.get("description") for item in manifest if item.get("role") == "result")
+    seconds, step = map(float, re.findall(r"([\d.]+) s of .* in steps of ([\d.]+) s", told)[0])
+    assert (float(rows[-1].split(",")[0]), float(rows[2].split(",")[0])) == (seconds, step)
     for row, line in zip(found, rows[1:12], strict=True):
         assert list(row) == [float(number) for number in line.split(",")]
 

@@ -111,6 +111,7 @@ def test_terminals_gather_what_is_asked_and_what_is_sent(tmp_path):
                          ("command", "v_sent[1]")):  # fmt: skip
         assert f'<Terminal name="{name}"' in text
         assert f'variableName="{member}"' in text
+    assert text.count('matchingRule="bus"') == text.count("<Terminal ")
 
 
 def test_its_plain_code_is_named_and_it_claims_no_derivatives(tmp_path):

@@ -117,6 +117,40 @@ def test_after_a_kill_the_next_life_sends_zeros_until_a_command_counts(world, sc
     assert speeds == pytest.approx([0.02, 0.04, 0.06])  # by the ramp: rise is 1 m/s2
 
 
+def test_a_filter_that_starts_again_does_as_a_new_one_and_keeps_its_counters(scenario, world):
+    """Whatever it had sent, taken and latched."""
+    world.go(60)
+    world.core.halt(True, world.now())
+    world.core.halt(False, world.now())
+    world.core.start()
+    world.steady += 700 * MS
+    world.ros += 700 * MS
+    new = World(FilterCore(scenario, SETTINGS, "base_link"), world.ros)
+    new.steady = world.steady
+    for sends in (False, True, True):
+        assert world.go(1, sends=sends) == new.go(1, sends=sends)
+        assert world.core.last == new.core.last
+    assert world.core.last.command[0] > 0
+    assert world.told == new.told == []
+
+
+def test_on_simulated_time_odometry_times_out_by_the_steady_clock(scenario):
+    """A simulator that stands still says nothing new, however young its last word."""
+    world = World(FilterCore(scenario, GateSettings(odometry="required"), "base_link"))
+    flags = []
+    for steady in (20, 60, 60, 20):
+        now = Moment(world.ros, world.steady, True)
+        world.core.see(now)
+        if not flags:
+            measured = (0.1, 0.0), (0.0, 0.0, 0.0, 1.0), world.ros, "base_link", now
+            assert world.core.measure(*measured) == ""
+        flags.append("no-odometry" in world.core.tick(now).flags)
+        world.steady += steady * MS
+        world.ros += MS
+
+    assert flags == [False, False, False, True]
+
+
 def test_a_stop_outlives_messages_and_needs_a_reset(world):
     world.go(60)
     world.steady += TICK
