@@ -44,7 +44,7 @@ def test_one_thread_certifies_at_a_time(together, monkeypatch):
     """They share python-flint's precision, which one would change under another's sums."""
     scenario = load_scenario("safe-simulation")
     monkeypatch.setattr(corridor, "scenario_of_run", lambda run: scenario)
-    run = SimpleNamespace(law="prox", monitor=SimpleNamespace(rigid=True))
+    run = SimpleNamespace(law="prox", settings=SimpleNamespace(plant_kind="mujoco"))
     tasks = [
         lambda: corridor.find_corridor(scenario, "prox"),
         lambda: corridor.certified_corridor(scenario, "prox"),
