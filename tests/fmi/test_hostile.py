@@ -234,6 +234,20 @@ def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
             one.free()
 
 
+def test_a_change_acts_from_the_first_plant_step_that_starts_at_or_after_it(raw):
+    fmu = raw("closed-loop", 3)
+    (time,) = (name for name in fmu.variables if name.startswith("changes") and name.endswith(".t"))
+    ends = []
+    for t in (0.003, 0.0034, 0.004):
+        one = fmu.new()
+        assert one.put({time: t}) == OK
+        assert one.begin().step(0.0, 0.02) == OK
+        ends.append(one.get("v1", "omega"))
+        one.free()
+
+    assert ends[0] != ends[1] == ends[2]
+
+
 def test_an_integer_is_read_as_it_was_set(raw):
     fmu = raw("closed-loop", 2)
     one, found = fmu.new(), ct.c_int()

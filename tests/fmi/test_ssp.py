@@ -20,7 +20,8 @@ from fmpy.ssp.ssd import read_ssd
 from tests.fmi.together import Wire, step_together
 from tests.matrix import quick
 from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.ssp import INNER, ORDER, SET, export_ssp
+from wmr_ctrl.fmi.cosim.mapping import MapRow
+from wmr_ctrl.fmi.ssp import INNER, ORDER, SET, Component, _structure, export_ssp
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 
@@ -184,6 +185,28 @@ def test_a_flat_package_names_parts_and_nothing_else(flat):
         assert set(INNER) <= set(line.attrib)
     system = package.description.find("ssd:System", NAMES)
     assert system.find("ssd:Connectors", NAMES) is None
+
+
+def test_a_connection_converts_by_the_row_that_gives_and_then_by_the_row_that_takes():
+    """Theirs px is ours by x = 0.5 px + 2, and is taken as pos = 10 x + 5; a renaming is none."""
+    rows = MapRow("x", (("px", 0.5),), 2.0), MapRow("theta", (("th", 1.0),))
+    taken = MapRow("pos", (("x", 10.0),), 5.0), MapRow("angle", (("theta", 1.0),))
+    parts = {
+        "controller": Component("ctl", b"", [], list(taken), [], []),
+        "plant": Component("bot", b"", [], [], list(rows), []),
+    }
+    system = ET.fromstring(_structure(parts, SHORT, False).encode())
+    found = {}
+    for line in system.findall(".//{*}Connection"):
+        change = line.find("{*}LinearTransformation")
+        numbers = None if change is None else (change.get("factor"), change.get("offset"))
+        ends = (line.get("startElement"), line.get("startConnector"), line.get("endConnector"))
+        found[ends] = numbers and tuple(map(float, numbers))
+
+    assert found == {
+        ("plant", "px", "pos"): (5.0, 25.0), ("plant", "th", "angle"): None,
+        ("plant", "px", "x"): (0.5, 2.0), ("plant", "th", "theta"): None,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("is_flat", [False, True])
