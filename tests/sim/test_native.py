@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
+import pickle
 import re
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -29,6 +31,7 @@ from wmr_ctrl.world.registry import Disturbance
 
 CHANGES = [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}, {"t": 4.5, "m": 40.0, "I": 4.0, "mu": 0.05}]
 SHORT = {"clock.duration": 6.0, "changes": CHANGES}
+SAMPLE = (0.1, 0.0, -1.5, 0.2, 0.1, 0.0, 0.0, -0.1, -0.2, -0.7, 0.1, 0.05)
 
 
 def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
@@ -214,7 +217,7 @@ def test_compiled_law_steps_like_the_loop() -> None:
 
 @pytest.mark.parametrize("law", NAMES)
 def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law: str) -> None:
-    one, good = compile_law(law), (0.1, 0.0, -1.5, 0.2, 0.1, 0.0, 0.0, -0.1, -0.2, -0.7, 0.1, 0.05)
+    one, good = compile_law(law), SAMPLE
     one.u[:] = good
     one.step()
     kept = one.x.copy()
@@ -257,3 +260,29 @@ def test_what_is_of_another_kind_is_refused_by_its_name(
     """Python allows any value anywhere; each is answered as a wrong one in a file is."""
     with pytest.raises(error, match=f"(?i){message}"):
         call()
+
+
+def test_assigning_to_a_laws_arrays_writes_into_them():
+    """They were replaced, and every step after that took the numbers before."""
+    one, other = (compile_law("pid", "paper-simulation-nominal") for _ in range(2))
+    one.u[:] = other.u = SAMPLE
+    assert one.step().tolist() == other.step().tolist()
+    assert one.x.any()
+    other.x, other.u = one.x, np.array(SAMPLE) + 0.1
+    one.u[:] = np.array(SAMPLE) + 0.1
+    assert one.step().tolist() == other.step().tolist()
+    for wrong in (0.0, np.zeros(3), ["a"] * 12):
+        with pytest.raises(ArgumentError, match="u takes 12 real numbers"):
+            one.u = wrong
+
+
+@pytest.mark.parametrize("through", [copy.deepcopy, lambda law: pickle.loads(pickle.dumps(law))])
+def test_a_copy_of_a_law_goes_on_by_itself(through):
+    law = compile_law("pid", "paper-simulation-nominal")
+    law.u[:] = SAMPLE
+    law.step()
+    law.parameters *= 1.5
+    twin = through(law)
+    ahead = law.step().copy()
+    assert twin.torque.tolist() != ahead.tolist()
+    assert twin.step().tolist() == ahead.tolist()

@@ -20,6 +20,10 @@ ROUNDS = 9
 """Repetitions: the least time is the one that nothing else delayed."""
 
 
+ARRAYS = ("u", "parameters", "x", "torque")
+"""Arrays of a law that the compiled code reads and writes where they are."""
+
+
 class Call(ct.Structure):
     """``wmr_call``: addresses of a law's inputs, parameters, memory, outputs; the inputs' bound."""
 
@@ -31,14 +35,15 @@ class CompiledLaw:
 
     Write the inputs into ``u`` (order: ``inputs``; reference, pose, velocity) and call `step`: it
     returns ``torque`` (right, left) [N m] and moves the law's memory ``x`` (order: ``state``) to
-    the next sample.  ``parameters`` may be changed in place, in the order of ``parameter_names``.
-    Do not replace any of the four arrays by another one.  A sample with an input that is not a
-    number, or beyond 1e12 in size, is refused: ArgumentError, torques 0, memory unchanged.
+    the next sample.  ``parameters`` may be changed, in the order of ``parameter_names``.  To assign
+    to one of the four writes into it: ``law.u = values`` is ``law.u[:] = values``.  Pickled or
+    copied it is another law in the same state, on this machine.  A sample with an input that is
+    not a number, or beyond 1e12 in size, is refused: ArgumentError, torques 0, memory unchanged.
     """
 
     def __init__(self, loop: CompiledLoop) -> None:
         """Load the library of ``loop`` and set start values."""
-        law = loop.law
+        law, self._loop = loop.law, loop
         self.inputs = tuple(signal.name for signal in law.inputs)
         self.state, self.parameter_names = elements(law.state), elements(law.parameters)
         self._names = elements(law.inputs)
@@ -55,6 +60,30 @@ class CompiledLaw:
         self._call = ct.PyDLL(loop.library)["wmr_law_step"]
         self._call.restype = ct.c_int32
         self._pointer = ct.byref(self._pointers)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Arrays keep their place, which compiled code knows; ArgumentError for a wrong size."""
+        kept = vars(self).get(name) if name in ARRAYS else None
+        if kept is None:
+            object.__setattr__(self, name, value)
+            return
+        given = np.asarray(value)
+        if given.shape != kept.shape or given.dtype.kind not in "fiu":
+            raise ArgumentError(
+                f"{name} takes {len(kept)} real numbers, not an array of {given.dtype} with shape "
+                f"{given.shape}."
+            )
+        kept[:] = given
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Built again from the loop, with the numbers of this one."""
+        numbers = {name: getattr(self, name).copy() for name in ARRAYS}
+        return CompiledLaw, (self._loop,), numbers
+
+    def __setstate__(self, numbers: dict[str, Floats]) -> None:
+        """Write the numbers of another one."""
+        for name, values in numbers.items():
+            setattr(self, name, values)
 
     def reset(self) -> None:
         """Start values for the law's memory."""
