@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from html import unescape
 
 import numpy as np
@@ -151,6 +152,20 @@ def test_a_corridor_that_varies_is_drawn_as_wide_as_it_is_in_each_sample():
 def on_its_path(scenario):
     pose, velocity = (sample(scenario, [0.0])[0, part].tolist() for part in (slice(3), slice(3, 5)))
     return override(scenario, {"initial.pose": pose, "initial.velocity": velocity})
+
+
+def test_nothing_is_certified_of_another_plant_or_order_of_steps():
+    """The certificate is about the plane model, and torques as late as the scenario says."""
+    run = simulate(load_scenario("safe-simulation", {"clock.duration": 0.1}), "prox")
+    other = replace(run, settings=replace(run.settings, plant_kind="fmu"))
+    late = replace(run, provenance={**run.provenance, "master": "jacobi"})
+
+    assert course_of_tube(run) is not None
+    assert course_of_tube(other) is None
+    assert course_of_tube(late) is None
+    text = "\n".join(item.get_text() for item in plot_run(other).findobj(Text))
+    assert "somebody else's plant" in text
+    assert "certified" not in text
 
 
 def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():

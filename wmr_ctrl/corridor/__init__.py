@@ -104,18 +104,22 @@ def corridor_monitor(scenario: Scenario, law: str) -> System:
         return monitor_of(scenario, law)
 
 
+def is_covered(run: Run) -> bool:
+    """True if the plane model moved the robot, with torques as late as the scenario says."""
+    return run.settings.plant_kind == "ode" and run.provenance.get("master") != "jacobi"
+
+
 def left_corridor(run: Run) -> CorridorLeft | None:
     """The first leaving of the corridor by a run that was settled in it, None without one.
 
-    Asked of runs on the rigid body, on somebody else's plant, and with effects of other packages,
-    whose bounds nothing proves; None without python-flint.
+    Asked of runs on the rigid body, on somebody else's plant, under a master that delays torques,
+    and with effects of other packages: nothing proves those; None without python-flint.
     """
     scenario = scenario_of_run(run)
     if scenario is None or run.law not in LAWS or LAWS[run.law].inside is None:
         return None
     foreign = any(item.present(scenario) for item in EFFECTS.plugins)
-    ours = run.settings.plant_kind == "ode" and not foreign
-    if find_spec("flint") is None or ours:
+    if find_spec("flint") is None or (is_covered(run) and not foreign):
         return None
     from wmr_ctrl.corridor.latch import left_by
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle as CirclePatch
 from matplotlib.patches import Patch, Polygon
 
-from wmr_ctrl.corridor import corridor_course
+from wmr_ctrl.corridor import corridor_course, is_covered
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report.style import GRID, INK, LIMIT, MUTED
 from wmr_ctrl.results import FloatArray, Run
@@ -89,9 +89,10 @@ FAINT = 0.25
 def course_of_tube(run: Run) -> FloatArray | None:
     """Certified distance [m] and heading [rad] (2, rows) over the run's time; None without.
 
-    None on the rigid body too: the certificate is about the plane model.
+    None on the rigid body and on somebody else's plant too: the certificate is about the plane
+    model.
     """
-    return None if run.monitor.rigid else course_behind(run)
+    return course_behind(run) if is_covered(run) else None
 
 
 def course_behind(run: Run) -> FloatArray | None:

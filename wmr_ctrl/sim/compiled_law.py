@@ -63,17 +63,17 @@ class CompiledLaw:
 
     def __setattr__(self, name: str, value: object) -> None:
         """Arrays keep their place, which compiled code knows; ArgumentError for a wrong size."""
-        kept = vars(self).get(name) if name in ARRAYS else None
-        if kept is None:
+        array = vars(self).get(name) if name in ARRAYS else None
+        if array is None:
             object.__setattr__(self, name, value)
             return
         given = np.asarray(value)
-        if given.shape != kept.shape or given.dtype.kind not in "fiu":
+        if given.shape != array.shape or given.dtype.kind not in "fiu":
             raise ArgumentError(
-                f"{name} takes {len(kept)} real numbers, not an array of {given.dtype} with shape "
+                f"{name} takes {len(array)} real numbers, not an array of {given.dtype} with shape "
                 f"{given.shape}."
             )
-        kept[:] = given
+        array[:] = given
 
     def __reduce__(self) -> tuple[object, ...]:
         """Built again from the loop, with the numbers of this one."""
