@@ -8,7 +8,7 @@ from tests.filter.test_filter import scenario
 from tests.filter.test_peak_gain import scenario as linear
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter.hypotheses import unproved_roundings
+from wmr_ctrl.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.scenario import override
 
 INSIDE = {

@@ -340,6 +340,47 @@ def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name: str) ->
     assert any(words in sentence for sentence in facts.broken)
 
 
+CLIPPED: Mapping[str, Any] = {
+    **VELOCITY,
+    "clock.duration": 2.0,
+    "filter": {"kind": "clip", "gain": [0.9, 1.1], "d": [0.1, 0.1]},
+}
+
+
+@pytest.mark.parametrize("pushed", [[20.0, 0.0], [0.0, 1.9]])
+def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed: Sequence[float]) -> None:
+    """Weak ones are refused, where trusted they leave the limit; what is named is never reached."""
+    weak = based({**CLIPPED, "disturbance.push": pushed, "actuator.tau_max": 0.1, "robot.mu": 0.0})
+    with pytest.raises(ScenarioError, match=r"actuator\.tau_max = 0\.1 N\.m: a wheel") as error:
+        settle(weak, "kanayama")
+    named = float(str(error.value).split("Raise it to ")[1].split(" N.m")[0])
+    trusted = {"filter.trust": True, "clock.duration": 12.0}
+    broken = wmr_ctrl.simulate(override(weak, trusted), "kanayama", engine="numpy")
+    assert broken.outcome == "limit-violated"
+    settle(override(weak, {"actuator.tau_max": named}), "kanayama")
+    strong = override(weak, {"actuator.tau_max": math.inf})
+    run = wmr_ctrl.simulate(strong, "kanayama", engine="numpy")
+    assert max(np.abs(run[side]).max() for side in ("tau_right", "tau_left")) < named
+    settle(override(weak, {"disturbance.push": [0.0, 0.0]}), "kanayama")
+
+
+def test_weak_motors_that_nothing_pushes_keep_within_their_commands() -> None:
+    """An integrator of the test's own: commands to either side, wheels at their limit throughout."""
+    draw, h, m, inertia, l, r, most = np.random.default_rng(3), 0.001, 50.0, 5.0, 0.25, 0.1, 0.4
+    v, top, at_limit = np.zeros(2), np.zeros(2), 0
+    for _ in range(40):
+        u = draw.choice([-1.0, 1.0], 2) * draw.uniform(0.5, 1, 2)
+        for _ in range(200):
+            force = np.array([m, inertia]) * (u - v) / 0.2
+            wheels = r * (force[0] + np.array([1, -1]) * force[1] / l) / 2
+            given = np.clip(wheels, -most, most)
+            at_limit += np.any(given != wheels)
+            v = v + h * np.array([given.sum() / r / m, (given[0] - given[1]) * l / r / inertia])
+            top = np.maximum(top, abs(v))
+    assert at_limit > 4000
+    assert np.all(top <= 1.0)
+
+
 REFUSED: Mapping[str, Mapping[str, Any]] = {
     "guard.enabled": {"guard.enabled": True},
     "gains.kanayama.delay": {"gains.kanayama.delay": 0.05, "base.delay": 0.05},

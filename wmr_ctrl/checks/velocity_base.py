@@ -12,8 +12,9 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
 from wmr_ctrl.filter.band import MOST_COMMANDS
-from wmr_ctrl.filter.hypotheses import broken_hypotheses, unproved_roundings
+from wmr_ctrl.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.filter.peak_gain import less_damped, overshoot, peak_gains
+from wmr_ctrl.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.scenario import Scenario, override
 
 STATEMENTS = {

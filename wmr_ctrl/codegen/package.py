@@ -23,7 +23,7 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.filter.filter import called_filter, derived_numbers
-from wmr_ctrl.filter.hypotheses import check_single_precision
+from wmr_ctrl.filter.rounding_ranges import check_single_precision
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario

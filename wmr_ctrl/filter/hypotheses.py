@@ -11,10 +11,6 @@ from collections.abc import Iterator
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.filter.force_band import force_room, force_table
-from wmr_ctrl.filter.governor import Schedule
-from wmr_ctrl.filter.governor_step import schedule
-from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.laws.law import Predicting
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import ROUNDING, Bound, EffectRole, Pair
@@ -23,15 +19,6 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.speed_loop import has_loop
 
 UNITS = ("m/s", "rad/s")
-OLDEST = 60.0
-"""Largest age of odometry, over the least time constant."""
-SHORTEST = 2.0**-13
-"""Least period for each piece of time that it is cut into, over the largest time constant."""
-SHORTEST_SINGLE = 2.0**-8
-"""The same of packages in single precision, which are refused below."""
-HARDEST = 256.0
-"""Largest force that a step by the whole speed takes, over what pushes leave."""
-
 
 def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
     """Raise ScenarioError for what a base that takes velocities cannot have."""
@@ -100,6 +87,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
         for axis, gain in enumerate(scenario.base.gain, 1):
             if not _within(gain, (0.0, stated.gain[1])):
                 yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
+        yield from _of_pushed_weak_motors(scenario, bound)
     for axis, push in enumerate(push_speeds(scenario, bound)):
         if push > stated.d[axis] * (1 + ROUNDING):
             yield (
@@ -167,6 +155,35 @@ def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
             f"actuator.tau_max = {most:g} N.m: filter.force = [{force[0]:g}, {force[1]:g}] may ask "
             f"a wheel for {needed:.4g} N.m, r (F + moment/l)/2. State a smaller force."
         )
+
+
+def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """A torque limit that a first-order loop may reach while it is pushed.
+
+    A wheel at its limit brakes on neither axis as the loop wants: pushes go on to drive the base,
+    however small they are, where both wheels are at theirs for a turn.
+    """
+    most, needed = scenario.actuator.tau_max, most_torque(scenario)
+    if any(bound.dbar) and most < needed:
+        yield (
+            f"actuator.tau_max = {most:g} N.m: a wheel at its limit does not hold against pushes, "
+            "which may then drive the base on beyond filter.d. Raise it to "
+            f"{rounded(needed, 3)} N.m, which the loop never asks for here, or take out what "
+            "pushes (disturbances, slopes)."
+        )
+
+
+def most_torque(scenario: Scenario) -> float:
+    """Largest torque [N m] that a first-order loop asks of a wheel, all speeds within limits."""
+    base, robot, h = scenario.base, scenario.robot, scenario.clock.plant
+    masses = max(phase.m for phase in phases(scenario)), max(
+        [robot.I, *(c.I for c in scenario.changes if c.I is not None)]
+    )
+    force, moment = (
+        2 * limit * mass * -math.expm1(-h / tau) / h
+        for limit, mass, tau in zip(scenario.limits.v_u1, masses, base.tau, strict=True)
+    )
+    return robot.r * (force + largest_friction(scenario) + moment / robot.l) / 2
 
 
 def _of_the_band(bound: Bound) -> Iterator[str]:
@@ -277,74 +294,3 @@ def _outside(name: str, value: float, unit: str, key: str, ends: Pair) -> str:
         f"{name} = {value:g}{f' {unit}' * (unit != '1')} is outside {key} = [{ends[0]:g}, "
         f"{ends[1]:g}], which must hold it. Widen the interval."
     )
-
-
-def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Key of each number for which nobody proved that the margin against rounding suffices.
-
-    And a sentence on it.  The ranges are those of `filter.rounding.governor` and `-.force`; all
-    others of theirs a scenario keeps by itself.
-    """
-    beyond = [*_of_long_times(scenario)] if scenario.filter.kind == "governor" else []
-    beyond += [*_of_hard_steps(scenario)] if scenario.filter.force is not None else []
-    for key, number, bound in beyond:
-        yield (
-            key,
-            f"{number} is beyond {bound}: up to that it is proved that the share of the limit "
-            "which the filter keeps back covers its roundings, and beyond it the limit is proved "
-            "for exact arithmetic only.",
-        )
-
-
-def _of_long_times(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
-    settings, T, plan = scenario.filter, scenario.clock.control, schedule(scenario)
-    fastest, slowest = settings.interval("tau")
-    if (jitter := settings.jitter) > T / 2:
-        yield (
-            "filter.jitter",
-            f"filter.jitter = {jitter:g} s",
-            f"half of clock.control, {T / 2:g} s",
-        )
-    if settings.age > (most := OLDEST * fastest):
-        bound = f"{OLDEST:g} filter.tau[1], {most:g} s"
-        yield "filter.age", f"filter.age = {settings.age:g} s", bound
-    if (pieces := _most_pieces(plan)) * SHORTEST * slowest > T:
-        bound = (
-            f"clock.control 2^13/{pieces}, {T / pieces / SHORTEST:g} s, {pieces} being the pieces "
-            "that commands which may act divide a period into"
-        )
-        yield "filter.tau", f"filter.tau[2] = {slowest:g} s", bound
-
-
-def check_single_precision(scenario: Scenario) -> None:
-    """Raise ScenarioError for a governor whose bounds rise by less than a float's rounding."""
-    slowest, T = scenario.filter.interval("tau")[1], scenario.clock.control
-    longest = T / (SHORTEST_SINGLE * _most_pieces(schedule(scenario)))
-    if slowest > longest:
-        raise ScenarioError(
-            f"filter.tau[2] = {slowest:g} s is beyond {longest:.4g} s, the longest time constant "
-            f"of a governor in single precision at clock.control = {T:g} s: what the base gains in "
-            "a period gets lost in a float's rounding. Write the package in double precision, or "
-            "lengthen clock.control."
-        )
-
-
-def _most_pieces(plan: Schedule) -> int:
-    """Most pieces from a sample to the next, to the latest takeover, or in a period before it."""
-    back = plan.pieces(-plan.age, 0.0, 1)
-    ahead = plan.pieces(0.0, 1 + plan.jitter, 0, 1 - plan.jitter)
-    taken = plan.pieces(0.0, plan.delay[1], 1, plan.delay[0])
-    looked = (sum(b.start < a.start + 1 and b.end > a.start for b in back) for a in back)
-    return max(len(ahead), len(taken), *looked)
-
-
-def _of_hard_steps(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
-    room, peaks = force_room(scenario), peak_gains(scenario)
-    for axis, (name, unit) in enumerate((("v", "N"), ("omega", "N.m"))):
-        above, below, left, _ = force_table(scenario, axis)
-        c = (scenario.limits.v_u1[axis] - peaks[axis].push) / scenario.filter.gain[1]
-        needed = c * max(map(abs, (*above.value, *below.value, *left.value)))
-        if needed > HARDEST * room[axis]:
-            bound = f"{HARDEST:g} times the {room[axis]:.4g} {unit} that pushes leave"
-            number = f"The force of a step of {name} by the whole speed, {needed:.4g} {unit},"
-            yield "filter.force", number, bound
