@@ -365,7 +365,7 @@ def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed: Sequence[float
 
 
 def test_weak_motors_that_nothing_pushes_keep_within_their_commands() -> None:
-    """An integrator of the test's own: commands to either side, wheels at their limit throughout."""
+    """An integrator of the test's own: commands to either side, wheels mostly at their limit."""
     draw, h, m, inertia, l, r, most = np.random.default_rng(3), 0.001, 50.0, 5.0, 0.25, 0.1, 0.4
     v, top, at_limit = np.zeros(2), np.zeros(2), 0
     for _ in range(40):
