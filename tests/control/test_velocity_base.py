@@ -200,6 +200,10 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> 
         ("actuator.tau_max", 20.0, "wind up"),
         ("disturbance.push", [3.0, 0.0], "filter.push[1]"),
         ("robot.mu", 0.1, "filter.push[1]"),
+        ("resistance.rolling", [0.01, 0.01], "filter.push[1]"),
+        ("resistance.viscous", [30.0, 0.0], "outside filter.friction = [0, 0]"),
+        ("resistance.viscous", [0.0, 0.5], "outside filter.friction robot.l^2"),
+        ("filter.friction", [5.0, 20.0], "resistance.viscous[1] = 0 N.s/m is outside"),
         ("base.loop", "first-order", "does not fit the base of this run"),
         ("changes", [{"t": 3.0, "m": 54.0}], "`changes = []` takes out"),
     ],
@@ -320,6 +324,8 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "weak": ({"base.gain": [1.0, 0.89]}, "outside filter.gain"),
     "delay": ({"base.delay": 0.01}, "outside filter.delay"),
     "push": ({"disturbance.push": [5.0, 0.0]}, "filter.d[1]"),
+    "rolling": ({"resistance.rolling": [0.1, 0.1]}, "slow the base by up to"),
+    "viscous": ({"resistance.viscous": [0.0, 2.0]}, "slow the base by up to"),
     "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
     "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
     "noise": ({"sensor.velocity_noise": [0.02, 0.0]}, "filter.odometry[1]"),
@@ -379,6 +385,30 @@ def test_weak_motors_that_nothing_pushes_keep_within_their_commands() -> None:
             top = np.maximum(top, abs(v))
     assert at_limit > 4000
     assert np.all(top <= 1.0)
+
+
+def resisted(v: float, goal: float, rho: float, time: float) -> tuple[float, float]:
+    """Speed after a while towards a goal against rolling, and the largest on the way; tau 0.2 s."""
+    end = (goal - math.copysign(rho, v or goal)) if v or abs(goal) > rho else 0.0
+    after = end + (v - end) * math.exp(-time / 0.2)
+    if v * after >= 0:
+        return after, max(abs(v), abs(after))
+    crossed = 0.2 * math.log((v - end) / -end)
+    rest, top = resisted(0.0, goal, rho, time - crossed)
+    return rest, max(abs(v), top)
+
+
+@pytest.mark.parametrize(("stated", "broken"), [(0.0, True), (0.3, False)])
+def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -> None:
+    """Full ahead from full astern: against rolling the base is back at rest before a bound."""
+    governor = {"kind": "governor", "tau": [0.2, 0.3], "gain": [0.9, 1.1], "d": [stated, 0.0]}
+    limit, v, top = wmr_ctrl.command_filter(based({**VELOCITY, "filter": governor})), 0.0, 0.0
+    for k in range(104):
+        (u, _) = limit.step((-9.0 if k % 52 < 40 else 9.0, 0.0)).command
+        v, reached = resisted(v, 1.1 * u, 0.3, 0.05)
+        top = max(top, reached)
+    assert (top > 1.05) == broken
+    assert (top > 1.0) == broken
 
 
 REFUSED: Mapping[str, Mapping[str, Any]] = {

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
@@ -16,9 +17,11 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import ROUNDING, Bound, EffectRole, Pair
 from wmr_ctrl.world.phases import largest_friction, phases
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.resistance import Resistance, against, rolling_against
 from wmr_ctrl.world.speed_loop import has_loop
 
 UNITS = ("m/s", "rad/s")
+
 
 def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
     """Raise ScenarioError for what a base that takes velocities cannot have."""
@@ -113,14 +116,21 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
             "loops that do not change. Leave mass and inertia constant: `changes = []` takes out "
             "those of a preset that the file extends."
         )
+    viscous = scenario.section(Resistance).viscous
+    for axis, (lever, unit) in enumerate(((1.0, "N.s/m"), (robot.l**2, "N.m.s/rad"))):
+        least, most = (lever * c for c in stated.friction)
+        if not _within(viscous[axis], (least, most)):
+            key, name = f"resistance.viscous[{axis + 1}]", "filter.friction" + " robot.l^2" * axis
+            yield _outside(key, viscous[axis], unit, name, (least, most))
     yield from _of_weak_motors(scenario)
-    pushes = bound.dbar[0] + largest_friction(scenario), bound.dbar[1]
+    rolling = rolling_against(scenario)
+    pushes = bound.dbar[0] + largest_friction(scenario) + rolling[0], bound.dbar[1] + rolling[1]
     for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):
         if push > stated.push[axis] * (1 + ROUNDING):
             yield (
-                f"The base may be pushed by {rounded(push, 4)} {unit} (disturbances and Coulomb "
-                f"friction together), and filter.push[{axis + 1}] = {stated.push[axis]:g} {unit} "
-                "is less. Raise it to that."
+                f"The base may be pushed by {rounded(push, 4)} {unit} (disturbances, Coulomb "
+                f"friction and rolling together), and filter.push[{axis + 1}] = "
+                f"{stated.push[axis]:g} {unit} is less. Raise it to that."
             )
     if stated.force is not None and any(bound.command):
         yield (
@@ -176,9 +186,8 @@ def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
 def most_torque(scenario: Scenario) -> float:
     """Largest torque [N m] that a first-order loop asks of a wheel, all speeds within limits."""
     base, robot, h = scenario.base, scenario.robot, scenario.clock.plant
-    masses = max(phase.m for phase in phases(scenario)), max(
-        [robot.I, *(c.I for c in scenario.changes if c.I is not None)]
-    )
+    robots = [phase.robot for phase in phases(scenario)]
+    masses = max(item.m for item in robots), max(item.I for item in robots)
     force, moment = (
         2 * limit * mass * -math.expm1(-h / tau) / h
         for limit, mass, tau in zip(scenario.limits.v_u1, masses, base.tau, strict=True)
@@ -241,6 +250,16 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 yield _outside(f"base.tau[{axis + 1}]", tau, "s", "filter.tau", stated.tau)
             if gain < stated.gain[0] * (1 - ROUNDING):
                 yield _outside(f"base.gain[{axis + 1}]", gain, "1", "filter.gain", stated.gain)
+    if any(slowed := against(scenario)):
+        both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
+        for axis, speed in enumerate(push_speeds(scenario, replace(bound, dbar=both))):
+            if speed > stated.d[axis] * (1 + ROUNDING):
+                yield (
+                    f"[resistance] and pushes together slow the base by up to {rounded(speed, 4)} "
+                    f"{UNITS[axis]}, and filter.d[{axis + 1}] = {stated.d[axis]:g} {UNITS[axis]} "
+                    "is less: on its way back to rest the speed changes faster than the governor "
+                    'counts on. Raise it to that, or use filter.kind = "clip".'
+                )
     yield from _of_the_times(scenario, bound)
     if stated.odometry is None:
         return

@@ -10,7 +10,7 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Number, Parameters, System, outputs, ports
 from wmr_ctrl.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario, heaviest
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario, heaviest
 
 
 class Resistance(Section, key="resistance"):
@@ -77,6 +77,23 @@ def pushed_by(
     """Thrust [N] and moment [N m] that unequal wheels push with at most; numbers or symbols."""
     more = abs(rolling[0] - rolling[1]) * load
     return more, half_track * more
+
+
+def rolling_against(scenario: Scenario) -> Pair:
+    """Thrust [N] and moment [N m] of rolling that slow at most, beside what unequal wheels push."""
+    robot, load = scenario.robot, load_of_wheel(heaviest(scenario), scenario.robot.g)
+    both = 2 * min(scenario.section(Resistance).rolling) * load
+    return both, robot.l * both
+
+
+def against(scenario: Scenario) -> Pair:
+    """The same with viscous friction at the limits of the speeds."""
+    viscous, limits = scenario.section(Resistance).viscous, scenario.limits.v_u1
+    linear, angular = (
+        force + c * limit
+        for force, c, limit in zip(rolling_against(scenario), viscous, limits, strict=True)
+    )
+    return linear, angular
 
 
 RESISTANCE = Effect("resistance", EffectRole.DISTURBANCE, Resistance, build, bound, rate=Rate.STEP)
