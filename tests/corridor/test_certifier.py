@@ -1,0 +1,188 @@
+"""Steps of the certificate by themselves: each bounds what it says, for deviations made by hand."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.peaks import Peaks, reference_gap
+from wmr_ctrl.corridor.reckoning import Reckoning
+from wmr_ctrl.scenario import load_scenario
+
+NOISE = np.array([0.002, 0.004])
+NOISY = {"sensor.velocity_noise": NOISE.tolist(), "guard.enabled": False}
+
+
+@pytest.fixture(scope="module")
+def certifier() -> Certifier:
+    """Of a law with an observer, whose velocities are measured amiss."""
+    return Certifier(settle(load_scenario("safe-simulation", NOISY), "kanayama"))
+
+
+def peaks_of(certifier: Certifier, e: np.ndarray) -> Peaks:
+    """The largest rows that one deviation (5) of error and velocity leads to."""
+    size = len(certifier.loop.names)
+    whole = np.zeros(size)
+    whole[:5] = e
+    turns = np.pi / DIRECTIONS * np.arange(DIRECTIONS)
+    along = np.abs(np.cos(turns) * e[0] + np.sin(turns) * e[1])
+    pairs = zip(PAIRS, certifier.gains.ratios, strict=True)
+    sums = [abs(e[a] + sign * ratio * e[b]) for (a, b), ratio in pairs for sign in (1, -1)]
+    fast = np.concatenate((np.abs(whole), along, sums))
+    return Peaks(fast, np.zeros(len(certifier.loop.at)), np.zeros(len(certifier.law_rest)))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2 / DIRECTIONS, 2.9])
+def test_a_distance_is_not_below_that_of_the_point_farthest_from_all_directions(certifier, angle):
+    place = 0.7 * np.array([np.cos(angle), np.sin(angle), 0.0, 0.0, 0.0])
+    found = certifier.position(peaks_of(certifier, place))
+
+    assert 0.7 <= found <= 0.7 / np.cos(np.pi / 2 / DIRECTIONS) * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("signs", [(1, 1, 1, 1, 1), (1, -1, 1, 1, -1)])
+def test_products_are_not_below_those_of_what_is_so_far_off_and_measured_amiss(certifier, signs):
+    """Of two deviations that just meet the bound on their sum, too."""
+    one = copy(certifier)
+    one.loop = copy(certifier.loop)
+    one.loop.step = one.loop.law = SimpleNamespace(remainders=lambda products: products)
+    inputs = Inputs(np.zeros(2), 0.01, NOISE)
+    for (a, b), ratio in zip(PAIRS, certifier.gains.ratios, strict=True):
+        e = np.zeros(5)
+        e[a], e[b] = ratio * 0.1, 0.1
+        e *= signs
+        step, law = one._remainders(inputs, peaks_of(certifier, e))
+        seen = np.abs(e) + inputs.measured
+
+        assert (step[:5, :5] >= np.abs(np.outer(e, e)) * (1 - 1e-12)).all()
+        assert (law[:5, :5] >= np.outer(seen, seen) * (1 - 1e-12)).all()
+        assert law == pytest.approx(law.T, rel=1e-12)
+
+
+def test_a_condition_has_less_room_where_what_it_limits_is_measured_amiss(certifier):
+    loop = certifier.loop
+    room = np.array([float(item.lower()) for item in loop.most])
+    off = [0.0 if item.measured is None else NOISE[item.measured] for item in loop.conditions]
+
+    assert certifier.most == pytest.approx(room - off, rel=1e-9)
+    assert any(off)
+    limits = zip(room, loop.conditions, strict=True)
+    least, axis = min((most, x.measured) for most, x in limits if x.measured is not None)
+    loud = {**NOISY, "sensor.velocity_noise": [1.001 * least * (k == axis) for k in range(2)]}
+    with pytest.raises(NoCorridorError, match="and the measured velocity is off by"):
+        Certifier(settle(load_scenario("safe-simulation", loud), "kanayama"))
+
+
+@pytest.mark.parametrize(("share", "broken"), [(0.99, False), (1.01, True)])
+def test_a_condition_that_is_used_by_more_than_all_is_broken(certifier, share, broken):
+    tube = replace(certifier._tube(certifier.linear(certifier.inputs)), share=share)
+    if broken:
+        with pytest.raises(NoCorridorError, match="may reach"):
+            certifier._check(tube)
+    else:
+        certifier._check(tube)
+
+
+def test_commands_that_may_be_small_may_be_taken_for_none(certifier):
+    """With a dead band of half the command that is sent on the reference."""
+    level = np.abs(certifier.loop.remains[:2])
+    inputs = replace(certifier.inputs, dead=0.5 * level)
+    still, moved = (certifier._law_rest(inputs, share * level)[:2] for share in (0.4, 0.6))
+
+    assert level.max() > 0
+    assert moved - still == pytest.approx(inputs.dead, rel=1e-9)
+
+
+def test_two_commands_that_follow_each_other_are_both_amiss(certifier):
+    one = copy(certifier)
+    one.loop = copy(certifier.loop)
+    one.level = np.full_like(certifier.level, 0.7)
+    one.loop.overlap = SimpleNamespace(steps=1, off=np.array([[0.25, 0.5]]))
+    peaks = peaks_of(certifier, np.zeros(5))
+    peaks.law[-2:] = 0.3
+    exact, amiss = certifier.inputs, replace(certifier.inputs, command=np.array([0.1, 0.2]))
+    changes, more = (one._changes(inputs, peaks) for inputs in (exact, amiss))
+    given = one._given(exact, np.zeros(len(certifier.law_rest)), changes)
+
+    assert changes == pytest.approx([1.0, 1.0])
+    assert more - changes == pytest.approx([0.2, 0.4])
+    assert given[2 + len(certifier.law_rest) :][:2] == pytest.approx([0.25, 0.5] * changes)
+
+
+def test_a_start_counts_what_was_measured_and_estimated_before_it(certifier):
+    """Each of the three by itself; and without a start none of them."""
+    one, inputs = copy(certifier), replace(certifier.inputs, pose=0.02)
+    one.begun = 0.005
+    blank = {name: np.zeros_like(getattr(certifier.gains.fast, name))
+             for name in ("by", "steps", "constant", "start", "misled", "before")}  # fmt: skip
+    nothing = np.zeros(len(certifier.law_rest))
+    before = one._before(inputs, nothing)
+    wanted = {"start": 1.0, "misled": 0.025, "before": before.sum()}
+    for name, size in wanted.items():
+        fast = replace(certifier.gains.fast, **{**blank, name: blank[name] + 1.0})
+        one.gains = replace(certifier.gains, fast=fast)
+        for started in (True, False):
+            given = inputs, np.zeros(len(certifier.loop.names)), nothing, np.zeros(2), started
+            assert one._peaks(*given).fast == pytest.approx(started * size)
+    assert before.min() > 0
+
+
+def test_within_a_sample_what_every_plant_step_adds_counts_besides(certifier):
+    one = copy(certifier)
+    held, direct, own = (np.zeros_like(part) for part in certifier.gains.fast.first)
+    fast = replace(certifier.gains.fast, first=(held, direct, own + 1.0))
+    one.gains = replace(certifier.gains, fast=fast)
+    nothing = peaks_of(certifier, np.zeros(5))
+    found = []
+    for one.added in (np.zeros(len(certifier.loop.names)), -np.ones(len(certifier.loop.names))):
+        found.append(one.next_sample(certifier.inputs, nothing.state, nothing).fast)
+
+    assert found[1] - found[0] == pytest.approx(len(certifier.loop.names))
+
+
+def test_what_dead_reckoning_misses_is_kept_but_for_the_share_that_is_corrected(certifier):
+    """Gaps of all samples so far: a geometric sum, of both elements of a position."""
+    stub = SimpleNamespace(law_rest=np.zeros(len(certifier.law_rest)))
+    scenario = load_scenario("safe-simulation", {"sensor.correction": 0.25, "sensor.pose_noise": 1})
+    stub.loop = SimpleNamespace(
+        filter=3, memory=3, setup=SimpleNamespace(scenario=scenario),
+        step=SimpleNamespace(at=np.array([0, 0, 0, 3.0, 2.0])),
+    )  # fmt: skip
+    gap = reference_gap(np.array([3.0, 2.0]), scenario.clock.control)
+
+    assert Certifier._reckoning_gap(stub) == pytest.approx(2 * gap / 0.75)
+    assert stub.law_rest[2:4] == pytest.approx([gap, gap])
+
+
+def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it():
+    """By a round of the test's own after the other, of a remainder that is the error's square."""
+    scenario = load_scenario("safe-simulation")
+    curve = SimpleNamespace(
+        remainders=lambda products: products[:3, None, :] * np.array([0.3, 0.2, 0, 0.5, 0]),
+        value=lambda: [], at=np.array([0.0, 0.0, 0.0, 3.0, 2.0]),
+    )  # fmt: skip
+    loop = SimpleNamespace(reckoning=curve, setup=SimpleNamespace(scenario=scenario))
+    reckoning, phi = Reckoning(loop, 3), np.array([[1, 0.1, 0], [-0.1, 1, 0.2], [0, 0, 1.0]])
+    vars(reckoning).update(turning=phi, _rest=np.array([1e-4, 2e-4, 0.0]))
+    linear = np.array([[1.0, 2.0, 1.0], [2.0, 2.5, 1.5], [2.5, 4.0, 2.0]]) * 1e-3
+    inputs = Inputs(np.zeros(2), 0.01, NOISE, missing=3)
+    measured = np.array([0.02, 0.03, 0.01, 0.1, 0.1])
+    found = reckoning.added(inputs, measured, np.concatenate((np.zeros(7), linear.ravel())))
+
+    powers = [np.abs(np.linalg.matrix_power(phi, k)) for k in range(3)]
+    error = np.zeros(3)
+    for _ in range(60):
+        shown = measured + np.array([error[0] + 0.01, error[1] + 0.01, error[2], 0.0, 0.0])
+        each = curve.remainders(np.outer(shown, shown)).sum(axis=(1, 2)) + reckoning._rest
+        sums = np.cumsum([power @ each for power in powers], axis=0)
+        error = (linear + sums).max(axis=0)
+    assert (found.reckoned >= error).all()
+    assert found.reckoned == pytest.approx(error, rel=0.01)
