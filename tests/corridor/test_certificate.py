@@ -320,6 +320,15 @@ def test_figures_and_words_are_rounded_to_the_safe_side():
     assert "M is anything from 45.0001 to 71.5 kg" in tube.sentence
 
 
+def test_what_a_refusal_closes_with_is_the_share_of_all_that_disturbs():
+    tube = Corridor("prox", refused="no", closes=0.5, push=2.0, pose=0.02, velocity=(0.004, 0.2))
+
+    assert tube.sentence == (
+        "no corridor: no; it closes while each wheel is pushed by at most 1 N m, positions are "
+        "measured to within 10 mm, velocities to within 0.002 m/s and 0.1 rad/s"
+    )
+
+
 def test_with_as_few_lost_poses_as_a_refusal_says_there_is_a_corridor():
     told = {"sensor.pose_dropout": 0.1, "corridor.losses": 1000}
     scenario = override(load_scenario("safe-simulation"), told)

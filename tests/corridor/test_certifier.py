@@ -12,7 +12,7 @@ import pytest
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS
-from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, bounded_inputs
 from wmr_ctrl.corridor.peaks import Peaks, reference_gap
 from wmr_ctrl.corridor.reckoning import Reckoning
 from wmr_ctrl.scenario import load_scenario
@@ -38,6 +38,18 @@ def peaks_of(certifier: Certifier, e: np.ndarray) -> Peaks:
     sums = [abs(e[a] + sign * ratio * e[b]) for (a, b), ratio in pairs for sign in (1, -1)]
     fast = np.concatenate((np.abs(whole), along, sums))
     return Peaks(fast, np.zeros(len(certifier.loop.at)), np.zeros(len(certifier.law_rest)))
+
+
+def test_inputs_are_as_large_as_the_scenario_says():
+    """A position is off by both of its errors; a command by half a step to either side."""
+    noisy = {"sensor.pose_noise": 0.03, "sensor.velocity_noise": [0.01, 0.02]}
+    inputs = bounded_inputs(settle(load_scenario("safe-simulation", noisy), "prox"))
+    assert inputs.pose == pytest.approx(np.hypot(0.03, 0.03))
+    assert inputs.velocity.tolist() == [0.01, 0.02]
+    based = {"base.quantum": [0.002, 0.01], "base.deadband": [0.02, 0.03], "filter.kind": "clip"}
+    inputs = bounded_inputs(settle(load_scenario("turtlebot3-burger", based), "prox"))
+    assert inputs.command == pytest.approx([0.001, 0.005])
+    assert inputs.dead.tolist() == [0.02, 0.03]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2 / DIRECTIONS, 2.9])

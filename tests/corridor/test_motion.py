@@ -7,6 +7,7 @@ import pytest
 
 from wmr_ctrl.corridor.midradius import MidRadius
 from wmr_ctrl.corridor.motion import Laps, MovingCurve, RunMotion, _chord, laps_of
+from wmr_ctrl.corridor.peaks import reference_gap
 
 LAP, COUNT = 10, 34
 
@@ -34,6 +35,18 @@ def test_the_velocity_along_an_arc_is_that_at_which_it_is_driven(v, turn):
     end = np.column_stack((start[:, :2] + step.T, after))
 
     assert _chord(start, end, np.full(2, turn), period) == pytest.approx([v, v], rel=1e-9)
+
+
+@pytest.mark.parametrize("step", [0.02, 0.2])
+def test_an_arc_is_off_its_sum_by_simpsons_rule_by_no_more_than_is_counted(step):
+    v, w = 0.7, 2.5
+    angles = w * np.array([0.0, step / 2, step])
+    summed = step / 6 * v * np.array([1, 4, 1]) @ np.stack((-np.sin(angles), np.cos(angles)), 1)
+    exact = v / w * np.array([np.cos(angles[2]) - 1, np.sin(angles[2])])
+    off = np.hypot(*(summed - exact))
+
+    assert off <= reference_gap(np.array([-v, w]), step) <= 4 * off
+    assert off > 1e-14
 
 
 def test_laps_reach_to_the_end_or_to_where_the_robot_changes():

@@ -112,6 +112,14 @@ def test_what_a_run_is_off_the_graphs_widens_its_bounds(eight):
     assert (position(other) > plain + 0.5 / 50 * 1e-4).all()
 
 
+def test_constants_of_series_are_within_their_radius():
+    with ctx.workprec(300):
+        off = float(abs(arb(2).log() - arb(float(elementary.LN_2.middle))).upper())
+        far = float((1 - arb(elementary.SATURATED).tanh()).upper())
+    assert 0 < off <= elementary.LN_2.radius
+    assert 0 < far <= elementary.ONE_OFF
+
+
 @pytest.mark.parametrize(
     ("name", "most"), [("sine", 0.5), ("cosine", 0.5), ("exponential", 300.0),
                        ("hyperbolic_tangent", 60.0)]
