@@ -13,12 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 
 from tests.fmi.together import Wire, step_together
 from tests.matrix import quick
+from wmr_ctrl.cli.root import root
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import MapRow
 from wmr_ctrl.fmi.ssp import INNER, ORDER, SET, Component, _structure, export_ssp
@@ -207,6 +209,22 @@ def test_a_connection_converts_by_the_row_that_gives_and_then_by_the_row_that_ta
         ("plant", "px", "pos"): (5.0, 25.0), ("plant", "th", "angle"): None,
         ("plant", "px", "x"): (0.5, 2.0), ("plant", "th", "theta"): None,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("row", ["theta", "psi"])
+def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, row):
+    """FMPy reads conversions and does not do them."""
+    names = {**{name: name for name in STATE}, row: "theta"}
+    names.pop("theta" if row == "psi" else "psi", None)
+    outputs = "\n".join(f'{ours} = "{theirs}"' for ours, theirs in names.items())
+    inputs = 'tau_right = "tau_right"\ntau_left = "tau_left"'
+    text = f"[plant.inputs]\n{inputs}\n[plant.outputs]\n{outputs}\n"
+    given = ("--plant", str(exported("plant", 2)), "--map", str(mapped(text)), "--law", "pid")
+    here = ("--scenario", "paper-simulation-nominal", "--out", str(tmp_path / "package"))
+    done = CliRunner().invoke(root, ["export", "ssp", *given, *here], env={"COLUMNS": "999"})
+
+    assert done.exit_code == 0
+    assert ("wmr.ssp: connections convert units" in done.stderr) == (row == "psi")
 
 
 @pytest.mark.parametrize("is_flat", [False, True])

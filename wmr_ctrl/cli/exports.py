@@ -79,6 +79,12 @@ def export(
     for path in paths:
         say("wrote", str(path))
     _ask_about_units(what, case)
+    if what == "ssp":
+        from wmr_ctrl.fmi.ssp import has_conversions
+
+        if has_conversions(paths[0]):
+            text = "connections convert units, which FMPy reads but does not do: see docs/fmu.md."
+            say("note", f"{paths[0].name}: {text}")
     if "arrays" in read_by(what) and not steps_fmus():
         say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")
 

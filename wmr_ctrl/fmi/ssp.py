@@ -5,6 +5,7 @@ says of names and units becomes a linear transformation of a connection.
 """
 
 import tempfile
+import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
@@ -78,6 +79,12 @@ class Component:
     inputs: list[MapRow]
     outputs: list[MapRow]
     parameters: list[dict[str, str]]
+
+
+def has_conversions(package: Path) -> bool:
+    """True if a connection of an SSP package converts what it passes on."""
+    with zipfile.ZipFile(package) as archive:
+        return b"<ssc:LinearTransformation" in archive.read("SystemStructure.ssd")
 
 
 def export_ssp(
