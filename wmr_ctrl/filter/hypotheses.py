@@ -102,6 +102,12 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
     stated, base, robot = scenario.filter, scenario.base, scenario.robot
+    if any(start := scenario.initial.velocity):
+        yield (
+            f"initial.velocity = [{start[0]:g}, {start[1]:g}]: a filter for loops that overshoot "
+            "counts on a base at rest at the start, since it does not know what drove it before. "
+            "Set it to [0, 0]."
+        )
     numbers = {
         "mass": ("robot.m", robot.m), "inertia": ("robot.I", robot.I),
         "kp": ("base.kp", base.kp), "ki": ("base.ki", base.ki),
