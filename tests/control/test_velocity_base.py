@@ -340,6 +340,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "weak": ({"base.gain": [1.0, 0.89]}, "outside filter.gain"),
     "delay": ({"base.delay": 0.01}, "outside filter.delay"),
     "push": ({"disturbance.push": [5.0, 0.0]}, "filter.d[1]"),
+    "wheels": ({"filter.channels": "wheels"}, "the loops of v and omega differ"),
     "rolling": ({"resistance.rolling": [0.1, 0.1]}, "slow the base by up to"),
     "viscous": ({"resistance.viscous": [0.0, 2.0]}, "slow the base by up to"),
     "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
@@ -425,6 +426,25 @@ def test_a_governor_counts_on_what_slows_the_base(stated: float, broken: bool) -
         top = max(top, reached)
     assert (top > 1.05) == broken
     assert (top > 1.0) == broken
+
+
+@pytest.mark.parametrize(("tau", "broken"), [((0.2, 0.3), True), ((0.2, 0.2), False)])
+def test_a_governor_of_wheels_counts_on_loops_that_are_alike(
+    tau: tuple[float, float], broken: bool
+) -> None:
+    """A turn that one wheel makes alone, then straight on; odometry tells 5 cm/s too little."""
+    governor = {**GOVERNED["filter"], "gain": [1, 1], "odometry": [0.05, 0], "channels": "wheels"}
+    limits = {"v_u1": [0.5, 4.0], "v_u2": [0.35, 2.8]}
+    limit = wmr_ctrl.command_filter(based({**VELOCITY, "limits": limits, "filter": governor}))
+    v, top, share = np.zeros(2), 0.0, np.exp(-0.05 / np.array(tau))
+    for k in range(80):
+        asked = (0.25, -1.0) if k < 60 else (9.0, 36.0) if k < 61 else (9.0, 0.0)
+        sent = limit.step(asked, (v[0] - 0.05, v[1]))
+        assert "bounds-left" not in sent.flags
+        v = share * v + (1 - share) * np.array(sent.command)
+        top = max(top, v[0])
+    assert (top > 1.02 * 0.5) == broken
+    assert (top > 0.5) == broken
 
 
 REFUSED: Mapping[str, Mapping[str, Any]] = {

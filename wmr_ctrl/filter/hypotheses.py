@@ -266,6 +266,14 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
                     "is less: on its way back to rest the speed changes faster than the governor "
                     'counts on. Raise it to that, or use filter.kind = "clip".'
                 )
+    if stated.channels == "wheels":
+        for key, (linear, angular) in (("tau", base.tau), ("gain", base.gain)):
+            if has_loop(scenario, "first-order") and linear != angular:
+                yield (
+                    f"base.{key} = [{linear:g}, {angular:g}]: the loops of v and omega differ, so "
+                    "that no wheel follows a first-order loop of its own, and the governor of "
+                    'filter.channels = "wheels" relies on that. Use filter.channels = "body".'
+                )
     yield from _of_the_times(scenario, bound)
     if stated.odometry is None:
         return
