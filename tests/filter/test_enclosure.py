@@ -10,7 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.filter.enclosure import LIBM, Span, cosine, exp, root, sine_over
+from wmr_ctrl.filter.enclosure import (
+    LIBM,
+    Span,
+    above,
+    below,
+    cosine,
+    exp,
+    root,
+    sine_over,
+)
 
 
 @given(st.floats(-20, 20), st.floats(-20, 20), st.floats(0.01, 20))
@@ -59,3 +68,17 @@ def test_swings_are_enclosed_on_both_sides_of_critical_damping(enclosure, ball, 
         with flint.ctx.workprec(200):
             exact = ball(flint.acb(float(x)).sqrt()).real
             assert flint.arb(float(low)) <= exact <= flint.arb(float(high))
+
+
+@pytest.mark.filterwarnings("ignore:(overflow|invalid value) encountered in nextafter")
+def test_the_next_doubles_are_numpys():
+    """Of all bits, signs and ends of doubles; few and many numbers, whole arrays and parts."""
+    bits = np.random.default_rng(0).integers(-(2**63), 2**63 - 1, 3000)
+    ends = np.array(
+        [0.0, 5e-324, 2.2250738585072014e-308, 1.0, np.finfo(float).max, np.inf, np.nan]
+    )
+    values = np.concatenate([bits.view(float), ends, -ends])
+    for some in (values, values[::2], values[-20:], np.broadcast_to(values, (3, len(values)))):
+        for found, end in ((below(some), -np.inf), (above(some), np.inf)):
+            np.testing.assert_array_equal(found, np.nextafter(some, end))
+            assert (np.signbit(found) == np.signbit(np.nextafter(some, end)))[~np.isnan(some)].all()

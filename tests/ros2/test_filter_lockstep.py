@@ -21,7 +21,7 @@ COMPILED = (
 )  # fmt: skip
 CLIP = {**SMALL, "filter.kind": "clip", "clock.control": 0.02}
 GOVERNOR = BASES["velocity, governor"][1]
-AT_REST, WILD = 300, 200
+AT_REST, WILD = 300, 100
 LATER = 100_000_000_000
 """Stamp [ns] that is late enough for a clock that runs before the first row."""
 WILDLY = {
@@ -29,7 +29,7 @@ WILDLY = {
     "governor without odometry": ({**GOVERNOR, "filter.odometry": [0.0, 0.0]}, "none"),
     "governor with odometry": (GOVERNOR, "watched"),
 }
-BEHIND = {"clip": (CLIP, "none", 400), "governor with odometry": (GOVERNOR, "watched", 400)}
+BEHIND = {"clip": (CLIP, "none", 200), "governor with odometry": (GOVERNOR, "watched", 200)}
 """Changes, what the filter does with odometry, and samples of a run behind the drive."""
 pytestmark = [pytest.mark.slow, OVER_DDS]
 

@@ -158,23 +158,30 @@ def crossing(
 ) -> float:
     """The last x on the way from ``inside`` to ``outside`` with ``excess(x)`` <= 0.
 
-    Excess is positive at ``outside``, which may be the smaller of the two.  By the ITP method of
-    Oliveira and Takahashi: as sure as bisection, and mostly as fast as secants.
+    Excess is positive at ``outside``, which may be the smaller of the two.  A guess is on the line
+    through the last two points outside, where there are two: a mode that stays at 1 makes it flat
+    inside.  What is tried lies beyond the guess, so that both ends close in on it, and at least
+    every other step halves what is between them.
     """
     span, size = outside - inside, max(abs(inside), abs(outside))
-    tolerance = rtol * size / abs(span) / 2
-    low, high, below, above = 0.0, 1.0, excess(inside), min(excess(outside), 1.0)
-    spare = tolerance * 2.0 ** (math.ceil(math.log2(0.5 / tolerance)) + 1)
-    while high - low > 2 * tolerance:
-        middle, width = (low + high) / 2, high - low
-        secant = (high * below - low * above) / (below - above)
-        towards, shift = math.copysign(1.0, middle - secant), 0.2 * width**2
-        share = secant + towards * shift if shift <= abs(middle - secant) else middle
-        share = middle + min(max(share - middle, width / 2 - spare), spare - width / 2)
+    tolerance = rtol * size / abs(span)
+    low, high, above = 0.0, 1.0, min(excess(outside), 1.0)
+    other, beyond, halve = low, excess(inside), False
+    while (width := high - low) > tolerance:
+        steep = above != beyond
+        guess = high - above * (high - other) / (above - beyond) if steep else low
+        if halve or not low < guess < high:
+            share = (low + high) / 2
+        else:
+            left, right = guess - low, high - guess
+            shift = max(0.4 * tolerance, min(0.5 * min(left, right), 0.2 * width**2))
+            share = guess + math.copysign(shift, right - left)
+            share = min(max(share, low + tolerance / 4), high - tolerance / 4)
         value = excess(inside + share * span)
         if value <= 0:
-            low, below = share, value
+            low = share
+            other, beyond = (low, value) if beyond <= 0 else (other, beyond)
         else:
-            high, above = share, min(value, 1.0)
-        spare /= 2
+            other, beyond, high, above = high, above, share, min(value, 1.0)
+        halve = high - low > width / 2
     return inside + low * span

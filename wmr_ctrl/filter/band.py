@@ -338,12 +338,12 @@ def enclosed(scenario: Scenario, axis: int) -> Band:
     return known
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _pi_band(loop: PiLoop, T: float, jitter: float) -> Band:
     return band(pi_cells(loop), T, PIECES, MOST_COMMANDS, jitter)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _second_order_band(
     frequency: tuple[float, float], damping: tuple[float, float], T: float, jitter: float
 ) -> Band:

@@ -16,7 +16,7 @@ and |u| <= c = (V - delta - a (K L + N H/2))/K is admitted (`filter.slew`).
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, reduce
 
 import casadi as ca
 
@@ -40,7 +40,7 @@ from wmr_ctrl.filter.channels import (
 from wmr_ctrl.filter.governor import admitted, largest_command
 from wmr_ctrl.filter.governor_step import stated
 from wmr_ctrl.filter.peak_gain import peak_gains
-from wmr_ctrl.filter.step_response import cells_of, swing
+from wmr_ctrl.filter.step_response import longest_swing
 from wmr_ctrl.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import ASKED, LARGEST, Signal
@@ -131,7 +131,6 @@ def moved(last: ca.SX, wanted: ca.SX, share: ca.SX) -> ca.SX:
     return last + share * (wanted - last)
 
 
-@lru_cache(maxsize=8)
 def slew_reach(scenario: Scenario) -> tuple[float, float]:
     """K L + N H/2 of both axes [s], rounded up, for commands as the filter times them.
 
@@ -142,7 +141,7 @@ def slew_reach(scenario: Scenario) -> tuple[float, float]:
     H = (1 + settings.losses) * (T + settings.jitter) + last - first
     K, quicker, peaks = settings.gain[1], T / (T - settings.jitter), peak_gains(scenario)
     families = AXES if settings.loop == "pi" else AXES[:1]  # else one for both axes
-    swings = [swing(cells_of(scenario, axis)) for axis in families]
+    swings = [longest_swing(scenario, axis) for axis in families]
     linear, angular = (
         quicker * (K * swings[min(i, len(swings) - 1)] + peaks[i].gain * H / 2) * (1 + 2.0**-49)
         for i in AXES

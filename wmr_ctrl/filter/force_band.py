@@ -104,7 +104,7 @@ def _wider(high: np.ndarray, share: float) -> np.ndarray:
     return np.asarray(high * share + 2.0**-49 * np.abs(high * share))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _tables(loop: PiLoop, T: float, jitter: float) -> Band:
     return force_band(pi_cells(loop), T, PIECES, MOST_COMMANDS, jitter)
 

@@ -15,11 +15,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.filter.enclosure import Floats, Span, cosine, exp, root, sine_over, square
+from wmr_ctrl.filter.enclosure import (
+    Floats,
+    Span,
+    above,
+    below,
+    cosine,
+    exp,
+    root,
+    sine_over,
+    square,
+)
 from wmr_ctrl.filter.governor import NEAR
 from wmr_ctrl.filter.peak_gain import PiLoop, pi_loop
 from wmr_ctrl.scenario import Scenario
@@ -90,14 +101,6 @@ def pi_cells(loop: PiLoop) -> Cells:
     mass = Span(light, heavy)
     own_kp, own_ki = _shared(a * mass - c, kp), _shared(b * mass, ki)
     return Cells(a, b, gamma, b - 0.25 * square(a), mass, own_kp, own_ki)
-
-
-def cells_of(scenario: Scenario, axis: int) -> Cells:
-    """Cells of an axis' family, as a scenario's filter states it."""
-    settings = scenario.filter
-    if settings.loop == "pi":
-        return pi_cells(pi_loop(scenario, axis))
-    return second_order_cells(settings.interval("frequency"), settings.interval("damping"))
 
 
 def _beside(place: Floats, low: Floats, high: Floats) -> Span:
@@ -280,6 +283,24 @@ def swing(cells: Cells) -> float:
     return most
 
 
+def longest_swing(scenario: Scenario, axis: int) -> float:
+    """`swing` of an axis' family, as a scenario's filter states it."""
+    settings = scenario.filter
+    if settings.loop == "pi":
+        return _pi_swing(pi_loop(scenario, axis))
+    return _second_order_swing(settings.interval("frequency"), settings.interval("damping"))
+
+
+@lru_cache(maxsize=64)
+def _pi_swing(loop: PiLoop) -> float:
+    return swing(pi_cells(loop))
+
+
+@lru_cache(maxsize=64)
+def _second_order_swing(frequency: tuple[float, float], damping: tuple[float, float]) -> float:
+    return swing(second_order_cells(frequency, damping))
+
+
 def _slowest(cells: Cells) -> float:
     """A rate at which every member's step response fades, with a tenth to spare."""
     half = 0.5 * cells.a.lo
@@ -299,8 +320,8 @@ def _left(cells: Cells, e: Span, speed: Span, rate: float, at: int) -> Floats:
 
 
 def _down(values: NDArray[np.floating]) -> Floats:
-    return np.nextafter(np.asarray(values, dtype=float), -np.inf)
+    return below(np.asarray(values, dtype=float))
 
 
 def _up(values: NDArray[np.floating]) -> Floats:
-    return np.nextafter(np.asarray(values, dtype=float), np.inf)
+    return above(np.asarray(values, dtype=float))
