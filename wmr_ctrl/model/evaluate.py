@@ -19,8 +19,8 @@ def evaluated(function: ca.Function, *given: ArrayLike) -> list[Floats]:
     The numbers are those of a call, in a fifth of its time.  Threads may share the function.
     """
     sizes, shapes = _sizes(function)
-    inputs = [np.array(item, dtype=float).ravel() for item in given]
-    outputs = [np.zeros(shape) for shape in shapes]
+    inputs: list[Floats] = [np.array(item, dtype=float).ravel() for item in given]
+    outputs: list[Floats] = [np.zeros(shape) for shape in shapes]
     assert [item.size for item in inputs] == sizes
     buffer: Any
     buffer, run = function.buffer()
