@@ -50,8 +50,10 @@ def checks_arguments(function: Callable[P, T]) -> Callable[P, T]:
     value of another type and for a missing argument, UnknownNameError for one that is not known.
     """
     signature, name = inspect.signature(function), function.__qualname__
-    kinds = {item.kind for item in signature.parameters.values()}
-    places = tuple(signature.parameters) if kinds == {_EITHER} else ()
+    named = signature.parameters.items()
+    places = [key for key, item in named if item.kind == _EITHER]
+    needed = {key for key, item in named if item.default is inspect.Parameter.empty}
+    plain = {item.kind for _, item in named} <= {_EITHER, inspect.Parameter.KEYWORD_ONLY}
 
     @wraps(function)
     def checking(*args: P.args, **kwargs: P.kwargs) -> T:
@@ -60,9 +62,9 @@ def checks_arguments(function: Callable[P, T]) -> Callable[P, T]:
             if key not in hints:
                 raise UnknownNameError(f"argument of {name}", key, hints)
         try:
-            if not kwargs and 0 < len(args) == len(places):  # to bind takes ten times as long
-                given = dict(zip(places, args, strict=True))
-            else:
+            given = dict(zip(places, args, strict=False))
+            whole = len(given) == len(args) and needed <= given.keys() | kwargs.keys()
+            if not plain or not whole or given.keys() & kwargs.keys():  # to bind takes long
                 given = signature.bind(*args, **kwargs).arguments
         except TypeError as problem:
             raise ArgumentError(f"{name}: {problem}. Its arguments: {', '.join(hints)}.") from None

@@ -26,6 +26,7 @@ from wmr_ctrl.filter.force_band import ForceBand
 from wmr_ctrl.filter.governor import largest_command
 from wmr_ctrl.filter.governor_step import Governor, check_jitter
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.model.system import Output, System, port, stack, values
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.scenario.command_filter import Filter
@@ -254,8 +255,8 @@ class CommandFilter:
         self.system = called_filter(scenario)
         self.governs = scenario.filter.kind == "governor"
         self.period = scenario.clock.control
-        self._step = self.system.function("filter", [self.system.update, self.system.y])
-        self._p = ca.DM(self.system.p0)
+        dense = [ca.densify(item) for item in (self.system.update, self.system.y)]
+        self._step, self._p = self.system.function("filter", dense), np.array(self.system.p0)
         self.start()
 
     def start(self) -> None:
@@ -265,7 +266,7 @@ class CommandFilter:
         limit.  A governor's base may have any speed within its limits, but commands before must
         have ceased to act, unless delay, losses and age are 0.  A clip has no memory.
         """
-        self._x = ca.DM(self.system.x0)
+        self._x = np.array(self.system.x0)
 
     @checks_arguments
     def step(
@@ -296,8 +297,8 @@ class CommandFilter:
         if dt is not None and dt > 100 * self.period:
             self._ask(dt)
         u.append(0.0 if dt is None else dt or STANDING)
-        self._x, y = self._step(ca.DM(u), self._x, self._p)
-        sent = y.full().ravel().tolist()
+        self._x, y = evaluated(self._step, u, self._x, self._p)
+        sent = y.ravel().tolist()
         names = tuple(name for bit, name in FLAG_NAMES.items() if int(sent[2]) & bit)
         return Filtered((sent[0], sent[1]), names)
 

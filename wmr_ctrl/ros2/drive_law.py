@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import controller, unfiltered_controller
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.orientation import theta_of
 from wmr_ctrl.filter.channels import SENT
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.model.kinematics import tracking_error
 from wmr_ctrl.model.system import Output, System, port, stack
 from wmr_ctrl.ros2.compiled_system import PAIR, CompiledSystem
@@ -128,14 +131,16 @@ class Interpreted:
 
     def __init__(self, system: System) -> None:
         """Start values for the state."""
-        self._function = system.function("interpreted", [system.update, system.y])
-        self._p, self._x = ca.DM(system.p0), ca.DM(system.x0)
+        dense = [ca.densify(item) for item in (system.update, system.y)]
+        self._function = system.function("interpreted", dense)
+        self._p, self._x = np.array(system.p0), np.array(system.x0)
         self._next = self._x
 
     def look(self, u: Sequence[float]) -> list[float]:
         """The outputs for inputs ``u``; the state stays until `move`."""
-        self._next, y = self._function(ca.DM(list(u)), self._x, self._p)
-        return y.full().ravel().tolist()
+        self._next, y = evaluated(self._function, u, self._x, self._p)
+        shown: list[float] = y.ravel().tolist()
+        return shown
 
     def move(self) -> None:
         """Take the next state of what was looked at last."""
