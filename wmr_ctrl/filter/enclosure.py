@@ -189,11 +189,11 @@ def _next(values: Floats, way: int) -> Floats:
     bits = values.view(np.int64)
     step = bits >> 63
     step |= 1  # 1 from 0 on, -1 below
-    found = (np.add if way > 0 else np.subtract)(bits, step, out=step).view(np.float64)
+    moved = (np.add if way > 0 else np.subtract)(bits, step, out=step).view(np.float64)
     odd = ~(np.isfinite(values) & (values != 0))
     if odd.any():
-        found[odd] = np.nextafter(values[odd], end)
-    return found
+        moved[odd] = np.nextafter(values[odd], end)
+    return moved
 
 
 def _loose(low: Floats, high: Floats) -> Span:
