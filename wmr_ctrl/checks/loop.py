@@ -152,13 +152,17 @@ class Loop:
         """
         law = law or self.linear(at, period, drives=drives)
         plant = self.around.plant(at.motion, period, drives=drives, robot=robot, sample=sample)
-        upper = plant.moved + plant.forced @ law.d @ plant.measured, plant.forced @ law.c
-        whole = np.block([[*upper], [law.b @ plant.measured, law.a]])
+        n, size = len(plant.moved), len(plant.moved) + len(law.a)
+        whole = np.empty((size, size))
+        whole[:n, :n] = plant.moved + plant.forced @ law.d @ plant.measured
+        whole[:n, n:], whole[n:, n:] = plant.forced @ law.c, law.a
+        whole[n:, :n] = law.b @ plant.measured
+        first, second = plant.sent[: law.sent], np.arange(size - law.sent, size)
+        if not len(first):
+            return whole
         # A matrix without the elements ``first`` that are the leading ones of ``second`` too.
-        second = np.arange(len(whole) - law.sent, len(whole))
-        count = min(len(plant.sent), len(second))
-        whole[:, second[:count]] += whole[:, plant.sent[:count]]
-        return np.delete(np.delete(whole, plant.sent[:count], 0), plant.sent[:count], 1)
+        whole[:, second[: len(first)]] += whole[:, first]
+        return np.delete(np.delete(whole, first, 0), first, 1)
 
     def linear(
         self,

@@ -150,6 +150,8 @@ class Assembly:
 
     def sensed(self, sample: int) -> Floats:
         """Slopes of measurements, disturbances and memory after a sample."""
+        if len(self.worlds) == 1:  # the same, in a tenth of the time
+            return self._of(self.world, sample)
         size, shown = self.world.size, ROBOT + HELD
         each = [(weight, self._of(world, sample)) for weight, world in self.worlds]
         seen = sum(weight * slopes[:shown, :size] for weight, slopes in each)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise, product
 
 import casadi as ca
@@ -118,7 +118,7 @@ class Surroundings:
 
     def samples_a_pose(self, period: float) -> int:
         """Samples from one pose to the next, at a control period [s]."""
-        return int(_samples()(self.scenario.sensor.pose_period, period))
+        return _samples(self.scenario.sensor.pose_period, period)
 
     def numbers(self, world: World, period: float, step: float, robot: Robot | None) -> list[float]:
         """Parameters of graphs at a control period and a plant step [s], for a robot."""
@@ -236,10 +236,9 @@ def _counts(key: str, ratio: float, late: bool) -> list[tuple[float, int]]:
     return [(below + 1 - ratio, below), (ratio - below, below + 1)]
 
 
-@cache
-def _samples() -> ca.Function:
-    every, T = ca.SX.sym("every"), ca.SX.sym("T")
-    return ca.Function("samples", [every, T], [samples_a_pose(every, T)])
+@lru_cache(maxsize=256)
+def _samples(every: float, period: float) -> int:
+    return int(ca.evalf(samples_a_pose(ca.SX(every), ca.SX(period))))
 
 
 @lru_cache(maxsize=64)
