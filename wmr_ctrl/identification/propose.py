@@ -32,6 +32,7 @@ from wmr_ctrl.identification.velocity_base import VelocityIdentification
 from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.logs.samples import AxisLog, Samples
 from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.lag import followed
 
@@ -245,29 +246,31 @@ def _followed_drive(
     torque_of = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force_of)
     wheels = ca.Function("wheels", [force_of], [torque_of]).map(count)
     step = _robot(scenario).map(count)
-    p = np.array([[item[name] for item in robots] for name in WALKED])
-    queues = [round(item["delay"] / period * inner) for item in robots]
+    p = np.array([[item[name] for name in WALKED] for item in robots])
+    queues, each = (
+        np.array([round(item["delay"] / period * inner) for item in robots]),
+        range(count),
+    )
     latest = max(item["delay"] + item["lag"] for item in robots)
     bandwidth = CROSSOVER / max(latest, period)
     gains = bandwidth * np.array([min(item[name] for item in robots) for name in ("m", "I")])
     sums, state = np.zeros((count, 2)), np.zeros((6, count))
-    place, sent = np.zeros((2, count)), np.zeros((len(wanted) * inner + 1, 2, count))
+    # Before the first command comes the last, which nobody sends: 0.
+    place, sent = np.zeros((2, count)), np.zeros((len(wanted) * inner + 1, count, 2))
     motions = np.empty((count, len(wanted), 6))
     torques = np.empty((count, len(wanted), 2))
-    h = period / inner
+    h = np.full(count, period / inner)
     for k, desired in enumerate(wanted):
         motions[:, k] = np.concatenate((state[:4], place)).T
         error = desired - state[2:4].T
         force = gains * (error + sums)
         sums += bandwidth / 5 * error * period
-        tau = np.asarray(wheels(force.T))
+        (tau,) = evaluated(wheels, force)
         torques[:, k] = np.clip(tau, -scenario.actuator.tau_max, scenario.actuator.tau_max).T
         for i in range(k * inner, (k + 1) * inner):
-            sent[i] = torques[:, k].T
-            due = [
-                sent[i - late, :, r] if i >= late else np.zeros(2) for r, late in enumerate(queues)
-            ]
-            after = np.asarray(step(state, np.array(due).T, p, h))
+            sent[i] = torques[:, k]
+            due = sent[np.where(i >= queues, i - queues, -1), range(count)]
+            (after,) = evaluated(step, state.T, due, p, h)
             middle = (state[1] + after[1]) / 2
             place += (after[0] - state[0]) * np.stack((-np.sin(middle), np.cos(middle)))
             state = after
