@@ -247,10 +247,7 @@ def _followed_drive(
     wheels = ca.Function("wheels", [force_of], [torque_of]).map(count)
     step = _robot(scenario).map(count)
     p = np.array([[item[name] for name in WALKED] for item in robots])
-    queues, each = (
-        np.array([round(item["delay"] / period * inner) for item in robots]),
-        range(count),
-    )
+    queues = np.array([round(item["delay"] / period * inner) for item in robots])
     latest = max(item["delay"] + item["lag"] for item in robots)
     bandwidth = CROSSOVER / max(latest, period)
     gains = bandwidth * np.array([min(item[name] for item in robots) for name in ("m", "I")])
