@@ -154,6 +154,22 @@ def test_a_unit_is_so_many_of_the_base_units(unit: str, factor: float) -> None:
     assert unit_of(unit).factor == pytest.approx(factor)
 
 
+@pytest.mark.parametrize(
+    ("unit", "same"),
+    [("N", "kg.m/s2"), ("mN", "kg.m/s2"), ("kN", "N"), ("J", "N.m"), ("W", "J/s"), ("Hz", "1/s"),
+     ("rpm", "rad/s"), ("deg", "rad"), ("g", "kg"), ("mm", "m"), ("ms", "s"), ("h", "min")],
+)  # fmt: skip
+def test_a_unit_measures_what_its_definition_does(unit: str, same: str) -> None:
+    assert unit_of(unit).exponents == unit_of(same).exponents
+
+
+@pytest.mark.parametrize("name", ["rad", "rad/s"])
+def test_a_display_unit_is_so_many_of_its_unit(name: str) -> None:
+    shown, many = unit_of(name).display or ("", 0.0)
+
+    assert many * unit_of(shown).factor == pytest.approx(unit_of(name).factor)
+
+
 def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path: Path) -> None:
     path = write_archive(tmp_path / "a.fmu", {"binaries/x.so": b"", "modelDescription.xml": b""})
     with zipfile.ZipFile(path) as archive:
