@@ -29,8 +29,10 @@ from wmr_ctrl.campaign.comparison import (
     swept,
 )
 from wmr_ctrl.campaign.plan import PlannedCase, PlannedRun
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.scenario import load_scenario, override
 
 WEAK = "tau_max = 5 N m"
 ONE = HELD_OUT[:1]
@@ -45,6 +47,19 @@ DECISIVE = (
     *comparison_plan(("prox",), ONE, ("100 ms",), ("base", "start outside")),
 )
 """Every law pushed over its limit, the refusal, the long hold, the start beyond the limits."""
+
+
+def test_the_adversary_is_half_as_heavy_as_believed_and_pushes_by_all_that_is_counted_on():
+    """The least mass of the guard is the robot's own."""
+    for item in comparison_plan(("mb",), ONE, ("10 ms",), ("adversary",)):
+        case = load_scenario(item.case.scenario, dict(item.case.overrides))
+        robot, believed = case.robot, case.believed
+        guard = settle(override(case, {"guard.enabled": True}), "mb").guard
+
+        assert (2 * robot.m, 2 * robot.I) == (believed.m, believed.I)
+        assert guard.M_min == (robot.m, robot.I)
+        assert case.disturbance.push == guard.dbar
+        assert (robot.mu, case.disturbance.std, case.changes) == (0.0, 0.0, ())
 
 
 def meets() -> tuple[PlannedRun, ...]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import re
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -23,6 +26,7 @@ from wmr_ctrl.model.kinematics import (
     velocity_map,
 )
 from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.signals import PLANT_STATE, PSI
 
 ANGLES = np.linspace(-7.0, 7.0, 29)
 SCENARIO = load_scenario("paper-simulation-nominal")
@@ -132,3 +136,17 @@ def test_runge_kutta_step_is_of_fourth_order() -> None:
     first, second = (abs(end(count) - exact).max() for count in (32, 64))
 
     assert first / second == pytest.approx(16, rel=0.2)
+
+
+def test_orientation_and_heading_are_what_their_meanings_say():
+    """As a formula that a reader types: both name the way in which the graph drives."""
+    theta = 0.3
+    known = {"theta": theta, "pi": math.pi}
+    forward = PLANT_STATE[2].meaning.split("forward = ")[1]
+    sines = {"sin": math.sin, "cos": math.cos, **known}
+    named = eval(re.sub(r"(sin|cos) theta", r"\1(theta)", forward), sines)
+    psi = eval(PSI.meaning.split("psi = ")[1], known)
+    driven = np.asarray(ca.evalf(pose_rate(ca.SX(theta), ca.SX([1.0, 0.0])))).ravel()
+
+    assert named == pytest.approx(driven[:2])
+    assert (math.cos(psi), math.sin(psi)) == pytest.approx(driven[:2])

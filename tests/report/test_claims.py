@@ -28,6 +28,12 @@ from wmr_ctrl.report.claims import (
 from wmr_ctrl.report.evidence_figures import slip_torque
 from wmr_ctrl.results.table import table_of_rows
 
+WORDS = {
+    "a tenth": 0.1, "half": 0.5, "halves": 0.5, "grow by at least a half": 1.5, "twice": 2.0,
+    "doubles": 2.0, "a millionth": 1e-6, "a quarter": 0.25, "leaves the limits": 1.0,
+}  # fmt: skip
+"""Bounds that a threshold's words have for their number."""
+
 CLAIMS = load_claims()
 SPECS = [(claim.id, test) for claim in CLAIMS for test in claim.tests]
 TIMES = {"paper_time", "our_time"}
@@ -235,3 +241,15 @@ def test_every_claim_gets_a_verdict_and_explanations_fit_it(campaign):
     assert [one.claim for one in judged] == list(CLAIMS)
     assert all(bool(one.explanation) == one.as_expected for one in judged)
     assert not all(one.as_expected for one in judged)  # made-up runs are not the paper's
+
+
+def test_the_threshold_of_a_claim_has_the_numbers_of_its_tests():
+    """As they are, in per cent, per cent more or less, millimetres, or as a word."""
+    for claim in load_claims():
+        found = {float(text) for text in re.findall(r"\d+(?:\.\d+)?", claim.threshold)}
+        said = {number for word, number in WORDS.items() if word in claim.threshold}
+        for number in found:
+            said |= {number, number / 100, 1 + number / 100, 1 - number / 100, number / 1000}
+        for test in claim.tests:
+            for bound in (test.at_least, test.at_most):
+                assert bound is None or any(math.isclose(bound, n) for n in said), claim.id

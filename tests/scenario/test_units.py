@@ -11,6 +11,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.fields.units import OTHERS, USUAL, is_usual
+from wmr_ctrl.fmi.units import unit_of
 from wmr_ctrl.scenario import load_scenario, preset_names
 from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.scenario.units import unit_questions
@@ -34,6 +35,17 @@ SLIPS = {
 
 def asked(scenario):
     return [sentence for _, sentence in unit_questions(scenario)]
+
+
+def test_a_unit_that_may_be_meant_is_so_many_of_the_keys():
+    """By the units that FMUs know, of all but per cent and what SI writes otherwise."""
+    seen = set()
+    for unit, others in OTHERS.items():
+        for _, sign, size in others:
+            if sign not in ("us", "%"):
+                assert unit_of(sign).factor == pytest.approx(size * unit_of(unit).factor), sign
+                seen.add(sign)
+    assert {"kg.cm2", "N.cm", "mN.m", "deg/s2"} < seen
 
 
 @pytest.mark.parametrize(("overrides", "question"), SLIPS.values(), ids=SLIPS)
