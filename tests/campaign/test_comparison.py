@@ -54,12 +54,23 @@ def test_the_adversary_is_half_as_heavy_as_believed_and_pushes_by_all_that_is_co
     for item in comparison_plan(("mb",), ONE, ("10 ms",), ("adversary",)):
         case = load_scenario(item.case.scenario, dict(item.case.overrides))
         robot, believed = case.robot, case.believed
-        guard = settle(override(case, {"guard.enabled": True}), "mb").guard
+        noise = {"disturbance.push": [0.0, 0.0], "disturbance.std": 1.0}
+        guard = settle(override(case, {"guard.enabled": True, **noise}), "mb").guard
 
         assert (2 * robot.m, 2 * robot.I) == (believed.m, believed.I)
         assert guard.M_min == (robot.m, robot.I)
         assert case.disturbance.push == guard.dbar
         assert (robot.mu, case.disturbance.std, case.changes) == (0.0, 0.0, ())
+
+
+def test_a_drop_of_the_mass_has_a_tenth_of_room_on_either_side_for_the_guard():
+    drop = "far start, mass and friction drop at 3 s"
+    for item in comparison_plan(("mb",), ONE, ("10 ms",), (drop,)):
+        case = load_scenario(item.case.scenario, dict(item.case.overrides))
+        (change,), robot, guard = case.changes, case.robot, case.guard
+
+        assert guard.M_min == pytest.approx((0.9 * change.m, 0.9 * change.I))
+        assert guard.M_max == pytest.approx((1.1 * robot.m, 1.1 * robot.I))
 
 
 def meets() -> tuple[PlannedRun, ...]:
