@@ -17,7 +17,9 @@ from wmr_ctrl.linear import (
     largest_stable_period,
     loop_nlsys,
     margins_at,
+    on_reference,
     open_loop,
+    pull_curve,
     spectral_radius,
     with_robot,
 )
@@ -173,3 +175,12 @@ def test_margins_behind_a_delay_are_those_of_the_frequency_response():
         nearest = {found.gain, found.gain_down}
         assert any(down == pytest.approx(gain, rel=1e-5) for gain in nearest)
         assert found.phase == pytest.approx(phase, rel=1e-4)
+
+
+def test_an_axis_or_a_time_that_is_none_is_refused_elsewhere():
+    scenario = load_scenario("paper-simulation-nominal")
+    with pytest.raises(ArgumentError, match="axis = 2 must be 0, the thrust, or 1"):
+        pull_curve(scenario, "mb", 2, 0.5, np.zeros(1))
+    for time in (math.nan, -1.0, math.inf):
+        with pytest.raises(ArgumentError, match="must be a time of the reference"):
+            on_reference(scenario, "mb", time)

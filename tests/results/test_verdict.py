@@ -188,6 +188,25 @@ def test_a_run_of_an_unknown_law_is_not_said_to_be_checked(make_run: MakeRun) ->
     assert "Nothing needs to be done" not in run.explanation
 
 
+def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs() -> None:
+    """Theory knows nothing of it; the motion, the drives and the sensors are those of the log."""
+    told = {"actuator.tau_max": 6.0, "encoder.counts": 4096, "changes": []}
+    run = simulate("safe-simulation", "pid", overrides={"clock.duration": 20.0, **told})
+    calm = replace(run, law="Theirs")
+    assert not calm.outlook.objections
+    quiet = simulate("safe-simulation", "pid", overrides={"clock.duration": 20.0, "changes": []})
+    assert quiet.explanation.endswith("Nothing needs to be done.")
+    assert replace(quiet, law="Theirs").explanation.endswith("was not checked.")
+
+    rng = np.random.default_rng(0)
+    noise = {name: rng.normal(0.0, 5.0, run.rows) for name in ("tau_right", "tau_left")}
+    loud = replace(calm, columns={**run.columns, **noise})
+    full = replace(calm, columns={**run.columns, "tau_left": np.full(run.rows, 6.0)})
+    assert "chatter" in keys(loud) - keys(calm)
+    assert "saturated" in keys(full) - keys(calm)
+    assert "exact-pose" in keys(calm)
+
+
 @pytest.mark.parametrize(("preset", "law", "word"), [
     ("safe-simulation", "kanayama", CheckVerdict.HOLDS),
     ("safe-simulation", "nn", CheckVerdict.OBJECTED),

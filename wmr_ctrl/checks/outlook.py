@@ -43,12 +43,14 @@ class Outlook:
     """Prior knowledge of a law's run on a scenario.
 
     ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: what theory says;
-    ``exact_pose``: whether the pose is perfect while velocities come from encoders.
+    ``exact_pose``: whether the pose is perfect while velocities come from encoders; ``known``:
+    whether the law is, and so was checked.
     """
 
     tau_max: float
     warnings: tuple[Warning, ...]
     exact_pose: bool
+    known: bool = True
 
     @property
     def objections(self) -> tuple[Warning, ...]:
@@ -60,17 +62,26 @@ def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
     """The Outlook of a law on a scenario and a plant; raises what `settle` raises."""
     setup = settle(scenario, law)
     grip = grip_warnings(setup) if plant == "mujoco" else ()
+    return Outlook(setup.tau_max, (*warnings_for(setup), *grip), _has_exact_pose(scenario))
+
+
+def _has_exact_pose(scenario: Scenario) -> bool:
+    """True if the pose is perfect while velocities come from encoders."""
     counts = scenario.section(Encoder).counts
     late = scenario.section(PoseDelay).pose_delay > 0
-    exact = counts is not None and scenario.section(PoseSensor).perfect and not late
-    return Outlook(setup.tau_max, (*warnings_for(setup), *grip), exact)
+    return counts is not None and scenario.section(PoseSensor).perfect and not late
 
 
 def outlook_of(run: Run) -> Outlook | None:
-    """The Outlook of a run; None where its scenario or law is not known here."""
+    """The Outlook of a run; None where its scenario is not known here.
+
+    Of a law that is not known here, such as somebody else's controller, theory says nothing.
+    """
     scenario = scenario_of_run(run)
-    if run.law not in LAWS or scenario is None:
+    if scenario is None:
         return None
+    if run.law not in LAWS:
+        return Outlook(scenario.actuator.tau_max, (), _has_exact_pose(scenario), known=False)
     return _outlook(scenario, run.law, run.settings.plant_kind)
 
 

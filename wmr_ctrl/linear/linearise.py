@@ -51,6 +51,12 @@ def column(value: ArrayLike) -> Floats:
     return np.asarray(value, dtype=float).ravel()
 
 
+def check_axis(axis: int) -> None:
+    """Raise ArgumentError for an axis that is none."""
+    if axis not in (0, 1):
+        raise ArgumentError(f"axis = {axis} must be 0, the thrust, or 1, the moment.")
+
+
 def check_period(period: float | None) -> None:
     """Raise ArgumentError for a period that is no time [s]; None: continuous."""
     if period is not None and not 0.0 < period < np.inf:
@@ -151,6 +157,8 @@ def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
 
     Estimates and weights have their start values; a remembered sample is that of the reference.
     """
+    if not 0.0 <= t < np.inf:
+        raise ArgumentError(f"t = {t:g} s must be a time of the reference, from 0 s on.")
     v_d, v_d_dot = reference_velocity(scenario, t)
     loop = law_loop(scenario, law).over(0)
     start = Point(np.zeros(3), v_d, v_d, v_d_dot, np.array(loop.core.x0), np.zeros(2))

@@ -15,13 +15,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wmr_ctrl.checks.sample_time import largest_stable_period
-from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     FORCES,
     STATES,
     Floats,
     Point,
+    check_axis,
     is_stable,
     on_reference,
     unguarded,
@@ -72,8 +72,7 @@ def open_loop(
     equation has, or sampled with ``period`` [s], with all of them; python-control's `margin` reads
     these by ``method="frd"``.  Raises ArgumentError for another axis or a period that is none.
     """
-    if axis not in (0, 1):
-        raise ArgumentError(f"axis = {axis} must be 0, the thrust, or 1, the moment.")
+    check_axis(axis)
     at = on_reference(scenario, law) if point is None else point
     plant = with_inputs(plant_at(scenario, at, period), FORCES)
     controller = law_at(scenario, law, at, period)

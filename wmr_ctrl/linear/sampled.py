@@ -17,6 +17,7 @@ from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     Floats,
     Point,
+    check_axis,
     check_period,
     law_loop,
     lowest,
@@ -159,6 +160,7 @@ def pull_of(
 
 def pull_curve(scenario: Scenario, law: str, axis: int, v_c0: float, speeds: Floats) -> Floats:
     """Force [N] or moment [N m] of the law over ``speeds`` (N,), its friction term taken off."""
+    check_axis(axis)
     asked = np.zeros(2)
     asked[axis] = v_c0
     return np.asarray(pull_of(scenario, law, axis, asked)(speeds))

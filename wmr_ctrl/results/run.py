@@ -186,7 +186,7 @@ class Run:
     def outlook(self) -> Outlook | None:
         """Outlook of theory on law and scenario without a run, with its objections.
 
-        None if scenario or law are not known here.
+        None if the scenario is not known here; of an unknown law it has no objections.
         """
         return cast("Outlook | None", late_bound("outlook_of")(self))
 
@@ -222,7 +222,7 @@ class Run:
             return ""
         if self.remarks:
             return f" But {in_short(self.remarks)}."
-        if self.outlook is None:
+        if self.outlook is None or not self.outlook.known:
             return " Its log shows no fault; its law or scenario, unknown here, was not checked."
         return " Nothing needs to be done."
 
