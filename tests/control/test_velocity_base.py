@@ -13,7 +13,8 @@ import pytest
 import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
 from wmr_ctrl.checks import filter_facts
-from wmr_ctrl.checks.velocity_base import rise_times
+from wmr_ctrl.checks.loop import loop_of
+from wmr_ctrl.checks.velocity_base import rise_times, usable_speed, velocity_base
 from wmr_ctrl.cli.check_sentences import filter_lines
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
@@ -285,11 +286,29 @@ def test_no_base_within_the_bounds_ends_slower_than_check_says() -> None:
     assert "with odometry in every step" in text
 
 
+def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:
+    """By a scenario that leaves it out; what is told of an age that is used is told as ever."""
+    late = {**GOVERNED, "sensor.velocity_age": 0.1}
+    deaf = settle(based({**late, "filter.age": 0.05}), "kanayama")
+    none = {name: value for name, value in GOVERNED["filter"].items() if name != "odometry"}
+    alone = settle(based({**GOVERNED, "filter": none}), "kanayama")
+    assert usable_speed(deaf.scenario) == usable_speed(alone.scenario)
+    assert "odometry" not in " ".join(filter_lines(deaf))
+    (warning,) = (item for item in velocity_base(loop_of(deaf)) if item.key == "filter.age")
+    assert "Raise filter.age to 0.1 s" in warning.sentence
+    hearing = settle(based({**late, "filter.age": 0.1}), "kanayama")
+    assert usable_speed(hearing.scenario) > usable_speed(alone.scenario)
+    assert "with odometry in every step" in " ".join(filter_lines(hearing))
+
+
 @pytest.mark.parametrize("stated", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
 @pytest.mark.parametrize("kind", ["clip", "governor"])
 def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[str, Any]) -> None:
     changes = {"kind": kind, "gain": [0.9, 1.1], "d": [0.05, 0.02], **stated}
-    scenario = based({**GOVERNED, **{f"filter.{key}": value for key, value in changes.items()}})
+    alike = {"base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0]}
+    scenario = based(
+        {**GOVERNED, **alike, **{f"filter.{key}": value for key, value in changes.items()}}
+    )
     facts = filter_facts(settle(scenario, "kanayama"))
     assert facts is not None
     l = scenario.robot.l

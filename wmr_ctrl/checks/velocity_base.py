@@ -12,10 +12,12 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
 from wmr_ctrl.filter.band import MOST_COMMANDS
+from wmr_ctrl.filter.governor import NEAR
 from wmr_ctrl.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.filter.peak_gain import less_damped, overshoot, peak_gains
 from wmr_ctrl.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.world.velocity_mean import VelocityMean
 
 STATEMENTS = {
     "clip": "memoryless clip, for every base that never overshoots",
@@ -105,10 +107,10 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
     """Speeds at rest [m/s, rad/s] of the weakest base that the filter is stated for.
 
     The filter's own graph drives it, each axis by itself: the smallest gain, pushed back by d, with
-    odometry of the stated age in every step that tells too much by its whole error.  At rest
-    neither time constant nor delay counts.  Of a band what it admits after as many commands as its
-    longest tables hold; of a governor of wheels, whose weakest base is not known, what it admits
-    without odometry, which is less.
+    odometry of the stated age in every step that tells too much by its whole error, or with none
+    where the sensors' is older.  At rest neither time constant nor delay counts.  Of a band what it
+    admits after as many commands as its longest tables hold; of a governor of wheels, whose weakest
+    base is not known, what it admits without odometry, which is less.
     """
     filtering, stated = CommandFilter(scenario), scenario.filter
     alone = stated.channels == "body" and stated.wheel_speed is None
@@ -117,12 +119,19 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
         filtering.start()
         asked = [0.0, 0.0]
         asked[axis] = 10 * limit
-        if filtering.governs and alone and stated.odometry is not None:
+        if alone and hears(scenario):
             ends[axis] = _governed(filtering, scenario, asked, axis)
         else:
             sent = [filtering.step(asked).command for _ in range(_steps(scenario))][-1]
             ends[axis] = stated.gain[0] * sent[axis] - stated.d[axis]
     return ends[0], ends[1]
+
+
+def hears(scenario: Scenario) -> bool:
+    """True where a governor's odometry is young enough for it to use."""
+    stated, age = scenario.filter, scenario.section(VelocityMean).velocity_age
+    young = age <= stated.age + NEAR * scenario.clock.control
+    return stated.kind == "governor" and stated.odometry is not None and young
 
 
 def _governed(
@@ -233,6 +242,16 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
             "filter.kind",
             'filter.kind = "none": nothing guarantees that the base keeps limits.v_u1. '
             f"{filter_advice(loop.setup)}",
+            "docs/filter.md",
+            objects=False,
+        )
+    stated, sensed = scenario.filter, scenario.section(VelocityMean).velocity_age
+    if stated.kind == "governor" and stated.odometry is not None and not hears(scenario):
+        yield Warning(
+            "filter.age",
+            f"filter.age = {stated.age:g} s: the velocity that sensors tell is {sensed:g} s old, "
+            "so the governor uses none of it and leaves no more than a clip. Raise filter.age to "
+            f"{sensed:g} s, or leave out filter.odometry.",
             "docs/filter.md",
             objects=False,
         )

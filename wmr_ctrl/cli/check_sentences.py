@@ -157,6 +157,7 @@ def guard_lines(setup: Setup) -> Iterator[str]:
 def filter_lines(setup: Setup) -> Iterator[str]:
     """The command filter in sentences; none without filter."""
     from wmr_ctrl.checks import filter_facts
+    from wmr_ctrl.checks.velocity_base import hears
     from wmr_ctrl.fields.units import rounded
     from wmr_ctrl.results import speeds
 
@@ -165,12 +166,11 @@ def filter_lines(setup: Setup) -> Iterator[str]:
         return
     limits, stated = speeds(setup.scenario.limits.v_u1), setup.scenario.filter
     v, omega = (rounded(speed, 3, up=False) for speed in facts.usable_speed)
-    heard = facts.kind == "governor" and stated.odometry is not None
     held = "is not guaranteed to keep" if facts.broken else "keeps"
     yield (
         f"the filter ({facts.statement}) {held} {limits}; at rest it leaves at least {v} "
         f"m/s, {omega} rad/s on any base inside the stated bounds"
-        f"{', with odometry in every step' if heard else ''}"
+        f"{', with odometry in every step' if hears(setup.scenario) else ''}"
     )
     gain = "gain" if stated.loop == "first-order" else "peak gain"
     if facts.kind == "band":
