@@ -18,7 +18,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.wiring import Named, Stream, Wiring, held_signals, pushes
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.context import own_diagnostics
-from wmr_ctrl.model.dynamics import plant, rk4_step
+from wmr_ctrl.model.dynamics import KEYS, plant, rk4_step
 from wmr_ctrl.model.kinematics import tracking_error
 from wmr_ctrl.model.system import Parameters, Port, System, port, stack, values
 from wmr_ctrl.results.measures import AT_LIMIT
@@ -41,7 +41,7 @@ from wmr_ctrl.signals import (
     Signal,
 )
 from wmr_ctrl.world.effect import EffectRole, Rate
-from wmr_ctrl.world.phases import KEYS, demanded
+from wmr_ctrl.world.phases import demanded
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.speed_loop import EXERTED
 

@@ -12,6 +12,10 @@ from wmr_ctrl.symbolic import ca
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
+NAMES = ("m", "I", "mu", "r", "l", "g", "v_s")
+KEYS = tuple(f"robot.{name}" for name in NAMES)
+"""Numbers of the robot."""
+
 
 def mass_matrix(m: ca.SX, inertia: ca.SX) -> ca.SX:
     """M = diag(m, m, I), Eq. (2)."""
@@ -76,9 +80,7 @@ def plant(scenario: Scenario, *, rolling: tuple[Signal, ...] = ()) -> System:
     start = (*scenario.initial.pose, *scenario.initial.velocity)
     state, rolled = ports(PLANT_STATE, start), ports(rolling)
     p = Parameters(scenario)
-    m, inertia, mu, r, half_track, g, v_s = (
-        p.take(f"robot.{name}") for name in ("m", "I", "mu", "r", "l", "g", "v_s")
-    )
+    m, inertia, mu, r, half_track, g, v_s = map(p.take, KEYS)
     x = stack(item.sym for item in state)
     tau = stack(item.sym for item in torque) + stack(item.sym for item in noise)
     force = wheel_to_force(r, half_track, tau) + stack(item.sym for item in pushed)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
+from wmr_ctrl.model.dynamics import NAMES, force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.symbolic import ca
 
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-NAMES = ("m", "I", "mu", "r", "l", "g", "v_s")
-KEYS = tuple(f"robot.{name}" for name in NAMES)
-"""Numbers that the needed torque rests on, in the order of `demanded`."""
 FAST = 1e6
 """Speed [m/s] at which nothing is missing of friction's full size."""
 
@@ -89,7 +86,10 @@ def _graphs() -> tuple[ca.Function, ca.Function]:
 
 
 def demanded(robot: ca.SX, v_d: ca.SX, v_d_dot: ca.SX) -> ca.SX:
-    """Torques (2,) of the right and left wheel [N m] at desired velocity and rate, (2,) each."""
+    """Torques (2,) of the right and left wheel [N m] at desired velocity and rate, (2,) each.
+
+    ``robot``: its numbers in the order of `NAMES`.
+    """
     m, inertia, mu, r, half_track, g, v_s = ca.vertsplit(robot)
     force = reduced_mass(m, inertia) * v_d_dot + friction(mu, m, g, v_s, v_d)
     return force_to_wheel(r, half_track, force)
@@ -110,6 +110,6 @@ def needed_torque(scenario: Scenario, times: Floats, v_d: Floats, v_d_dot: Float
 
 @cache
 def _graph() -> ca.Function:
-    robot = ca.SX.sym("robot", len(KEYS))
+    robot = ca.SX.sym("robot", len(NAMES))
     v_d, v_d_dot = ca.SX.sym("v_d", 2), ca.SX.sym("v_d_dot", 2)
     return ca.Function("demand", [robot, v_d, v_d_dot], [demanded(robot, v_d, v_d_dot)])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
+from wmr_ctrl.model.dynamics import KEYS, force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.system import Parameters, Port, System, outputs, port, ports, stack
 from wmr_ctrl.signals import COMMAND, TORQUE, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
@@ -75,9 +75,7 @@ def speed_loop(scenario: Scenario, title: str, loop: Callable[[Servo], Drive]) -
     """System of the plant's rate: commanded and true velocity to wheel torques [N m]."""
     command, velocity, p = ports(COMMAND), ports(VELOCITY), Parameters(scenario)
     u, v = (stack(item.sym for item in side) for side in (command, velocity))
-    m, inertia, mu, r, half_track, g, v_s = (
-        p.take(f"robot.{name}") for name in ("m", "I", "mu", "r", "l", "g", "v_s")
-    )
+    m, inertia, mu, r, half_track, g, v_s = map(p.take, KEYS)
     F1 = friction(mu, m, g, v_s, v)
     own = loop(Servo(p, u, v, reduced_mass(m, inertia), F1, p.take("clock.plant")))
     most = p.take("actuator.tau_max")

@@ -5,7 +5,7 @@ import casadi as ca
 from wmr_ctrl.guard.guard import MAPS, Bounds, clipped, feasible, guarded
 from wmr_ctrl.guard.lateness import AT_ONCE, Since
 from wmr_ctrl.guard.monitor import LateMotion, least_push
-from wmr_ctrl.model.dynamics import force_to_wheel, plant, rk4_step, wheel_to_force
+from wmr_ctrl.model.dynamics import KEYS, force_to_wheel, plant, rk4_step, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.claims.guard import NUMBERS_FREE, solver
@@ -82,9 +82,7 @@ def simulated(mutation: Mutation) -> Statement:
     """
     robot = plant(load_scenario(PRESET))
     t = {**scalars((*robot.inputs, *robot.state, *robot.params)), **symbols("step", "step")}
-    m, inertia, mu, r, half, g, v_s = (
-        t[f"robot.{name}"] for name in ("m", "I", "mu", "r", "l", "g", "v_s")
-    )
+    m, inertia, mu, r, half, g, v_s = (t[key] for key in KEYS)
     tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + t["noise_left"])
     push = wheel_to_force(r, half, tau) + ca.vertcat(t["thrust"], t["moment"])
     after = rk4_step(robot, t["step"])[3:5]

@@ -3,7 +3,7 @@
 import casadi as ca
 
 from wmr_ctrl.model import dynamics
-from wmr_ctrl.model.dynamics import plant
+from wmr_ctrl.model.dynamics import KEYS, plant
 from wmr_ctrl.model.kinematics import (
     auxiliary_rate,
     constraint,
@@ -141,7 +141,7 @@ def eq04_plant(mutation: Mutation) -> Statement:
     """
     system = plant(load_scenario(PRESET))
     t = scalars((*system.inputs, *system.state, *system.params))
-    m, inertia, mu, r, l, g, v_s = (t[f"robot.{n}"] for n in ("m", "I", "mu", "r", "l", "g", "v_s"))
+    m, inertia, mu, r, l, g, v_s = (t[key] for key in KEYS)
     v = ca.vertcat(t["v1"], t["omega"])
     tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + mutation * t["noise_left"])
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
