@@ -32,6 +32,8 @@ from wmr_ctrl.results import atomic_text, write_all
 from wmr_ctrl.sim.batch import deaf_to_interrupts
 
 PROCESSES = 2
+AT_ONCE = 2.0
+"""Seconds of cost that are over before another process has begun."""
 LEAST_COST = 0.1
 """Seconds that an entry is taken to cost at least; what is new is taken to cost five of these."""
 GLOB = frozenset("*?[")
@@ -194,7 +196,8 @@ def run_prove(
     ``anew``: nothing is taken from the committed ledger.
     """
     asked = tuple(only)
-    ledger = prove(asked, progress, anew=anew)
+    cost = sum(_costs(selected(asked)).values())
+    ledger = prove(asked, progress, 1 if cost <= AT_ONCE else PROCESSES, anew)
     committed = load() if COMMITTED.exists() else Ledger(())
     if json_file is not None:
         with atomic_text(json_file) as stream:
