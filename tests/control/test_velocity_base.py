@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,11 +20,13 @@ from wmr_ctrl.cli.check_sentences import filter_lines
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.filter.hypotheses import broken_hypotheses, most_torque
 from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.linear.linearise import law_loop
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.resistance import rolling_against
 from wmr_ctrl.world.speed_loop import has_loop
 
 ROOT = Path(__file__).parents[2]
@@ -229,6 +232,43 @@ def test_a_loop_that_is_held_over_plant_steps_swings_more_than_its_numbers_say()
     family = peak_gains(worst)[0].gain
     assert largest / family == pytest.approx(1.0072, abs=1e-4)
     assert "0.7 % at 5 ms" in (ROOT / "docs" / "filter.md").read_text(encoding="utf-8")
+
+
+def broken(changes: Mapping[str, Any]) -> str:
+    """What a filter that is trusted all the same does not hold of its base."""
+    setup = settle(override(based(changes), {"filter.trust": True}), "kanayama")
+    return " ".join(broken_hypotheses(setup.scenario, setup.bound))
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.99, False), (1.01, True)])
+def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share: float, said: bool) -> None:
+    """Friction by its square; rolling adds to what unequal wheels push."""
+    filtered = {**OVERSHOOTING["filter"], "friction": [0.0, 20.0], "push": [100.0, 100.0]}
+    slowed = {**OVERSHOOTING, "filter": filtered, "resistance.viscous": [1.0, share * 20 * 0.25**2]}
+    assert ("outside filter.friction robot.l^2" in broken(slowed)) is said
+    rolled = {**OVERSHOOTING, "filter": filtered, "resistance.rolling": [0.02, 0.01]}
+    setup = settle(based({**rolled, "filter.trust": True}), "kanayama")
+    most = setup.bound.dbar[1] + rolling_against(setup.scenario)[1]
+    less = {**rolled, "filter.push": [100.0, share * most]}
+    assert ("The base may be pushed by" in broken(less)) is not said
+
+
+def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes() -> None:
+    text = broken({**GOVERNED, "resistance.rolling": [0.02, 0.01], "filter.d": [1e-6, 1e-6]})
+    pushed = [float(x) for x in re.findall(r"pushed on by (\S+) ", text)]
+    slowed = [float(x) for x in re.findall(r"slow the base by up to (\S+) ", text)]
+    assert [b / a for a, b in zip(pushed, slowed, strict=True)] == pytest.approx([3, 3], rel=2e-3)
+
+
+def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes() -> None:
+    """Of both axes at once, against friction, in the first plant step."""
+    scenario = based(GOVERNED)
+    robot, h = scenario.robot, scenario.clock.plant
+    change = [2 * V * (1 - math.exp(-h / tau)) / h
+              for V, tau in zip(scenario.limits.v_u1, scenario.base.tau, strict=True)]  # fmt: skip
+    forces = robot.m * change[0] + robot.mu * robot.m * robot.g, robot.I * change[1]
+    wheels = np.linalg.solve(np.array([[1, 1], [robot.l, -robot.l]]) / robot.r, forces)
+    assert most_torque(scenario) == pytest.approx(np.abs(wheels).max(), rel=1e-9)
 
 
 def test_usable_speed_is_the_closed_form_without_delay() -> None:
