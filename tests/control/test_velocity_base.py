@@ -326,6 +326,16 @@ def test_no_base_within_the_bounds_ends_slower_than_check_says() -> None:
     assert "with odometry in every step" in text
 
 
+@pytest.mark.parametrize(("noise", "told"), [({}, True), ({"truncate": 3.0}, False)])
+def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(
+    noise: Mapping[str, float], told: bool
+) -> None:
+    clip = {"kind": "clip", "gain": [0.9, 1.1], "d": [0.3, 0.8]}
+    noisy = {"disturbance": {"std": 0.5, **noise}, "filter": clip}
+    warnings = velocity_base(loop_of(settle(based({**VELOCITY, **noisy}), "kanayama")))
+    assert ("disturbance.truncate" in [item.key for item in warnings]) == told
+
+
 def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:
     """By a scenario that leaves it out; what is told of an age that is used is told as ever."""
     late = {**GOVERNED, "sensor.velocity_age": 0.1}

@@ -17,6 +17,7 @@ from wmr_ctrl.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.filter.peak_gain import less_damped, overshoot, peak_gains
 from wmr_ctrl.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
 from wmr_ctrl.world.velocity_mean import VelocityMean
 
 STATEMENTS = {
@@ -252,6 +253,15 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
             f"filter.age = {stated.age:g} s: the velocity that sensors tell is {sensed:g} s old, "
             "so the governor uses none of it and leaves no more than a clip. Raise filter.age to "
             f"{sensed:g} s, or leave out filter.odometry.",
+            "docs/filter.md",
+            objects=False,
+        )
+    if stated.kind != "none" and unbounded(scenario):
+        yield Warning(
+            "disturbance.truncate",
+            f"disturbance.truncate = inf: the torque noise has no bound, and {SIGMAS:g} std of it "
+            "count as pushes, so the filter keeps the limit with that probability only. Set it to "
+            f"{SIGMAS:g}.",
             "docs/filter.md",
             objects=False,
         )

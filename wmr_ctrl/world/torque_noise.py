@@ -55,9 +55,14 @@ def acts(scenario: Scenario) -> bool:
 def bound(scenario: Scenario) -> Bound:
     """Both wheels at their largest, n std each; n is the truncation, or SIGMAS without one."""
     section, robot = scenario.section(TorqueNoise), scenario.robot
-    free = math.isinf(section.truncate)
-    most = noise_at_most(section.std, SIGMAS if free else section.truncate, (robot.r, robot.l))
-    return Bound(dbar=most, void=_UNBOUNDED if free and most[0] > 0 else "")
+    sigmas = SIGMAS if math.isinf(section.truncate) else section.truncate
+    most = noise_at_most(section.std, sigmas, (robot.r, robot.l))
+    return Bound(dbar=most, void=_UNBOUNDED if unbounded(scenario) else "")
+
+
+def unbounded(scenario: Scenario) -> bool:
+    """True where there is noise without truncation."""
+    return acts(scenario) and math.isinf(scenario.section(TorqueNoise).truncate)
 
 
 def noise_at_most(
