@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.parts import renew
+from benchmarks.parts import millimetres, renew
 from tests.corridor.adversary import (
     farthest,
     farthest_displaced,
@@ -171,7 +171,7 @@ def row(case: Case, runs: int) -> str:
     random = 0.0 if case.kind == "start" else random_runs(case, runs)
     certified, ratio = "none", "-"
     if tube.position is not None:
-        certified, ratio = f"{1e3 * tube.position:.2f}", f"{tube.position / first:.2f}"
+        certified, ratio = millimetres(tube.position), f"{tube.position / first:.2f}"
         if max(first, random) > tube.position:
             raise SystemExit(f"{case.words}: a run left the corridor")
     else:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from benchmarks.parts import page_parser, renew
+from benchmarks.parts import millimetres, page_parser, renew
 from tests.corridor.further import ROWS
 from wmr_ctrl.corridor import find_corridor
 
@@ -31,9 +31,9 @@ def row(words: str) -> str:
     times = max(1.0, FINE * int(most / first / FINE))
     while case.reach(times) <= most:
         times += FINE
-    lengths = (f"{1e3 * x:.2f}" for x in (most, first))
     left = "yes" if beyond > most else "no"
-    cells = [words, *lengths, f"{most / first:.2f}", f"{1e3 * beyond:.2f}", left, f"{times:.2f}"]
+    led, farther = (f"{1e3 * x:.2f}" for x in (first, beyond))
+    cells = [words, millimetres(most), led, f"{most / first:.2f}", farther, left, f"{times:.2f}"]
     return f"| {' | '.join(cells)} |"
 
 

@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.parts import page_parser, renew
+from benchmarks.parts import millimetres, page_parser, renew
 from wmr_ctrl.api import scenario_of, simulate_many
 from wmr_ctrl.corridor import Corridor, find_corridor
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.laws.prox import Guide, guide
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, override
@@ -41,9 +42,9 @@ PACES = (1.5, 0.7)
 """Periods for which `guide` places poles, over the preset's."""
 
 
-def millimetres(tube: Corridor) -> str:
-    """A corridor's width, or that there is none."""
-    return "none" if tube.position is None else f"{1e3 * tube.position:.2f}"
+def width(tube: Corridor) -> str:
+    """A corridor's width [mm], or that there is none."""
+    return "none" if tube.position is None else millimetres(tube.position)
 
 
 def runs_of(scenario: Scenario, law: str, seeds: Sequence[int], more: Fields) -> RunTable:
@@ -54,7 +55,7 @@ def runs_of(scenario: Scenario, law: str, seeds: Sequence[int], more: Fields) ->
 def row(words: str, scenario: Scenario, law: str, seeds: Sequence[int]) -> str:
     """A set of gains on the robot that does not change: corridors [mm], runs."""
     steady = override(scenario, {"changes": []})
-    widths = [millimetres(find_corridor(override(steady, more), law)) for more in ERRORS]
+    widths = [width(find_corridor(override(steady, more), law)) for more in ERRORS]
     exact, noisy = (
         runs_of(scenario, law, seeds, more)
         for more in ({"guard.enabled": True}, {**POSES, **VELOCITIES, "guard.enabled": True})
@@ -134,7 +135,7 @@ def second(quick: bool) -> str:
 def _share(tube: Corridor) -> str:
     """Share of pushes and errors with which there is a corridor."""
     share = 1.0 if tube.position is not None else tube.closes
-    return "nothing" if share is None else f"{100 * share:.2g} %"
+    return "nothing" if share is None else f"{rounded(100 * share, 2, up=False)} %"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from wmr_ctrl.errors import ArgumentError
@@ -29,3 +30,8 @@ def renew(page: Path, name: str, text: str) -> None:
         raise ArgumentError(f"{page}: it has no part between '{begin}' and '{end}'.")
     with atomic_text(page) as file:
         file.write(f"{head}{begin}\n\n{text}\n\n{end}{tail}")
+
+
+def millimetres(length: float) -> str:
+    """A certified length [m], in mm, never less than it is."""
+    return f"{math.ceil(1e5 * length * (1 - 1e-12)) / 100:.2f}"

@@ -28,14 +28,19 @@ class _Waiting:
         return self.now if phase >= self.waits[k] else self.before
 
 
+def taken(scenario, v):
+    """Torques that friction takes at a velocity."""
+    robot = scenario.robot
+    friction = robot.mu * robot.m * robot.g * np.tanh(v / robot.v_s)
+    return wheel_torques((float(friction), 0.0), robot)
+
+
 class Jittered(Attacked):
     """The oracle's loop behind such drives, whose first command follows what friction takes."""
 
     def __init__(self, scenario, law, push, waits):
         super().__init__(scenario, law, push)
-        robot, v = scenario.robot, self.state[3]
-        friction = robot.mu * robot.m * robot.g * np.tanh(v / robot.v_s)
-        before = wheel_torques((float(friction), 0.0), robot)
+        before = taken(scenario, self.state[3])
         self.actuator = _Waiting(waits, scenario.clock.substeps, before)
 
     def _sample(self, k):
@@ -82,3 +87,46 @@ def _farthest(scenario, law, samples, size, ends):
             back = np.vstack([sent[:1], sent[:-1]]) - sent
             waits = np.where((back * led).sum(axis=1) > 0, ends[1], ends[0])
     return max(found, key=lambda x: x.position)
+
+
+class Lagging(Attacked):
+    """The oracle's loop behind drives with a lag, which begin with what friction takes."""
+
+    def __init__(self, scenario, law, push, waits):
+        super().__init__(scenario, law, push)
+        self.actuator.acting = self.told.acting = taken(scenario, self.state[3])
+
+
+def farthest_unseen(scenario, law, push, come, ends, ways=DIRECTIONS):
+    """The largest distance and turn where only the poses come that ``come`` repeats, as 1.
+
+    Under pushes of the sizes ``push`` (N, 2), and waits of ``ends`` [0] to [1] plant steps, or
+    behind the scenario's lag.  What a push leads to is measured for each sample of the pattern;
+    each of ``ways`` is led to at the last sample, by signs and by waits that follow what was sent.
+    """
+    samples, period, steps = len(push), len(come), scenario.clock.substeps
+    kind, held = (Lagging if scenario.actuator.lag else Jittered), np.full(len(push), ends[0])
+
+    def ended(push, waits):
+        loop = kind(scenario, law, push, waits)
+        loop.sensor.chance = np.resize(come, samples).astype(float)
+        loop.run(None)
+        columns = loop.log.columns()
+        return np.array(loop.errors), np.stack([columns["tau_right"], columns["tau_left"]], axis=1)
+
+    rest, answers = ended(0 * push, held)[0][steps - 1 :: steps], np.zeros((samples, 2, 3))
+    for phase, wheel in np.ndindex(period, 2):
+        single = 0 * push
+        single[phase, wheel] = TINY
+        e = (ended(single, held)[0][steps - 1 :: steps] - rest)[phase:]
+        places = np.arange(phase, samples, period)
+        answers[places, wheel] = e[samples - 1 - places]
+    found = []
+    for ahead, left in ways:
+        led, waits = ahead * answers[..., 0] + left * answers[..., 1], held
+        for _ in range(ROUNDS if ends[1] > ends[0] else 1):
+            e, sent = ended(push * np.sign(led), waits)
+            found.append((np.hypot(e[:, 0], e[:, 1]).max(), np.abs(e[:, 2]).max()))
+            back = np.vstack([sent[:1], sent[:-1]]) - sent
+            waits = np.where((back * led).sum(axis=1) > 0, ends[1], ends[0])
+    return np.max(found, axis=0)

@@ -12,7 +12,7 @@ from flint import arb, ctx
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import elementary, find_corridor
 from wmr_ctrl.corridor.along import Along
-from wmr_ctrl.corridor.carried import CarriedColumns, Kind
+from wmr_ctrl.corridor.carried import CarriedColumns
 from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
 from wmr_ctrl.corridor.inputs import bounded_inputs
 from wmr_ctrl.corridor.midradius import MidRadius, hull
@@ -225,19 +225,19 @@ def test_secants_leave_no_more_than_they_say(wide):
 def test_sums_in_single_precision_are_not_below_those_in_double():
     rng = np.random.default_rng(5)
     sizes = 10 ** rng.uniform(-9, 3, (4, 1))
-    values = [sizes[..., None] * rng.normal(size=(4, 50, m)) for m in (2, 5, 2)]
-    kinds = [Kind(item, rng.random(item.shape[1:])) for item in values]
-    kinds[2].weight[:] = 1.0
-    carried, rows = CarriedColumns(np.arange(50), *kinds), rng.normal(size=(3, 30, 4))
+    values, weight = sizes[..., None] * rng.normal(size=(4, 9, 50)), rng.random((9, 50))
+    weight[7:] = 1.0
+    carried = CarriedColumns(np.arange(50), values, weight, (2, 7))
+    rows = rng.normal(size=(3, 30, 4))
 
     linear, result = carried.sums(rows, carried.sizes)
 
-    known, bent, misled = (rows @ kind.flat for kind in kinds)
-    pairs = misled.reshape(3, 30, -1, 2)
-    exact = np.abs(known).sum(axis=-1) + np.hypot(pairs[..., 0], pairs[..., 1]).sum(axis=-1)
+    every = np.einsum("jrn,nmk->jrmk", rows, values * weight)
+    known, bent, pairs = np.split(every, [2, 7], axis=2)
+    exact = np.abs(known).sum(axis=(-1, -2)) + np.hypot(pairs[:, :, 0], pairs[:, :, 1]).sum(axis=-1)
     assert (linear >= exact).all()
     assert linear == pytest.approx(exact, rel=1e-3)
-    exact += np.abs(bent).sum(axis=-1)
+    exact += np.abs(bent).sum(axis=(-1, -2))
     assert (result >= exact).all()
     assert result == pytest.approx(exact, rel=1e-3)
 
@@ -248,14 +248,14 @@ def test_columns_of_some_samples_stand_for_those_between():
     turn, grow = rng.normal(size=(2, 4, 3))
     courses = np.array([[g * np.exp(-t) * np.cos(3 * t + a) for t in times]
                         for a, g in zip(turn.T, grow.T, strict=True)])  # fmt: skip
-    kinds = [Kind(courses[:, :, :m].transpose(2, 1, 0)[:3], 0.5 + rng.random((40, 3)))
-             for m in (3, 4, 4)]  # fmt: skip
-    before = CarriedColumns(10 + np.arange(40), *kinds)
+    values, weight = courses[:, :, :3].transpose(2, 0, 1), 0.5 + rng.random((3, 40))
+    before = CarriedColumns(10 + np.arange(40), values, weight, (0, 3))
 
     after, off = before.thinned(15, 38, 4)
 
     rows = rng.normal(size=(500, 3))
-    far, farther = (np.abs(rows @ item.bent.flat).sum(axis=1) for item in (before, after))
+    far, farther = (np.abs(rows @ (item.values * item.weight).reshape(3, -1)).sum(axis=1)
+                    for item in (before, after))  # fmt: skip
     assert len(after.born) == 40 - 24 + 7
     assert (farther + np.abs(rows) @ off >= far).all()
     assert (farther + np.abs(rows) @ off <= 1.1 * far).all()

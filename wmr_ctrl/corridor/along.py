@@ -34,10 +34,10 @@ LEFT, LONGEST = 5e-3, 1500
 """Share of its first size below which a column is old, and samples after which any is."""
 STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
-TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.1, 10, 0.5, 0.03
+TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.2, 20, 0.5, 0.03
 """Seconds and samples that are followed at once; seconds after which some samples' columns stand
 for all, and between these."""
-BRIEF, SLOW, SPREAD = 0.05, 2.0, 1.2
+BRIEF, SLOW, SPREAD = 0.1, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
 KEPT, MOST_TOGETHER = 4, 8
 """Lists of slopes that are kept, and the most chunks of one."""
@@ -97,6 +97,11 @@ class Along:
         """Samples that are followed at once."""
         period = self.setup.scenario.clock.control
         return min(TOGETHER_MOST, max(1, round(TOGETHER_FOR / period)))
+
+    def count_from(self, k: int) -> int:
+        """The same from a sample on: fewer while what a change of the robot led to is not over."""
+        lately = any(moved <= k < moved + self.memory for moved in self.motion.moved)
+        return max(1, self.together // (1 + lately))
 
     @cached_property
     def young(self) -> int:

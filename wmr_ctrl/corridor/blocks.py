@@ -22,10 +22,10 @@ class FollowedBlock:
     """J samples at the places ``at`` of a stretch.
 
     ``chain`` (J + 1, n, n): products of matrices until each sample and until the end.  ``inner``
-    (J, rows, n): rows of each sample by the state at which it begins.  ``columns`` (n, m): what the
-    samples add, at the end; ``ends``: of the known ones, discs' pairs, the law's force, and boxes.
-    ``after_by`` and ``inner_by`` (J, rows, m): sizes of rows of these, at the end of each sample,
-    and at its beginning.
+    (J, rows, n): rows of each sample by the state at which it begins.  ``columns`` (n, J, w): what
+    each sample adds, at the end: what is known, from the second of ``ends`` on by a disc's pair,
+    from the third by the law's force, then by boxes.  ``by`` (J, all rows, J w): sizes of rows at
+    the end of each sample and at its beginning of these.
 
     What does not depend on the deviations: ``ahead`` (J, all rows, n): rows at the end and at the
     beginning of each sample by the state before the block, ``own`` (J, all rows) their sizes by
@@ -38,9 +38,8 @@ class FollowedBlock:
     chain: Floats
     inner: Floats
     columns: Floats
-    ends: IntArray
-    after_by: Floats
-    inner_by: Floats
+    ends: tuple[int, int]
+    by: Floats
     ahead: Floats
     own: Floats
     wide: Floats
@@ -70,34 +69,31 @@ def blocks_of(
     A, law = here.A.middle[at], here.law.middle[at]
     many, count, n = A.shape[:3]
     known, misled = inputs_of(here, inputs, at)
-    added = [known, misled, law[..., :COMMAND], np.broadcast_to(np.eye(n), A.shape)]
-    ends = np.cumsum([count * item.shape[-1] for item in added])
+    ends = known.shape[-1], known.shape[-1] + misled.shape[-1]
+    unit = np.broadcast_to(np.eye(n), A.shape)
+    added = np.concatenate([known, misled, law[..., :COMMAND], unit], axis=-1)
+    width = added.shape[-1]
     knots = (knot_rows @ knot.state.middle[at] for knot in here.knots[1:])
     inner = np.concatenate([here.outputs.middle[at][:, :, outputs], *knots], axis=2)
-    columns = np.zeros((many, n, ends[-1]))
-    chain = np.empty((many, count + 1, n, n))
+    columns, chain = np.zeros((many, n, count * width)), np.empty((many, count + 1, n, n))
     chain[:, 0] = np.eye(n)
-    after_by, inner_by = (np.zeros((many, count, r, ends[-1])) for r in (len(rows), inner.shape[2]))
+    by = np.zeros((many, count, len(rows) + inner.shape[2], count * width))
     for j in range(count):
+        old, new = slice(j * width), slice((j + 1) * width)
         if j:
-            np.matmul(inner[:, j], columns, out=inner_by[:, j])
-        columns = A[:, j] @ columns
-        for first, item in zip((0, *ends[:-1]), added, strict=True):
-            width = item.shape[-1]
-            place = slice(first + j * width, first + (j + 1) * width)
-            columns[:, :, place] = item[:, j]
-        np.matmul(rows, columns, out=after_by[:, j])
+            np.matmul(inner[:, j], columns[..., old], out=by[:, j, len(rows) :, old])
+            columns[..., old] = A[:, j] @ columns[..., old]
+        columns[..., j * width : (j + 1) * width] = added[:, j]
+        np.matmul(rows, columns[..., new], out=by[:, j, : len(rows), new])
         np.matmul(A[:, j], chain[:, j], out=chain[:, j + 1])
-    for part in (after_by, inner_by):
-        np.abs(part, out=part)
-    known, discs = ends[:2]
-    sizes = np.concatenate([after_by, inner_by], axis=2)
-    own = sizes[..., :known].sum(axis=-1)
-    if discs > known:
-        own += np.hypot(sizes[..., known:discs:2], sizes[..., known + 1 : discs : 2]).sum(axis=-1)
+    np.abs(by, out=by)
+    sizes = by.reshape(*by.shape[:3], count, width)
+    own = sizes[..., : ends[0]].sum(axis=(-1, -2))
+    if misled.size:
+        own += np.hypot(*np.moveaxis(sizes[..., slice(*ends)], -1, 0)).sum(axis=-1)
     parts = {
-        "at": at, "chain": chain, "inner": inner, "columns": columns, "after_by": after_by,
-        "inner_by": inner_by, "own": own,
+        "at": at, "chain": chain, "inner": inner, "by": by, "own": own,
+        "columns": columns.reshape(many, n, count, width),
         "ahead": np.concatenate([rows @ chain[:, 1:], inner @ chain[:, :-1]], axis=2),
         **_wide(here, inputs, at, outputs),
     }  # fmt: skip

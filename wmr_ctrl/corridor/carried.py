@@ -18,108 +18,78 @@ BLOCK = 2**17
 
 
 @dataclass(frozen=True)
-class Kind:
-    """Columns ``weight`` (K, m) times ``values`` (n, K, m) of K samples."""
-
-    values: Floats
-    weight: Floats
-
-    @property
-    def flat(self) -> Floats:
-        """As one matrix (n, K m)."""
-        return (self.values * self.weight).reshape(len(self.values), -1)
-
-    def from_sample(self, first: int) -> Kind:
-        """Without those of the first samples."""
-        return Kind(self.values[:, first:], self.weight[first:])
-
-    def sizes(self, last: int | None = None) -> Floats:
-        """Of each number of the state (n), by all or by the first samples."""
-        return np.einsum("nkm,km->n", np.abs(self.values[:, :last]), self.weight[:last])
-
-    def and_more(self, new: Kind) -> Kind:
-        """With those of later samples."""
-        both = zip((self.values, self.weight), (new.values, new.weight), (1, 0), strict=True)
-        return Kind(*(np.concatenate([old, more], axis=axis) for old, more, axis in both))
-
-    def thinned(self, first: int, last: int, nodes: IntArray, share: Floats) -> tuple[Kind, Floats]:
-        """Of some samples only some ``nodes``, and sizes (n) of what is beside these.
-
-        Each of the samples is a share (samples, nodes) of these, with one sign, and a rest.
-        """
-        values, weight = self.values[:, first:last], self.weight[first:last]
-        ends = values[:, nodes]
-        between, size = (np.einsum("jk,nkm->njm", share, part) for part in (ends, np.abs(ends)))
-        off = np.abs(values - between) + 4 * ROUNDED * (np.abs(values) + size)
-        middle = Kind(ends, (share.T @ weight) * UP)
-        before = Kind(self.values[:, :first], self.weight[:first])
-        result = before.and_more(middle).and_more(self.from_sample(last))
-        return result, np.einsum("njm,jm->n", off, weight)
-
-
-@dataclass(frozen=True)
 class CarriedColumns:
-    """All columns, the oldest first; ``born`` (K): the first sample that each is part of.
+    """Columns ``weight`` (m, K) times ``values`` (n, m, K) of K samples, the oldest first.
 
-    ``known``: of what disturbs, ``bent``: of the law's force, and of boxes' components; ``misled``:
-    pairs of a disc.
+    ``born`` (K): the first sample that each is part of.  Of a sample's m, those before the first of
+    ``ends`` are of what disturbs, those until the second of the law's force and of boxes'
+    components, and what is left is a disc's pair.
     """
 
     born: IntArray
-    known: Kind
-    bent: Kind
-    misled: Kind
+    values: Floats
+    weight: Floats
+    ends: tuple[int, int]
 
     @property
-    def kinds(self) -> tuple[Kind, Kind, Kind]:
-        """All of them."""
-        return self.known, self.bent, self.misled
+    def bent(self) -> Floats:
+        """Weights (K, ...) of the law's force and of boxes' components."""
+        return self.weight[slice(*self.ends)].T
 
     @property
     def sizes(self) -> Floats:
         """Of each number of the state (n), with rounding."""
-        return np.asarray(sum(kind.sizes() for kind in self.kinds) * UP)
+        return sizes_of(self.values, self.weight) * UP
 
     def later(self, P: Floats, oldest: int) -> tuple[CarriedColumns, Floats]:
         """Multiplied by P, without those born before; sizes (n) of these."""
-        lost, gone, kinds = int(np.searchsorted(self.born, oldest)), np.zeros(len(P)), []
-        for kind in self.kinds:
-            values = (P @ kind.values.reshape(len(P), -1)).reshape(kind.values.shape)
-            moved = Kind(values, kind.weight)
-            gone += moved.sizes(lost)
-            kinds.append(moved.from_sample(lost))
-        return CarriedColumns(self.born[lost:], *kinds), gone
+        lost = int(np.searchsorted(self.born, oldest))
+        values = (P @ self.values.reshape(len(P), -1)).reshape(self.values.shape)
+        gone = sizes_of(values[..., :lost], self.weight[:, :lost])
+        born, weight = self.born[lost:], self.weight[:, lost:]
+        return replace(self, born=born, values=values[..., lost:], weight=weight), gone
 
-    def and_more(self, new: CarriedColumns) -> CarriedColumns:
+    def and_more(self, *new: CarriedColumns) -> CarriedColumns:
         """With younger ones."""
-        pairs = zip(self.kinds, new.kinds, strict=True)
-        kinds = (kind.and_more(more) for kind, more in pairs)
-        return CarriedColumns(np.concatenate([self.born, new.born]), *kinds)
+        every = (self, *new)
+        born, values, weight = (
+            np.concatenate([getattr(item, name) for item in every], axis=-1)
+            for name in ("born", "values", "weight")
+        )
+        return CarriedColumns(born, values, weight, self.ends)
+
+    def _from(self, first: int, last: int | None) -> CarriedColumns:
+        part = slice(first, last)
+        values, weight = self.values[..., part], self.weight[:, part]
+        return CarriedColumns(self.born[part], values, weight, self.ends)
 
     def thinned(self, first: int, last: int, apart: int) -> tuple[CarriedColumns, Floats]:
         """Of those born from ``first`` until ``last`` one in so many, with the ends.
 
-        Also sizes (n) of what is beside these, as a box.
+        Each of the samples is a share of these, with one sign, and a rest: also sizes (n) of what
+        is beside these, as a box.
         """
         begin, end = np.searchsorted(self.born, (first, last + 1)).tolist()
         count = end - begin
         if count < 3 or apart < 2:
-            return self, np.zeros(len(self.known.values))
+            return self, np.zeros(len(self.values))
         nodes = np.array(sorted({*range(0, count, apart), count - 1}))
-        born = self.born[begin:end]
-        units = np.eye(len(nodes))
-        share = np.array([np.interp(born, born[nodes], unit) for unit in units]).T
-        both = [kind.thinned(begin, end, nodes, share) for kind in self.kinds]
-        births = np.concatenate([self.born[:begin], born[nodes], self.born[end:]])
-        off = np.asarray(sum(rest for _, rest in both))
-        return CarriedColumns(births, *(kind for kind, _ in both)), off
+        old = self._from(begin, end)
+        born, ends = old.born, old.values[..., nodes]
+        share = np.array([np.interp(born, born[nodes], unit) for unit in np.eye(len(nodes))])
+        between, size = ends @ share, np.abs(ends) @ share
+        off = np.abs(old.values - between) + 4 * ROUNDED * (np.abs(old.values) + size)
+        new = CarriedColumns(born[nodes], ends, (old.weight @ share.T) * UP, self.ends)
+        result = self._from(0, begin).and_more(new, self._from(end, None))
+        return result, sizes_of(off, old.weight)
 
     def with_more(self, share: float, more: float, other: CarriedColumns | None) -> CarriedColumns:
         """With larger weights of all that is not known, and at least those of others, if alike."""
-        weight = self.bent.weight * share + more
+        result = replace(self, weight=self.weight.copy())
+        result.bent[:] = result.bent * share + more
         if other is not None and np.array_equal(other.born, self.born):
-            weight = np.maximum(weight, other.bent.weight)
-        return replace(self, bent=Kind(self.bent.values, weight))
+            result.bent[:] = np.maximum(result.bent, other.bent)
+        return result
 
     def older(self, samples: int) -> CarriedColumns:
         """The same, born so much later."""
@@ -130,14 +100,22 @@ class CarriedColumns:
 
         In single precision, with its rounding counted by the ``sizes``.
         """
-        known, bent = (_absolute(rows, kind.flat) for kind in (self.known, self.bent))
-        if self.misled.weight.size:
-            pairs = rows @ self.misled.flat
-            known += np.hypot(pairs[..., ::2], pairs[..., 1::2]).sum(axis=-1)
-        many = sum(kind.weight.size for kind in self.kinds)
+        count = len(self.born)
+        flat = (self.values * self.weight).reshape(len(self.values), -1)
+        parts = np.split(flat, [end * count for end in self.ends], axis=1)
+        known, bent = (_absolute(rows, part) for part in parts[:2])
+        if parts[2].size:
+            pairs = rows @ parts[2]
+            known += np.hypot(pairs[..., :count], pairs[..., count:]).sum(axis=-1)
+        many = self.weight.size
         off = 2 * (rows.shape[-1] + 8) * SINGLE * (np.abs(rows) @ (sizes + many * FAINT))
         share = (1 + 2 * many * SINGLE) * UP
         return known * share + off * UP, (known + bent) * share + off * UP
+
+
+def sizes_of(values: Floats, weight: Floats) -> Floats:
+    """Of each number of the state (n)."""
+    return np.asarray(np.abs(values).reshape(len(values), -1) @ weight.ravel())
 
 
 def _absolute(rows: Floats, columns: Floats) -> Floats:

@@ -16,7 +16,7 @@ from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.blame import blamed
 from wmr_ctrl.corridor.blocks import DOT, each
-from wmr_ctrl.corridor.carried import CarriedColumns, Kind
+from wmr_ctrl.corridor.carried import CarriedColumns
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.instant import Guess, Instant, OtherBoxError
 from wmr_ctrl.corridor.loop import MOST_COLUMNS, UP
@@ -86,10 +86,9 @@ class Following(Remainders):
     def _none(self) -> CarriedColumns:
         """No columns yet."""
         known = COMMAND * (2 if self.inputs.velocity.any() else 1)
-        widths = known, COMMAND + len(self.along.lasting), COMMAND if self.inputs.pose else 0
-        n = self.along.states.shape[1]
-        nothing = (Kind(np.zeros((n, 0, width)), np.zeros((0, width))) for width in widths)
-        return CarriedColumns(np.zeros(0, dtype=int), *nothing)
+        ends = known, known + COMMAND + len(self.along.lasting)
+        m, n = ends[1] + COMMAND * bool(self.inputs.pose), self.along.states.shape[1]
+        return CarriedColumns(np.zeros(0, dtype=int), np.zeros((n, m, 0)), np.zeros((m, 0)), ends)
 
     def _reached(self) -> tuple[Floats, Floats]:
         """What the rows reach, by what disturbs alone and in all."""
@@ -160,25 +159,29 @@ class Following(Remainders):
         off = now.most(along.off)
         heading = (most[:, 2] + now.most(along.turned)) * UP
         items = (along.distance(off, most), along.distance(off, ahead), heading, share, worst)
-        after = self._after(now, answer, until)[-1]
+        after = self._beside(now, answer, until, slice(now.count - 1, None))[0][-1]
         return (until.linear[-1], after), np.stack(items, axis=1)
 
-    def _after(self, now: Instant, guess: Guess, until: _Until) -> Floats:
-        """What rows reach at the samples' ends (J, rows)."""
-        by = now.block.after_by[..., now.block.ends[1] :]
-        after = until.after + by @ guess.weights
-        return np.asarray((after + DOT * self._state(after) @ np.abs(self.rows).T) * UP)
+    def _beside(
+        self, now: Instant, guess: Guess, until: _Until, places: slice = slice(None)
+    ) -> tuple[Floats, Floats]:
+        """What rows reach at the ends of samples (J, rows), and inner ones within them."""
+        weights, first = np.zeros((now.count, now.block.columns.shape[2])), now.block.ends[1]
+        weights[:, first:] = guess.weights
+        beside, count = now.block.by[places] @ weights.ravel(), len(self.rows)
+        after = until.after[places] + beside[:, :count]
+        after = (after + DOT * self._state(after) @ np.abs(self.rows).T) * UP
+        return after, until.inner[places] + beside[:, count:]
 
     def _found(
         self, now: Instant, guess: Guess, reach: Floats, until: _Until
     ) -> tuple[Guess, Floats, Floats]:
         """What comes of a guess; what the rows reach within samples, and the law's outputs."""
         block, rows, at = now.block, self.along.rows, now.block.at
-        after = self._after(now, guess, until)
+        after, inner = self._beside(now, guess, until)
         begin = np.vstack([reach, after[:-1]])
         state = self._state(begin)
         begin, after = begin[:, : len(rows)], after[:, : len(rows)]
-        inner = until.inner + block.inner_by[..., block.ends[1] :] @ guess.weights
         added, direct = self._law_added(begin, state, now), block.direct
         outs = len(self.read)
         beside = each(block.wide, state) + (direct + added)[:, self.read]
@@ -228,7 +231,7 @@ class Following(Remainders):
         self.carried, gone = self._moved(self.carried, now, new)
         box = (gone + beside + np.abs(now.block.chain[-1]) @ self.pending) * UP
         box += DOT * until.through
-        newest = self.carried.bent.weight[-1, COMMAND:]
+        newest = self.carried.bent[-1, COMMAND:]
         newest[:] = (newest + box[self.along.lasting]) * UP
         self.pending = self._rest(box * UP)
 
@@ -250,20 +253,17 @@ class Following(Remainders):
 
     def _added(self, now: Instant, force: Floats, box: Floats) -> tuple[CarriedColumns, Floats]:
         """Columns at its end of what a block adds, and what is beside them, as a box (n)."""
-        count, lasting, columns = now.count, self.along.lasting, now.block.columns
-        parts = np.split(columns, now.block.ends[:-1], axis=1)
-        known, misled, law, boxes = (part.reshape(len(part), count, -1) for part in parts)
+        lasting, (known, first) = self.along.lasting, now.block.ends
+        law, boxes = range(first, first + COMMAND), first + COMMAND
+        places = [*range(known), *law, *(boxes + k for k in lasting), *range(known, first)]
+        columns, ends = now.block.columns, self.carried.ends
+        weight = np.ones((len(places), now.count))
+        weight[slice(*ends)] = np.hstack([force, box[:, lasting]]).T
         rest = box.copy()
         rest[:, lasting] = 0.0
-        bent = Kind(
-            np.concatenate([law, boxes[:, :, lasting]], axis=2), np.hstack([force, box[:, lasting]])
-        )
-        plain = (Kind(part, np.ones(part.shape[1:])) for part in (known, misled))
-        first, second = plain
-        born = np.arange(now.k, now.k + count) + 1
-        return CarriedColumns(born, first, bent, second), np.einsum(
-            "njm,jm->n", np.abs(boxes), rest
-        )
+        born, values = np.arange(now.k, now.k + now.count) + 1, columns[..., places].swapaxes(1, 2)
+        new = CarriedColumns(born, values, weight, ends)
+        return new, np.einsum("njm,jm->n", np.abs(columns[..., boxes:]), rest)
 
     def _conditions(self, law: Floats, now: Instant) -> tuple[Floats, Floats]:
         """Share of the condition that is used most in each sample, and its number."""

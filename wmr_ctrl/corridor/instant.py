@@ -81,8 +81,8 @@ class Guess:
 
     @property
     def weights(self) -> Floats:
-        """Of a block's columns."""
-        return np.concatenate([self.force.ravel(), self.box.ravel()])
+        """Of a block's columns (J, ...)."""
+        return np.hstack([self.force, self.box])
 
     def going_on(self, before: Guess, count: int) -> Guess:
         """For a block of so many samples, what grew to these from the block before."""

@@ -291,7 +291,7 @@ class MovingLoop(SampledLoop):
             course.append(self.step_curve.function(by, q[:3, s]))
         na = self.acting
         after = ca.vertcat(course[-1], *queue[: self.queue], out[COMMAND : COMMAND + nm + na])
-        return ca.Function("sample", [x, p, q], [after, ca.horzcat(*course), out])
+        return ca.Function("sample", [x, p, q], [after, ca.horzcat(*course), out]).expand()
 
     @cached_property
     def _given(self) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ from wmr_ctrl.checks.world import COMMAND, Floats
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.blame import blamed
 from wmr_ctrl.corridor.blocks import FollowedBlock, blocks_of
-from wmr_ctrl.corridor.carried import CarriedColumns, Kind
+from wmr_ctrl.corridor.carried import CarriedColumns, sizes_of
 from wmr_ctrl.corridor.following import TRIES, Following, OtherBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.instant import Guess, Instant, RunBounds
@@ -81,7 +81,7 @@ class Passing(Following):
         blocks = list[FollowedBlock]()
         while k < last:
             if not blocks or ready != k:
-                count = 1 if k < alone else min(self.along.together, last - k)
+                count = 1 if k < alone else min(self.along.count_from(k), last - k)
                 many = 1 if k < alone else (last - k) // count
                 at = k - before + np.arange(many * count).reshape(many, count)
                 blocks = blocks_of(here, self.inputs, at, self.which)
@@ -227,7 +227,7 @@ class Passing(Following):
                 if now.k + now.count == stop:
                     stopped = self.carried, self.pending, self.commands
             self._moved_on(-lap, jump, heard)
-            off, fits = self._beside(held)
+            off, fits = self._apart(held)
             off = self._rest((self.pending + off) * UP)
             every.append(np.vstack(items))
             fits = fits and bool((off <= pending).all() and (self.commands <= sent).all())
@@ -242,7 +242,7 @@ class Passing(Following):
     def _moved_on(self, samples: int, jump: Floats, heard: Floats) -> None:
         """All deviations at a sample so much later, where the undisturbed loop is off by a jump."""
         self.carried = self.carried.older(samples).with_more(1.0, 0.0, None)
-        newest = self.carried.bent.weight[-1, COMMAND:]
+        newest = self.carried.bent[-1, COMMAND:]
         newest[:] = (newest + jump[self.along.lasting]) * UP
         self.pending = (self.pending + self._rest(jump)) * UP
         self.commands = (self.commands + heard) * UP
@@ -262,7 +262,7 @@ class Passing(Following):
         here, at = along.held(k, end), np.zeros((1, count), dtype=int)
         block = blocks_of(here, self.inputs, at, self.which)[0]
         now = Instant(k, end, here, block, held=True)
-        young = self.carried.bent.weight[-(along.young // count) * count :]
+        young = self.carried.bent[-(along.young // count) * count :]
         latest = [
             young.reshape(-1, count, young.shape[1]).max(axis=0),
             self.commands.max(axis=0, initial=0.0), self.pending,
@@ -272,7 +272,7 @@ class Passing(Following):
         for _ in range(HELD_TRIES):
             vars(self).update(before)
             standing = self._standing(now, most[0])
-            off, fits = self._beside(standing)
+            off, fits = self._apart(standing)
             if not fits:
                 break
             pending = most[2] = self._rest(np.maximum(most[2], (self.pending + off) * UP))
@@ -283,9 +283,9 @@ class Passing(Following):
                 _, items = self._follow(now, reach)
             except NoCorridorError:
                 break
-            off, fits = self._beside(standing.older(count))
+            off, fits = self._apart(standing.older(count))
             latest = [
-                self.carried.bent.weight[-count:], self.commands.max(axis=0, initial=0.0),
+                self.carried.bent[-count:], self.commands.max(axis=0, initial=0.0),
                 self._rest((self.pending + off) * UP),
             ]  # fmt: skip
             pairs = list(zip(latest, most, strict=True))
@@ -299,7 +299,7 @@ class Passing(Following):
     def _standing(self, now: Instant, most: Floats) -> CarriedColumns:
         """The columns, had every block been like this one and had each added the ``most``."""
         new, _ = self._added(now, most[:, :COMMAND], np.zeros((now.count, len(self.pending))))
-        new.bent.weight[:] = most
+        new.bent[:] = most
         result = self._none()
         for behind in range(-(-self.along.memory // now.count), -1, -1):
             samples = now.count * (behind + 1)
@@ -307,21 +307,19 @@ class Passing(Following):
             result, _ = self._moved(result, before, new.older(-samples))
         return result
 
-    def _beside(self, standing: CarriedColumns) -> tuple[Floats, bool]:
+    def _apart(self, standing: CarriedColumns) -> tuple[Floats, bool]:
         """Sizes (n) by which the columns are off shares of standing ones, and whether they are.
 
         What is off in a component that lasts has to have room beside its newest box.
         """
-        own, off = self.carried, np.zeros(len(self.pending))
+        own = self.carried
         if not np.array_equal(own.born, standing.born):
-            return off, False
-        fits = True
-        for mine, new in zip(own.kinds, standing.kinds, strict=True):
-            fits = fits and bool((mine.weight <= new.weight).all())
-            apart = np.abs(mine.values - new.values)
-            apart += ALIKE * (np.abs(mine.values) + np.abs(new.values))
-            off += Kind(apart, mine.weight).sizes()
-        off *= UP
-        room = standing.bent.weight[-1, COMMAND:]
-        newest = (own.bent.weight[-1, COMMAND:] + off[self.along.lasting]) * UP
-        return off, fits and bool((newest <= room).all())
+            return np.zeros(len(self.pending)), False
+        apart = np.abs(own.values - standing.values)
+        apart += ALIKE * (np.abs(own.values) + np.abs(standing.values))
+        off = sizes_of(apart, own.weight) * UP
+        newest = (own.bent[-1, COMMAND:] + off[self.along.lasting]) * UP
+        fits = (own.weight <= standing.weight).all() and (
+            newest <= standing.bent[-1, COMMAND:]
+        ).all()
+        return off, bool(fits)

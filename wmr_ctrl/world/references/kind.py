@@ -185,7 +185,7 @@ def check_finite(scenario: Scenario) -> None:
     """
     end, period = min(scenario.clock.duration, scenario.reference.cycle), scenario.clock.control
     samples = np.arange(min(end / period + 1, MOST_SAMPLES)) * period
-    times = np.union1d(samples, np.linspace(0, end, GRID))
+    times = np.sort(np.concatenate((samples, np.linspace(0, end, GRID))))
     bad = np.flatnonzero(~np.isfinite(sample(scenario, times)).all(axis=1))
     if bad.size:
         raise ScenarioError(
