@@ -30,6 +30,36 @@ def test_no_adversary_leaves_it_whenever_commands_act(law, steps, loose):
     assert beyond.position > tube.position or steps > 2
 
 
+SWINGING = {
+    "clock__control": 0.05, "clock__plant": 0.0025,
+    "reference__kind": "line", "reference__speed": 0.5,
+    "gains__kanayama__k": [21.2, 32.0, 10.0], "gains__kanayama__rate": [13.4, 14.0],
+    "gains__kanayama__wo": 0.2, "disturbance__std": 1e-4 / 3,
+}  # fmt: skip
+"""A velocity that swings for long after each push."""
+
+
+def test_close_to_where_its_changes_feed_themselves_there_is_a_corridor_and_beyond_it_none():
+    """The largest change of a command is 30 times what it is without jitter."""
+    plain, tube, over = (
+        find_corridor(simulated(**SWINGING, actuator__jitter=2.5e-3 * steps), "kanayama")
+        for steps in (0, 5, 6)
+    )
+    assert 10 * plain.position < tube.position < 50 * plain.position
+    assert "may grow as large as what the loop corrects" in over.refused
+
+
+@pytest.mark.slow
+def test_a_fifth_more_jitter_leaves_it():
+    """Commands that all wait for as long as they may, under pushes in time with the swinging."""
+    tube = find_corridor(simulated(**SWINGING, actuator__jitter=0.0125), "kanayama")
+    within, beyond = (
+        farthest_held(simulated(**SWINGING), "kanayama", 420, 1e-4, steps) for steps in (5, 6)
+    )
+    assert within.position < tube.position < beyond.position
+    assert not beyond.clipped
+
+
 def test_a_jitter_widens_it_and_waits_of_any_kind_stay_within():
     scenario, rng = simulated(actuator__jitter=0.004), np.random.default_rng(5)
     tube, plain = find_corridor(scenario, "prox"), find_corridor(simulated(), "prox")

@@ -42,11 +42,12 @@ from wmr_ctrl.corridor.reckoning import Reckoning
 from wmr_ctrl.corridor.responses import Gains
 from wmr_ctrl.corridor.sample import SlowLoopError
 
-ROUNDS, CLOSE, INFLATED = 60, 1e-7, 1e-6
-"""Rounds of the fixed point, the change at which they end, and what each of them adds."""
+ROUNDS, CLOSE, INFLATED, LEAP = 60, 1e-7, 1e-6, 20
+"""Rounds of the fixed point, the change at which they end, what each of them adds, and after how
+many of them its limit is guessed."""
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
-FAR, NEAR, DUST = 30.0, 1e-3, 1e-9
+FAR, NEAR, DUST = 300.0, 1e-3, 1e-9
 """Growth over the linear loop, over a least share of all, and a size: beyond these it is lost."""
 
 
@@ -185,12 +186,12 @@ class Certifier:
         begun, scale = self.image(inputs, first) if inputs.missing else first, self.gains.scale
         near = NEAR * scale[:ROBOT] * float((begun.fast[:ROBOT] / scale[:ROBOT]).max())
         far = FAR * np.maximum(begun.fast[:ROBOT], near) + DUST
-        for _ in range(ROUNDS):
-            following = self.image(inputs, peaks).times(1 + INFLATED)
-            change = np.abs(following.every - peaks.every) <= CLOSE * following.every
-            peaks = following
-            if change.all():
+        for k in range(ROUNDS):
+            before, peaks = peaks, self.image(inputs, peaks).times(1 + INFLATED)
+            if (np.abs(peaks.every - before.every) <= CLOSE * peaks.every).all():
                 break
+            if k % LEAP == LEAP - 1:
+                peaks = self.image(inputs, peaks).limit(before, peaks).times(1 + INFLATED)
             if (peaks.fast[:ROBOT] > far).any():
                 raise NoCorridorError(self._blamed(inputs, first))
         if not self.image(inputs, peaks).within(peaks):

@@ -21,13 +21,26 @@ class Peaks:
     law: Floats
 
     @property
+    def parts(self) -> tuple[Floats, Floats, Floats]:
+        """All three."""
+        return self.fast, self.state, self.law
+
+    @property
     def every(self) -> Floats:
         """All in one vector."""
-        return np.concatenate((self.fast, self.state, self.law))
+        return np.concatenate(self.parts)
 
     def times(self, factor: float, more: float = LEAST) -> Peaks:
         """So many times as large, and some more."""
-        return Peaks(*(part * factor + more for part in (self.fast, self.state, self.law)))
+        return Peaks(*(part * factor + more for part in self.parts))
+
+    def limit(self, first: Peaks, second: Peaks) -> Peaks:
+        """A little beyond where these three lead if they grow by ever the same share."""
+        before, now = second.every - first.every, self.every - second.every
+        share = float((now / np.where(before > 0, before, np.inf)).max())
+        more = 1.01 * share / (1 - share) if share < 1 else 0.0
+        parts = zip(self.parts, second.parts, strict=True)
+        return Peaks(*(last + more * np.maximum(last - old, 0.0) for last, old in parts))
 
     def within(self, other: Peaks) -> bool:
         """True where no element is larger than another's."""
