@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, TRUTH
-from wmr_ctrl.identification import identify
+from wmr_ctrl.identification import identify, widths
 from wmr_ctrl.identification.refuted import contradictions, explaining
 from wmr_ctrl.identification.widths import Fitted, changes
 
@@ -93,6 +93,26 @@ def test_values_of_blocks_that_step_are_told_with_the_time_of_the_step(ends):
 def test_blocks_that_scatter_or_step_by_little_tell_no_change(step, told):
     scatter = 0.004 * np.cos(2.4 * np.arange(15))
     assert list(changed(math.log(30.0) + step * (np.arange(15) < 7) + scatter)) == told
+
+
+@pytest.mark.parametrize("apart", [1e-9, 1e-6, 1e-3])
+def test_numbers_that_half_of_a_log_does_not_tell_apart_have_not_changed(apart):
+    """A regression on two numbers whose columns are all but the same in its first half."""
+    rng = np.random.default_rng(1)
+    x = rng.normal(size=(16, 100, 2))
+    x[:8, :, 1] = x[:8, :, 0] * (1 + apart * rng.normal(size=(8, 100)))
+    y = rng.normal(size=(16, 100))
+    theta = np.linalg.lstsq(x.reshape(-1, 2), y.ravel(), rcond=None)[0]
+    gradient = -np.einsum("bni,bn->bi", x, y - x @ theta)
+    fit = Fitted(theta, np.array([True, True]), gradient, x.swapaxes(1, 2) @ x)
+
+    assert changes(fit, ("m", "I"), SimpleNamespace(t=np.array([0.0, 9.0]), period=0.05)) == {}
+
+
+def test_a_width_that_is_no_number_tells_no_change(monkeypatch):
+    monkeypatch.setattr(widths, "errors_of", lambda _, fisher, free: np.full(len(free), np.nan))
+
+    assert changed(np.where(np.arange(15) < 7, 0.0, 1.0)) == {}
 
 
 def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(found):

@@ -35,21 +35,29 @@ def _two_errors(gradient: Floats, fisher: Floats, free: np.ndarray) -> tuple[Flo
     The second is by one Newton step for each block b that is left out, theta_b = theta + (H -
     H_b)^-1 g_b.
     """
-    whole = fisher.sum(axis=0)[np.ix_(free, free)]
-    tiny = 1e-10 * np.diag(np.diag(whole))
+    whole = _whole(fisher, free)
     by_fisher, left = np.zeros(len(free)), np.zeros(len(free))
-    by_fisher[free] = np.sqrt(np.maximum(np.diag(np.linalg.inv(whole + tiny)), 0))
+    by_fisher[free] = np.sqrt(np.maximum(np.diag(np.linalg.inv(whole)), 0))
     moved = []
     for block in range(len(fisher)):
         own = fisher[block][np.ix_(free, free)]
         if not own.any():
             continue
-        lacking = whole + tiny - own + 1e-9 * np.diag(np.diag(whole))
+        lacking = whole - own + 1e-9 * np.diag(np.diag(whole))
         moved.append(np.linalg.solve(lacking, gradient[block][free]))
     count = len(moved)
     spread = np.array(moved) - np.mean(moved, axis=0)
     left[free] = np.sqrt((count - 1) / count * (spread**2).sum(axis=0))
     return by_fisher, left
+
+
+def _whole(fisher: Floats, free: np.ndarray) -> Floats:
+    """Information of all blocks on what is free, and a little more of each number by itself.
+
+    Without that, what a log does not tell apart would move by roundings, further than any interval.
+    """
+    whole = fisher.sum(axis=0)[np.ix_(free, free)]
+    return np.asarray(whole + 1e-10 * np.diag(np.diag(whole)))
 
 
 def errors_of(gradient: Floats, fisher: Floats, free: np.ndarray) -> Floats:
@@ -71,8 +79,8 @@ class Fitted(NamedTuple):
         these do not tell one.
         """
         free, gradient, fisher = self.free, self.gradient[part], self.fisher[part]
-        whole, step = fisher.sum(axis=0)[np.ix_(free, free)], np.zeros(len(free))
-        step[free] = -np.linalg.solve(whole, gradient.sum(axis=0)[free])
+        step = np.zeros(len(free))
+        step[free] = -np.linalg.solve(_whole(fisher, free), gradient.sum(axis=0)[free])
         return self.theta + step, errors_of(gradient + fisher @ step, fisher, free)
 
 
@@ -93,7 +101,7 @@ def changes(fit: Fitted, names: Sequence[str], log: Samples | AxisLog) -> dict[s
             continue
         for k in np.flatnonzero(fit.free).tolist():
             apart, both = abs(after[k] - before[k]), wide[k] + narrow[k]
-            if apart > max(least[k], best[k] * both):
+            if apart > least[k] and apart > best[k] * both:
                 best[k], times[names[k]] = apart / both, float(ends[block])
     return times
 
