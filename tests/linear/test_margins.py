@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from dataclasses import replace
 
@@ -11,11 +12,10 @@ import pytest
 
 import wmr_ctrl
 from analysis.starts import start_at
+from wmr_ctrl import linear
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear import (
-    closed_loop,
     largest_stable_period,
-    loop_nlsys,
     margins_at,
     on_reference,
     open_loop,
@@ -158,11 +158,20 @@ def test_an_axis_or_a_period_that_is_none_is_refused(given, match):
         open_loop(load_scenario("paper-simulation-nominal"), "pid", **given)
 
 
-@pytest.mark.parametrize("function", [closed_loop, loop_nlsys, open_loop, spectral_radius])
-def test_a_scenario_by_its_name_is_told_what_is_wanted(function):
-    more = {open_loop: (0,), spectral_radius: ([0.01],)}.get(function, ())
-    with pytest.raises(ArgumentError, match=r"scenario = .* must be a Scenario"):
-        function("paper-simulation", "pid", *more)
+def test_a_scenario_by_its_name_is_told_what_is_wanted_by_every_function():
+    functions = {item: inspect.signature(item).parameters for item in vars(linear).values()
+                 if inspect.isfunction(item)}  # fmt: skip
+    taking = [item for item, parameters in functions.items() if "scenario" in parameters]
+    assert len(taking) >= 19
+    for function in taking:
+        needed = [p for p in functions[function].values() if p.default is p.empty]
+        with pytest.raises(ArgumentError, match=r"scenario = .* must be a Scenario"):
+            function(*("paper-simulation" for _ in needed))
+
+
+def test_periods_of_the_spectral_radius_are_times():
+    with pytest.raises(ArgumentError, match=r"period = 0\.0 s must be .* above 0\. A loop is"):
+        spectral_radius(load_scenario("paper-simulation-nominal"), "pid", [0.01, 0.0])
 
 
 def test_margins_behind_a_delay_are_those_of_the_frequency_response():

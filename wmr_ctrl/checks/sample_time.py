@@ -20,6 +20,7 @@ from wmr_ctrl.checks.torques import first_torques
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, gains_that_fit, joined
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.values import LARGEST
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import Scenario
@@ -147,6 +148,7 @@ def _first_step(loop: Loop) -> Iterator[Warning]:
         )
 
 
+@checks_arguments
 def largest_stable_period(scenario: Scenario, law: str) -> float:
     """Supremum [s] of the stable periods about the scenario's, or of the next below.
 

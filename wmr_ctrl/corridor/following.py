@@ -165,7 +165,7 @@ class Following(Remainders):
     def _beside(
         self, now: Instant, guess: Guess, until: _Until, places: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """What rows reach at the ends of samples (J, rows), and inner ones within them."""
+        """Reach of rows at the ends of samples (J, rows), and of inner ones within them."""
         weights, first = np.zeros((now.count, now.block.columns.shape[2])), now.block.ends[1]
         weights[:, first:] = guess.weights
         beside, count = now.block.by[places] @ weights.ravel(), len(self.rows)

@@ -149,7 +149,7 @@ def one_first(
 def _ends(
     sent: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], axis: int
 ) -> Iterator[tuple[ca.SX, ca.SX]]:
-    """How far back and ahead each channel lets an axis go beside what is sent on the other."""
+    """Ends, back and ahead, to which each channel lets an axis go beside the other's command."""
     for channel, low, high in zip(channels, lo, hi, strict=True):
         way, used = channel.ways[axis], channel.of(sent)
         if way:

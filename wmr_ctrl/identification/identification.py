@@ -308,11 +308,14 @@ def _scenario(
         return result
     if bounds.wide:
         (low, high), (least, most) = bounds.delay, bounds.masses[0]
-        remarks.append(
-            "the guard is off: it takes a delay known to a control period, and a mass or inertia "
-            f"that is determined; the delay lies between {1e3 * low:.3g} and {1e3 * high:.3g} ms, "
-            f"m between {least:.3g} and {most:.3g} kg. A better drive determines them."
+        lacking = (
+            f"a delay known to a control period, and this one lies between {1e3 * low:.3g} and "
+            f"{1e3 * high:.3g} ms"
+            if high - low > base.clock.control * (1 + 1e-9)
+            else "a mass or an inertia that the log determines, and m lies between "
+            f"{least:.3g} and {most:.3g} kg"
         )
+        remarks.append(f"the guard is off: it takes {lacking}. A better drive determines it.")
         return result
     try:
         return scenario_of(result, guard=True)

@@ -34,7 +34,7 @@ SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 LATE_POINTS = 5, 3
 """Delays and lags in their intervals for which the force that acted is worked out."""
 CONSTANT = ("m", "I", "delay")
-"""What must not change within a log."""
+"""Numbers that must not change within a log."""
 WIDENED = (1.05, 1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0)
 """Factors on the range of masses that are tried where a motion is not explained."""
 CREEP, CREEP_LAG = 0.01, 0.005

@@ -21,6 +21,7 @@ from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS, TRACKING_ERROR, VELOCITY, Signal
@@ -57,12 +58,10 @@ def check_axis(axis: int) -> None:
         raise ArgumentError(f"axis = {axis} must be 0, the thrust, or 1, the moment.")
 
 
-def check_period(period: float | None) -> None:
+def check_period(period: float | None, remedy: str = "Leave it out for a continuous loop.") -> None:
     """Raise ArgumentError for a period that is no time [s]; None: continuous."""
     if period is not None and not 0.0 < period < np.inf:
-        raise ArgumentError(
-            f"period = {period!r} s must be finite and above 0. Leave it out for a continuous loop."
-        )
+        raise ArgumentError(f"period = {period!r} s must be finite and above 0. {remedy}")
 
 
 def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
@@ -152,6 +151,7 @@ def instant(scenario: Scenario, at: float | None) -> float:
     return at
 
 
+@checks_arguments
 def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     """The robot exactly on its reference at time ``t`` [s]: e = 0, v = v_d.
 
@@ -166,6 +166,7 @@ def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     return replace(there, force=loop.after_a_sample(there).force)
 
 
+@checks_arguments
 def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     """The loop's true resting point around its reference, desired velocities held: Newton's method.
 

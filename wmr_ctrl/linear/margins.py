@@ -83,6 +83,7 @@ def open_loop(
     return ct.ss(-loop, name=f"L{axis + 1}", inputs=[cut], outputs=[asked])
 
 
+@checks_arguments
 def margins_at(
     scenario: Scenario,
     law: str,
@@ -135,6 +136,7 @@ def worst(given: list[Margins | None]) -> Margins | None:
     return Margins(**margins)
 
 
+@checks_arguments
 def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1.0) -> Scenario:
     """The robot's mass, inertia and friction times these factors; the laws' model stays."""
     robot, believed = scenario.robot, scenario.believed

@@ -45,6 +45,7 @@ def to_nlsys(system: System) -> ct.NonlinearIOSystem:
     )  # fmt: skip
 
 
+@checks_arguments
 def plant_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIOSystem:
     """The robot: wheel torques, their disturbance [N m] and a force on the body to its motion.
 
@@ -53,6 +54,7 @@ def plant_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIOSyst
     return to_nlsys(_over_period(scenario) if sampled else plant(scenario))
 
 
+@checks_arguments
 def law_nlsys(
     scenario: Scenario, law: str, sampled: bool = False, memory: str = "learning"
 ) -> ct.NonlinearIOSystem:
@@ -68,6 +70,7 @@ def law_nlsys(
     return to_nlsys(block if sampled else continuous_reading(block))
 
 
+@checks_arguments
 def reference_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIOSystem:
     """The desired trajectory: no input, a function of time."""
     block = reference(scenario)
@@ -98,6 +101,7 @@ def loop_nlsys(
     )  # fmt: skip
 
 
+@checks_arguments
 def start_of(scenario: Scenario, law: str, memory: str = "learning") -> Floats:
     """Start of `loop_nlsys`: the law's memory, then pose and velocity."""
     own = controller(settle(scenario, law)).x0 if memory == "learning" else []

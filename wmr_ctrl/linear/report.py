@@ -167,6 +167,7 @@ class _Steps:
         return value
 
 
+@checks_arguments
 def report_linear(
     scenario: Scenario,
     law: str,

@@ -52,13 +52,14 @@ def radius_of(
     loop, learning = law_loop(scenario, law), is_learning(memory)
 
     def of(period: float) -> float:
-        check_period(period)
+        check_period(period, "A loop is sampled with each of the periods.")
         matrix = from_pose_to_pose(loop, at, period, learning=learning)
         return float(radius(matrix) ** (1 / loop.around.samples_a_pose(period)))
 
     return of
 
 
+@checks_arguments
 def largest_learning_period(scenario: Scenario, law: str, point: Point | None = None) -> float:
     """Supremum of the stable periods [s] with weights and estimates moving; 0.0 if there is none.
 
@@ -69,6 +70,7 @@ def largest_learning_period(scenario: Scenario, law: str, point: Point | None = 
     return supremum(radius_of(scenario, law, point, "learning"), shortest_tried(loop))
 
 
+@checks_arguments
 def kink_periods(scenario: Scenario, law: str) -> Floats | None:
     """Longest stable period (2) [s] where v sits at v_u2 with v_c0 beyond; None without a barrier.
 
@@ -95,6 +97,7 @@ def _for_own_period(loop: Loop, limit: Callable[[float], Floats]) -> Floats:
     return np.array([supremum(share(axis), shortest=1e-3, ratio=2.0) for axis in (0, 1)])
 
 
+@checks_arguments
 def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) -> Floats | None:
     """Longest period (2) [s] after which no |v| < v_u1 has left the limit, v_c0 (2) held still.
 
@@ -158,6 +161,7 @@ def pull_of(
     return pull
 
 
+@checks_arguments
 def pull_curve(scenario: Scenario, law: str, axis: int, v_c0: float, speeds: Floats) -> Floats:
     """Force [N] or moment [N m] of the law over ``speeds`` (N,), its friction term taken off."""
     check_axis(axis)

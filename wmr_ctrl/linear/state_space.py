@@ -48,6 +48,7 @@ def is_learning(memory: str) -> bool:
     return memory == "learning"
 
 
+@checks_arguments
 def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> ct.StateSpace:
     """The plant near ``point``: force and disturbance to e, v1, omega.
 
@@ -86,6 +87,7 @@ def with_inputs(system: ct.StateSpace, names: list[str]) -> ct.StateSpace:
     )  # fmt: skip
 
 
+@checks_arguments
 def law_at(
     scenario: Scenario, law: str, point: Point, period: float | None = None, memory: str = "frozen"
 ) -> ct.StateSpace:
@@ -161,6 +163,7 @@ SADDLE = (0.0, 0.0, np.pi)
 """The other resting point of Eq. (7) on a circle or a line: the robot faces backwards."""
 
 
+@checks_arguments
 def kinematic_loop(scenario: Scenario) -> System:
     """Continuous System e' of Eqs. (33)-(35) with v = v_c0."""
     e, v_d = port(TRACKING_ERROR), port(V_D)
@@ -170,6 +173,7 @@ def kinematic_loop(scenario: Scenario) -> System:
     return System(name, title, inputs=(v_d,), state=(e,), update=rate, outputs=outputs)
 
 
+@checks_arguments
 def kinematic_poles(scenario: Scenario, e: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Floats:
     """Eigenvalues [1/s] near error ``e`` [m, m, rad], v_d that of the reference at t = 0.
 
