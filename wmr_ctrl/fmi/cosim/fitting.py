@@ -128,7 +128,8 @@ def check_spans(scenario: Scenario, plant: Part, steady: bool) -> None:
         raise ArgumentError(
             f"the map's step of {path}, {step:g} s, does not divide clock.plant = {pace:g} s, by "
             "which drives or disturbances of this scenario change what acts on the plant. Set "
-            "clock.plant to a multiple of that step, or use a scenario without lag and delay."
+            "clock.plant to a multiple of that step, or take out those drives (lag, delay, ...) "
+            "and disturbances (slope, resistance)."
         )
     for change in scenario.changes:
         begins = first_step_at(change.t, pace) * pace
