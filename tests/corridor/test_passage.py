@@ -260,3 +260,16 @@ def test_columns_of_some_samples_stand_for_those_between():
     assert (farther + np.abs(rows) @ off >= far).all()
     assert (farther + np.abs(rows) @ off <= 1.1 * far).all()
     assert after.born.tolist() == sorted(set(after.born.tolist()))
+
+
+def test_a_loop_that_forgets_before_a_block_ends_is_followed(monkeypatch):
+    """Its columns are fewer than a block's samples where a change cut a block short."""
+    monkeypatch.setattr("wmr_ctrl.corridor.along.forgets", lambda *_: 12)
+    told = {"clock.duration": 1.5, "changes": [{"t": 0.533, "m": 31.0}], "disturbance.std": 2e-4}
+    along = Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
+    assert along.memory < along.together
+
+    bounds = Passing(along, bounded_inputs(along.setup), np.zeros(3)).run()
+
+    assert len(bounds.position) == 150
+    assert (bounds.share <= 1).all()

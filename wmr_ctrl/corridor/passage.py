@@ -256,7 +256,8 @@ class Passing(Following):
         begin, end = along.steady_until(k)
         begin = max(begin, self._first)
         many = (end - k) // count
-        if k - begin <= 2 * along.memory or many * count <= along.memory or k < self._again:
+        brief = k - begin <= 2 * along.memory or many * count <= along.memory
+        if brief or along.young < count or k < self._again:
             return None
         self._again = k + (k - begin) // AGAIN_AFTER
         here, at = along.held(k, end), np.zeros((1, count), dtype=int)
