@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -53,6 +55,20 @@ def test_a_robots_drive_gives_what_its_columns_give(found):
     drive = RecordedDrive("log", dict.fromkeys(columns, t), columns)
 
     assert identify(drive, base="velocity").to_json() == found.to_json()
+
+
+@pytest.mark.slow
+def test_a_gain_that_changed_midway_is_told_with_its_time_and_nothing_else(found):
+    first, last = steps(FIRST, 20.0), steps({**FIRST, "gain": [0.8, 1.05]}, 20.0, seed=1)
+    last["t [s]"] = [t + 21.0 for t in last["t [s]"]]
+    log = {key: first[key] + last[key] for key in first}
+
+    told = [text for text in identify(log, base="velocity").remarks if "not the same" in text]
+    assert len(told) == 1
+    when = re.match(r"gain1 was not the same before about ([\d.]+) s as after it", told[0])
+    assert when
+    assert float(when[1]) == pytest.approx(20.5, abs=3.0)
+    assert not any("not the same" in text for text in found.remarks)
 
 
 def test_speeds_of_sets_that_are_followed_together_are_those_of_each_alone():

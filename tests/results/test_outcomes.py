@@ -80,7 +80,9 @@ def test_a_guarded_violation_does_not_advise_the_guard() -> None:
 @pytest.mark.parametrize("guard", [False, True])
 def test_a_start_outside_is_told_as_such_and_only_then(guard: bool) -> None:
     outside = Monitor((1.3, 0.5), violations=9, first_violation=(0.0, 1))
-    assert "started outside the limits" in Outcome.LIMIT_VIOLATED.sentence(outside, guard)
+    sentence = Outcome.LIMIT_VIOLATED.sentence(outside, guard)
+    assert "started outside the limits" in sentence
+    assert ("too: switch the guard on" in sentence) is not guard
     assert "outside" not in Outcome.LIMIT_VIOLATED.sentence(BROKEN, guard)
 
 

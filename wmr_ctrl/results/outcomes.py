@@ -30,7 +30,6 @@ _UNCOVERED = (
     "The run left what the guard assumes: compare guard.dbar, M_min, M_max and nbar with the "
     "robot, state the drives' delay and lag in full."
 )
-_OUTSIDE = "The run started outside the limits: start inside them."
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,14 +146,21 @@ class Outcome(StrEnum):
             steps="1 plant step was" if count == 1 else f"{count} plant steps were",
             extremes=f"largest |v1| {linear:.4g} m/s, largest |omega| {angular:.4g} rad/s",
             failure=monitor.failure,
-            cause=_OUTSIDE if outside else _UNCOVERED if guard else _UNGUARDED,
+            cause=_cause(outside, guard),
             **_rigid(monitor.rigid),
         )
 
 
+def _cause(outside: bool, guard: bool) -> str:
+    """Reason why a limit was broken, with the remedy; a start outside may not be the only one."""
+    if not outside:
+        return _UNCOVERED if guard else f"Switch {_UNGUARDED}"
+    text = "The run started outside the limits: start inside them."
+    return text if guard else f"{text} If it breaks them then, too: switch {_UNGUARDED}"
+
+
 _UNGUARDED = (
-    "Switch the guard on (on a base that takes velocities: the filter), or ask for a slower "
-    "reference."
+    "the guard on (on a base that takes velocities: the filter), or ask for a slower reference."
 )
 _NOT_COVERED = (
     "its guarantee does not cover this run. Widen guard.dbar, or guard.M_min and guard.M_max, "
