@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -410,6 +411,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "delay": ({"base.delay": 0.01}, "outside filter.delay"),
     "push": ({"disturbance.push": [5.0, 0.0]}, "filter.d[1]"),
     "wheels": ({"filter.channels": "wheels"}, "the loops of v and omega differ"),
+    "wheel speed": ({"filter.wheel_speed": 0.8}, "the loops of v and omega differ"),
     "rolling": ({"resistance.rolling": [0.1, 0.1]}, "slow the base by up to"),
     "viscous": ({"resistance.viscous": [0.0, 2.0]}, "slow the base by up to"),
     "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
@@ -514,6 +516,41 @@ def test_a_governor_of_wheels_counts_on_loops_that_are_alike(
         top = max(top, v[0])
     assert (top > 1.02 * 0.5) == broken
     assert (top > 0.5) == broken
+
+
+@pytest.mark.parametrize(("tau", "words"), [((0.4, 0.1), "differ"), ((0.2, 0.2), "")])
+def test_a_limit_of_wheels_speeds_counts_on_loops_that_are_alike(
+    tau: tuple[float, float], words: str
+) -> None:
+    """Straight on and then a turn, behind a clip: one wheel goes on while the other speeds up."""
+    loops, stated = (
+        {"base.tau": list(tau), "base.gain": [1.0, 1.0]},
+        {"gain": [1, 1], "wheel_speed": 0.5},
+    )
+    scenario = based({**VELOCITY, **loops, "filter": {**CLIPPED["filter"], **stated}})
+    limit, l, v, top = wmr_ctrl.command_filter(scenario), scenario.robot.l, np.zeros(2), 0.0
+    share = np.exp(-0.01 / np.array(tau))
+    for k in range(160):
+        sent = np.array(limit.step((9.0, 0.0) if k < 80 else (0.0, 99.0)).command)
+        for _ in range(5):
+            v = share * v + (1 - share) * sent
+            top = max(top, abs(v[0]) + l * abs(v[1]))
+    assert (top > 1.1 * 0.5) == (top > 0.5) == bool(words)
+    with pytest.raises(ScenarioError, match=words) if words else nullcontext():
+        settle(scenario, "kanayama")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("base.accel", [1.0, 9.0]), ("base.decel", [1.0, 9.0]), ("base.jerk", [9.0, 9.0]),
+     ("actuator.tau_max", 0.5)],
+)  # fmt: skip
+def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(
+    key: str, value: Any
+) -> None:
+    clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
+    with pytest.raises(ScenarioError, match=f"{key} may hold back one of v and omega"):
+        settle(based({**CLIPPED, "base.tau": [0.2, 0.2], key: value, "filter": clip}), "kanayama")
 
 
 REFUSED: Mapping[str, Mapping[str, Any]] = {

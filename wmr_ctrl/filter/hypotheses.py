@@ -91,6 +91,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
             if not _within(gain, (0.0, stated.gain[1])):
                 yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
         yield from _of_pushed_weak_motors(scenario, bound)
+        yield from _of_wheels(scenario)
     for axis, push in enumerate(push_speeds(scenario, bound)):
         if push > stated.d[axis] * (1 + ROUNDING):
             yield (
@@ -189,6 +190,29 @@ def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
         )
 
 
+def _of_wheels(scenario: Scenario) -> Iterator[str]:
+    """Limits of wheels that need loops of v and omega which change alike."""
+    stated, base, governs = scenario.filter, scenario.base, scenario.filter.kind == "governor"
+    wheels, speed = governs and stated.channels == "wheels", stated.wheel_speed is not None
+    which = "filter.wheel_speed" if speed else 'the governor of filter.channels = "wheels"'
+    remedy = "Leave it out" if speed else 'Use filter.channels = "body"'
+    for key, (linear, angular) in (("tau", base.tau), ("gain", base.gain)):
+        if linear != angular and (wheels or (speed and (governs or key == "tau"))):
+            yield (
+                f"base.{key} = [{linear:g}, {angular:g}]: the loops of v and omega differ, so that "
+                "no wheel follows a first-order loop of its own, and "
+                f"{which} relies on that. {remedy}."
+            )
+    bounded = [f"base.{key}" for key in ("accel", "decel", "jerk")
+               if min(getattr(base, key)) < math.inf]  # fmt: skip
+    bounded += ["actuator.tau_max"] * (scenario.actuator.tau_max < most_torque(scenario))
+    if speed and bounded:
+        yield (
+            f"{bounded[0]} may hold back one of v and omega while the other changes, so that a "
+            "wheel passes filter.wheel_speed between two commands that keep it. Leave out either."
+        )
+
+
 def most_torque(scenario: Scenario) -> float:
     """Largest torque [N m] that a first-order loop asks of a wheel, all speeds within limits."""
     base, robot, h = scenario.base, scenario.robot, scenario.clock.plant
@@ -265,14 +289,6 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
                     f"{UNITS[axis]}, and filter.d[{axis + 1}] = {stated.d[axis]:g} {UNITS[axis]} "
                     "is less: on its way back to rest the speed changes faster than the governor "
                     'counts on. Raise it to that, or use filter.kind = "clip".'
-                )
-    if stated.channels == "wheels":
-        for key, (linear, angular) in (("tau", base.tau), ("gain", base.gain)):
-            if has_loop(scenario, "first-order") and linear != angular:
-                yield (
-                    f"base.{key} = [{linear:g}, {angular:g}]: the loops of v and omega differ, so "
-                    "that no wheel follows a first-order loop of its own, and the governor of "
-                    'filter.channels = "wheels" relies on that. Use filter.channels = "body".'
                 )
     yield from _of_the_times(scenario, bound)
     if stated.odometry is None:
