@@ -12,6 +12,7 @@ RUN = ("run", "paper-simulation", "--engine", "numpy")
 CASES = {
     "command": (("rnu",), "no command is named 'rnu' (near: run"),
     "law": (("run", "--law", "mbb"), "no law is named 'mbb' (near: mb"),
+    "law beside all": (("compare", "--law", "all,mbb"), "no law is named 'mbb' (near: mb"),
     "scenario": (("run", "papersimulation"), "near: paper-simulation"),
     "law as a scenario": (("run", "prox"), "wmr-ctrl run far-start --law prox"),
     "engine": (("run", "--engine", "numpi"), "no engine is named 'numpi' (near: numpy"),

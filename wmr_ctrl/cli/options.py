@@ -124,8 +124,8 @@ def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> t
     if "all" in names:
         from wmr_ctrl.laws.registry import LAWS
 
-        return tuple(LAWS)
-    return tuple(dict.fromkeys(names))
+        names += LAWS
+    return tuple(dict.fromkeys(name for name in names if name != "all"))
 
 
 seed_option = click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
