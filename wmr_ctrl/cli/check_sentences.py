@@ -33,7 +33,7 @@ REMEDIES = {
     "body.wheel_mass": "state the mass of one of its wheels",
     "guard.dbar": "state true bounds; where they cost too much speed, drive slower",
     "guard.alpha": "lower guard.alpha, or measure the velocity better",
-    "filter.age": "raise it to the age of the sensors' velocity, or drop filter.odometry",
+    "filter.age": "raise it to the measured velocity's age, or drop filter.odometry",
     "filter.kind": "set a filter.kind that holds for the base",
     "filter.trust": "make the filter's intervals cover the base",
     "limit-violated": "switch guard or filter on, start nearer, or slow the reference",
