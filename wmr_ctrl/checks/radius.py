@@ -156,9 +156,10 @@ def edge(of: Callable[[float], float], stable: float, unstable: float) -> float:
 def crossing(
     excess: Callable[[float], float], inside: float, outside: float, rtol: float = RTOL
 ) -> float:
-    """The last x on the way from ``inside`` to ``outside`` with ``excess(x)`` <= 0.
+    """An x on the way from ``inside`` to ``outside`` with ``excess(x)`` <= 0, beside one above 0.
 
-    Excess is positive at ``outside``, which may be the smaller of the two.  A guess is on the line
+    The last such x where excess changes its sign once on the way.  It is positive at ``outside``,
+    which may be the smaller of the two.  A guess is on the line
     through the last two points outside, where there are two: a mode that stays at 1 makes it flat
     inside.  What is tried lies beyond the guess, so that both ends close in on it, and at least
     every other step halves what is between them.
