@@ -10,7 +10,7 @@ import pytest
 from wmr_ctrl.checks import grip_warnings, warnings_for
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import MissingExtraError
-from wmr_ctrl.report import animate, plot_run
+from wmr_ctrl.report import animate, drawing
 from wmr_ctrl.results import load_run, summary
 from wmr_ctrl.scenario import load_scenario
 
@@ -168,7 +168,7 @@ def test_pictures_are_drawn_after_the_run(short_run, tmp_path):
 
 
 def test_suffixes_are_those_of_plots_and_animations():
-    assert module.PLOTS == plot_run.SUFFIXES
+    assert module.PLOTS == drawing.PICTURES
     assert module.ANIMATIONS == animate.SUFFIXES
 
 
