@@ -226,7 +226,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         WORLD, "prove world.noise.thrust",
-        ("torque_noise.py", "else section.truncate,", "else min(section.truncate, 3.0),"),
+        ("torque_noise.py", "else section.truncate\n", "else min(section.truncate, 3.0)\n"),
     ),
     *_rows(
         WORLD, "tests/world/test_effect_bounds.py::"

@@ -209,5 +209,5 @@ def test_a_dead_band_that_is_too_wide_is_named_with_what_would_do():
         share = float(Fraction(found[1]))
         less = {"base.deadband": [share * 0.05, share * 0.4]}
 
-        assert 0.01 < share < 1
+        assert 0.001 < share < 1
         assert find_corridor(burger(QUIET, told, changes, less), "kanayama", whole=True).position

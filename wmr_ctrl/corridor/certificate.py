@@ -47,8 +47,8 @@ ROUNDS, CLOSE, INFLATED, LEAP = 60, 1e-7, 1e-6, 20
 many of them its limit is guessed."""
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
-FAR, NEAR, DUST = 300.0, 1e-3, 1e-9
-"""Growth over the linear loop, over a least share of all, and a size: beyond these it is lost."""
+FAR, MORE, NEAR, DUST = 30.0, 10.0, 1e-3, 1e-9
+"""Growth over the linear loop (MORE times that with jitter), over a share of all, and over dust."""
 
 
 class Certifier:
@@ -185,14 +185,14 @@ class Certifier:
         peaks = first = self.linear(inputs)
         begun, scale = self.image(inputs, first) if inputs.missing else first, self.gains.scale
         near = NEAR * scale[:ROBOT] * float((begun.fast[:ROBOT] / scale[:ROBOT]).max())
-        far = FAR * np.maximum(begun.fast[:ROBOT], near) + DUST
+        far = FAR * (MORE if self.loop.overlap.steps else 1) * np.maximum(begun.fast[:ROBOT], near)
         for k in range(ROUNDS):
             before, peaks = peaks, self.image(inputs, peaks).times(1 + INFLATED)
             if (np.abs(peaks.every - before.every) <= CLOSE * peaks.every).all():
                 break
             if k % LEAP == LEAP - 1:
                 peaks = self.image(inputs, peaks).limit(before, peaks).times(1 + INFLATED)
-            if (peaks.fast[:ROBOT] > far).any():
+            if (peaks.fast[:ROBOT] > far + DUST).any():
                 raise NoCorridorError(self._blamed(inputs, first))
         if not self.image(inputs, peaks).within(peaks):
             raise NoCorridorError(self._blamed(inputs, first))

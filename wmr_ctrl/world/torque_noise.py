@@ -62,7 +62,7 @@ def bound(scenario: Scenario) -> Bound:
 
 def unbounded(scenario: Scenario) -> bool:
     """True where there is noise without truncation."""
-    return acts(scenario) and math.isinf(scenario.section(TorqueNoise).truncate)
+    return math.isinf(scenario.section(TorqueNoise).truncate) and acts(scenario)
 
 
 def noise_at_most(
