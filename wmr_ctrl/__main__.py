@@ -29,6 +29,9 @@ def _interrupt(number: int, _: object) -> None:
 
     Code of a library, CasADi's where it builds expressions, may drop an exception of Python's.
     """
+    from wmr_ctrl.cli.console import Interruption
+
+    Interruption.heard = True
     _repeat(0.1)
     error = sys.exc_info()[1]
     while error and not isinstance(error, KeyboardInterrupt):

@@ -12,6 +12,8 @@ import time
 import pytest
 
 from wmr_ctrl import __version__
+from wmr_ctrl.cli.console import Interruption, explain
+from wmr_ctrl.errors import ScenarioError
 
 PIPE = subprocess.PIPE
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
@@ -115,6 +117,15 @@ def test_interruption_of_the_imports_is_no_traceback(environment, tmp_path, seco
     assert process.returncode in (130, -signal.SIGINT)  # a shell says 130 for both
     assert stdout == ""
     assert "Traceback" not in stderr
+
+
+def test_what_a_library_makes_of_an_interruption_is_one(monkeypatch, capsys):
+    """NumPy's import says ImportError, and Python RuntimeError while it makes a class."""
+    assert explain(ImportError("numpy failed to import"), debug=False) == 70
+    monkeypatch.setattr(Interruption, "heard", True)
+    assert explain(ImportError("numpy failed to import"), debug=False) == 130
+    assert explain(ScenarioError("a mistake"), debug=False) == 2
+    assert "error: Interrupted." in capsys.readouterr().err
 
 
 @posix

@@ -114,7 +114,7 @@ def explain(error: Exception, *, debug: bool) -> int:
 
 def _told(error: Exception) -> tuple[str, int]:
     match error:
-        case click.Abort() | SystemError(__cause__=KeyboardInterrupt()):  # met within a library
+        case click.Abort():
             return "Interrupted.", INTERRUPTED
         case click.UsageError(ctx=click.Context() as ctx):
             return f"{error.format_message()} See '{ctx.command_path} --help'.", WRONG_INPUT
@@ -127,6 +127,8 @@ def _told(error: Exception) -> tuple[str, int]:
             where = f"{error.filename}: " if error.filename else ""
             remedy = "Check that the file exists, may be accessed and fits on the disk."
             return f"{where}{reason}. {remedy}", WRONG_INPUT
+        case _ if Interruption.heard:
+            return "Interrupted.", INTERRUPTED
         case _:
             text = (
                 f"{type(error).__name__}: {error or 'no message'}. This should not happen: rerun "
@@ -139,6 +141,12 @@ TICK = 0.25
 """Seconds between two looks at the clock where stderr is not a terminal."""
 FIRST = INTERVAL = 3.0 - TICK
 """Seconds until the first line there, and between two: no command is silent for more than 3 s."""
+
+
+class Interruption:
+    """Whether Ctrl-C was heard, of which a library may make an error of its own."""
+
+    heard = False
 
 
 class Silence:
