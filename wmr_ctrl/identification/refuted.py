@@ -147,13 +147,18 @@ def held_out(
 def changed(fit: Fit, tell: Callable[[], None]) -> Iterator[str]:
     """Sentences on a mass, an inertia or a delay that was another in a part of the log."""
     fitted = Fitted(fit.theta, fit.inside, fit.last.gradient, fit.last.fisher)
-    for name, time in changes(fitted, NAMES, fit.problem.log).items():
-        if name in CONSTANT:
-            spans = ((-np.inf, time), (time, np.inf))
-            parts = [intervals_of(fitted_part(fit, *span, tell, fit))[name] for span in spans]
-            before, after = (f"{x:.3g} ({low:.3g} to {high:.3g})" for x, low, high in parts)
-            unit = UNITS[name]
-            yield f"{name} was {before} {unit} until about {time:.3g} s and {after} {unit} after it"
+    steps = changes(fitted, NAMES, fit.problem.log)
+    times = {name: time for name, time in steps.items() if name in CONSTANT}
+    parts = {
+        time: [intervals_of(fitted_part(fit, *span, tell, fit))
+               for span in ((-np.inf, time), (time, np.inf))]
+        for time in dict.fromkeys(times.values())
+    }  # fmt: skip
+    for name, time in times.items():
+        pair = (part[name] for part in parts[time])
+        before, after = (f"{x:.3g} ({low:.3g} to {high:.3g})" for x, low, high in pair)
+        unit = UNITS[name]
+        yield f"{name} was {before} {unit} until about {time:.3g} s and {after} {unit} after it"
 
 
 @dataclass(frozen=True)
