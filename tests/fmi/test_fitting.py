@@ -111,7 +111,8 @@ def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):
     ],
 )
 def test_a_plant_is_stepped_by_its_maps_step_or_not_at_all(foreign, mapped, changes, match):
-    text = f'{PLANT_MAP}[plant.parameters]\n"robot.m" = "wheelR"\n'
+    mass = '{ terms = { motorR = 1.0 }, unit = "kg" }'
+    text = f'{PLANT_MAP}[plant.parameters]\n"robot.m" = {mass}\n'
     given = {"plant": foreign("TheirRobot", PLANT), "map_file": mapped(text)}
     with pytest.raises(ArgumentError, match=match):
         cosimulate(override(SHORT, changes), "pid", **given)

@@ -20,14 +20,13 @@ from wmr_ctrl.results import (
     summary,
 )
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
+from wmr_ctrl.results.frames import FMUS
 from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.scenario import loads_scenario
 
 MISSING = "- (not reached)"
 TINY = 1e-6
 """Errors [m, rad] of which no digit is worth printing."""
-FMUS = ("reference", "controller", "guard", "plant")
-"""Parts of a run that coupled FMUs."""
 Row = tuple[str, str, str]
 
 
@@ -40,6 +39,10 @@ def summary_text(run: Run) -> str:
     if _theirs(run):
         labels["plant"] = f"{labels['plant']}; watched every {run.settings.plant:g} s"
     head += [wrapped(f"{name}: {label}", hang="  ") for name, label in labels.items() if label]
+    warned = {name: run.provenance.get(f"warned_{name}") for name in FMUS}
+    head += [
+        wrapped(f"{name} warned in {said}", hang="  ") for name, said in warned.items() if said
+    ]
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
     said = (wrapped(run.explanation), *remarks, *_counted(run))
     return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, summary(run)))))

@@ -32,8 +32,10 @@ if TYPE_CHECKING:
 ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
-COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_guard", "fmu_plant")
-"""Those that it repeats of a run that coupled FMUs: who stepped, and names and hashes of files."""
+FMUS = ("reference", "controller", "guard", "plant")
+"""Parts of a run that coupled FMUs."""
+COUPLED = ("master", "delay", *(f"{what}_{part}" for what in ("fmu", "warned") for part in FMUS))
+"""Keys of such a run that it repeats: who stepped, names and hashes of files, who warned."""
 
 
 @np.errstate(over="ignore", invalid="ignore")

@@ -13,8 +13,8 @@ names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; uni
     psi = { terms = { heading = 1.0 }, unit = "deg" }
     w_right = { terms = { wheelR = 1.0 }, unit = "rpm" }
     w_left = { terms = { wheelL = 1.0 }, unit = "rpm" }
-    [plant.parameters]
-    "robot.m" = "mass"                 # for scenarios that change it
+    [plant.parameters]                 # for scenarios that change them; tunable, one for each
+    "robot.m" = { terms = { grams = 1.0 }, unit = "g" }
 """
 
 import json
@@ -29,10 +29,10 @@ from typing import Any
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import REQUIRED, Section, build, quantity
+from wmr_ctrl.fields.section import REQUIRED, Section, build, quantities, quantity
 from wmr_ctrl.fields.values import Frozen
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
-from wmr_ctrl.scenario import Robot
+from wmr_ctrl.scenario import Change, Robot
 from wmr_ctrl.signals import (
     BODY_FORCE,
     FORCE,
@@ -52,7 +52,10 @@ READY = ("psi", "w_right", "w_left")
 """Usual heading and speeds of the wheels, from which theta, v1 and omega follow."""
 DISTURBED = ("torque_right", "torque_left")
 """Torques with the disturbance in them."""
+CHANGED = {f"robot.{name}": what.unit for name, what in quantities(Change) if name != "t"}
+"""Units of what a scenario may change of a plant, by its key."""
 UNITS = {
+    **CHANGED,
     **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE, *BODY_FORCE)},
     **{s.name: s.unit for s in (PATH, SKID)},
     **dict.fromkeys((*TAU_APPLIED.elements, *DISTURBED), "N.m"),
@@ -79,6 +82,7 @@ _EITHER = {
 }
 """Outputs of which a map gives the one or the other."""
 _INSTEAD = {"plant": READY, "controller": FORCE.elements}
+_PARAMETERS = "plant.parameters"
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -105,7 +109,7 @@ class PartMap(Section):
 
     inputs: Mapping[str, object] = _table("row of each input of the FMU")
     outputs: Mapping[str, object] = _table("row of each quantity of ours")
-    parameters: Mapping[str, str] = _table("the FMU's name for each of our keys")
+    parameters: Mapping[str, object] = _table("row of each key that a scenario changes")
     start: Mapping[str, float] = _table("start values of the FMU", "numbers")
     step: float | None = quantity(None, "s", "communication step of the FMU", above=0)
     units: str = quantity(
@@ -133,7 +137,13 @@ def load_map(path: str | Path) -> dict[str, PartMap]:
     for part in raw:
         if part not in ("plant", "controller"):
             raise UnknownNameError(f"part of the map {path}", part, ("plant", "controller"))
-    return {part: build(PartMap, table, part) for part, table in raw.items()}
+    maps = {part: build(PartMap, table, part) for part, table in raw.items()}
+    if "controller" in maps and maps["controller"].parameters:
+        raise ArgumentError(
+            f"[controller.parameters] of the map {path} has no effect: scenarios change a plant "
+            "alone. State what the controller begins with in [controller.start]."
+        )
+    return maps
 
 
 def identity(names: Sequence[str]) -> list[MapRow]:
@@ -173,6 +183,19 @@ def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
     return [_Row(f"{name}.outputs", *row, theirs, part.units, inward=False).read() for row in given]
 
 
+def parameter_rows(part: PartMap, theirs: UnitOf) -> dict[str, MapRow]:
+    """Rows that give what a scenario changes, each of one parameter of theirs, by our key."""
+    given = part.parameters.items()
+    rows = [_Row(_PARAMETERS, *row, theirs, part.units, inward=False).read() for row in given]
+    for row in rows:
+        if len(row.terms) != 1 or row.terms[0][1] == 0.0:
+            raise ArgumentError(
+                f"{_PARAMETERS}.{row.target} must be of one parameter of the FMU, with a "
+                "coefficient other than 0, since it is set to what the scenario says."
+            )
+    return {row.target: row for row in rows}
+
+
 class _Row:
     """Reader of one row; ``inward``: it gives an input of theirs from quantities of ours."""
 
@@ -181,7 +204,8 @@ class _Row:
     ) -> None:
         self.key = key = f"{table}.{target}"
         self.target, self.theirs, self.units = target, theirs, units
-        self.ours = (_TAKEN if inward else _GIVEN)[table.partition(".")[0]]
+        sides = _TAKEN if inward else _GIVEN
+        self.ours = tuple(CHANGED) if table == _PARAMETERS else sides[table.partition(".")[0]]
         if not isinstance(raw, str | Mapping):
             raise ArgumentError(f"{key} = {show(raw)} must be a name, or a table with terms.")
         self.entry = build(MapEntry, {"terms": {raw: 1.0}} if isinstance(raw, str) else raw, key)
@@ -219,7 +243,7 @@ class _Row:
 
     def unit_of_theirs(self, name: str) -> NamedUnit:
         """Unit of a variable of theirs: as the row states it, else as their FMU declares it."""
-        si = self.fitting if self.units == "SI" else None
+        si = self.fitting if self.units == "SI" or self.fitting == "1" else None
         unit = self.entry.unit or self.theirs(name) or si
         if isinstance(unit, NamedUnit):
             return unit

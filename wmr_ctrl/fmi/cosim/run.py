@@ -16,7 +16,14 @@ from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import guard_model, parallel
 from wmr_ctrl.fmi.cosim import fitting
-from wmr_ctrl.fmi.cosim.mapping import NOISES, TORQUES, PartMap, load_map
+from wmr_ctrl.fmi.cosim.mapping import (
+    NOISES,
+    TORQUES,
+    MapRow,
+    PartMap,
+    load_map,
+    parameter_rows,
+)
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
 from wmr_ctrl.fmi.cosim.parts import (
     GuardedController,
@@ -243,6 +250,7 @@ def _run(
         loop.run(progress)
     except FmuError as error:
         failure = str(error)
+    facts |= {f"warned_{name}": slave.warnings for name, slave in slaves.items() if slave.warnings}
     named = slaves["controller"].description.modelName
     law = named if case.foreign else case.setup.name
     signals = (*LOG_HEAD, *case.diagnostics, *outside.columns)
@@ -272,19 +280,35 @@ def _controller(case: CosimSetup, slaves: Mapping[str, Slave]) -> Part | Guarded
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
     """A function that changes the plant's parameters; refused where its map has no name for one."""
-    names = {f"robot.{key}" for change in scenario.changes for key in change.values()}
-    known = {name: name for name in names} if part is None else dict(part.parameters)
-    missing = sorted(names - known.keys())
-    if missing:
+    names = sorted({f"robot.{key}" for change in scenario.changes for key in change.values()})
+    rows = parameter_rows(part, slave.unit) if part is not None else {}
+    missing = [name for name in names if name not in rows]
+    if part is not None and missing:
         raise ArgumentError(
             f"the scenario changes {', '.join(missing)}, and the map's [plant.parameters] does "
             f'not name it. Add "{missing[0]}" = "name there", or use a scenario without changes.'
         )
+    setters = {name: _setter(slave, rows.get(name, MapRow(name, ((name, 1.0),)))) for name in names}
 
     def change(what: Change) -> None:
-        slave.set({known[f"robot.{key}"]: value for key, value in what.values().items()})
+        for key, value in what.values().items():
+            setters[f"robot.{key}"](value)
 
     return change
+
+
+def _setter(slave: Slave, row: MapRow) -> Callable[[float], None]:
+    """A function that sets the one parameter of theirs which gives ``row.target``."""
+    ((theirs, share),) = row.terms
+    variable = slave.variable(theirs)
+    if variable.causality not in ("parameter", "input") or variable.variability == "fixed":
+        raise ArgumentError(
+            f"the scenario changes {row.target}, and {theirs} of {slave.path} cannot be set during "
+            f"a run (it is a {variable.variability} {variable.causality}). Name a tunable "
+            "parameter or an input, or use a scenario without changes."
+        )
+    write = slave.writer([theirs])
+    return lambda value: write([(value - row.offset) / share])
 
 
 def _table(loop: Master) -> dict[str, np.ndarray]:

@@ -22,6 +22,8 @@ from wmr_ctrl.results.frames import library
 
 _fmpy, _fmi2, _fmi3 = (library(f"fmpy{part}", "fmi") for part in ("", ".fmi2", ".fmi3"))
 _WARNING = 1  # the highest status of a call that did what it should
+_NEAR = 1e-3
+"""Share of a step by which the time that an FMU says it reached may be off."""
 Read = Callable[[], list[float]]
 Write = Callable[[Sequence[float]], None]
 
@@ -185,6 +187,7 @@ class Slave(FmuFile):
         super().__init__(path, name, checked=not tried)
         self.time = 0.0
         self.messages: list[str] = []
+        self._warned, self._first = 0, ""
         self.version = 2 if self.description.fmiVersion == "2.0" else 3
         self._flags, self._last = [ct.c_bool() for _ in range(3)], ct.c_double()
         self._answers = [*map(ct.byref, self._flags), ct.byref(self._last)]
@@ -292,11 +295,23 @@ class Slave(FmuFile):
         if self.version == 2:
             status = dll.fmi2DoStep(instance, t, h, 1)
         else:
+            self._last.value = t + h
             status = dll.fmi3DoStep(instance, t, h, True, *self._answers)
         if status > _WARNING:
             raise self.failure("doStep")
+        if status == _WARNING:
+            self._warned += 1
+            self._first = self._first or f"t = {t:.9g} s: {'; '.join(self.messages[-1:])}"
         if self._flags[1].value or self._flags[2].value:
             raise self.failure("doStep, which it ended early")
+        reached, end = self._last.value, t + h
+        if self.version == 3 and not abs(reached - end) <= _NEAR * h:
+            raise self.failure(f"doStep to {end:.9g} s, of which it reached {reached:.9g}")
+
+    @property
+    def warnings(self) -> str:
+        """In how many steps it warned, and when and of what first; empty if it never did."""
+        return f"{self._warned} steps, first at {self._first}" if self._warned else ""
 
     def failure(self, what: str, error: Exception | None = None) -> FmuError:
         """Error to raise where it fails in ``what``: a sentence with file, part and time."""
