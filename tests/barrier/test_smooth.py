@@ -9,7 +9,7 @@ import pytest
 
 from tests import oracle
 from wmr_ctrl.api import simulate
-from wmr_ctrl.barrier.stable import smooth_barrier
+from wmr_ctrl.barrier.stable import SERIES_BELOW, _chi, smooth_barrier
 
 U1, U2 = 1.0, 0.8
 c, v = ca.SX.sym("c"), ca.SX.sym("v")
@@ -72,6 +72,18 @@ def test_limits_at_the_target() -> None:
         assert abs(quotient) < 1e-12
         bend = 1 / (1 - abs(x)) ** 2 if abs(x) > U2 else 0.0
         assert q == pytest.approx(1 / (1 + bend), rel=1e-6)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign: int) -> None:
+    """(-ln(1 - y) - y)/y, by series up to where the logarithm loses no more than a digit or two."""
+    y = ca.SX.sym("y")
+    found = ca.Function("chi", [y], [_chi(y, 1 - y)])
+    for size, digits in ((1e-9, 15.4), (0.01, 15.4), (0.99, 15.4), (1.01, 13.5)):
+        here = sign * size * SERIES_BELOW
+        with mp.workdps(60):
+            exact = (-mp.log(1 - mp.mpf(here)) - mp.mpf(here)) / mp.mpf(here)
+        assert float(found(here)) == pytest.approx(float(exact), rel=10**-digits)
 
 
 def test_ratio_is_bounded_by_the_curvature() -> None:

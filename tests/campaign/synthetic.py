@@ -19,11 +19,13 @@ class Watch:
     """Progress that remembers how many steps each phase had, and how many of them are left."""
 
     def __init__(self) -> None:
+        self.texts: list[str] = []
         self.totals: list[int] = []
         self.left: list[int] = []
         self.ended = 0
 
     def start(self, total: int, text: str) -> None:
+        self.texts.append(text)
         self.totals.append(total)
         self.left.append(total)
 

@@ -219,12 +219,14 @@ def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
     assert set(built.values()) == {1}
     assert len(built) == 2 * 2 * 2
     assert watch.left == [0, 0]
+    assert [text.split()[0] for text in watch.texts] == ["Compiling", "Running"]
     assert {r["refusal"] for r in rows if r["guard"] and r["case"] == WEAK} == {"too weak"}
 
 
-def test_unguarded_errors_are_not_swallowed() -> None:
+@pytest.mark.parametrize("guard", [False, True])
+def test_what_cannot_be_without_the_guard_either_is_raised(guard: bool) -> None:
     def refusing(_: PlannedCase) -> None:
         raise ScenarioError("no")
 
     with made_up(asked=refusing), pytest.raises(ScenarioError):
-        run_comparison([run for run in TINY if not run.case.guard][:1])
+        run_comparison([run for run in TINY if run.case.guard is guard][:1])

@@ -281,10 +281,11 @@ def test_read_only_folder_is_replaced(tmp_path, monkeypatch, folder):
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="Windows' temporary folder is private")
-def test_temporary_folder_that_others_may_write_is_not_used(tmp_path, monkeypatch):
+@pytest.mark.parametrize("mode", [0o777, 0o710, 0o701])
+def test_temporary_folder_that_others_may_use_is_not_used(tmp_path, monkeypatch, mode):
     prepared = tmp_path / f"wmr_ctrl-{os.getuid()}"
     prepared.mkdir()
-    prepared.chmod(0o777)
+    prepared.chmod(mode)
     (tmp_path / "file").touch()
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "file"))
     monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path))

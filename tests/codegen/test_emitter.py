@@ -149,6 +149,19 @@ def test_a_loop_of_which_something_else_reads_one_element_keeps_its_array() -> N
     assert (step(draw[:16], draw[16:]) == wanted(draw[:16], draw[16:])).all()
 
 
+def test_halves_of_a_loop_that_reads_a_loop_are_read_by_others() -> None:
+    """No array is kept: either half begins where its half of what it reads begins."""
+    x, k = ca.SX.sym("x", 16), ca.SX.sym("k")
+    whole = [(x[i] + k) * x[i] for i in range(16)]
+    y = ca.vertcat(*(part - k for part in whole[:8]), *(part / 3 for part in whole[8:]))
+    item = kernel("halved", "Two halves.", {"x": x, "k": k}, {"y": y})
+    draw = np.random.default_rng(4).normal(size=17)
+    step, wanted = compiled([item])[0], machine(item)
+
+    assert "double a" not in definition(item)
+    assert (step(draw[:16], draw[16:]) == wanted(draw[:16], draw[16:])).all()
+
+
 def test_expensive_sides_of_a_choice_are_evaluated_only_if_chosen() -> None:
     x = ca.SX.sym("x")
     text = definition(
@@ -259,3 +272,15 @@ def test_pairs_of_exponentials_less_one_have_the_bits_of_single_ones(first: str)
     for one, other in zip(given, reversed(given), strict=True):
         two = np.array([one, other])
         assert in_pairs(two).tobytes() == one_by_one(two).tobytes()
+
+
+def test_three_exponentials_that_nothing_pairs_stay_apart() -> None:
+    x = ca.SX.sym("x", 3)
+    one, two, three = (ca.expm1(x[k]) for k in range(3))
+    y = ca.vertcat(ca.sin(one), ca.sqrt(1 + two * two), -three)
+    single = kernel("single", "One by one.", {"x": x}, {"y": y})
+    paired = replace(kernel("three", "In pairs.", {"x": x}, {"y": y}), pairs=True)
+    one_by_one, in_pairs = compiled([single, paired])
+    given = np.array([0.3, -0.2, 1.5])
+
+    assert (in_pairs(given) == one_by_one(given)).all()

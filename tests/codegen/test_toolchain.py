@@ -180,6 +180,16 @@ def test_zig_cc_can_be_named_without_zig_on_path(zig_cache, monkeypatch):
     assert find_toolchain().name == "zig cc"
 
 
+@pytest.mark.parametrize("found", [None, "/bin/zig"])
+def test_zig_that_is_named_is_that_of_path_if_there_is_one(monkeypatch, found):
+    wheel = ("python", "-m", "ziglang")
+    monkeypatch.setattr(toolchain, "zig_command", lambda: wheel)
+    monkeypatch.setattr(toolchain, "_working", lambda command: command)
+    monkeypatch.setattr(toolchain.shutil, "which", lambda _: found)
+
+    assert toolchain._named("zig cc -O1") == (*(("zig",) if found else wheel), "cc", "-O1")
+
+
 # -- no compiler, or one that does not work -----------------------------------------------------
 
 

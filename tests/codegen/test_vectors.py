@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.codegen.measured import SCENARIOS
+from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, Vectors, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -73,6 +74,19 @@ def test_the_guard_acts_in_some_samples_and_not_in_others(law: str) -> None:
     changed = np.any(plain.torques != held.torques, axis=1)
 
     assert 5 < changed.sum() < len(changed)
+
+
+def test_counts_of_the_wheels_are_those_of_the_speeds_in_their_place() -> None:
+    of = load_scenario(SCENARIOS[False], {"encoder.counts": 1e7})
+    setup = settle(of, "mb")
+    plain, counted = (
+        vectors_of(system, of.limits).inputs for system in (controller(setup), packaged(setup))
+    )
+    for k in range(0, len(plain), SAMPLES):
+        turned = np.diff(counted[k : k + SAMPLES, -2:], axis=0) * 2 * np.pi / 1e7
+        way = turned * of.robot.r / of.clock.control
+        v, omega = way.mean(axis=1), (way[:, 0] - way[:, 1]) / (2 * of.robot.l)
+        assert np.column_stack((v, omega)) == pytest.approx(plain[k + 1 : k + SAMPLES, -2:], abs=1e-4)
 
 
 def test_runs_cover_both_sides_of_both_limits() -> None:

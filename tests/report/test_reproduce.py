@@ -95,6 +95,13 @@ def test_quick_takes_three_seeds_and_progress_ends_every_phase(tmp_path):
     assert watch.ended == 3
 
 
+def test_quick_does_not_compare_the_graphs_with_the_ledger(monkeypatch):
+    monkeypatch.setattr("wmr_ctrl.proofs.runner.stale_entries", lambda: ("an.entry",))
+
+    assert api._facts((), quick=True).stale is None
+    assert api._facts((), quick=False).stale == ("an.entry",)
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("few_pictures")
 def test_the_verdicts_are_the_committed_ones_with_one_seed_too(tmp_path):

@@ -239,6 +239,13 @@ def test_runs_have_the_seeds_that_were_asked_for() -> None:
         assert run.monitor == own.monitor
 
 
+def test_a_loop_is_compiled_with_the_guard_where_it_is_asked_for() -> None:
+    guards = (None, True, False)
+    loops = [compile_loop("paper-simulation", "mb", SHORT, guard) for guard in guards]
+
+    assert [loop.scenario.guard.enabled for loop in loops] == [False, True, False]
+
+
 @pytest.mark.parametrize("jobs", [0, -1, 1.5, True])
 def test_jobs_that_cannot_be_are_named(jobs: object) -> None:
     with pytest.raises(ArgumentError, match="jobs"):
