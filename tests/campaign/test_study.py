@@ -18,6 +18,7 @@ import pytest
 
 import wmr_ctrl
 from tests.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
+from tests.campaign.synthetic import Watch
 from wmr_ctrl import simulate
 from wmr_ctrl.campaign.study_plan import plan_of
 from wmr_ctrl.campaign.study_run import run_study
@@ -51,7 +52,7 @@ def test_chunks_hold_every_run_once_and_are_nearly_as_long_as_each_other(tmp_pat
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("lost worker")])
 def test_an_interrupted_study_goes_on_without_a_lost_or_doubled_run(tmp_path, error):
-    plan, made = plan_of(PLAN), []
+    plan, made, watch = plan_of(PLAN), [], Watch()
     for count in (0, 2, 5):
         with pytest.raises(type(error)):
             run_study(plan, tmp_path / "a", refuse_after(count, error), FACTS)
@@ -61,7 +62,8 @@ def test_an_interrupted_study_goes_on_without_a_lost_or_doubled_run(tmp_path, er
         return figures(chunk)
 
     kept = [int(path.stem.split("-")[-1]) for path in (tmp_path / "a" / "chunks").iterdir()]
-    run_study(plan, tmp_path / "a", make, FACTS)
+    run_study(plan, tmp_path / "a", make, FACTS, progress=watch)
+    assert watch.left == [0]
     assert len(kept) == 7
     assert sum(made) == plan.runs - sum(kept)
     assert (tmp_path / "a" / "table.csv").read_bytes() == table_of(tmp_path / "b")

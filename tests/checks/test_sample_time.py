@@ -28,6 +28,11 @@ def test_first_step_of_the_model_based_law(loop, period, omega):
     assert first_speeds(loop("mb", held))[1] == pytest.approx(omega, rel=2e-3)
 
 
+def test_first_step_begins_with_the_speed_at_the_start(loop):
+    """Backwards at first, and towards the reference from there."""
+    assert first_speeds(loop("mb", {"initial.velocity": [-0.9, 0.0]}))[0] == 0.9
+
+
 @pytest.mark.parametrize(("law", "v1"), [("mb", 1.155), ("nn", 2.05)])
 def test_first_step_without_coulomb_friction(loop, law, v1):
     held = {PERIOD: 0.1, "robot.mu": 0}

@@ -12,6 +12,11 @@ import pytest
 
 from wmr_ctrl import api, checks, simulate
 from wmr_ctrl.checks import Stability, Warning
+from wmr_ctrl.cli import check_sentences
+from wmr_ctrl.cli.options import _each_law
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.guard.price import early_speed
+from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.scenario import Scenario, load_scenario, override
@@ -103,6 +108,16 @@ def test_a_comparison_judges_the_drive_and_names_every_limit(run: Run) -> None:
     assert rows["wheel torque, change"] == "RMS per sample, drive (0.05 to 0.1 s)"
 
 
+class Silent:
+    """Progress that nobody sees."""
+
+    def start(self, *_: object) -> None:
+        """A phase begins."""
+
+    def advance(self) -> None:
+        """A step of it is done."""
+
+
 def answers(law: str = "pid", **changes: object) -> check.Answers:
     found = check._answers(Scenario(), (law,), (), bare=True)
     return replace(found, **changes)
@@ -154,7 +169,7 @@ def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.warned["pid"] == (ONE, replace(OTHER, objects=False))
 
 
-def test_a_law_is_run_for_two_million_steps_at_most() -> None:
+def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = {"clock.control": 0.03, "clock.plant": 0.001, "clock.duration": 3000.0}
     long = override(Scenario(), {**clock, "metrics.split": 2500.0})
     short = check._short(long)
@@ -162,3 +177,36 @@ def test_a_law_is_run_for_two_million_steps_at_most() -> None:
     assert short.clock.duration == pytest.approx(66_666 * 0.03)  # of 2000 s, whole periods
     assert short.metrics.split == pytest.approx(33_333 * 0.03)
     assert check._short(Scenario()) == Scenario()
+    made: list[Scenario] = []
+    monkeypatch.setattr(api, "simulate", lambda scenario, _: made.append(scenario))
+    check._runs(long, ("pid", "mb"), Silent())
+    assert made == [short, short]
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.5, True), (1.0, False)])
+def test_that_a_run_of_a_check_ends_early_is_said(run: Run, share: float, said: bool) -> None:
+    lasts = replace(run.settings, duration=share * Scenario().clock.duration)
+    head = "\n".join(check._head(answers(runs={"pid": replace(run, settings=lasts)})))
+
+    assert ("for 2000000 plant steps only" in " ".join(head.split())) is said
+
+
+@pytest.mark.parametrize(("room", "said"), [(1e-3, False), (-1e-3, True)])
+def test_a_start_that_a_push_may_take_outside_has_to_come_back_first(
+    room: float, said: bool
+) -> None:
+    """Before the first late command acts, a push adds to the speed at the start."""
+    late = {"guard.enabled": True, "actuator.delay": 0.02, "disturbance.truncate": 3.0}
+    gained = early_speed(settle(override(Scenario(), late), None).guard)
+    most = Scenario().limits.v_u1
+    start = {"initial.velocity": [0.0, -(most[1] - gained[1] - room)]}
+    text = check_sentences.promise(settle(override(Scenario(), late | start), None))
+
+    assert gained[1] > 2e-3
+    assert text.startswith("Guarded")
+    assert ("once the speed is back from its start" in text) is said
+
+
+def test_laws_that_are_named_beside_all_are_kept() -> None:
+    """One that does not exist is refused later on."""
+    assert _each_law(None, None, ["mb", "typo, all"]) == tuple(dict.fromkeys(["mb", "typo", *LAWS]))

@@ -86,7 +86,9 @@ def test_counts_of_the_wheels_are_those_of_the_speeds_in_their_place() -> None:
         turned = np.diff(counted[k : k + SAMPLES, -2:], axis=0) * 2 * np.pi / 1e7
         way = turned * of.robot.r / of.clock.control
         v, omega = way.mean(axis=1), (way[:, 0] - way[:, 1]) / (2 * of.robot.l)
-        assert np.column_stack((v, omega)) == pytest.approx(plain[k + 1 : k + SAMPLES, -2:], abs=1e-4)
+        assert np.column_stack((v, omega)) == pytest.approx(
+            plain[k + 1 : k + SAMPLES, -2:], abs=1e-4
+        )
 
 
 def test_runs_cover_both_sides_of_both_limits() -> None:

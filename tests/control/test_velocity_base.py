@@ -6,7 +6,10 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
+from importlib import import_module
+from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -290,6 +293,18 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     assert memoryless is not None
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
     assert rise_times(based(clip)) == pytest.approx([0.05 * 0.9 * 1.1] * 2, rel=1e-6)
+
+
+def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch) -> None:
+    """To nine tenths of the limits, also between two samples."""
+    sent = (SimpleNamespace(command=(0.7 * 0.05 * k, 0.9 * 0.05 * k)) for k in count(1))
+    ramp = SimpleNamespace(step=lambda _: next(sent))
+    module = import_module(
+        "wmr_ctrl.checks.velocity_base"
+    )  # the package has a function of its name
+    monkeypatch.setattr(module, "CommandFilter", lambda _: ramp)
+
+    assert rise_times(based(GOVERNED)) == pytest.approx([0.9 * 1.0 / 0.7, 0.9 * 2.0 / 0.9])
 
 
 def at_rest(

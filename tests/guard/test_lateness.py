@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.guard.late_trial import Case, trial
+from tests.guard.late_trial import Case, composed, trial
 from tests.guard.test_delay import ON
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.setup import settle
@@ -112,6 +112,18 @@ def test_an_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
 @pytest.mark.parametrize("name", BROKEN)
 def test_every_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
     assert passed(name, 600, 60)
+
+
+def test_a_guard_does_the_same_in_either_direction() -> None:
+    system, step = composed(ALL_VARYING)
+    draw, x, back, changed = np.random.default_rng(3), system.x0, system.x0, 0
+    for _ in range(100):
+        u = np.concatenate((draw.normal(size=2) * (150, 30), draw.uniform(-1, 1, 2) * (0.8, 1.2)))
+        (x, torque, seen), (back, other, _) = step(u, x, system.p0), step(-u, back, system.p0)
+        assert other.full() == pytest.approx(-torque.full(), rel=1e-12, abs=1e-12)
+        changed += bool(seen.full()[:2].any())
+
+    assert 10 < changed
 
 
 @pytest.mark.parametrize("true", [{"window": 1.0, "dbar": 50.0}, {"hi": 1.0, "dbar": 30.0}])

@@ -211,6 +211,22 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
         assert f"limits.v_u1[{axis}]" not in again, (more, again)
 
 
+def test_a_push_that_sure_friction_makes_up_for_in_part_may_be_that_much_larger() -> None:
+    """The bound of dbar that is told is the largest one, with the friction that is sure."""
+    sure = {**ON, "guard.f_min": [30.0, 1.0], "guard.f_speed": [0.1, 0.1], "guard.trust": True}
+
+    def settled(dbar: float) -> None:
+        settle(scenario_of("safe-experiment", {**sure, "guard.dbar": [dbar, 5.0]}), "prox")
+
+    with pytest.raises(ScenarioError) as refused:
+        settled(900.0)
+    most = float(re.search(r"dbar\[1\] <= (\S+) N", str(refused.value))[1])
+
+    settled(most)
+    with pytest.raises(ScenarioError, match="is needed on axis 1"):
+        settled(1.01 * most)
+
+
 @pytest.mark.parametrize(
     ("late", "said"),
     [

@@ -82,6 +82,16 @@ def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> N
     assert found[:, 5:] == pytest.approx(desired[2:, :5], abs=1e-6)
 
 
+def test_a_law_at_another_instant_forgets_what_it_read_of_this_one() -> None:
+    here = LawContext(settle(late("prox", 1.0), "prox"))
+    before = here.e, here.friction
+    there = here.at((ca.SX.zeros(3), here.v_d, here.v_d_dot), ca.SX.zeros(3), ca.SX.zeros(2))
+
+    assert (before[0], before[1]) == (here.e, here.friction)
+    assert there.e.is_zero()
+    assert there.friction.is_zero()
+
+
 def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed() -> None:
     """Two commands under way, 1.5 periods: the plain equations of motion in steps of 0.1 ms."""
     believed = {"model.m": 60.0, "model.I": 4.0, "model.mu": 0.1}

@@ -16,6 +16,9 @@ from wmr_ctrl.results.formats import save_run
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import PLANT_STATE, RIGID
 from wmr_ctrl.sim.coupled import Coupled
+from wmr_ctrl.sim.memory import Task
+
+physics_run = importlib.import_module("wmr_ctrl.physics.run")
 
 SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
 
@@ -139,3 +142,13 @@ def test_without_the_package_one_sentence_tells_what_to_install(monkeypatch):
     monkeypatch.setattr("wmr_ctrl.physics.rigid.import_module", absent)
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
         simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)
+
+
+def test_rows_of_a_table_have_the_seeds_of_their_tasks(monkeypatch):
+    """Made once for all figures, in the order that was asked for."""
+    made = []
+    monkeypatch.setattr(physics_run, "make_each", lambda _, pairs, *__: made.extend(pairs) or [])
+    monkeypatch.setattr(physics_run, "table_of_rows", list)
+    physics_run.rigid_table([Task("one", 5), Task("other", 7), Task("one", 2)])
+
+    assert made == [("one", 5), ("other", 7), ("one", 2)]

@@ -91,6 +91,19 @@ def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel() -> None:
     assert run.needed[-1] == pytest.approx([1.2 * torque, 1.2 * torque], rel=1e-6)
 
 
+def test_without_friction_the_motion_needs_what_accelerates_it() -> None:
+    """Both wheels together m v1', their difference I omega'."""
+    free = {"reference.kind": "lemniscate", "robot.mu": 0.0, "changes": [], "clock.duration": 1.0}
+    run = simulate("paper-simulation", "kanayama", overrides=free)
+    robot = scenario_of("paper-simulation").robot
+
+    assert run.needed is not None
+    right, left = run.needed.T / robot.r
+    assert right + left == pytest.approx(robot.m * run["v1_d_dot"], rel=1e-6)
+    assert robot.l * (right - left) == pytest.approx(robot.I * run["v2_d_dot"], rel=1e-6)
+    assert abs(run["v2_d_dot"]).max() > 2 * abs(run["v1_d_dot"]).max() > 0
+
+
 @pytest.mark.parametrize("seed", [0, 7101])
 def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> None:
     run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})

@@ -19,6 +19,8 @@ from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.results.compare import compare
 from wmr_ctrl.scenario import from_dict, load_scenario, override, scenario_dict, to_toml
 from wmr_ctrl.scenario.toml_io import loads_scenario
+from wmr_ctrl.signals import POSE
+from wmr_ctrl.sim.runnable import _stated
 
 angles = st.floats(-1e6, 1e6)
 HEADED = """
@@ -170,3 +172,14 @@ def test_a_notebook_shows_orientations_as_the_file_counts_them():
 
     assert [float(text) for text in shown] == [pytest.approx(0.25)]
     assert yaw.body.uphill == pytest.approx(0.25 - math.pi / 2)
+
+
+def test_signals_of_a_run_say_from_where_orientations_count():
+    columns = {item.name: np.zeros(3) for item in POSE}
+    signals, turned = _stated(POSE, columns, "rep103")
+
+    assert [item.name for item in signals] == ["x", "y", "theta"]
+    assert "+X" in signals[2].meaning
+    assert turned["theta"] == pytest.approx([math.pi / 2] * 3)
+    assert not turned["x"].any()
+    assert _stated(POSE, columns, "paper") == (POSE, columns)

@@ -18,7 +18,7 @@ from wmr_ctrl.results import Monitor, split_columns
 from wmr_ctrl.results.frames import summary
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.sim.batch import run_logged, run_tasks
-from wmr_ctrl.sim.memory import Task, laid_out
+from wmr_ctrl.sim.memory import Task, aligned, laid_out
 from wmr_ctrl.sim.memory import vector_sets as usable
 
 Columns = dict[str, np.ndarray]
@@ -275,6 +275,16 @@ def test_starts_differ_by_task() -> None:
 
     assert found["ise_total"][1] != found["ise_total"][0]
     assert found["tau_rms"][1] == pytest.approx(summary(run)["tau_rms"], rel=1e-9)
+
+
+@pytest.mark.parametrize("shape", [(1,), (3, 1), (7, 2), (11, 8)])
+def test_numbers_of_lanes_are_where_vectors_of_every_set_may_be_read(
+    shape: tuple[int, ...],
+) -> None:
+    kept = [aligned(*shape) for _ in range(8)]
+
+    assert {item.ctypes.data % 64 for item in kept} == {0}
+    assert {(item.shape, item.any()) for item in kept} == {(shape, False)}
 
 
 def test_progress_reaches_the_end() -> None:

@@ -25,8 +25,10 @@ from wmr_ctrl.api import (
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario, preset_names
+from wmr_ctrl.scenario import Scenario, load_scenario, loads_scenario, preset_names
 from wmr_ctrl.signals import LARGEST
+from wmr_ctrl.sim.compiled_law import seconds_of
+from wmr_ctrl.sim.runnable import provenance, settings_of
 from wmr_ctrl.world.registry import Disturbance
 
 CHANGES = [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}, {"t": 4.5, "m": 40.0, "I": 4.0, "mu": 0.05}]
@@ -286,3 +288,22 @@ def test_a_copy_of_a_law_goes_on_by_itself(through):
     ahead = law.step().copy()
     assert twin.torque.tolist() != ahead.tolist()
     assert twin.step().tolist() == ahead.tolist()
+
+
+def test_the_least_of_several_times_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = compile_law("pid", "paper-simulation-nominal")
+    monkeypatch.setattr("timeit.repeat", lambda *_, **__: [3.0, 1.0, 2.0])
+
+    assert seconds_of(law) == 1.0
+
+
+def test_a_run_keeps_the_numbers_of_its_scenario_and_no_comments() -> None:
+    told = {"metrics.tolerance": 0.3, "metrics.rms_from": 7.0, "metrics.split": 9.0,
+            "reference.keep_out": [[5.0, 5.0, 1.0]], "body.radius": 0.2}  # fmt: skip
+    scenario = load_scenario("paper-simulation", told)
+    kept, text = settings_of(scenario), provenance(scenario)["scenario_toml"]
+
+    assert (kept.tolerance, kept.rms_from, kept.split, kept.radius) == (0.3, 7.0, 9.0, 0.2)
+    assert kept.keep_out == ((5.0, 5.0, 1.0),)
+    assert "#" not in text
+    assert loads_scenario(text, scenario.name) == scenario

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -23,7 +24,7 @@ from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.gust import GUST
 from wmr_ctrl.world.gyro import GYRO
 from wmr_ctrl.world.jitter import JITTER
-from wmr_ctrl.world.motor import MOTOR
+from wmr_ctrl.world.motor import MOTOR, largest_torque, stepped
 from wmr_ctrl.world.resistance import RESISTANCE
 from wmr_ctrl.world.slope import SLOPE
 from wmr_ctrl.world.wheels import WHEELS
@@ -166,3 +167,13 @@ def test_a_delay_is_as_many_plant_steps_as_its_decimals_say(plant):
 
     assert found == [divmod(k, 10) for k in steps]
     assert any(int(float(f"{k * plant:.6g}") / plant) != k for k in steps)
+
+
+@pytest.mark.parametrize(("limit", "step"), [(1.05, 0.3), (10.0, 0.7), (2.0, 0.5)])
+def test_steps_of_a_motor_go_beyond_its_limit_by_no_more_than_is_counted(limit, step):
+    """By half a step, where the limit is half a step from a whole number of them."""
+    chosen = load_scenario("far-start", {"actuator.tau_max": limit, "motor.step": step})
+    given = float(stepped(ca.DM(limit), ca.DM(step)))
+
+    assert given <= largest_torque(chosen) * (1 + 1e-12) <= limit + 0.5 * step + 1e-9
+    assert (given == pytest.approx(largest_torque(chosen))) is (step == 0.3)

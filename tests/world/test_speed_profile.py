@@ -120,7 +120,7 @@ poses:
     position: {x: 0.0, y: 0.0, z: 0.0}
     orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}
 - pose: {position: {x: 0.0, y: 0.0}}
-- pose: {position: {x: 1.0, y: 0.5}}
+- pose: {pose: {position: {x: 1.0, y: 0.5}}, covariance: [0.1]}
 - {x: 2, y: -1}
 ---
 """
