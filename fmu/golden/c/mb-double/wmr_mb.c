@@ -6,6 +6,10 @@
 #include <stddef.h>
 #include <string.h>
 
+#ifdef __FAST_MATH__
+#error "rounding is part of these formulas: compile without -ffast-math, which -Ofast includes"
+#endif
+
 #include "arithmetic.h"
 
 #define WMR_KERNEL static
