@@ -253,3 +253,21 @@ def test_the_delay_that_is_said_to_be_short_enough_is(late, said) -> None:
 
     assert name == said
     settled({**late, **enough[said]})
+
+
+def test_a_robot_that_is_said_to_be_heavy_enough_is_so_on_a_slope() -> None:
+    """There a heavier robot is pushed harder; where that is by too much, no mass is proposed."""
+
+    def settled(angle: float, mass: float | None = None) -> None:
+        heavier = {} if mass is None else {"robot.m": mass, "guard.M_min": [mass, 4.86]}
+        guard(settle(scenario_of("robot-10ms", {"slope.angle": angle, **heavier}), None))
+
+    with pytest.raises(ScenarioError) as refused:
+        settled(0.1)
+    least = float(re.search(r"robot of at least (\S+) kg", str(refused.value))[1])
+
+    settled(0.1, least)
+    with pytest.raises(ScenarioError, match="is needed on axis 1"):
+        settled(0.1, 0.99 * least)
+    with pytest.raises(ScenarioError, match=r"guard\.d_model add up to at most \S+ N\.$"):
+        settled(0.2)

@@ -65,7 +65,7 @@ def _disturbance(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
             yield Contradiction(
                 "guard.dbar",
                 f"guard.dbar[{i + 1}] = {pair_of(scenario.guard.dbar)[i]:g} {UNITS[i]} is below "
-                f"the {least} {UNITS[i]} that noise, push and guard.d_model of the scenario "
+                f"the {least} {UNITS[i]} that all disturbances of the scenario and guard.d_model "
                 f"add up to. State at least {least}, leave it out, or lower the disturbance.",
             )
 

@@ -49,8 +49,9 @@ def feasible_guard(
     complete = derived_guard(scenario, bound, tau_max)
     Guard.relate(complete)
     _check_times(scenario, complete)
-    _check(scenario, complete, bound)
-    _check_brake(scenario, complete, tau_max, bound_of or (lambda _: bound))
+    others = bound_of or (lambda _: bound)
+    _check(scenario, complete, bound, others)
+    _check_brake(scenario, complete, tau_max, others)
     return complete
 
 
@@ -73,7 +74,7 @@ def _check_times(scenario: Scenario, guard: GuardNumbers) -> None:
         )
 
 
-def _check(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> None:
+def _check(scenario: Scenario, guard: GuardNumbers, bound: Bound, bound_of: BoundOf) -> None:
     period, alpha = scenario.clock.control, float(guard.alpha or 0.0)
     if alpha * period > 1.0:
         raise ScenarioError(
@@ -83,7 +84,7 @@ def _check(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> None:
         )
     for i in AXES:
         _check_noise(scenario, guard, i)
-        _check_push(scenario, guard, bound, i)
+        _check_push(scenario, guard, bound, bound_of, i)
 
 
 def _check_noise(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
@@ -101,7 +102,9 @@ def _check_noise(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
         )
 
 
-def _check_push(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> None:
+def _check_push(
+    scenario: Scenario, guard: GuardNumbers, bound: Bound, bound_of: BoundOf, i: int
+) -> None:
     _check_mixed(scenario, guard, bound, i)
     need, have = 2.0 * net(guard, i), reach(scenario, guard, i)
     if need <= have:
@@ -118,8 +121,8 @@ def _check_push(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -
         f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed){said} is needed on axis {i + 1}, but "
         f"{shown[0]} > {low:g} * {alpha:g} * {room:g}{divided} = {shown[1]} {UNITS[i]}. It holds "
         f"{_sooner(scenario, low * room / need, alpha, late, guard.latest)}"
-        f"{_lower(scenario, bound, 'dbar', i, _below(have / 2 + guard.f_min[i]))}, or "
-        f"{_heavier(scenario, guard, bound, i, _above(need * (1 / alpha + late) / room))}."
+        f"{_lower(scenario, bound, 'dbar', i, _below(have / 2 + guard.f_min[i]))}"
+        f"{_heavier(scenario, guard, bound, bound_of, i, (1 / alpha + late) / room)}."
     )
 
 
@@ -129,7 +132,7 @@ def _lower(scenario: Scenario, bound: Bound, name: str, i: int, most: float) -> 
         "dbar": (
             scenario.guard.dbar,
             bound.dbar[i] + scenario.guard.d_model[i],
-            "noise, push and guard.d_model add up to",
+            "all disturbances and guard.d_model add up to",
             UNITS[i],
         ),
         "nbar": (scenario.guard.nbar, bound.nbar[i], "the sensors are off by", SPEED_UNITS[i]),
@@ -140,16 +143,29 @@ def _lower(scenario: Scenario, bound: Bound, name: str, i: int, most: float) -> 
     return f"where {causes} at most {most:g} {unit}{said}"
 
 
-def _heavier(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int, least: float) -> str:
-    """The remedy by mass: the key as it must be written where that is true, else another robot."""
-    unit = MASS_UNITS[i]
+def _heavier(
+    scenario: Scenario, guard: GuardNumbers, bound: Bound, bound_of: BoundOf, i: int, share: float
+) -> str:
+    """The remedy by mass: the key as it must be written where that is true, else another robot.
+
+    ``share``: mass or inertia that is needed for each N or N m of 2 (dbar - f_min).  Empty where a
+    heavier robot is pushed harder and none is found.
+    """
+    unit, least = MASS_UNITS[i], _above(2.0 * net(guard, i) * share)
     if min(mass for _, mass in masses(scenario, i)) - bound.mass[i] < least:
-        return f"for a robot of at least {least:g} {unit}, stated as guard.M_min"
+        for _ in range(HALVINGS):
+            other = bound_of(override(scenario, {f"robot.{'mI'[i]}": least}))
+            pushed = max(other.dbar[i] + guard.d_model[i], pair_of(guard.dbar)[i])
+            enough = _above(2.0 * (pushed - guard.f_min[i]) * share)
+            if enough <= least:
+                return f", or for a robot of at least {least:g} {unit}, stated as guard.M_min"
+            least = enough
+        return ""
     if scenario.guard.M_min is not None:
-        return f"with guard.M_min[{i + 1}] >= {least:g} {unit}"
+        return f", or with guard.M_min[{i + 1}] >= {least:g} {unit}"
     whole = [rounded(value, 4, up=False) for value in pair_of(guard.M_min)]
     whole[i] = f"{least:g}"
-    return f"with guard.M_min = [{', '.join(whole)}] or more"
+    return f", or with guard.M_min = [{', '.join(whole)}] or more"
 
 
 def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> tuple[str, str]:
@@ -233,7 +249,7 @@ def _check_brake(
         pushes = bound_of(other)
         numbers = derived_guard(other, pushes, limit)
         try:
-            _check(other, numbers, pushes)
+            _check(other, numbers, pushes, bound_of)
         except ScenarioError:
             return math.inf
         return sum(_pushed(numbers, robot.l))
