@@ -118,6 +118,13 @@ class Silent:
         """A step of it is done."""
 
 
+def test_a_torque_counts_from_the_time_that_is_said(run: Run) -> None:
+    later = replace(run, settings=replace(run.settings, rms_from=0.15))
+    rows = {name: said for name, _, said in summary._rows(later, figures_of(later))}
+
+    assert rows["wheel torque, RMS"] == "from 0.15 s on"
+
+
 def answers(law: str = "pid", **changes: object) -> check.Answers:
     found = check._answers(Scenario(), (law,), (), bare=True)
     return replace(found, **changes)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -13,7 +14,9 @@ from tests.filter.test_filter import scenario as first_order
 from tests.filter.test_peak_gain import scenario
 from tests.matrix import quick
 from wmr_ctrl import command_filter
+from wmr_ctrl.filter.band import NAMES, BandGovernor
 from wmr_ctrl.filter.filter import CommandFilter
+from wmr_ctrl.filter.forecast import Forecast, stays_of
 
 T = 0.05
 FAMILIES = {
@@ -119,6 +122,49 @@ def test_steps_within_their_jitter_are_in_time_wherever_the_first_was():
     for way in (1, -1):  # drift: within any beat's jitter for so long, and no longer
         sent, late = sent_at(limit, np.full(200, T + way * 0.019 * J))
         assert np.flatnonzero(late)[0] == 2 * J // (0.019 * J)
+
+
+def test_a_limit_of_a_band_that_is_no_number_stops_the_base_and_is_told():
+    """And the least that stays counts two samples off their beat towards each other."""
+    J = T / 4
+    system = BandGovernor(scenario(kind="band", jitter=J, push=(0.0, 0.0))).system
+    step = system.function("step", [system.update, system.y])
+    x, _ = step([0.5, 0.1, T], system.x0, system.p0)
+    place, numbers = 0, {}
+    for item in system.params:
+        numbers[item.signal.name] = item.value[0]
+        p = np.array(system.p0)
+        p[place] = math.nan
+        if item.signal.name in ("limits.v_u1", "filter.gain", "filter.delta"):
+            assert step([0.5, 0.1, T], x, p)[1].full().ravel().tolist() == [0.0, 0.0, 32.0]
+        place += item.signal.size
+    for name in NAMES:
+        stays = math.exp(-numbers[f"filter.rate_{name}"] * (T - 2 * J))
+        assert numbers[f"filter.soonest_{name}"] == pytest.approx(stays, rel=1e-3)
+
+
+def test_what_stays_is_at_least_an_exponential_and_no_more_than_all():
+    rate, time = ca.SX.sym("rate"), ca.SX.sym("time")
+    stays = ca.Function("stays", [rate, time], [stays_of(rate, time)])
+    for x in (0.0, 1e-6, 0.3, 1.0, 4.0, 30.0):
+        assert math.exp(-x) <= float(stays(2.0, 0.5 * x)) <= 1.05 / (1 + x)
+    for wrong in (-1.0, math.nan, -math.inf):
+        assert float(stays(2.0, wrong)) == float(stays(2.0, 0.0))
+
+
+def test_a_forecast_that_is_not_kept_is_all_past():
+    known = Forecast(*(ca.DM([1.0, 2.0]) for _ in range(6)))
+    for share in (0.0, 1.0):
+        after = known.kept(ca.DM(share))
+        for name in ("over", "under", "tail"):
+            assert (getattr(after, name).full() == share * getattr(known, name).full()).all()
+        assert (after.past_over is known.past_over, after.u is known.u) == (True, True)
+
+
+def test_a_clip_takes_a_quarter_of_a_period_for_in_time():
+    sent, late = sent_at(command_filter(first_order(kind="clip")), [T, 1.2 * T, 0.8 * T, 1.3 * T])
+    assert (sent == sent[0]).all()
+    assert late.tolist() == [False, False, False, True]
 
 
 @pytest.mark.parametrize("at", [5, 10])

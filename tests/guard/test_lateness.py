@@ -27,6 +27,8 @@ LAG = Case(lag=1, dbar=40.0, brake=40.0)
 ALL = Case(lag=0.5, lo=0.25, hi=1, window=1, age=0.25, dbar=15.0, nbar=0.05)
 VARYING = Case(lag=1, fast=0.5, dbar=40.0, brake=40.0)
 ALL_VARYING = replace(ALL, fast=0.25, dbar=12.0)
+FIRM = Case(window=2, dbar=30.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0)
+VARYING_JITTER = Case(lag=0.5, fast=0.25, hi=1, lo=0.25, dbar=20.0)
 STICKY = replace(ALL, dbar=30.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0)
 CASES = {
     "mean over a sample": MEAN,
@@ -51,7 +53,7 @@ CASES = {
     "lag that varies down to none": Case(lag=0.5, fast=0.0, dbar=30.0),
     "varying lag and mean": Case(lag=0.5, fast=0.2, window=1, dbar=25.0),
     "varying lag behind a delay": Case(lag=0.5, fast=0.25, lo=1.5, hi=1.5, dbar=15.0),
-    "varying lag and jitter": Case(lag=0.5, fast=0.25, hi=1, lo=0.25, dbar=20.0),
+    "varying lag and jitter": VARYING_JITTER,
     "varying lag and all": ALL_VARYING,
     "varying lag, jitter of a sample, sure friction, slow approach": replace(
         ALL_VARYING, lo=0.0, dbar=27.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0
@@ -90,6 +92,16 @@ def held(case: Case, lanes: int, samples: int, seed: int) -> None:
 @pytest.mark.parametrize("name", ["mean over a sample", "jitter", "all", "varying lag"])
 def test_hostile_robots_reach_the_limit_and_never_pass_it(name: str) -> None:
     held(CASES[name], 200, 40, 0)
+
+
+@pytest.mark.parametrize(
+    "case", [FIRM, VARYING_JITTER], ids=["mean, sure friction", "lag and jitter vary"]
+)
+def test_a_few_hostile_robots_get_the_forces_of_the_formula(case: Case) -> None:
+    found = trial(case, 24, 16, 0)
+
+    assert (found.fastest <= 1).all()
+    assert found.apart < 1e-11 * case.M_min / case.T
 
 
 @pytest.mark.slow

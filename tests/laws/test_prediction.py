@@ -14,6 +14,7 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import stability
+from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
@@ -22,6 +23,7 @@ from wmr_ctrl.laws.prox import guide
 from wmr_ctrl.linear import closed_loop as linear_loop
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.signals import tau_sent
 from wmr_ctrl.world.references import sample as reference_rows
 
 T = 0.1
@@ -80,6 +82,14 @@ def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> N
     assert apart.max() < 1e-3  # it turns at 1.2 rad/s there, and the midpoint is of second order
     assert np.median(apart) < 1e-5
     assert found[:, 5:] == pytest.approx(desired[2:, :5], abs=1e-6)
+
+
+def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quicker() -> None:
+    setup = settle(late("prox", 0.5, stated=0.25), "prox")
+    kept = {item.signal for item in controller(setup).state}
+
+    assert setup.predicted == 3
+    assert {tau_sent(age) for age in (1, 2, 3)} <= kept
 
 
 def test_a_law_at_another_instant_forgets_what_it_read_of_this_one() -> None:

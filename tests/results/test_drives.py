@@ -16,6 +16,7 @@ from tests.results.conftest import build
 from tests.results.test_bags import EPOCH, JOINTS, ODOMETRY, TWIST, bag, joints, odometry, twist
 from wmr_ctrl import RecordedDrive, compare, identify, load_drive, load_run
 from wmr_ctrl.cli import root
+from wmr_ctrl.cli.summary import drive_text
 from wmr_ctrl.errors import ArgumentError, ResultFileError, UnknownNameError, WmrError
 from wmr_ctrl.logs.log import read_log
 from wmr_ctrl.report.plot_runs import page_of
@@ -193,6 +194,13 @@ def test_what_was_measured_lies_between_messages_and_commands_hold():
     assert column(found, "v1_measured").largest < 1e-12
     assert column(found, "v_command").largest == 0.0
     assert found.verdict in ("equal", "agree")
+
+
+def test_the_longest_gap_of_a_column_is_told_in_milliseconds():
+    text = drive_text(drive([0.0, 0.1, 0.35, 0.4], v1_measured=[0.0, 0.1, 0.3, 0.2]))
+    (row,) = [line.split() for line in text.splitlines() if line.startswith("v1_measured")]
+
+    assert row == ["v1_measured", "[m/s]", "4", "0.4", "250", "0", "0.3"]
 
 
 def test_gaps_and_ends_are_counted_and_not_bridged():

@@ -142,7 +142,7 @@ def _rolling(x: Span, function: Callable[[Floats], Floats], steep: Floats, least
     away = steep * (0.5 * (x.hi - x.lo)) * (1 + 1e-12)
     falls, swings = x.hi <= 9.8, x.lo >= 0
     low = np.where(falls, right, np.where(swings, np.maximum(middle - away, least), least))
-    high = np.where(falls, left, np.where(swings, middle + away, np.maximum(left, 1.0)))
+    high = np.where(swings & ~falls, middle + away, left)
     return Span(low - 1e-12 * (1 + np.abs(low)), high + 1e-12 * (1 + np.abs(high)))
 
 
