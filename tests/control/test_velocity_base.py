@@ -22,13 +22,15 @@ from wmr_ctrl.checks.loop import loop_of
 from wmr_ctrl.checks.velocity_base import rise_times, usable_speed, velocity_base
 from wmr_ctrl.cli.check_sentences import filter_lines
 from wmr_ctrl.cli.summary import summary_text
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.filter.hypotheses import broken_hypotheses, most_torque
+from wmr_ctrl.filter.hypotheses import broken_hypotheses, most_torque, push_speeds
 from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.linear.linearise import law_loop
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import rolling_against
 from wmr_ctrl.world.speed_loop import has_loop
@@ -293,6 +295,28 @@ def test_usable_speed_is_the_closed_form_without_delay() -> None:
     assert memoryless is not None
     assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
     assert rise_times(based(clip)) == pytest.approx([0.05 * 0.9 * 1.1] * 2, rel=1e-6)
+
+
+def test_pushes_count_for_the_lightest_robot_of_a_run_and_errors_by_the_gain() -> None:
+    pushed, off = Bound(dbar=(2.0, 1.0)), Bound(command=(0.1, 0.2))
+    alone = push_speeds(based(VELOCITY), pushed)
+    robot = based(VELOCITY).robot
+    for share, most in ((0.5, 2.0), (3.0, 1.0)):
+        other = based(VELOCITY, changes=[{"t": 1.0, "m": share * robot.m, "I": share * robot.I}])
+        assert push_speeds(other, pushed) == pytest.approx([most * speed for speed in alone])
+        assert push_speeds(other, off) == pytest.approx((1.05 * 0.1, 0.95 * 0.2))
+    assert min(alone) > 0
+
+
+@pytest.mark.parametrize("stated", [VELOCITY, GOVERNED], ids=["no filter", "governor"])
+def test_what_takes_torques_alone_names_all_that_has_to_change(stated) -> None:
+    with pytest.raises(ScenarioError, match="packages only for robots that take wheel") as refused:
+        check_takes_torques(based(stated), "packages")
+    remedy = str(refused.value).partition("Use one")[2]
+    told = dict(re.findall(r'((?:base|filter)\.kind) = "(\w+)"', remedy))
+
+    assert told == {"base.kind": "torque"} | ({"filter.kind": "none"} if stated is GOVERNED else {})
+    check_takes_torques(override(based(stated), told), "packages")
 
 
 def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch) -> None:

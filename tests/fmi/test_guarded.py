@@ -16,6 +16,7 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fmi.cosim import cosimulate
+from wmr_ctrl.fmi.cosim.run import CosimSetup
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import summary
@@ -193,3 +194,17 @@ def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(foreign, mapped):
         simulate(weak, "mb")
     with pytest.raises(ScenarioError, match=re.escape(str(native.value))):
         cosimulate(weak, controller=foreign("Eager", BY_TORQUE), map_file=mapped(INPUT + TORQUES))
+
+
+@pytest.mark.parametrize(
+    ("on", "foreign", "bare", "apart"),
+    [
+        (True, False, False, False), (True, True, False, True), (True, False, True, True),
+        (False, True, False, False),
+    ],
+)  # fmt: skip
+def test_a_guard_steps_by_itself_behind_a_controller_that_has_none(on, foreign, bare, apart):
+    setup = settle(load_scenario("safe-simulation", {"guard.enabled": on}), "mb")
+    case = CosimSetup(setup, setup, setup if bare else None, foreign, {}, {}, at_once=False)
+
+    assert case.guarded is apart

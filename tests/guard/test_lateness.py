@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -252,6 +253,31 @@ def test_what_cannot_be_met_is_refused_with_numbers_and_a_remedy(case: Case, sai
         guard_system(case.setup)
 
     assert re.search(said, str(refused.value)), str(refused.value)
+
+
+def test_the_age_of_an_axis_is_told_where_that_axis_cannot_be_held() -> None:
+    """With the least inertia that would do, which does, and hardly any less does not."""
+    pushed = {**ON, "guard.dbar": [60.0, 15.0], "guard.trust": True}
+    words = r"late = age 0\.3 s, is needed on axis 2"
+
+    def asked(**more: object) -> None:
+        given = pushed | {key.replace("__", "."): value for key, value in more.items()}
+        feasible_guard(load_scenario("far-start", given), Bound(age=(0.0, 0.3)), math.inf)
+
+    with pytest.raises(ScenarioError, match=words) as refused:
+        asked()
+    least = float(re.search(r"of at least (\S+) kg", str(refused.value))[1])
+    asked(guard__M_min=[45.0, least], guard__M_max=[1e3, 1e3])
+    with pytest.raises(ScenarioError, match=words):
+        asked(guard__M_min=[45.0, 0.99 * least], guard__M_max=[1e3, 1e3])
+
+
+def test_times_are_whole_plant_steps_where_rounding_alone_keeps_them_from_it() -> None:
+    times = Times(0.1, 0.01)
+
+    assert times.in_periods(0.1 + 0.2) == Fraction(3)
+    assert times.in_periods(0.07) == Fraction(7, 10)
+    assert float(times.in_periods(0.034)) == pytest.approx(0.34, rel=1e-12)
 
 
 def test_a_moving_start_of_a_late_sensor_is_refused() -> None:

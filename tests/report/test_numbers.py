@@ -10,8 +10,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from tests.results.conftest import build
+from wmr_ctrl.campaign.comparison import BASES
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.report import course, scene
+from wmr_ctrl.report import comparison_figures, course, scene
 from wmr_ctrl.report.course import Course, band, course_of
 from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, view_limits
 from wmr_ctrl.report.plot_run import _error, _figures
@@ -179,3 +180,11 @@ def test_a_corridor_is_drawn_as_long_as_its_run_lasted(monkeypatch: pytest.Monke
     assert not np.isnan(first.tube).any()
     assert np.isnan(second.tube).tolist() == (drawn.t > short.time[-1]).tolist()
     assert (first.widest, second.widest) == (pytest.approx(0.2), pytest.approx(widths[0, 49]))
+
+
+def test_cases_along_an_axis_of_the_comparison_are_in_their_order():
+    """A line joins them."""
+    for points in (comparison_figures.periods(), *map(comparison_figures.limits, BASES)):
+        along = [place for place, *_ in points]
+        assert along == sorted(along)
+        assert len(along) == len(set(along)) > 2

@@ -90,6 +90,19 @@ def test_what_changes_the_graphs_changes_the_structure(change):
     assert structure_of(one) != structure_of(other)
 
 
+@pytest.mark.parametrize(
+    ("base", "key", "values"),
+    [
+        ({"encoder.counts": 512}, "encoder.window", (0.02, 0.03)),
+        ({"sensor.pose_period": 0.05}, "sensor.pose_delay", (0.02, 0.03)),
+    ],
+)
+def test_how_many_samples_an_effect_remembers_is_part_of_the_structure(base, key, values) -> None:
+    one, other = (settle(load_scenario("paper-simulation", base | {key: x}), "mb") for x in values)
+
+    assert structure_of(one) != structure_of(other)
+
+
 def test_the_map_of_a_guard_is_part_of_the_structure() -> None:
     maps = ("", "rotation-first")
     guards = ({"guard.enabled": True, **({"guard.map": kind} if kind else {})} for kind in maps)
