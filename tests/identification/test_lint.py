@@ -15,7 +15,7 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.logs import lint
 from wmr_ctrl.logs.log import FACTORS, LogError, counted, of_columns, unit_of, with_torques
-from wmr_ctrl.logs.samples import motion_of
+from wmr_ctrl.logs.samples import motion_of, wheels
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS
 
@@ -248,3 +248,11 @@ def test_the_command_refuses_in_one_paragraph_and_writes_nothing(tmp_path):
     assert done.stderr.startswith("error:")
     assert "Traceback" not in done.stderr
     assert not out.exists()
+
+
+def test_wheels_of_a_body_move_it_and_turn_it() -> None:
+    speed = np.array([[0.4, 1.0], [-0.2, -3.0]])
+    right, left = wheels(speed, 0.15).T
+
+    assert (right + left) / 2 == pytest.approx(speed[:, 0])
+    assert (right - left) / 0.3 == pytest.approx(speed[:, 1])

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.identification.kalman import INDEX, NAMES
 from wmr_ctrl.report.identified import write_identification
 from wmr_ctrl.report.style import shown
+
+module = import_module("wmr_ctrl.identification.identification")
 
 
 def test_traces_foretell_as_the_score_says(found):
@@ -58,3 +63,22 @@ def test_another_suffix_is_refused_and_nothing_is_written(found, tmp_path):
     with pytest.raises(ResultFileError, match=r"\.png, \.svg, \.pdf"):
         write_identification(found, tmp_path / "fit.html", tmp_path / "fit.gif")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_surface_is_the_loss_of_likelihood_about_the_fit(monkeypatch) -> None:
+    """A parabola with other widths along delay and lag, whose top is where the fit is."""
+    theta = np.zeros(len(NAMES))
+    theta[INDEX["delay"]], theta[INDEX["lag"]] = 0.03, 0.05
+
+    def read(x, *, slopes):
+        off = x[INDEX["delay"]] - 0.03, x[INDEX["lag"]] - 0.05
+        return SimpleNamespace(nll=np.array([7.0, 1e4 * off[0] ** 2 + 1e3 * off[1] ** 2]))
+
+    fit = SimpleNamespace(theta=theta, nll=7.0, problem=SimpleNamespace(read=read))
+    values = {name: SimpleNamespace(value=theta[INDEX[name]]) for name in ("delay", "lag")}
+    monkeypatch.setattr(module, "standard_errors", lambda _: (np.full(len(NAMES), 1e-3), None))
+    (found,) = module.Identification.surfaces(SimpleNamespace(fit=fit, parameters=values))
+
+    along, across = found.x[:, None] - 0.03, found.y[None, :] - 0.05
+    assert found.values == pytest.approx(-(1e4 * along**2 + 1e3 * across**2), abs=1e-9)
+    assert (theta[INDEX["delay"]], theta[INDEX["lag"]]) == (0.03, 0.05)

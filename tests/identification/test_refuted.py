@@ -13,7 +13,7 @@ import pytest
 from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, TRUTH
 from wmr_ctrl.identification import identify, widths
-from wmr_ctrl.identification.refuted import contradictions, explaining
+from wmr_ctrl.identification.refuted import _monitor, contradictions, explaining
 from wmr_ctrl.identification.widths import Fitted, changes
 
 PAUSE = 1.0
@@ -132,3 +132,9 @@ def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(f
             each.axis for each in contradictions(found.white, replace(narrow, dbar=tuple(least)))
         }
         assert "dbar" in item.against(narrow)
+
+
+def test_a_push_is_seen_for_what_the_lightest_robot_needed() -> None:
+    """Without a force, from 0.1 to 0.3 m/s in 0.1 s, of 40 to 60 kg; with 50 N the rest of it."""
+    for force, push in ((0.0, 80.0), (50.0, 30.0)):
+        assert float(_monitor()(0.3, 0.1, force, 0.1, 0.0, 40.0, 60.0)) == pytest.approx(push)

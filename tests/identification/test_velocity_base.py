@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -202,3 +204,46 @@ def test_a_pi_loop_of_a_run_gives_its_peak_gain_back(tmp_path):
         assert found.parameters[f"zeta{axis}"].value == pytest.approx(zeta, rel=0.03)
     assert found.scenario.filter.loop == "pi"
     assert found.scenario.filter.kind == "clip", found.remarks
+
+
+LOG = SimpleNamespace(
+    period=0.02, t=0.02 * np.arange(400), counted=np.ones(400, dtype=bool),
+    speed=np.minimum(0.02 * np.maximum(np.arange(400) - 100.0, 0.0), 0.5), until=lambda _: LOG,
+)  # fmt: skip
+"""At rest, then at 1 m/s2 to 0.5 m/s."""
+
+
+@pytest.mark.parametrize(
+    ("told", "chosen"),
+    [
+        ({"first-order": 100.0, "pi": 97.0}, ("first-order", False)),  # no more than chance
+        ({"first-order": 100.0, "pi": 95.0}, ("pi", False)),
+        ({"first-order": 50.0, "pi": 10.0, "ramps": 9.0}, ("first-order", False)),  # they are vague
+        ({"first-order": 100.0, "pi": 99.0, "ramps": 90.0}, ("first-order", True)),
+    ],
+)
+def test_a_richer_loop_has_to_earn_its_place(monkeypatch, told, chosen):
+    """Of three starts the two likeliest are followed, which begin with the steepest motion."""
+    module, followed, slopes = import_module("wmr_ctrl.identification.velocity_base"), [], []
+
+    def starts(_, names, steepest):
+        slopes.append(steepest)
+        return [np.full(len(names), share) for share in (3.0, 1.0, 2.0)]
+
+    def fit(log, loop, names, x, *_):
+        followed.append(x[0])
+        ramp = "accel" in names
+        bic = told.get("ramps", 200.0) + (loop == "pi") if ramp else told[loop]
+        vague = told["first-order"] < 60 and bic != told["first-order"]
+        theta = np.zeros(len(names) + (loop == "pi"))
+        return SimpleNamespace(loop=loop, names=names, theta=theta, nll=bic, bic=bic, vague=vague)
+
+    monkeypatch.setattr(module, "_starts", starts)
+    monkeypatch.setattr(module, "set_of", lambda _, x: x[:1])
+    monkeypatch.setattr(module, "foretold", lambda log, _, x: log.speed[:, None] + x[:, 0])
+    monkeypatch.setattr(module, "fitted", fit)
+    found = module.best_loop(LOG, lambda: None, ("first-order", "pi"))
+
+    assert (found.loop, "accel" in found.names) == chosen
+    assert {*followed} - {0.0} == {1.0, 2.0}
+    assert slopes == pytest.approx([1.0] * 4)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import control as ct
 import numpy as np
 import pytest
@@ -18,6 +19,8 @@ from wmr_ctrl.linear import (
     plant_at,
     resting_point,
 )
+from wmr_ctrl.linear.linearise import _newton
+from wmr_ctrl.linear.report import _pairs
 from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.scenario import override
 from wmr_ctrl.world.references import Lemniscate, Line, StopAndGo
@@ -168,3 +171,17 @@ def test_a_reference_that_stops_is_linearised_where_it_moves(nominal):
 
     assert isinstance(moving, TimeVarying)
     assert (moving(10.0).poles().real < 0).all()
+
+
+def test_a_resting_point_is_found_to_the_last_digits() -> None:
+    x = ca.SX.sym("x", 5)
+    value = x**3 - ca.DM([1.0, 2.0, 3.0, 4.0, 5.0])
+    residual = ca.Function("residual", [x], [value, ca.jacobian(value, x)])
+
+    assert _newton(residual, np.full(5, 1.2)) == pytest.approx(
+        np.arange(1.0, 6.0) ** (1 / 3), rel=1e-12
+    )
+
+
+def test_poles_are_pairs_of_real_and_imaginary_part() -> None:
+    assert _pairs(np.array([-1.0 + 2.0j, -3.0])) == [[-1.0, 2.0], [-3.0, 0.0]]

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 
 from tests.results.conftest import build
 from wmr_ctrl.campaign.comparison import BASES
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import comparison_figures, course, scene
 from wmr_ctrl.report.course import Course, band, course_of
-from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, view_limits
+from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, target_of, view_limits
 from wmr_ctrl.report.plot_run import _error, _figures
 from wmr_ctrl.report.scene import outline, scene_of
 from wmr_ctrl.report.tables import _Line, ranged, stress_table
@@ -188,3 +188,22 @@ def test_cases_along_an_axis_of_the_comparison_are_in_their_order():
         along = [place for place, *_ in points]
         assert along == sorted(along)
         assert len(along) == len(set(along)) > 2
+
+
+def test_a_course_has_what_is_to_be_kept_out_of():
+    shapes = [[1.0, 1.0, 0.3], [[-1.0, -2.0], [3.0, -2.0], [3.0, -1.0]]]
+    text = to_toml(override(Scenario(), {"reference.keep_out": shapes, "body.radius": 0.2}))
+
+    assert course_of(build(duration=1.0, provenance={"scenario_toml": text})).keep_out == (
+        (1.0, 1.0, 0.3), ((-1.0, -2.0), (3.0, -2.0), (3.0, -1.0)),
+    )  # fmt: skip
+
+
+def test_a_picture_may_have_any_case_and_is_looked_at_where_it_is_written(tmp_path):
+    (tmp_path / "file").touch()
+    inside = tmp_path / "file" / "plot.png"
+
+    assert target_of(tmp_path / "PLOT.PNG", (".png",), "one") == tmp_path / "PLOT.PNG"
+    assert target_of(inside, (".png",), "one", write=False) == inside
+    with pytest.raises(ResultFileError):
+        target_of(inside, (".png",), "one")

@@ -134,6 +134,26 @@ def test_a_filter_that_starts_again_does_as_a_new_one_and_keeps_its_counters(sce
     assert world.told == new.told == []
 
 
+def test_who_begins_anew_has_no_command_however_young_the_last_one_is(world):
+    world.go(60)
+    world.core.start()
+
+    assert world.go(1, sends=False) == [0.0]
+    assert "no-command" in world.core.last.flags
+
+
+def test_on_simulated_time_odometry_that_is_newer_than_a_command_counts(scenario):
+    required = GateSettings(odometry="required")
+    world = World(FilterCore(scenario, required, "base_link", at_once=True))
+    now = Moment(world.ros, world.steady, True)
+    world.core.see(now)
+    assert world.core.measure((0.1, 0.0), (0.0, 0.0, 0.0, 1.0), world.ros, "base_link", now) == ""
+    reason, sent = world.core.command((0.5, 0.0), world.ros - 5 * MS, "base_link", now)
+
+    assert reason == ""
+    assert "no-odometry" not in sent.flags
+
+
 def test_on_simulated_time_odometry_times_out_by_the_steady_clock(scenario):
     """A simulator that stands still says nothing new, however young its last word."""
     world = World(FilterCore(scenario, GateSettings(odometry="required"), "base_link"))
@@ -265,8 +285,11 @@ def test_stamps_do_not_hasten_answers_but_on_simulated_time(prompt):
 
 
 def test_after_simulated_time_went_back_commands_are_answered_at_once_again(prompt):
+    """What has passed since then is told by the steady clock."""
     assert sent_at(prompt, simulated=True)
-    assert sent_at(prompt, ros=-10_000 * MS, steady=1 * MS, simulated=True)
+    before = prompt.core.last.command[0]
+    assert sent_at(prompt, ros=-10_000 * MS, steady=10 * MS, simulated=True)
+    assert prompt.core.last.command[0] == pytest.approx(before + 0.01)
 
 
 def test_answers_at_once_ramp_by_the_time_that_has_passed(prompt):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes as ct
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -307,6 +308,14 @@ def test_an_interrupt_ends_all_threads_at_once() -> None:
         run_tasks([*short, *tasks], jobs=2, progress=stop)
 
     assert threading.active_count() == before
+
+
+def test_lanes_that_are_cancelled_do_no_further_sample() -> None:
+    tasks = tasks_of("paper-simulation", "mb", range(2), SHORT)
+    memory = laid_out(tasks, [], cancelled=ct.c_int32(1))
+
+    assert not memory.run()
+    assert memory.row("samples").tolist() == [0.0, 0.0]
 
 
 def test_unknown_vector_set_is_named() -> None:
