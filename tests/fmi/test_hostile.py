@@ -220,6 +220,9 @@ def test_bad_experiments(raw, what, version):
         assert one.setup(start, stop, tolerance) == ERROR
         assert one.reset() == OK
         one.begin().free()
+    one = fmu.new()
+    assert one.setup(1.0, 1.0) == OK  # it ends where it begins
+    one.free()
 
 
 def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):

@@ -241,6 +241,15 @@ def test_unknown_targets_list_the_known_ones(tmp_path):
         export_fmu("plant", fmi=1, out=tmp_path)
 
 
+def test_why_the_only_platform_was_not_built_is_told_as_it_is(monkeypatch):
+    def broken(target, sources, identifier):
+        raise CompilerError("zig found no memory. The command was `zig cc`.")
+
+    monkeypatch.setattr(targets, "compile_for", broken)
+    with pytest.raises(CompilerError, match=r"^zig found no memory\. The command was `zig cc`\.$"):
+        targets.build_for(targets.targets_of("host"), {}, "wmr_plant")
+
+
 def test_what_was_built_is_kept_where_another_platform_fails(tmp_path, monkeypatch):
     """The file has the others; the message names what failed and why, and a target to name."""
     real = targets.compile_for

@@ -82,6 +82,14 @@ def test_both_versions_say_the_same_of_each_variable(what: str) -> None:
     assert three == {name: two.get(name) or two[f"{name}[1]"] for name in three}
 
 
+def test_an_array_is_described_as_a_whole() -> None:
+    whole = [v for v in xml("nn", 3).find("ModelVariables") if v.find("Dimension") is not None]
+
+    assert len(whole) == 2
+    assert not [v.get("description") for v in whole if ", element" in v.get("description", "")]
+    assert all(v.get("description") for v in whole)
+
+
 @pytest.mark.parametrize(("what", "step"), [("plant", 0.002), ("mb", 0.01), ("closed-loop", 0.01)])
 def test_the_plant_steps_inside_and_all_else_by_the_period(what: str, step: float) -> None:
     assert float(xml(what, 3).find("CoSimulation").get("fixedInternalStepSize")) == step

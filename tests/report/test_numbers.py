@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -17,6 +18,7 @@ from wmr_ctrl.report.course import Course, band, course_of
 from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, target_of, view_limits
 from wmr_ctrl.report.plot_run import _error, _figures
 from wmr_ctrl.report.scene import outline, scene_of
+from wmr_ctrl.report.study_table import PREFERRED, StudyTable, read_study
 from wmr_ctrl.report.tables import _Line, ranged, stress_table
 from wmr_ctrl.results.table import spread, table_of_rows
 from wmr_ctrl.scenario import Scenario, override, to_toml
@@ -207,3 +209,35 @@ def test_a_picture_may_have_any_case_and_is_looked_at_where_it_is_written(tmp_pa
     assert target_of(inside, (".png",), "one", write=False) == inside
     with pytest.raises(ResultFileError):
         target_of(inside, (".png",), "one")
+
+
+@pytest.mark.parametrize(("arrival", "of"), [(12.0, " of the drive:"), (25.0, ":"), (None, ":")])
+def test_errors_of_the_drive_are_those_before_an_arrival_within_the_run(arrival, of):
+    run = build(duration=20.0)
+    lines = _figures(replace(run, settings=replace(run.settings, arrival=arrival)))
+
+    assert lines[-2] == f"RMS errors of the last 10 s{of}"
+
+
+def test_without_a_figure_of_tracking_the_first_of_the_plan_is_drawn():
+    def drawn(*figures):
+        none = np.array([])
+        return StudyTable({"figures": list(figures)}, {}, none, none, none, {}).figure
+
+    assert drawn("tau_peak", "violated") == "tau_peak"
+    assert drawn("tau_peak", PREFERRED[1]) == PREFERRED[1]
+    assert drawn(PREFERRED[1], PREFERRED[0]) == PREFERRED[0]
+
+
+def test_rows_of_a_study_are_of_a_law_with_or_without_the_guard(tmp_path):
+    plan = {"figures": ["violated"], "grid": {}, "sample": None}
+    (tmp_path / "study.json").write_text(json.dumps({"plan": plan}))
+    (tmp_path / "columns.csv").write_text("name,unit\nviolated,1\n")
+    (tmp_path / "table.csv").write_text(
+        "index,law,guard,outcome,refusal,violated\n0,mb,true,completed,,0\n"
+        "1,mb,false,completed,,1\n"
+    )
+
+    found = read_study(tmp_path)
+    assert found.group.tolist() == ["mb, guarded", "mb"]
+    assert found.numbers["violated"].tolist() == [0.0, 1.0]

@@ -13,7 +13,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.filter.gate import GateSettings
 from wmr_ctrl.ros2.clocks import Moment
 from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
-from wmr_ctrl.ros2.drive_law import heading
+from wmr_ctrl.ros2.drive_law import DesiredMotion, heading
+from wmr_ctrl.signals import SAMPLE
 
 DRAWS = 300
 
@@ -107,3 +108,28 @@ def test_behind_a_ramp_nothing_winds_up(law, monkeypatch):
 def test_a_law_that_is_told_its_wish_winds_up(law, monkeypatch):
     """So that the test before this one can fail."""
     assert np.ptp(wishes(law, monkeypatch, lambda wish, _: wish)[5:], axis=0).max() > 0.1
+
+
+class Recorder:
+    """A reference with memory: which samples it was shown, and which it has taken in."""
+
+    def __init__(self):
+        self.seen, self.taken = [], []
+
+    def look(self, u):
+        self.seen.append(u[0])
+        return [0.0]
+
+    def move(self):
+        self.taken.append(self.seen[-1])
+
+
+def test_a_reference_with_memory_takes_each_sample_in_once_and_in_order():
+    """However often one is asked for, and though an earlier one is asked for in between."""
+    motion, stepper = object.__new__(DesiredMotion), Recorder()
+    vars(motion).update(_stepper=stepper, _inputs=[SAMPLE], _stateful=True, _period=0.1, _sample=0)
+    for sample in (0, 3, 3, 2, 4):
+        motion.at(sample, 0.0)
+
+    assert stepper.taken == [0.0, 1.0, 2.0, 3.0]
+    assert stepper.seen[-1] == 4.0

@@ -9,6 +9,7 @@ from dataclasses import replace
 from operator import ne
 from pathlib import Path
 
+import casadi as ca
 import pytest
 
 from tests.matrix import headed, quick, turns
@@ -17,9 +18,11 @@ from wmr_ctrl.codegen.package import c_name, package_files, packaged
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws import LAWS
+from wmr_ctrl.model.system import Port
 from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.signals import POSE, REFERENCE, VELOCITY
+from wmr_ctrl.signals import LARGEST, POSE, REFERENCE, VELOCITY, Signal
 from wmr_ctrl.simulink import kit_files
+from wmr_ctrl.simulink.kit import _parameter
 
 HERE = Path(__file__).parent
 SCENARIO = load_scenario("paper-simulation")
@@ -221,3 +224,12 @@ def test_the_kit_is_written_and_says_what_was_tried(tmp_path):
 def test_what_the_kit_cannot_hold_is_refused():
     with pytest.raises(ArgumentError, match="lag"):
         kit_files("mb", override(SCENARIO, {"actuator.lag": 0.02}))
+
+
+def test_a_number_without_ends_may_be_any():
+    """Ends beyond what any number of ours may be are none."""
+    port = Port(Signal("some.gain", "1", "a gain"), ca.SX.sym("g"), (2.0,))
+
+    assert _parameter(port, None)["wanted"] == "a number"
+    assert _parameter(port, (0.0, LARGEST))["wanted"] == "a number, at least 0"
+    assert _parameter(port, (-3.0, 4.0))["wanted"] == "a number, at least -3, at most 4"
