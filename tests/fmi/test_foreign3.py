@@ -119,3 +119,19 @@ def test_a_plants_warnings_are_told(plant, mapped):
     assert f"plant warned in {said}" in " ".join(done.stdout.split())
     told = json.loads(CliRunner().invoke(root, [*command, "--json"]).stdout)
     assert told["provenance"]["warned_plant"] == said
+
+
+def test_a_plant_that_takes_steps_of_one_size_is_not_stepped_by_others(plant, mapped, tmp_path):
+    """A change within a control period would cut one."""
+    rigid = tmp_path / "rigid.fmu"
+    with zipfile.ZipFile(plant) as old, zipfile.ZipFile(rigid, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'StepSize="true"', b'StepSize="false"')
+            new.writestr(name, content)
+    text = mapped(MAP.format(mode=0, mass='"grams"'))
+    within = override(SHORT, {"changes": [{"t": 0.404, "m": 45.0}], "clock.duration": 0.5})
+    with pytest.raises(ArgumentError, match=r"rigid\.fmu, which takes steps of one size, 0\.01 s"):
+        cosimulate(within, "pid", plant=rigid, map_file=text)
+    assert cosimulate(within, "pid", plant=plant, map_file=text).outcome != "failed"

@@ -120,10 +120,12 @@ def check_spans(scenario: Scenario, plant: Part, steady: bool) -> None:
     ``steady``: what acts on it stays the same over a control period; else it may change after
     every clock.plant.
     """
-    step, pace = plant.step_size, scenario.clock.plant
+    step, pace, path = plant.step_size, scenario.clock.plant, plant.slave.path
+    says = "whose map says"
     if step is None:
-        return
-    path = plant.slave.path
+        if not plant.foreign or plant.slave.takes_any_step:
+            return
+        step, says = scenario.clock.control if steady else pace, "which takes steps of one size,"
     if not steady and not _divides(step, pace):
         raise ArgumentError(
             f"the map's step of {path}, {step:g} s, does not divide clock.plant = {pace:g} s, by "
@@ -135,8 +137,8 @@ def check_spans(scenario: Scenario, plant: Part, steady: bool) -> None:
         begins = first_step_at(change.t, pace) * pace
         if begins < scenario.clock.duration and not _divides(step, begins):
             raise ArgumentError(
-                f"the change at t = {change.t:g} s falls between two steps of {path}, whose map "
-                f"says {step:g} s. Move it to a multiple of that step."
+                f"the change at t = {change.t:g} s falls between two steps of {path}, {says} "
+                f"{step:g} s. Move it to a multiple of that step."
             )
 
 

@@ -309,6 +309,11 @@ class Slave(FmuFile):
             raise self.failure(f"doStep to {end:.9g} s, of which it reached {reached:.9g}")
 
     @property
+    def takes_any_step(self) -> bool:
+        """Whether its communication steps may differ in size, as its description says."""
+        return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
+
+    @property
     def warnings(self) -> str:
         """In how many steps it warned, and when and of what first; empty if it never did."""
         return f"{self._warned} steps, first at {self._first}" if self._warned else ""
