@@ -54,13 +54,15 @@ class Robot:
         return np.array(seen)
 
     def _hold(self, force: np.ndarray, t: float, h: float, seen: list[np.ndarray]) -> None:
+        x, y, theta = self.pose.tolist()
         for j in range(SUBSTEPS):
+            v1, omega = self.v.tolist()
             push = force + self.disturbance(t + j * h, self.v)
-            self.pose = self.pose + h * np.array(
-                [-np.sin(self.pose[2]) * self.v[0], np.cos(self.pose[2]) * self.v[0], self.v[1]]
-            )
+            x, y = x - h * math.sin(theta) * v1, y + h * math.cos(theta) * v1
+            theta += h * omega
             self.v = slid(self.v, push, self.friction, self.mass, h)
-            seen.append(self.v.copy())
+            seen.append(self.v)
+        self.pose = np.array([x, y, theta])
 
 
 def slid(

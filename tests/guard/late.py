@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from tests.guard.harness import HEAVY, LIGHT, MOST, guarded, slid
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.scenario import Scenario
 
 GRIPS = (0.0, 30.0, 1e7)
@@ -43,13 +45,13 @@ class Drive:
     def speeds(self, scenario: Scenario, v: np.ndarray, samples: int) -> np.ndarray:
         """|v| (n, 2) at the end of every piece that starts when the first command acts or later."""
         system = guard(settle(scenario, None))
-        step = system.function("guard", [system.update, system.y])
+        step = system.function("guard", [ca.densify(system.update), ca.densify(system.y)])
         x, p, period = np.array(system.x0), system.p0, scenario.clock.control
         whole, part = divmod(round(self.delay / scenario.clock.plant), scenario.clock.substeps)
         sent, seen = [np.zeros(2)] * (whole + 1), []
         for k in range(samples):
-            x, torque = step([*self.asked(k, v), *(v + self.error(k, v))], x, p)
-            sent = [_force(np.array(torque).ravel(), scenario), *sent]
+            x, torque = evaluated(step, [*self.asked(k, v), *(v + self.error(k, v))], x, p)
+            sent = [_force(torque.ravel(), scenario), *sent]
             first = part * period / scenario.clock.substeps
             for force, time in ((sent[whole + 1], first), (sent[whole], period - first)):
                 v = self._moved(k, v, force, time, seen)

@@ -14,6 +14,7 @@ from tests.guard.varying_formula import VaryingGuard
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.guard.refusals import feasible_guard
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
@@ -103,7 +104,7 @@ def settled(case: Case) -> Setup:
 def composed(case: Case) -> tuple[System, ca.Function]:
     """The guard of a case, and what it does with a sample: next state, torques, what is watched."""
     system = guard_system(case.setup)
-    return system, system.function("guard", [system.update, system.y, system.d])
+    return system, system.function("guard", [*map(ca.densify, (system.update, system.y, system.d))])
 
 
 @dataclass(frozen=True)
@@ -173,7 +174,7 @@ def trial(
         y = sum(way_of_part[old : old + wide]) / (wide * h) if wide else speeds[old]
         y = y + real.nbar * ways["error"](k, 0, -v)
         asked = 1e6 * ways["asked"](k, 0, v) * (draw.random(lanes) < 0.95)
-        following, torque, watched = (item.full() for item in act(np.vstack([asked, y]), x, p))
+        following, torque, watched = evaluated(act, np.vstack([asked, y]).T, x.T, p.T)
         x = following
         force = np.array(
             [torque[0] + torque[1], robot.l * (torque[0] - torque[1])]

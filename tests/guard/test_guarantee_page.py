@@ -5,6 +5,7 @@ Nothing here integrates with the product's code; of the product there is the gua
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -12,6 +13,7 @@ from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.price import usable_speed
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.scenario import load_scenario
 
 U1, R, L = np.array((1.0, 1.5)), 0.1, 0.25
@@ -34,13 +36,13 @@ class Guards:
     def __init__(self, scenario, count=ROBOTS):
         system = guard(settle(scenario, None))
         self.names = [name for item in system.diagnostics for name in item.signal.elements]
-        act = system.function("act", [system.update, system.y, system.d])
+        act = system.function("act", [*map(ca.densify, (system.update, system.y, system.d))])
         self._act, self._p = act.map(count), np.tile(np.reshape(system.p0, (-1, 1)), count)
         self.state = np.tile(np.reshape(system.x0, (-1, 1)), count)
 
     def __call__(self, asked, v):
         given = np.vstack((asked, v))
-        self.state, torque, told = (np.array(x) for x in self._act(given, self.state, self._p))
+        self.state, torque, told = evaluated(self._act, given.T, self.state.T, self._p.T)
         self.told = dict(zip(self.names, told, strict=True))
         return np.vstack((torque.sum(0), L * (torque[0] - torque[1]))) / R
 

@@ -11,6 +11,7 @@ import numpy as np
 from wmr_ctrl.api import (
     scenario_of,
 )
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound, Effect
@@ -74,13 +75,13 @@ def rows(count: int, rng: np.random.Generator, size: float = 1.0) -> Rows:
 
 def fed(system: System, motion: Rows) -> np.ndarray:
     """Outputs of a System, one row for each of ``motion``."""
-    graph = system.function("fed", [system.update, system.y])
-    x, shown = ca.DM(system.x0), []
+    graph = system.function("fed", [ca.densify(system.update), ca.densify(system.y)])
+    x, shown = system.x0, []
     for row in motion:
         given = [v for item in system.inputs for v in row[item.signal.name]]
         draws = [v for item in system.draws for v in row[item.port.signal.name]]
-        x, y = graph(given, x, system.p0, *([draws] if draws else []))
-        shown.append(np.array(y).ravel())
+        x, y = evaluated(graph, given, x, system.p0, *([draws] if draws else []))
+        shown.append(y.ravel())
     return np.array(shown)
 
 

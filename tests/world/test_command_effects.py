@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import wmr_ctrl
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.registry import EFFECTS
@@ -32,13 +34,13 @@ def based(**base: Any) -> Scenario:
 def acting(scenario: Scenario, commands: np.ndarray, draws: Sequence[float] = ()) -> np.ndarray:
     """What one effect makes of commands (N, 2), one for each plant step."""
     system = EFFECTS.present(scenario, EffectRole.COMMAND)[-1].system(scenario)
-    graph = system.function("act", [system.update, system.y])
+    graph = system.function("act", [ca.densify(system.update), ca.densify(system.y)])
     state, rows = np.array(system.x0), []
     for number, command in enumerate(commands):
         given = [*command, *([number] if len(system.inputs) > 2 else [])]
         drawn = [[draws[number], 0.0]] if system.draws else []
-        state, y = graph(given, state, system.p0, *drawn)
-        rows.append(y.full().ravel())
+        state, y = evaluated(graph, given, state, system.p0, *drawn)
+        rows.append(y.ravel())
     return np.array(rows)
 
 
