@@ -160,28 +160,9 @@ def simulate(
                 acting = np.where(np.abs(slack) >= truth.backlash / 2 - 1e-12, acting, 0.1 * acting)
             force = acting / radius
 
-            def rates(
-                v: Floats, w: Floats, force: Floats = force, gust: Floats = gust
-            ) -> tuple[Floats, Floats]:
-                right, left = v + l * w, v - l * w
-                grip = 1 + truth.stiction * np.exp(-((np.abs(v) / 0.05) ** 2))
-                wheel = truth.c * np.tanh(np.column_stack((right, left)) / truth.v_s)
-                wheel = wheel * (
-                    1 + truth.stiction * np.exp(-((np.column_stack((right, left)) / 0.05) ** 2))
-                )
-                total = force - wheel
-                dv = (
-                    total.sum(axis=1)
-                    - truth.Fc * grip * np.tanh(v / truth.v_s)
-                    - truth.Fv * v
-                    + gust[:, 0]
-                ) / truth.m
-                dw = (l * (total[:, 0] - total[:, 1]) - truth.Mv * w + gust[:, 1]) / truth.I
-                return dv, dw
-
             v, w = state["v"], state["w"]
-            a = rates(v, w)
-            b = rates(v + step * a[0], w + step * a[1])
+            a = _rates(truth, v, w, force, gust)
+            b = _rates(truth, v + step * a[0], w + step * a[1], force, gust)
             v_new, w_new = v + step * (a[0] + b[0]) / 2, w + step * (a[1] + b[1]) / 2
             v_mid, w_mid = (v + v_new) / 2, (w + w_new) / 2
             heading = state["theta"] + step * w_mid / 2
@@ -189,11 +170,33 @@ def simulate(
             state["y"] = state["y"] + step * v_mid * np.cos(heading)
             state["theta"] = state["theta"] + step * w_mid
             state["v"], state["w"] = v_new, w_new
-            rolled = np.column_stack((v_mid + l * w_mid, v_mid - l * w_mid))
+            rolled = _rims(v_mid, l * w_mid)
             if np.isfinite(truth.creep):
                 rolled = rolled + force / truth.creep
             turn = turn + step * rolled / radius
     return {"t": t, **out}
+
+
+def _rates(
+    truth: Truth, v: Floats, w: Floats, force: Floats, gust: Floats
+) -> tuple[Floats, Floats]:
+    """Accelerations (robots,) under the wheels' forces (robots, 2) [N]."""
+    rims, body = _rims(v, truth.l * w), truth.Fc
+    wheel = truth.c * np.tanh(rims / truth.v_s)
+    if truth.stiction:
+        wheel = wheel * (1 + truth.stiction * np.exp(-((rims / 0.05) ** 2)))
+        body = body * (1 + truth.stiction * np.exp(-((np.abs(v) / 0.05) ** 2)))
+    right, left = (force - wheel).T
+    dv = (right + left - body * np.tanh(v / truth.v_s) - truth.Fv * v + gust[:, 0]) / truth.m
+    dw = (truth.l * (right - left) - truth.Mv * w + gust[:, 1]) / truth.I
+    return dv, dw
+
+
+def _rims(v: Floats, turning: Floats) -> Floats:
+    """Velocities of the right and the left wheel (robots, 2) [m/s]."""
+    both = np.empty((len(v), 2))
+    both[:, 0], both[:, 1] = v + turning, v - turning
+    return both
 
 
 def log_of(
