@@ -33,7 +33,7 @@ TESTS = Path(__file__).parent
 COMPILED = tuple(
     f"tests/{folder}/"
     for folder in ("arithmetic", "bits", "board", "codegen", "filter",
-                   "packaging", "sim", "simulink")
+                   "packaging", "simulink")
 )  # fmt: skip
 """Folders whose tests are about what a user's own compiler makes."""
 QUICK = (

@@ -157,6 +157,7 @@ def replaced(items: Iterable[Item], new: Sequence[Item]) -> list[Item]:
 
 
 Choice = Operation | Pair
+_ANY = 1 << 62
 WORTH = 15
 """Cost (see `Graph.cost`) of what a branch saves, from which on it is made."""
 
@@ -168,12 +169,10 @@ def branched(
 
     With ``worth`` 1 nothing is computed that is not asked for.
     """
-    outside, items = frozenset(needed), list(items)
+    outside, items, known = frozenset(needed), list(items), dict[int, tuple[int, int]]()
     while _cost(items) >= worth:
-        scope = _Scope(graph, items, outside)
-        candidates = [_Branch(graph, scope, condition, worth) for condition in scope.choices]
-        best = max(candidates, key=lambda item: item.cost, default=None)
-        if best is None or best.cost < worth:
+        best = _Scope(graph, items, outside).best(worth, known)
+        if best is None:
             break
         items = scheduled(best.contracted())
     return items
@@ -187,7 +186,7 @@ class _Scope:
     """
 
     def __init__(self, graph: Graph, items: list[Item], outside: frozenset[int]) -> None:
-        self.items = items
+        self.graph, self.items = graph, items
         self.position = {item: place for place, item in enumerate(items)}
         self.maker = {number: item for item in items for number in item.defines}
         self.kept = {item for number, item in self.maker.items() if number in outside}
@@ -207,6 +206,29 @@ class _Scope:
             if not graph.nodes[condition].leaf:
                 self.choices.setdefault(condition, []).append(item)
 
+    def best(self, worth: int, known: dict[int, tuple[int, int]]) -> "_Branch | None":
+        """The branch that saves most, and of equal ones the first, if one is worth it.
+
+        ``known``, brought up to date: by condition its choices and the cost of their branch when it
+        was last looked at.  While no choice has gone elsewhere it saves no more since.
+        """
+        order = {condition: place for place, condition in enumerate(self.choices)}
+        most = {
+            condition: cost
+            for condition, (count, cost) in known.items()
+            if len(self.choices.get(condition, ())) == count
+        }
+        best: _Branch | None = None
+        for condition in sorted(order, key=lambda c: -most.get(c, _ANY)):
+            if most.get(condition, _ANY) < (best.cost if best else worth):
+                break
+            one = _Branch(self.graph, self, condition, worth)
+            known[condition] = len(self.choices[condition]), one.cost
+            first = (one.cost, -order[condition])
+            if one.cost >= worth and (not best or first > (best.cost, -order[best.condition])):
+                best = one
+        return best
+
 
 class _Branch:
     """The choices of one scope on one condition, and the operations that only one side needs."""
@@ -214,16 +236,14 @@ class _Branch:
     def __init__(self, graph: Graph, scope: _Scope, condition: int, worth: int) -> None:
         self.graph, self.scope, self.condition, self.worth = graph, scope, condition, worth
         self.choices = self._independent_choices()
+        self.needs = [self._needs(item) for item in self.choices]
         self.then, self.other = self._cone(1), self._cone(2)
         self.cost = max(_cost(self.then), _cost(self.other))
 
     def contracted(self) -> list[Item]:
         """The scope with choices and cones replaced by one block."""
         defines = tuple(number for item in self.choices for number in item.defines)
-        arms = [
-            frozenset().union(*(self._needs(item)[side - 1] for item in self.choices))
-            for side in (1, 2)
-        ]
+        arms = [frozenset().union(*(both[side] for both in self.needs)) for side in (0, 1)]
         then, other = (
             tuple(branched(self.graph, cone, arm, worth=self.worth))
             for cone, arm in zip((self.then, self.other), arms, strict=True)
@@ -248,6 +268,8 @@ class _Branch:
     def _independent_choices(self) -> list[Choice]:
         """Choices on the condition none of which depends on another."""
         listed, position = self.scope.choices[self.condition], self.scope.position
+        if len(listed) == 1:
+            return listed
         first, last = position[listed[0]], position[listed[-1]]
         own: set[Item] = set(listed)
         dependent: set[Item] = set()
@@ -267,16 +289,15 @@ class _Branch:
         """
         scope, left = self.scope, dict[Item, int]()
         inside: list[Item] = []
-        choices = set(self.choices)
-        read = (self._needs(item) for item in self.choices)
-        own = (both[side - 1] - both[2 - side] - {self.condition} for both in read)
+        choices, kept, maker, uses = set(self.choices), scope.kept, scope.maker, scope.uses
+        own = (both[side - 1] - both[2 - side] - {self.condition} for both in self.needs)
         waiting = [number for numbers in own for number in sorted(numbers)]
         while waiting:
-            item = scope.maker.get(waiting.pop())
-            if item is None or item in choices or item in scope.kept:
+            item = maker.get(waiting.pop())
+            if item is None or item in choices or item in kept:
                 continue
-            left[item] = left.get(item, scope.uses[item]) - 1
-            if left[item] == 0:
+            left[item] = still = left.get(item, uses[item]) - 1
+            if still == 0:
                 inside.append(item)
                 waiting.extend(item.reads)
         return sorted(inside, key=scope.position.__getitem__)
