@@ -127,7 +127,8 @@ def test_damaged_and_foreign_bytes_are_refused(raw, what, version):
         assert instance.restore(bytes(damaged)) == ERROR, place
     for wrong in (kept[:-1], kept + b"\0", b"", b"\0" * len(kept), b"\xff" * len(kept)):
         assert instance.restore(wrong) == ERROR
-    other = raw("smc", version).new().begin().bytes_of_state()
+    other = "reference" if what == "plant" else "plant"
+    other = raw(other, version).new().begin().bytes_of_state()
     assert instance.restore(other) == ERROR
     assert instance.all() == before
     assert instance.step(0.05, 0.01) == OK

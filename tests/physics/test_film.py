@@ -77,7 +77,7 @@ def test_the_film_shows_the_certified_corridor(tmp_path):
     near = {"clock.duration": 0.08, "initial.pose": [0.0, 0.0, -1.57], "changes": []}
     run = simulate("safe-simulation", "prox", plant="mujoco", overrides=near)
     loop = runnable_plantless(load_scenario("safe-simulation", near), "prox")
-    moments = moments_of(loop, run, 2)
+    moments = moments_of(loop, run, 8)
     bare, wide = (
         list(pictures(replace(moments, tube=tube)))[-1].astype(int)
         for tube in (None, np.full(len(moments.rows), 0.5))
