@@ -1,10 +1,11 @@
 """Which gains: the certified corridor beside torque change, untold delay and noise.
 
 ``python -m benchmarks.gains [--quick] [--out docs/corridor.md] [--work build/gains]``.  Gains of
-``safe-simulation``: those that ship, other bandwidths of the observer, and what `wmr_ctrl.tune`
-finds for prox and for kanayama with merit = "corridor", with the same trials and with all errors at
-once: prox from what the same search finds for the RMS, kanayama from its defaults.  Then prox on
-``safe-experiment``: poles of `guide`, slower and faster.  What a search found stays in ``--work``.
+``safe-simulation``: those that ship, other bandwidths of the observer, those for far starts, and
+what `wmr_ctrl.tune` finds for prox and for kanayama with merit = "corridor", with the same trials
+and with all errors at once: prox from what the same search finds for the RMS, kanayama from its
+defaults.  Then prox on ``safe-experiment``: poles of `guide`, slower and faster.  What a search
+found stays in ``--work``.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.parts import millimetres, page_parser, renew
+from benchmarks.starts import FAR
 from wmr_ctrl.api import scenario_of, simulate_many
 from wmr_ctrl.corridor import Corridor, find_corridor
 from wmr_ctrl.fields.units import rounded
@@ -95,6 +97,9 @@ def first(work: Path, quick: bool) -> str:
         words = f"prox, wo = {wo:g}{', as it ships' if wo == own else ''}"
         rows.append(row(words, override(ships, {"gains.prox.wo": wo}), "prox", seeds))
         print(rows[-1], flush=True)
+    if not quick:
+        far = override(ships, FAR)
+        rows.append(row(f"prox, for far starts: {told(far, 'prox')}", far, "prox", seeds))
     rows.append(row("kanayama, as it ships", ships, "kanayama", seeds))
     for law in ("prox",) if quick else ("prox", "kanayama"):
         found = searched(law, work, trials)

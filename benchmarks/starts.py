@@ -1,12 +1,12 @@
 """Starts from which limits act: from how far off there is a corridor, and what that costs.
 
 ``python -m benchmarks.starts [--quick] [--out docs/corridor.md]``.  prox on ``safe-simulation``
-until the robot changes, as it ships and with a slower observer.
+until the robot changes, as it ships, with a slower observer, and with gains for far starts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from time import process_time
 
 from benchmarks.parts import page_parser, renew
@@ -24,18 +24,28 @@ SHIPS: Sequence[Start] = (
     (0.05, 0.02, 0.15), (0.02, 0.05, 0.15),
 )  # fmt: skip
 """Ahead, aside, turned [m, m, rad]."""
-SLOWER: Sequence[Start] = ((0.03, 0.03, 0.075), (0.01, 0.05, 0.15), (0.05, 0.03, 0.1))
-"""The same with the observer of SLOW [1/s]."""
-SLOW = 2.301
+FAR: Mapping[str, object] = {
+    "gains.kinematics.k": [6.0, 196.0, 5.6], "gains.prox.rho": [60.0, 21.74], "gains.prox.wo": 13.0,
+}  # fmt: skip
+"""Gains for far starts: less k1, so that a robot that is ahead brakes less."""
+OTHERS: Mapping[str, tuple[Mapping[str, object], Sequence[Start]]] = {
+    "wo = 2.301": (
+        {"gains.prox.wo": 2.301},
+        ((0.03, 0.03, 0.075), (0.01, 0.05, 0.15), (0.05, 0.03, 0.1)),
+    ),
+    "gains for far starts": (FAR, ((0.05, 0.02, 0.15), (0.05, 0.05, 0.15))),
+}
+"""Other gains in words, and starts from which they are looked at."""
 
 
-def row(start: Start, more: dict[str, object]) -> str:
-    """A start: what the corridor of prox takes and is."""
+def row(start: Start, name: str = "", more: Mapping[str, object] | None = None) -> str:
+    """A start: what the corridor of prox takes and is, with ``more`` fields of such a name."""
     begun = process_time()
-    tube = find_corridor(scenario_of("safe-simulation", {"corridor.start": start, **more}), "prox")
+    told = {"corridor.start": start, **(more or {})}
+    tube = find_corridor(scenario_of("safe-simulation", told), "prox")
     spent = process_time() - begun
     ahead, aside = (f"{1e3 * x:g} mm" for x in start[:2])
-    words = f"{ahead}, {aside}, {start[2]:g} rad{f', wo = {SLOW:g}' if more else ''}"
+    words = f"{ahead}, {aside}, {start[2]:g} rad{f', {name}' if name else ''}"
     if tube.position is None or tube.heading is None:
         return f"| {words} | {spent:.1f} s | none: {tube.refused} | | |"
     acts = f"{tube.settling:g} s" if tube.settling else "never"
@@ -46,12 +56,12 @@ def row(start: Start, more: dict[str, object]) -> str:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table, and with ``--out`` renew it."""
     given = page_parser(__doc__, "the nearest two starts").parse_args(arguments)
-    slow: dict[str, object] = {"gains.prox.wo": SLOW}
-    every = [(item, {}) for item in SHIPS] + [(item, slow) for item in SLOWER]
+    every = [(item, "", dict[str, object]()) for item in SHIPS]
+    every += [(item, name, dict(more)) for name, (more, own) in OTHERS.items() for item in own]
     head = ("start: ahead, aside, turned", "CPU time", "limits may act for", "within", "turned")
     rows = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-    for start, more in every[:2] if given.quick else every:
-        rows.append(row(start, more))
+    for item in every[:2] if given.quick else every:
+        rows.append(row(*item))
         print(rows[-1], flush=True)
     if given.out:
         renew(given.out, NAME, "\n".join(rows))

@@ -14,6 +14,7 @@ from tests.corridor.adversary import Attacked, worst_pushes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import affine, find_corridor, transient
 from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.corridor.inputs import NoCorridorError
 from wmr_ctrl.corridor.limited import LimitedLoop, _secant_of
 from wmr_ctrl.corridor.masses import certified
 from wmr_ctrl.corridor.sample import SampleMatrices, doubles
@@ -217,13 +218,17 @@ def test_what_is_followed_without_limits_holds_runs_and_is_forgotten(limited):
     cells = limited.start(np.zeros((1, 3)), start[None])
     course = settling.course(limited.rest(cells, np.zeros((n, 0))))
     assert course.through.tolist() == [0]
-    assert (course.rest[0, :3] < 0.9 * start).all()
+    assert (np.abs(course.rest[0, :3]).sum(axis=1) < 0.9 * start).all()
 
-    for push, signs in zip(worst_pushes(scenario, "prox", samples, 3.0), range(8), strict=True):
+    again, steps = settling.course(course.rest), samples * scenario.clock.substeps
+    assert again.through.tolist() == [0]
+
+    for push, signs in zip(worst_pushes(scenario, "prox", 2 * samples, 3.0), range(8), strict=True):
         corner = start * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
         e, _, _ = driven(scenario, corner, push)
-        assert np.hypot(e[:, 0], e[:, 1]).max() <= course.position
-        assert np.abs(e[:, 2]).max() <= course.heading
+        for part, stage in ((e[:steps], course), (e[steps:], again)):
+            assert np.hypot(part[:, 0], part[:, 1]).max() <= stage.position
+            assert np.abs(part[:, 2]).max() <= stage.heading
 
 
 def test_what_would_reach_limits_does_not_come_through(limited):
@@ -246,14 +251,45 @@ def test_a_cell_of_which_the_guard_may_change_the_force_is_given_up(limited):
     assert np.isfinite(after.c[1]).all()
 
 
-def test_a_start_that_is_too_far_off_is_refused_with_its_place(monkeypatch):
-    monkeypatch.setattr("wmr_ctrl.corridor.transient.CELLS", 80)
-    monkeypatch.setattr("wmr_ctrl.corridor.transient.LOOKS", (20, 30))
-    scenario = override(load_scenario("safe-simulation"), {"corridor.start": (0.01, 0.01, 0.4)})
-    words = find_corridor(scenario, "prox").refused
+def test_what_is_too_far_off_after_a_stage_is_followed_on(monkeypatch):
+    start = (0.005, 0.005, 0.025)
+    scenario = override(load_scenario("safe-simulation"), {"corridor.start": start})
+    certifier = Certifier(settle(scenario, "prox"))
+    monkeypatch.setattr(transient, "SAMPLES", 10)
+    before, tube = transient.transient(certifier, certifier.inputs)
+    assert tube.share < 1
+    assert tube.position_late < 0.0045
+    assert 0.0083 > before.position > start[0]
+    assert 0.08 > before.heading > start[2]
 
-    assert "limits may act, and from a start off by about (" in words
-    assert "it is not known to come back" in words
+    monkeypatch.setattr(transient, "STAGES", 1)
+    told = "0.1 s after limits may act last, what is left of the start may be (0.00059, "
+    with pytest.raises(NoCorridorError, match=re.escape(told)):
+        transient.transient(certifier, certifier.inputs)
+
+
+@pytest.mark.parametrize(
+    ("limits", "start", "words"),
+    [
+        ({"CELLS": 80}, (0.01, 0.01, 0.4), "0.3 s after it limits may act still, and more than 80"),
+        ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.001, 0.05, 0.02),
+         "0.05 s after it its turning velocity is known too coarsely"),
+        ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.05, 0.001, 0.02),
+         "0.06 s after it its speed is known too coarsely"),
+        ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.001, 0.001, 0.3),
+         "0.01 s after it its heading is known too coarsely"),
+    ],
+)  # fmt: skip
+def test_a_start_that_is_too_far_off_is_refused_with_its_place(monkeypatch, limits, start, words):
+    for name, value in {"LOOKS": (20, 30), "SAMPLES": 20, **limits}.items():
+        monkeypatch.setattr(transient, name, value)
+    certifier = Certifier(
+        settle(override(load_scenario("safe-simulation"), {"corridor.start": start}), "prox")
+    )
+    place = r"limits may act, and from a start off by about \(\S+, \S+, \S+\) m, m, rad it is not"
+    more = " cells were tried" * ("CELLS" in limits)
+    with pytest.raises(NoCorridorError, match=f"^{place} known to come back: {words}{more}$"):
+        transient.transient(certifier, certifier.inputs)
 
 
 @pytest.mark.parametrize(

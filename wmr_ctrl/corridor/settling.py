@@ -4,7 +4,7 @@ With p what the inputs do to the linear loop from now on, the state is p + r, an
 
     r+ = A r + what the linear parts leave of the graphs on the box |x| <= |r| + L,
 
-L the largest deviations that the inputs can cause (ledger: corridor.settling).  r begins in a
+L the largest deviations that the inputs can cause (ledger: corridor.frame).  r begins in a
 zonotope, of which many are carried at once, and has no column for a push.
 """
 
@@ -70,7 +70,10 @@ class Bends:
 
 @dataclass(frozen=True)
 class SettledCells:
-    """Cells that came through: their places, where they end, and the most on their way."""
+    """Cells that came through: their places, the most on their way, and where they end.
+
+    ``rest`` (C, n, columns): deviations as those that were given.
+    """
 
     through: NDArray[np.int_]
     rest: Floats
@@ -163,8 +166,11 @@ class Settling:
             if not len(live):
                 break
         position = far[live].max(initial=0.0) / cos(pi / (2 * DIRECTIONS)) * SUMS
-        size = self._reached(whole, added, self.samples)[:, count : count + self.n]
-        return SettledCells(live, size, float(position), float(turned[live].max(initial=0.0)))
+        moved = self.powers[-1] @ whole
+        left = self._after(added, self.samples)[:, count : count + self.n]
+        left = left * SUMS + COARSE * np.abs(moved).sum(axis=2)
+        rest = np.concatenate([moved, left[:, :, None] * np.eye(self.n)], axis=2)
+        return SettledCells(live, rest, float(position), float(turned[live].max(initial=0.0)))
 
     def _reached(self, whole: Floats, added: Floats, k: int) -> Floats:
         """Largest deviations r (C, rows) at the sample k: of fast state, state and law."""
@@ -175,10 +181,13 @@ class Settling:
         fast = ends[:, :within].reshape(len(ends), self.steps, self.count).max(axis=1)
         size = np.concatenate([fast, ends[:, within:]], axis=1)
         if k:
-            size += added.reshape(len(added), k * added.shape[2]) @ self.ways[:k].reshape(
-                -1, size.shape[1]
-            )
+            size += self._after(added, k)
         return np.asarray(size * SUMS)
+
+    def _after(self, added: Floats, k: int) -> Floats:
+        """Largest values (C, rows) after what k samples added."""
+        ways = self.ways[:k].reshape(-1, self.ways.shape[2])
+        return np.asarray(added.reshape(len(added), len(ways)) @ ways)
 
     def _sample(self, size: Floats) -> tuple[Floats, NDArray[np.bool_], Floats]:
         """Deviations of the fast state in a sample, where they admit it, what law and steps add."""

@@ -23,7 +23,7 @@ from wmr_ctrl.corridor.limited import NARROW, LimitedLoop, StartCells, V
 from wmr_ctrl.corridor.peaks import Tube
 from wmr_ctrl.corridor.sample import SampleMatrices, doubles
 from wmr_ctrl.corridor.settling import BITS, Settling
-from wmr_ctrl.corridor.zonotopes import COARSE
+from wmr_ctrl.corridor.zonotopes import COARSE, radius_of
 
 WIDEST = (0.005, 0.005, 0.025)
 """Half-widths of the first cells at most [m, m, rad]."""
@@ -31,10 +31,15 @@ CELLS, BATCH = 4_000, 256
 """Cells that are tried at most, and together."""
 LOST = (0.15, 0.6)
 """Half-width of e3 [rad], and of velocities in v_u1, with which a cell is lost."""
+WHY = (
+    "the guard may act", "its heading is known too coarsely", "its speed is known too coarsely",
+    "its turning velocity is known too coarsely", "limits may act still",
+)  # fmt: skip
+"""By what a cell is lost, the last where none of the others is so."""
 LOOKS = (20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120)
 """Samples after which a cell may need no limits any more; after the last it is given up."""
-SAMPLES = 200
-"""That are followed from there on."""
+SAMPLES, STAGES = 200, 6
+"""That are followed from there on at once, and how often at most."""
 CUTS, WIDTHS = (10, 15, 20), (0.01, 0.006, 0.03, 0.12, 0.2)
 """Samples at which a lost cell may be cut, if one of its half-widths of errors [m, m, rad] and
 velocities [m/s, rad/s] is larger than ``share`` of these."""
@@ -98,11 +103,12 @@ class _Search:
     def __init__(self, certifier: Certifier, inputs: Inputs) -> None:
         self.certifier, self.inputs, self.limited = certifier, inputs, LimitedLoop(certifier)
         n = len(certifier.loop.at)
-        self.start = np.array(certifier.loop.setup.scenario.corridor.start)
+        scenario = certifier.loop.setup.scenario
+        self.start, self.period = np.array(scenario.corridor.start), scenario.clock.control
         self.settling = Settling(certifier.started(np.zeros((n, 1))), inputs, SAMPLES)
         self.pushed = _pushed(certifier, inputs)
         self.samples, self.position, self.heading = 0, 0.0, 0.0
-        self.entry = np.zeros(n)
+        self.came, self.lost = list[Floats](), NoCorridorError("no cell was lost")
 
     def result(self) -> tuple[Transient, Tube]:
         """Run all of them."""
@@ -128,10 +134,23 @@ class _Search:
             for part in self._run(parts):
                 waiting.setdefault(part.k, []).append(part)
             if tried > CELLS:
-                raise _lost(parts[-1])
-        period = self.certifier.loop.setup.scenario.clock.control
-        tube = self.certifier.started(np.diag(self.entry)).tube(self.inputs)
-        return Transient(self.samples * period, self.position, self.heading), tube
+                raise NoCorridorError(f"{self.lost}, and more than {CELLS} cells were tried")
+        return Transient(self.samples * self.period, self.position, self.heading), self._entered()
+
+    def _entered(self, stage: int = 1) -> Tube:
+        """The tube of what came in, which is followed on where it is too far off for one."""
+        entry = np.max([radius_of(item).max(axis=0) for item in self.came], axis=0)
+        try:
+            return self.certifier.started(np.diag(entry)).tube(self.inputs)
+        except NoCorridorError as error:
+            came, self.came = self.came, []
+            if stage == STAGES or not all(self._course(item).all() for item in came):
+                left = ", ".join(f"{x:.2g}" for x in entry[:3])
+                raise NoCorridorError(
+                    f"{stage * SAMPLES * self.period:g} s after limits may act last, what is left "
+                    f"of the start may be ({left}) m, m, rad, which is too much: {error}"
+                ) from error
+        return self._entered(stage + 1)
 
     def _run(self, parts: list[StartPart]) -> list[StartPart]:
         """Carry parts until all are in; halves of those that are lost."""
@@ -139,15 +158,17 @@ class _Search:
         far = np.array([item.far for item in parts])
         turned = np.array([item.turned for item in parts])
         through, over = np.zeros(len(parts), dtype=bool), np.full(len(parts), LOOKS[-1])
+        why = np.full(len(parts), len(WHY) - 1)
         saved = [PassedCells(parts[0].k, cells, far.copy(), turned.copy())]
         for k in range(parts[0].k + 1, LOOKS[-1] + 1):
             cells, way, heading = self.limited.after(cells, self.inputs)
             far[cells.begin] = np.maximum(far[cells.begin], way)
             turned[cells.begin] = np.maximum(turned[cells.begin], heading)
             radius = cells.radius
-            good = np.isfinite(cells.c).all(axis=1) & (radius[:, 2] < LOST[0])
-            good &= (radius[:, V] < LOST[1] * self.limited.largest).all(axis=1)
-            over[cells.begin[~good]] = k
+            wide = radius[:, 2:ROBOT] >= np.array([LOST[0], *LOST[1] * self.limited.largest])
+            bad = np.column_stack([~np.isfinite(cells.c).all(axis=1), wide])
+            good = ~bad.any(axis=1)
+            over[cells.begin[~good]], why[cells.begin[~good]] = k, bad[~good].argmax(axis=1)
             cells = cells.only(good)
             if len(cells.c) and k in LOOKS:
                 inside = self._settled(cells, k)
@@ -160,7 +181,14 @@ class _Search:
         self.position = max(self.position, far[through].max(initial=0.0))
         self.heading = max(self.heading, turned[through].max(initial=0.0))
         lost = np.flatnonzero(~through)
-        return [half for i in lost for half in _halved(saved, int(i), parts[i], int(over[i]))]
+        halves = list[StartPart]()
+        for i in lost:
+            two = _halved(saved, int(i), parts[i], int(over[i]))
+            self.lost = _lost(parts[i].start, f"{over[i] * self.period:g} s after it {WHY[why[i]]}")
+            if not two:
+                raise self.lost
+            halves += two
+        return halves
 
     def _settled(self, cells: StartCells, k: int) -> NDArray[np.bool_]:
         """Which cells need no limits any more and come in."""
@@ -169,13 +197,19 @@ class _Search:
         likely = np.flatnonzero(self.settling.likely(rest))
         if not len(likely):
             return inside
-        course = self.settling.course(rest[likely])
-        inside[likely[course.through]] = True
+        inside[likely] = self._course(rest[likely])
         if inside.any():
             self.samples = max(self.samples, k)
+        return inside
+
+    def _course(self, rest: Floats) -> NDArray[np.bool_]:
+        """Which deviations come in while nothing limits; what they are then is kept."""
+        course, inside = self.settling.course(rest), np.zeros(len(rest), dtype=bool)
+        inside[course.through] = True
+        if inside.any():
             self.position = max(self.position, course.position)
             self.heading = max(self.heading, course.heading)
-            self.entry = np.maximum(self.entry, course.rest.max(axis=0))
+            self.came.append(course.rest)
         return inside
 
 
@@ -184,7 +218,7 @@ def _halved(
 ) -> list[StartPart]:
     """The halves of a part that was lost after ``over`` samples, cut as early as it is wide.
 
-    NoCorridorError where it is not wide at all.
+    None where it is not wide at all.
     """
     share = part.share
     while share > FINEST:
@@ -202,7 +236,7 @@ def _halved(
                     for cell, start in zip(cells, starts, strict=True)
                 ]
         share *= FINER
-    raise _lost(part)
+    return []
 
 
 def _widest(part: StartPart, share: float) -> int | None:
@@ -216,11 +250,11 @@ def _widest(part: StartPart, share: float) -> int | None:
     return int((size / most).argmax()) if (size > most * (1 + NARROW)).any() else None
 
 
-def _lost(part: StartPart) -> NoCorridorError:
-    place = ", ".join(f"{x:.2g}" for x in part.start)
+def _lost(start: Floats, why: str) -> NoCorridorError:
+    place = ", ".join(f"{x:.2g}" for x in start)
     return NoCorridorError(
         f"limits may act, and from a start off by about ({place}) m, m, rad it is not known to "
-        "come back"
+        f"come back: {why}"
     )
 
 
