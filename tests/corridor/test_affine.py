@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.corridor.affine import AffineGraph
+from wmr_ctrl.corridor.affine import AffineGraph, Form, _below
 
 X = ca.SX.sym("x", 3)
 GRAPHS = {
@@ -81,3 +81,12 @@ def test_threads_share_a_graph_and_not_its_boxes():
         together = [found.r for found in pool.map(graph, center, radius)]
 
     assert all(map(np.array_equal, alone, together))
+
+
+def test_numbers_that_are_known_to_be_equal_are_not_below_each_other():
+    """One is at most the other: both are certain."""
+    zero = Form(ca.SX(0), ca.SX(1, 1), ca.SX(0), ca.SX(0))
+    below, at_most = (_below(strict)(zero, zero) for strict in (True, False))
+
+    assert [float(item) for item in (below.yes, below.no)] == [0.0, 1.0]
+    assert [float(item) for item in (at_most.yes, at_most.no)] == [1.0, 0.0]

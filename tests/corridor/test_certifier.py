@@ -9,10 +9,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.control.bases import VELOCITY, based
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor.answer import Corridor
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS
-from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, bounded_inputs
+from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first, bounded_inputs
+from wmr_ctrl.corridor.masses import _with_robots
 from wmr_ctrl.corridor.peaks import Peaks, reference_gap
 from wmr_ctrl.corridor.reckoning import Reckoning
 from wmr_ctrl.scenario import load_scenario
@@ -198,3 +201,51 @@ def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it(
         error = (linear + sums).max(axis=0)
     assert (found.reckoned >= error).all()
     assert found.reckoned == pytest.approx(error, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("case", "run", "good"),
+    [
+        (
+            {"actuator.lag": 0.02},
+            "no torque in its drives",
+            "the torque that friction takes in its",
+        ),
+        ({}, "", ""),
+    ],
+)
+def test_what_drives_hold_at_first_is_nothing_in_a_run_and_what_rolls_on_for_good(case, run, good):
+    setup = settle(load_scenario("safe-simulation", case), "kanayama")
+
+    assert at_first(setup, run=True) == run
+    assert at_first(setup, run=False).startswith(good)
+    assert bool(at_first(setup, run=False)) is bool(good)
+
+
+def test_what_a_base_that_takes_velocities_holds_at_first_is_told_part_by_part():
+    late = based(VELOCITY, base__delay=0.02, base__accel=[1.0, 2.0], base__decel=[1.0, 2.0])
+    setup = settle(late, "kanayama")
+
+    assert at_first(setup, run=True) == "no command under way and its ramp at that speed"
+    assert at_first(setup, run=False).startswith("commands of that speed under way and its ramp")
+
+
+def test_another_robot_has_its_masses_at_all_times_and_is_believed_to_be_what_it_was():
+    changes = [{"t": 20.0, "m": 60.0, "I": 7.0}, {"t": 30.0, "m": 45.0, "I": 6.0}]
+    setup = settle(load_scenario("safe-simulation", {"changes": changes}), "mb")
+    believed = setup.scenario.believed
+    other = _with_robots(setup, [(40.0, 5.0), (61.0, 7.1), (46.0, 6.1)]).scenario
+
+    assert (other.robot.m, other.robot.I) == (40.0, 5.0)
+    assert [(item.t, item.m, item.I) for item in other.changes] == [
+        (20.0, 61.0, 7.1), (30.0, 46.0, 6.1),
+    ]  # fmt: skip
+    for key in ("m", "I", "mu"):
+        assert getattr(other.believed, key) == getattr(believed, key)
+        assert getattr(other.model, key) == getattr(believed, key)
+
+
+def test_as_many_poses_may_be_missing_as_were_counted():
+    known = SimpleNamespace(velocity=(0.0, 0.0), push=1.0, pose=0.0, missing=3)
+
+    assert Corridor._while(known, 1.0).endswith(", no pose comes to up to 3 samples in a row")

@@ -229,7 +229,13 @@ def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
     """More than 1e5 of them in a period, or no whole number of them."""
     for version in (2, 3):
         fmu = raw("closed-loop", version)
-        for step, status in ((0.01 / 2e5, ERROR), (0.004, ERROR), (0.01 / 1e4, OK)):
+        for step, status in (
+            (0.01 / 2e5, ERROR),
+            (0.004, ERROR),
+            (0.02, ERROR),
+            (0.01, OK),
+            (0.01 / 1e4, OK),
+        ):
             one = fmu.new()
             assert one.put({"clock.plant": step}) == OK
             assert one.setup() == OK
@@ -285,6 +291,7 @@ def test_states_of_solvers_must_be_numbers(raw):
                 in REFUSED
             )
             assert fmu.SetTime(one.handle, ct.c_double(wrong)) == ERROR
+        assert any("state 3 is not finite" in text for text in fmu.messages)
         assert fmu.SetContinuousStates(one.handle, reals(0, 0), ct.c_size_t(2)) == ERROR
         assert fmu.SetContinuousStates(one.handle, None, ct.c_size_t(5)) == ERROR
         assert fmu.GetContinuousStates(one.handle, reals(*[0] * 4), ct.c_size_t(4)) == ERROR

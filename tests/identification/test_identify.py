@@ -12,7 +12,7 @@ from benchmarks.own_plant import log_of, simulate
 from tests.identification.conftest import KNOWN, TRUTH
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
-from wmr_ctrl.identification.fit import events_of, packed
+from wmr_ctrl.identification.fit import SKIPPED, WATCHED, events_of, packed
 from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.logs.log import LogError
 from wmr_ctrl.logs.samples import Samples
@@ -192,9 +192,20 @@ def test_gradient_and_likelihood_agree():
         events = events_of(log, theta[INDEX["delay"]], np.zeros((2, 8)))
         return filter_(events, np.concatenate((theta, known)), covariance, slopes)
 
+    def of_kind(kind, seen):
+        kinds, delay = np.full(len(t), kind, np.int32), theta[INDEX["delay"]]
+        events = events_of(replace(log, seen=seen), delay, np.zeros((2, 8)), None, kinds)
+        return filter_(events, np.concatenate((theta, known)), covariance, False)
+
     whole, alone = read(theta), read(theta, slopes=False)
     assert (alone.nll == whole.nll).all()
     assert (alone.mean == whole.mean).all()
+    skipped = of_kind(SKIPPED, log.seen)  # they are taken in, and not counted
+    assert (skipped.mean == alone.mean).all()
+    assert not skipped.nll.any()
+    watched = [of_kind(WATCHED, seen).mean for seen in (log.seen, log.seen + 0.1)]
+    assert (watched[0] == watched[1]).all()  # they are not taken in
+    assert (watched[0] != alone.mean).any()
     gradient = whole.gradient.sum(axis=0)
     for k, name in enumerate(NAMES):
         step = np.zeros(len(NAMES))

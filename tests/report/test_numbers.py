@@ -27,6 +27,7 @@ from wmr_ctrl.scenario import Scenario, override, to_toml
 def test_a_cell_has_its_range_only_where_numbers_differ() -> None:
     assert ranged(spread([0.5, 2.0, 1.0])) == "1.00 (0.500 … 2.00)"
     assert ranged(spread([1.0, 1.0])) == "1.00"
+    assert ranged(spread([1.0, 3.0, 1.0])) == "1.00 (1.00 … 3.00)"
     assert ranged(spread([0.001, 0.003]), 1e3) == "2.00 (1.00 … 3.00)"
     assert ranged(spread([None])) == "–"
 
