@@ -24,7 +24,7 @@ from wmr_ctrl.campaign.study_plan import plan_of
 from wmr_ctrl.campaign.study_run import run_study
 from wmr_ctrl.campaign.study_store import counted_reasons, opened
 from wmr_ctrl.corridor import find_corridor
-from wmr_ctrl.errors import ResultFileError, ScenarioError, UnknownNameError
+from wmr_ctrl.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
 from wmr_ctrl.scenario import load_scenario
 
 # -- the same bytes ------------------------------------------------------------------------
@@ -48,6 +48,12 @@ def test_chunks_hold_every_run_once_and_are_nearly_as_long_as_each_other(tmp_pat
     assert sum(made) == plan_of(PLAN).runs
     assert len(made) == math.ceil(sum(made) / longest)
     assert max(made) - min(made) <= 1
+
+
+def test_an_impossible_number_of_jobs_is_refused_before_a_folder_is_made(tmp_path):
+    with pytest.raises(ArgumentError, match="jobs"):
+        wmr_ctrl.study(REAL, tmp_path / "s", jobs=0)
+    assert not (tmp_path / "s").exists()
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("lost worker")])

@@ -6,13 +6,16 @@ import ctypes as ct
 import threading
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.matrix import headed, quick, turns
 from wmr_ctrl.api import compile_loop, scenario_of, simulate, simulate_many, simulate_runs
+from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
+from wmr_ctrl.codegen.toolchain import Unit
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Monitor, split_columns
@@ -322,6 +325,18 @@ def test_unknown_vector_set_is_named() -> None:
     tasks = tasks_of("paper-simulation", "mb", range(1), SHORT)
     with pytest.raises(UnknownNameError, match="vector"):
         run_tasks([replace(tasks[0], vectors="mmx")])
+
+
+@pytest.mark.usefixtures("every_set_of_instructions")
+def test_a_compiler_may_lack_any_set_of_instructions_but_the_baseline(monkeypatch) -> None:
+    asked: list[Unit] = []
+    monkeypatch.setattr(build, "build_units", lambda _, units, *__, **___: asked.extend(units))
+    monkeypatch.setattr(build, "unity", lambda *_: {})
+    build.Program.lanes.func(SimpleNamespace(generated_lanes={}))
+
+    assert {item.name: item.optional for item in asked} == {
+        item.name: item.name != "baseline" for item in vector_sets()
+    }
 
 
 @pytest.mark.usefixtures("every_set_of_instructions")
