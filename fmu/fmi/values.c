@@ -75,9 +75,6 @@ static wmr_status check_value(wmr_instance *s, const wmr_variable *v, double val
         return wmr_say(s, WMR_ERROR, "%s = %.17g is outside of %g to %g.", v->name, value, v->min,
                        v->max);
     }
-    if (v->type == WMR_INTEGER && value != floor(value)) {
-        return wmr_say(s, WMR_ERROR, "%s = %.17g is not whole.", v->name, value);
-    }
     return WMR_OK;
 }
 

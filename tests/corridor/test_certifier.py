@@ -82,6 +82,19 @@ def test_products_are_not_below_those_of_what_is_so_far_off_and_measured_amiss(c
         assert law == pytest.approx(law.T, rel=1e-12)
 
 
+def test_what_linear_steps_leave_out_adds_to_what_is_off_without_it(certifier):
+    """Of a plant step and of the law, both."""
+    still, moved = (
+        peaks_of(certifier, np.array(e)) for e in ([0.0] * 5, [0.05, 0.05, 0.1, 0.05, 0.1])
+    )
+    alone, added = (certifier._added(certifier.inputs, item) for item in (still, moved))
+    rests = (certifier._remainders(certifier.inputs, item) for item in (still, moved))
+    for before, after, none, rest in zip(alone, added, *rests, strict=True):
+        more = (rest - none).sum(axis=(1, 2))
+        assert (after - before >= more * (1 - 1e-9)).all()
+        assert more.max() > 0
+
+
 def test_a_condition_has_less_room_where_what_it_limits_is_measured_amiss(certifier):
     loop = certifier.loop
     room = np.array([float(item.lower()) for item in loop.most])

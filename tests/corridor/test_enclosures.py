@@ -231,3 +231,22 @@ def test_powers_are_off_by_less_than_what_their_sums_are_given(loop, samples):
             exact = np.array([[float(x.mid()) for x in row] for row in (A**k).tolist()])
             assert (np.abs(own - exact) <= ROUNDING / 4 * most + 2**-52 * np.abs(exact)).all()
             assert k == samples or (np.abs(exact) <= most * (1 + ROUNDING)).all()
+
+
+def test_products_of_wide_matrices_hold_those_of_all_that_is_in_them() -> None:
+    rng = np.random.default_rng(2)
+    a, b = (
+        MidRadius(scale * rng.normal(size=shape), np.abs(rng.normal(size=shape)))
+        for scale, shape in ((0.0, (3, 4)), (0.3, (4, 2)))
+    )
+    product, reached = a @ b, np.zeros((3, 2))
+    for _ in range(400):
+        left, right = (
+            item.middle + item.radius * rng.choice([-1.0, 1.0], item.middle.shape)
+            for item in (a, b)
+        )
+        off = np.abs(left @ right - product.middle)
+        assert (off <= product.radius).all()
+        reached = np.maximum(reached, off)
+
+    assert (reached > 0.5 * product.radius).all()
