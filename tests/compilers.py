@@ -14,14 +14,13 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.codegen.cache import cache_dir
-from wmr_ctrl.codegen.compiler import WINDOWS, WITHOUT_MINGW
+from wmr_ctrl.codegen.compiler import WINDOWS, WITHOUT_MINGW, WITHOUT_RUNTIME
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.page.module import LINKING
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 ZIG = (sys.executable, "-P", "-m", "ziglang", "cc", "-s")
-"""Without symbols, as FMUs are linked: zig compiles the C library of a platform once with them and
-once without."""
+"""Without symbols, as FMUs are linked."""
 WASM = (*ZIG, "-target", "wasm32-wasi", "-O2")
 SIMD128 = ("-Xclang", "-target-feature", "-Xclang", "+simd128")
 """Vectors of WebAssembly for what is compiled: for -msimd128 zig builds its C library anew."""
@@ -70,7 +69,8 @@ def compile_program(folder: Path, command: Sequence[str], units: Sequence[str], 
     """A program of units; where zig would compile a C library first, it is linked without one."""
     further, linking = WITHOUT_LIBRARY.get(Path(out).suffix, ((), None))
     if linking is None:
-        compile_in(folder, [*command, *units, "-lm", "-o", out])
+        own = WITHOUT_RUNTIME if tuple(command[: len(ZIG)]) == ZIG else ("-lm",)
+        compile_in(folder, [*command, *units, *own, "-o", out])
         return
     objects = []
     for unit in (*units, *further):

@@ -121,7 +121,7 @@ SHOWN uint64_t hash_of(int32_t which)
 /* The most lanes that this processor has registers for; called in a library for any processor. */
 SHOWN int32_t most_lanes(void)
 {
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32) && !defined(WMR_PRINT)
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")
         && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd")) {

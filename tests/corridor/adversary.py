@@ -7,13 +7,14 @@ a time is that of its signs, read backwards.
 from __future__ import annotations
 
 import math
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from tests.oracle.auxiliary import tracking_error
-from tests.oracle.loop import _Loop
+from tests.oracle.loop import Recorder, _Loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.references import sample
 
@@ -64,6 +65,18 @@ class Attacked(_Loop):
         target = self.reference((n + 1) * self.clock.plant)
         self.errors.append(tracking_error(target, self.state[:3]))
 
+    def goes_on(self, first, end):
+        """Samples from one before another, unless the run has ended; returns the other."""
+        for k in range(first, end):
+            if not self.ended:
+                self._sample(k)
+        return end
+
+    def branched(self):
+        """A copy that goes on by itself, without what is behind."""
+        self.log, self.errors = Recorder(self._memory()), []
+        return deepcopy(self, {id(self.scenario): self.scenario})
+
 
 def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, changing=False):
     """The Excursion under wheel torques ``push`` (N, 2) and errors ``pose``, ``velocity`` (N, 2).
@@ -100,15 +113,18 @@ def worst_on_the_way(scenario, law, end):
 
     Along any path, with the robot's changes.
     """
-    blank = np.zeros((end, 2))
-    rest = attack(scenario, law, blank, changing=True).e[-1]
+    loop = Attacked(scenario, law, np.zeros((end, 2)), changing=True)
     places = np.arange(end - 1, max(end - WINDOW, 0), -STRIDE)[::-1]
-    answers = np.zeros((2, len(places), 3))
-    for wheel in (0, 1):
-        for k, place in enumerate(places):
-            push = blank.copy()
-            push[place, wheel] = TINY
-            answers[wheel, k] = attack(scenario, law, push, changing=True).e[-1] - rest
+    answers, done = np.zeros((2, len(places), 3)), 0
+    for k, place in enumerate(places):
+        done = loop.goes_on(done, place)
+        for wheel in (0, 1):
+            pushed = loop.branched()
+            pushed.noise[place, wheel] = TINY
+            pushed.goes_on(place, end)
+            answers[wheel, k] = pushed.errors[-1]
+    loop.goes_on(done, end)
+    answers -= loop.errors[-1]
     every = []
     for ahead, left in DIRECTIONS:
         led = ahead * answers[..., 0] + left * answers[..., 1]

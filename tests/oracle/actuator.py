@@ -25,6 +25,8 @@ class Drives:
 
     def _keep(self) -> float:
         """Share of what acts that is left after the plant step that starts now."""
+        if not self.settings.lag:
+            return 0.0
         lag = self.settings.lag * (1.0 + float(self.spread[self.step // self.every]))
         return math.exp(-self.dt / lag) if lag > 0.0 else 0.0
 

@@ -35,15 +35,15 @@ class Watch:
 
     def see(self, t: float, state: State) -> bool:
         """Take note of the state at ``t``; True if the run must end here."""
-        speed = (abs(state[3]), abs(state[4]))
-        if not all(map(math.isfinite, state)):
+        speed = first, second = abs(state[3]), abs(state[4])
+        if not math.isfinite(sum(state)) and not all(map(math.isfinite, state)):
             return self._stop(t, 2 if math.isfinite(state[3]) else 1, "non-finite")
-        self.max_abs_v = [max(a, b) for a, b in zip(self.max_abs_v, speed, strict=True)]
-        beyond = [v > u1 * _COUNTS for v, u1 in zip(speed, self.v_u1, strict=True)]
-        if any(beyond):
+        most = self.max_abs_v
+        most[0], most[1] = max(most[0], first), max(most[1], second)
+        if first > self.v_u1[0] * _COUNTS or second > self.v_u1[1] * _COUNTS:
             self.violations += 1
             if self.first_violation is None:
-                self.first_violation = (t, 1 if beyond[0] else 2)
+                self.first_violation = (t, 1 if first > self.v_u1[0] * _COUNTS else 2)
         if max(speed) >= _DIVERGED:
             return self._stop(t, 1 if speed[0] >= _DIVERGED else 2, "diverged")
         return False

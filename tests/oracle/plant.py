@@ -21,44 +21,28 @@ class Plant:
 
     robot: Robot
 
-    def rate(self, state: State, torque: Pair) -> State:
-        """Time derivative of the state under the wheel torques (right, left) [N m]."""
-        _, _, theta, v1, omega = state
-        bot = self.robot
-        thrust = (torque[0] + torque[1]) / bot.r
-        moment = bot.l * (torque[0] - torque[1]) / bot.r
-        friction = bot.mu * bot.m * bot.g * math.tanh(v1 / bot.v_s)
-        return (
-            -v1 * math.sin(theta),
-            v1 * math.cos(theta),
-            omega,
-            (thrust - friction) / bot.m,
-            moment / bot.I,
-        )
-
     def step(self, state: State, torque: Pair, dt: float) -> State:
         """State after ``dt`` seconds of constant torque, by the classical Runge-Kutta method."""
+        bot, (x, y, theta, v1, omega) = self.robot, state
+        thrust = (torque[0] + torque[1]) / bot.r
+        turned = bot.l * (torque[0] - torque[1]) / bot.r / bot.I
+        weight = bot.mu * bot.m * bot.g
+        rates, at, v, w = [], theta, v1, omega
         try:
-            k1 = self.rate(state, torque)
-            k2 = self.rate(_moved(state, k1, 0.5 * dt), torque)
-            k3 = self.rate(_moved(state, k2, 0.5 * dt), torque)
-            k4 = self.rate(_moved(state, k3, dt), torque)
+            for h in (0.5 * dt, 0.5 * dt, dt, 0.0):
+                pushed = (thrust - weight * math.tanh(v / bot.v_s)) / bot.m
+                rates.append((-v * math.sin(at), v * math.cos(at), w, pushed, turned))
+                at, v, w = theta + h * w, v1 + h * pushed, omega + h * turned
         except ValueError:  # the sine of infinity
             return _NOT_A_STATE
-        mean = [
-            (a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)
-        ]
-        return _moved(state, mean, dt)
-
-
-def _moved(state: State, rate: State | list[float], h: float) -> State:
-    return (
-        state[0] + h * rate[0],
-        state[1] + h * rate[1],
-        state[2] + h * rate[2],
-        state[3] + h * rate[3],
-        state[4] + h * rate[4],
-    )
+        mean = [(a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(*rates, strict=True)]
+        return (
+            x + dt * mean[0],
+            y + dt * mean[1],
+            theta + dt * mean[2],
+            v1 + dt * mean[3],
+            omega + dt * mean[4],
+        )
 
 
 def plants(robot: Robot, changes: tuple[Change, ...], clock: Clock) -> list[tuple[int, Plant]]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 from wmr_ctrl.signals import REFERENCE
 
 Pair = tuple[float, float]
+
+_NAMES = [signal.name for signal in REFERENCE]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +26,7 @@ class DesiredState:
 
     def columns(self) -> dict[str, float]:
         """The values by the names of their signals."""
-        names = (signal.name for signal in REFERENCE)
-        return dict(zip(names, astuple(self), strict=True))
+        return dict(zip(_NAMES, map(self.__getattribute__, self.__slots__), strict=True))
 
 
 def target_on(place: Pair, theta: float, rate: Pair, rate2: Pair, rate3: Pair) -> DesiredState:

@@ -180,8 +180,8 @@ def is_told(system: System) -> dict[str, ca.SX]:
 
 def digest(system: System, names: list[str]) -> str:
     """Of the compiled text of what has these names."""
-    table = scalars((*system.inputs, *system.state, *system.params))
-    return graph_of(table, [is_told(system)[name] for name in names]).digest
+    table, told = scalars((*system.inputs, *system.state, *system.params)), is_told(system)
+    return graph_of(table, [told[name] for name in names]).digest
 
 
 @pytest.mark.parametrize(

@@ -137,6 +137,9 @@ WITHOUT_MINGW = (
     *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in _UCRT),
 )
 """Windows has a C library of its own; zig would compile MinGW's beside it, for over a minute."""
+WITHOUT_RUNTIME = ("-nostdlib", "-lc", "-lm")
+"""The C library of the target is all that loops ask for; zig would compile its own functions for
+what a processor lacks first, for each target and processor six seconds."""
 _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
 
@@ -164,7 +167,9 @@ class Toolchain:
         """Build-cache key: all of the compiler that decides its output."""
         native = any(flag.endswith("=native") for flag in self.flags)
         processor = (_processor(),) if native else ()
-        linking = _windows_linking() if self.is_for_windows else ()
+        linking: tuple[str, ...] = WITHOUT_RUNTIME if is_zig(self.command) else ()
+        if self.is_for_windows:
+            linking = _windows_linking()
         return (*self.command, self.version, *self.flags, *processor, *linking)
 
     @property
@@ -229,6 +234,9 @@ def compile_library(
     given = (*toolchain.flags, *flags)
     if not (toolchain.is_for_windows and out.suffix == ".dll"):
         tail = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
+        if is_zig(toolchain.command) and "-nostdlib" not in given:
+            complete = ("-Wl,-z,defs",) if out.suffix == ".so" else ()
+            tail = (*WITHOUT_RUNTIME, *complete)
         return _compiled(toolchain, given, sources, out, include, timeout, tail)
     # each unit by itself, with headers of a C library, then all linked without it
     parts: dict[Path, Path] = {}
