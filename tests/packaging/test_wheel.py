@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import QUICK
+
 pytestmark = pytest.mark.slow
 
 UNWANTED = (".so", ".dll", ".dylib", ".o", ".pyc", ".fmu")
@@ -70,7 +72,7 @@ def test_without_a_compiler_on_path_a_run_is_compiled_by_zig(installed, tmp_path
 
 
 def test_reproduce_quick_from_an_empty_folder(installed, tmp_path):
-    paths = f"{installed.programs}{os.pathsep}{os.environ['PATH']}"
+    paths = os.pathsep.join([str(installed.programs), *filter(None, [QUICK]), os.environ["PATH"]])
     done = installed.run(
         "reproduce", "--quick", "--out", "out", timeout=600, WMR_CTRL_CACHE=str(tmp_path),
         PATH=paths,

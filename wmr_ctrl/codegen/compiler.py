@@ -138,8 +138,7 @@ WITHOUT_MINGW = (
 )
 """Windows has a C library of its own; zig would compile MinGW's beside it, for over a minute."""
 WITHOUT_RUNTIME = ("-nostdlib", "-lc", "-lm")
-"""The C library of the target is all that loops ask for; zig would compile its own functions for
-what a processor lacks first, for each target and processor six seconds."""
+"""As loops need: zig would compile functions of its own first, six seconds for each target."""
 _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
 
@@ -167,9 +166,8 @@ class Toolchain:
         """Build-cache key: all of the compiler that decides its output."""
         native = any(flag.endswith("=native") for flag in self.flags)
         processor = (_processor(),) if native else ()
-        linking: tuple[str, ...] = WITHOUT_RUNTIME if is_zig(self.command) else ()
-        if self.is_for_windows:
-            linking = _windows_linking()
+        zig = _windows_linking() if self.is_for_windows else WITHOUT_RUNTIME
+        linking = zig if is_zig(self.command) else ()
         return (*self.command, self.version, *self.flags, *processor, *linking)
 
     @property
@@ -233,10 +231,9 @@ def compile_library(
     """
     given = (*toolchain.flags, *flags)
     if not (toolchain.is_for_windows and out.suffix == ".dll"):
-        tail = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
+        tail: tuple[str, ...] = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
         if is_zig(toolchain.command) and "-nostdlib" not in given:
-            complete = ("-Wl,-z,defs",) if out.suffix == ".so" else ()
-            tail = (*WITHOUT_RUNTIME, *complete)
+            tail = (*WITHOUT_RUNTIME, *("-Wl,-z,defs",) * (out.suffix == ".so"))
         return _compiled(toolchain, given, sources, out, include, timeout, tail)
     # each unit by itself, with headers of a C library, then all linked without it
     parts: dict[Path, Path] = {}
@@ -284,8 +281,7 @@ def _compiled(
 ) -> Path:
     out = out.absolute()
     folder = out.parent
-    command = [*toolchain.command, *flags]
-    command += [f"-I{path.absolute()}" for path in include]
+    command = [*toolchain.command, *flags, *(f"-I{path.absolute()}" for path in include)]
     command += [str(source.absolute()) for source in sources]
     command += ["-o", str(out), *tail]
     own = environment(folder)
