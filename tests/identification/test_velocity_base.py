@@ -113,6 +113,18 @@ def test_a_limit_that_was_never_met_is_not_told_and_has_no_upper_end(found):
     assert any("acceleration limit" in text for text in found.remarks)
 
 
+@pytest.mark.slow
+def test_commands_that_are_lost_are_named_where_delays_are_undetermined(found):
+    """A limit of 7.7 rad/s2 was told to be above 13.7 where one command in two may be lost."""
+    start = {"initial.pose": [2.0, 2.0, 1.0], "reference.kind": "rounded-square"}
+    told = {"base.losses": 1, "clock.duration": 15.0, **start}
+    lossy = identify(simulate("irobot-create3", "pursuit", overrides=told), base="velocity")
+
+    assert lossy.parameters["delay1"].verdict == "undetermined"
+    assert any("commands were lost or came late by turns" in text for text in lossy.remarks)
+    assert not any("lost" in text for text in found.remarks)
+
+
 def test_the_scenario_runs_behind_its_filter(found):
     scenario = loads_scenario(found.to_toml())
 

@@ -317,8 +317,8 @@ def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
         elif "accel" not in fit.names:
             unit = ("m/s2", "rad/s2")[axis - 1]
             remarks.append(
-                f"no acceleration limit shows in {column}: if there is one, it is above "
-                f"{estimates[f'accel{axis}'].low:.3g} {unit}."
+                f"no acceleration limit shows in {column}: if there is one, and every command came "
+                f"after the same delay, it is above {estimates[f'accel{axis}'].low:.3g} {unit}."
             )
     for axis, fit in zip(AXES, fits, strict=True):
         if fit is not None:
@@ -338,5 +338,11 @@ def loop_remarks(fits: Fits, estimates: Mapping[str, Estimate]) -> list[str]:
         remarks.append(
             f"undetermined: {', '.join(vague)}. Steps of the command show them, each held until "
             "the speed has settled."
+        )
+    if any(name.startswith("delay") for name in vague):
+        remarks.append(
+            "where commands were lost or came late by turns, delays are undetermined too, and "
+            "other numbers may lie outside their intervals: log when commands arrived, and state "
+            "filter.losses and filter.delay."
         )
     return remarks
