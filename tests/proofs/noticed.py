@@ -44,21 +44,25 @@ def tried(
 
 
 def after_alteration(claim: Claim, name: str) -> str:
-    """REFUTED if one of the alterations of the function is, within a short budget; else OPEN if one
-    is and the claim itself is PROVED within that budget; else PROVED if all are.
+    """REFUTED if one of the alterations of the function is, at first within a short budget; else
+    OPEN if one is also within a longer one, and the claim itself is PROVED within the short one;
+    else PROVED if all are.
 
     Empty if nothing of this is found.
     """
     assert claim.method is not None
-    quick, verdicts = short_budget(claim.method), set[str]()
-    for change in CHANGES.values():
-        statement = built(claim, {name: change})
-        verdicts |= {_verdict(quick, statement)} if statement else set()
-        if REFUTED in verdicts:
-            return REFUTED
-    if OPEN in verdicts:
+    statements = [built(claim, {name: change}) for change in CHANGES.values()]
+    left, some = [item for item in statements if item], any(statements)
+    for seconds in (2, 30):
+        budget, asked, left = short_budget(claim.method, seconds), left, []
+        for statement in asked:
+            verdict = _verdict(budget, statement)
+            if verdict == REFUTED:
+                return REFUTED
+            left += [statement] * (verdict == OPEN)
+    if left:
         return OPEN if proves_quickly(claim.id) else ""
-    return PROVED if verdicts else ""
+    return PROVED if some else ""
 
 
 def is_noticed(claim: Claim, name: str, change: Change) -> bool:
@@ -95,12 +99,13 @@ def _verdict(method: Method, statement: Statement) -> str:
         return PROVED  # the graph reads an input that the method was not told of: no news
 
 
-def short_budget(method: Method) -> Method:
+def short_budget(method: Method, seconds: int = 2) -> Method:
     """The method within a short budget: one case that fails is enough."""
     if isinstance(method, Both):
-        return replace(method, first=short_budget(method.first), second=short_budget(method.second))
+        first, second = (short_budget(item, seconds) for item in (method.first, method.second))
+        return replace(method, first=first, second=second)
     if isinstance(method, Ball):
-        return replace(method, budget=min(method.budget, 400))
+        return replace(method, budget=min(method.budget, 200 * seconds))
     if isinstance(method, Z3):
-        return replace(method, effort=2, seconds=2)
+        return replace(method, effort=min(method.effort, seconds), seconds=seconds)
     return replace(method, quick=True) if isinstance(method, Ring) else method

@@ -1,7 +1,7 @@
 """Make the committed ledger and its page anew: ``python -m tests.proofs.record [ID ...]``.
 
-``--words`` checks nothing; ``--examine`` alters the functions of the entries
-that were not tried so yet, of those that are named in any case, and asks the second solvers.
+``--words`` checks nothing; ``--examine`` alters the functions of entries that were not tried so
+yet, of named entries also those that were left open, and asks the second solvers.
 ``--confirm`` asks those alone, about what none of them confirmed yet.
 
 With ids only those entries are checked; the others stay as committed, with the claims' words of
@@ -21,7 +21,7 @@ from wmr_ctrl.proofs.alterations import functions_of
 from wmr_ctrl.proofs.check import graph_hash
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load, stale
+from wmr_ctrl.proofs.ledger import COMMITTED, OPEN, Entry, Ledger, load, stale
 from wmr_ctrl.proofs.methods.obligations import uses_z3
 from wmr_ctrl.proofs.runner import prove, selected
 
@@ -49,9 +49,13 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
     return Ledger(tuple(replace(entries[key], **claims[key].words()) for key in known))
 
 
-def examined(entry: Entry) -> Entry:
-    """An entry with what altering its functions does, and with the solvers that agree."""
-    altered = tried(claim := _claim_of(entry), functions_of(claim), entry.altered)
+def examined(entry: Entry, anew: bool = False) -> Entry:
+    """An entry with what altering its functions does, and with the solvers that agree.
+
+    ``anew``: what was left open is tried again.
+    """
+    known = {key: said for key, said in entry.altered.items() if said != OPEN or not anew}
+    altered = tried(claim := _claim_of(entry), functions_of(claim), known)
     found = replace(entry, altered=altered)
     sys.stderr.write(f"{entry.id}: {found.alterations}\n")
     return confirmed(found)
@@ -93,8 +97,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if given.words:
         checked = Ledger(())
     elif given.examine:
-        entries = (entry for entry in _backed(given.ids) if "" in entry.altered.values())
-        checked = Ledger(tuple(map(examined, entries)))
+        named, wanted = bool(given.ids), {"", OPEN} if given.ids else {""}
+        entries = (e for e in _backed(given.ids) if wanted & set(e.altered.values()))
+        checked = Ledger(tuple(examined(entry, named) for entry in entries))
     elif given.confirm:
         checked = Ledger(tuple(map(confirmed, _backed(given.ids))))
     else:

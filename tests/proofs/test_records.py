@@ -162,12 +162,16 @@ def test_entries_of_another_claim_are_not_kept() -> None:
     ("answers", "closes", "verdict"),
     [
         ([OPEN, REFUTED], False, REFUTED),
-        ([PROVED, OPEN] + [PROVED] * 3, True, OPEN),
-        ([PROVED, OPEN] + [PROVED] * 3, False, ""),
+        ([PROVED, OPEN] + [PROVED] * 3 + [OPEN], True, OPEN),
+        ([PROVED, OPEN] + [PROVED] * 3 + [OPEN], False, ""),
+        ([PROVED, OPEN] + [PROVED] * 3 + [PROVED], True, PROVED),
+        ([PROVED, OPEN] + [PROVED] * 3 + [REFUTED], True, REFUTED),
         ([PROVED] * 5, True, PROVED),
     ],
 )
-def test_what_is_left_open_is_not_caught(monkeypatch, answers, closes, verdict) -> None:
+def test_what_is_left_open_within_a_longer_budget_is_not_caught(
+    monkeypatch, answers, closes, verdict
+) -> None:
     claim, said, name = CLAIMED["guard.anchor"], iter(answers), "wmr_ctrl.guard.guard:clipped"
     monkeypatch.setattr(noticed, "_verdict", lambda *_: next(said))
     monkeypatch.setattr(noticed, "proves_quickly", lambda _: closes)

@@ -25,7 +25,7 @@ from wmr_ctrl.filter.enclosure import Floats
 from wmr_ctrl.filter.force_band import ForceBand
 from wmr_ctrl.filter.governor import largest_command
 from wmr_ctrl.filter.governor_step import Governor, check_jitter
-from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
+from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop, refuse_all
 from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.model.system import Output, System, port, stack, values
 from wmr_ctrl.scenario import Scenario, load_scenario
@@ -80,22 +80,24 @@ def check_filter(scenario: Scenario) -> None:
     pi = settings.loop == "pi"
     pushes = pi and any(settings.push)
     name, stated = ("push", settings.push) if pushes else ("d", settings.d)
+    faults = []
     for i in AXES:
         if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]:
             most = f"{LARGEST_PEAK:g}{'' if pi else ' filter.gain[2]'}"
-            raise ScenarioError(
+            faults.append(
                 f"filter.loop: commands of at most 1 can drive the base to {peaks[i].gain:.3g}, "
                 f"its peak gain N. N <= {most} is required: a loop with hardly any damping leaves "
                 f"no useful limit. {_damped(scenario, i)}, if that holds for the base."
             )
-        if reached[i] >= limits[i] * (1 - ROUNDING):
+        elif reached[i] >= limits[i] * (1 - ROUNDING):
             far, bound, less, more = _which(reached[i], limits[i], f"limits.v_u1[{i + 1}]")
-            raise ScenarioError(
+            faults.append(
                 f"filter.{name}[{i + 1}] = {stated[i]:.12g} alone drives the base to {far}, "
                 f"which must be below {bound}: no command is safe. State a push below "
                 f"{rounded(stated[i] * less, 3, up=False)}, or a limit above "
                 f"{rounded(reached[i] * more, 3)}."
             )
+    refuse_all(faults)
     if settings.kind == "band":
         check_beat(scenario)
     if settings.slew is not None:
@@ -115,13 +117,13 @@ def check_filter(scenario: Scenario) -> None:
 def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
     """Raise ScenarioError where commands that change slowly are allowed no more than others."""
     check_jitter(scenario)
-    for i, worth in enumerate(worthwhile_slew(scenario)):
-        if slew[i] >= worth:
-            raise ScenarioError(
-                f"filter.slew[{i + 1}] = {slew[i]:g} brings no gain: from {worth:.3g} on, slow "
-                "commands may be no larger than any others. State a smaller value, leave out "
-                'filter.slew, or use filter.kind = "band".'
-            )
+    refuse_all(
+        f"filter.slew[{i + 1}] = {slew[i]:g} brings no gain: from {worth:.3g} on, slow commands "
+        "may be no larger than any others. State a smaller value, leave out filter.slew, or use "
+        'filter.kind = "band".'
+        for i, worth in enumerate(worthwhile_slew(scenario))
+        if slew[i] >= worth
+    )
 
 
 def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:

@@ -23,7 +23,6 @@ from itertools import chain
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.band import (
     MOST_COMMANDS,
@@ -42,7 +41,7 @@ from wmr_ctrl.filter.forecast import (
     ResponseTable,
     at_most,
 )
-from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains, pi_loop
+from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains, pi_loop, refuse_all
 from wmr_ctrl.filter.step_response import Band, force_band, pi_cells
 from wmr_ctrl.model.system import Port, port
 from wmr_ctrl.scenario import Scenario
@@ -57,7 +56,7 @@ def force_room(scenario: Scenario) -> tuple[float, float]:
     """f of both axes [N, N m], less what roundings may do; ScenarioError where nothing is left."""
     settings, l = scenario.filter, scenario.robot.l
     assert settings.force is not None  # the band asks for it
-    arms, peaks, left = (1.0, l**2), peak_gains(scenario), []
+    arms, peaks, left, faults = (1.0, l**2), peak_gains(scenario), [], []
     for i in AXES:
         friction = settings.friction[1] * arms[i] * scenario.limits.v_u1[i]
         pushed = peaks[i].gain * settings.push[i]
@@ -65,12 +64,13 @@ def force_room(scenario: Scenario) -> tuple[float, float]:
         given = settings.force[i] * (1 - ROUNDING)
         left.append(given - pushed * (1 + 2.0**-40))
         if given <= needed:
-            raise ScenarioError(
+            faults.append(
                 f"filter.force[{i + 1}] = {settings.force[i]:g} {UNITS[i]} leaves nothing to "
                 f"change the speed with: friction at the limit takes up to {friction:.4g}, and "
                 f"against pushes the loop may give {pushed:.4g}. State more than "
                 f"{rounded(needed, 4)}, a smaller push or friction, or a lower limit."
             )
+    refuse_all(faults)
     return left[0], left[1]
 
 

@@ -12,8 +12,10 @@ from dataclasses import replace
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.units import rounded
+from wmr_ctrl.filter.held_loop import too_quick
 from wmr_ctrl.laws.law import Predicting
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.command_ramp import keeps_wheels
 from wmr_ctrl.world.effect import ROUNDING, Bound, EffectRole, Pair
 from wmr_ctrl.world.phases import largest_friction, phases
 from wmr_ctrl.world.registry import EFFECTS
@@ -21,6 +23,7 @@ from wmr_ctrl.world.resistance import Resistance, against, rolling_against
 from wmr_ctrl.world.speed_loop import has_loop
 
 UNITS = ("m/s", "rad/s")
+QUICK_STOPS = ", or let both axes stop no slower than the other starts, times robot.l of omega"
 
 
 def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
@@ -56,11 +59,12 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
 
 
 def refuse_broken_hypotheses(scenario: Scenario, bound: Bound) -> None:
-    """Raise ScenarioError for the first of them, unless filter.trust says that it is meant."""
+    """Raise ScenarioError for them, some at once, unless filter.trust says that it is meant."""
     sentences = broken_hypotheses(scenario, bound)
     if sentences and not scenario.filter.trust:
+        said = " ".join(sentences[:4])  # both axes of two things
         raise ScenarioError(
-            f'filter.kind = "{scenario.filter.kind}" guarantees nothing here. {sentences[0]} To '
+            f'filter.kind = "{scenario.filter.kind}" guarantees nothing here. {said} To '
             "run it nevertheless, without guarantee, set filter.trust = true."
         )
 
@@ -110,13 +114,13 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
             "Set it to [0, 0]."
         )
     numbers = {
-        "mass": ("robot.m", robot.m), "inertia": ("robot.I", robot.I),
-        "kp": ("base.kp", base.kp), "ki": ("base.ki", base.ki),
+        "mass": ("robot.m", robot.m, "kg"), "inertia": ("robot.I", robot.I, "kg.m2"),
+        "kp": ("base.kp", base.kp, "N.s/m"), "ki": ("base.ki", base.ki, "N/m"),
     }  # fmt: skip
-    for name, (key, value) in numbers.items():
+    for name, (key, value, unit) in numbers.items():
         if not _within(value, stated.interval(name)):
-            unit = {"kp": "N.s/m", "ki": "N/m", "mass": "kg", "inertia": "kg.m2"}[name]
             yield _outside(key, value, unit, f"filter.{name}", stated.interval(name))
+    yield from too_quick(scenario)
     if any(change.m is not None or change.I is not None for change in scenario.changes):
         yield (
             "[[changes]] changes the robot's mass while it drives, and the peak gain holds for "
@@ -203,13 +207,14 @@ def _of_wheels(scenario: Scenario) -> Iterator[str]:
                 "no wheel follows a first-order loop of its own, and "
                 f"{which} relies on that. {remedy}."
             )
-    bounded = [f"base.{key}" for key in ("accel", "decel", "jerk")
-               if min(getattr(base, key)) < math.inf]  # fmt: skip
+    hold = ("jerk",) if keeps_wheels(scenario) else ("accel", "decel", "jerk")
+    bounded = [f"base.{key}" for key in hold if min(getattr(base, key)) < math.inf]
     bounded += ["actuator.tau_max"] * (scenario.actuator.tau_max < most_torque(scenario))
     if speed and bounded:
         yield (
             f"{bounded[0]} may hold back one of v and omega while the other changes, so that a "
-            "wheel passes filter.wheel_speed between two commands that keep it. Leave out either."
+            "wheel passes filter.wheel_speed between two commands that keep it. Leave out either"
+            f"{QUICK_STOPS * ('cel' in bounded[0])}."
         )
 
 

@@ -13,18 +13,21 @@ With r = exp(-pi z/w), w = sqrt(1 - z^2) what half a swing leaves (0 for z >= 1)
 
 N is enclosed over the whole family: boxes that cover its numbers are halved, each bounded in
 intervals that are rounded outward, until none may hold more than what was seen by a few millionths.
-No corner is taken for the worst; `filter.peak-worst` says which one is.
+No corner is taken for the worst; `filter.peak-worst` says which one is.  Where a scenario has such
+a base of its own, its loop as it is held over plant steps counts beside the family (`held_loop`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.enclosure import Floats, Span, exp, increasing, root, square
+from wmr_ctrl.filter.held_loop import PI, HeldLoop, Through, held_loop
 from wmr_ctrl.scenario import Scenario
 
 NEAR_ONE = 2.0**-5
@@ -34,7 +37,6 @@ OFF_ONE = 2.0**-20
 TOLERANCE = 2.0**-16
 MOST_ROUNDS, MOST_BOXES = 100, 100_000
 
-PI = Span.of(np.pi, np.nextafter(np.pi, np.inf))
 HALF_PI = 0.5 * PI
 
 
@@ -50,13 +52,14 @@ class PeakGain:
 class PiLoop:
     """Family of PI loops of one axis, all numbers intervals: M, kp, ki, c, at the wheels' rim.
 
-    kg, N.s/m, N/m, N.s/m; of the angular axis over l^2.
+    kg, N.s/m, N/m, N.s/m; of the angular axis over l^2.  ``held``: a run's own base, beside them.
     """
 
     M: tuple[float, float]
     kp: tuple[float, float]
     ki: tuple[float, float]
     c: tuple[float, float]
+    held: HeldLoop | None = None
 
     def peak(self, push: float) -> PeakGain:
         """Peak gain of the whole family; ``push`` [N] is the largest of its disturbances."""
@@ -69,7 +72,18 @@ def _peak(loop: PiLoop) -> tuple[float, float]:
     """N of a family, and what a push of 1 N leads to, over boxes that cover it."""
     M, kp, ki, c = (Span.of(*pair) for pair in (loop.M, loop.kp, loop.ki, loop.c))
     s = root(ki * M)
-    return largest(_gain_bound, kp / s, c / s), largest(_push_bound, kp + c, s)
+    found = largest(_gain_bound, kp / s, c / s), largest(_push_bound, kp + c, s)
+    own = loop.held.through() if loop.held else None
+    pairs = zip(found, _of_held(own) if own else found, strict=True)
+    gain, pushed = map(max, pairs)
+    return gain, pushed
+
+
+def _of_held(own: Through) -> tuple[float, float]:
+    """The same of a loop that is held."""
+    s, share = root(own.b), own.mass / own.ratio
+    gain = _gain_bound((own.a - own.gamma) / s, own.gamma / s)
+    return float(gain), float(_push_bound(own.a * share, s * share))
 
 
 def largest(bound: Callable[[Span, Span], Floats], first: Span, second: Span) -> float:
@@ -178,6 +192,12 @@ def _positive(x: Span) -> Span:
     return Span(np.maximum(x.lo, 2.0**-100), np.maximum(x.hi, 2.0**-100))
 
 
+def refuse_all(faults: Iterable[str]) -> None:
+    """Raise ScenarioError with the sentences on all axes at once, each but once; none: nothing."""
+    if said := " ".join(dict.fromkeys(faults)):
+        raise ScenarioError(said)
+
+
 def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
     """Peak gains of v's and omega's linear loop, as a scenario's filter states them."""
     settings = scenario.filter
@@ -199,11 +219,11 @@ def _with_error(peak: PeakGain, error: float) -> PeakGain:
 
 
 def pi_loop(scenario: Scenario, axis: int) -> PiLoop:
-    """Family of PI loops of an axis, as a scenario's filter states it."""
+    """Family of PI loops of an axis, as a scenario's filter states it, with its own base."""
     settings, l = scenario.filter, scenario.robot.l
     kp, ki, c = settings.interval("kp"), settings.interval("ki"), settings.friction
     M = over_square(settings.interval("inertia"), l) if axis else settings.interval("mass")
-    return PiLoop(M, kp, ki, c)
+    return PiLoop(M, kp, ki, c, held_loop(scenario, axis))
 
 
 def over_square(values: tuple[float, float], l: float) -> tuple[float, float]:

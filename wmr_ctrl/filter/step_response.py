@@ -32,6 +32,7 @@ from wmr_ctrl.filter.enclosure import (
     square,
 )
 from wmr_ctrl.filter.governor import NEAR
+from wmr_ctrl.filter.held_loop import Through
 from wmr_ctrl.filter.peak_gain import PiLoop, pi_loop
 from wmr_ctrl.scenario import Scenario
 
@@ -60,8 +61,17 @@ class Cells:
 
     def __getitem__(self, part: slice) -> Cells:
         """Some of the cells, as a column."""
-        every = (self.a, self.b, self.gamma, self.w2, self.mass, self.kp, self.ki)
-        return Cells(*(item[part, None] for item in every))
+        return Cells(*(item[part, None] for item in self._every))
+
+    @property
+    def _every(self) -> tuple[Span, ...]:
+        return self.a, self.b, self.gamma, self.w2, self.mass, self.kp, self.ki
+
+    def beside(self, other: Cells) -> Cells:
+        """These cells and further ones."""
+        pairs = zip(self._every, other._every, strict=True)
+        ends = (((x.lo, y.lo), (x.hi, y.hi)) for x, y in pairs)
+        return Cells(*(Span(np.hstack(low), np.hstack(high)) for low, high in ends))
 
 
 @dataclass(frozen=True)
@@ -100,7 +110,15 @@ def pi_cells(loop: PiLoop) -> Cells:
     gamma = Span(np.maximum(low, 0.0), np.maximum(high, 0.0))
     mass = Span(light, heavy)
     own_kp, own_ki = _shared(a * mass - c, kp), _shared(b * mass, ki)
-    return Cells(a, b, gamma, b - 0.25 * square(a), mass, own_kp, own_ki)
+    family = Cells(a, b, gamma, b - 0.25 * square(a), mass, own_kp, own_ki)
+    own = loop.held.through() if loop.held else None
+    return family.beside(_held_cell(own)) if own else family
+
+
+def _held_cell(own: Through) -> Cells:
+    """A base's loop that is held, as the one through its samples."""
+    kp, ki = own.mass * (own.a - own.gamma), own.mass * own.b
+    return Cells(own.a, own.b, own.gamma, own.w2, own.mass, kp, ki)
 
 
 def _beside(place: Floats, low: Floats, high: Floats) -> Span:
@@ -293,7 +311,9 @@ def longest_swing(scenario: Scenario, axis: int) -> float:
 
 @lru_cache(maxsize=64)
 def _pi_swing(loop: PiLoop) -> float:
-    return swing(pi_cells(loop))
+    """Of a held base a sum over steps, no more than the integral and h (N - 1) beyond it."""
+    held = loop.held.step * (loop.peak(0.0).gain - 1) if loop.held else 0.0
+    return (swing(pi_cells(loop)) + held) * (1 + 2.0**-50)
 
 
 @lru_cache(maxsize=64)

@@ -55,6 +55,16 @@ def moved(now: ca.SX, wanted: ca.SX, grow: ca.SX, shrink: ca.SX) -> ca.SX:
     return ca.fmax(bottom, ca.fmin(top, wanted))
 
 
+def keeps_wheels(scenario: Scenario) -> bool:
+    """True where no wheel passes a limit that both commands keep, one ramped towards the other.
+
+    Each of v and omega stops no slower than the other starts, at the wheels' rim
+    (`filter.ramp-rim`).
+    """
+    own, l = scenario.section(CommandRamp), scenario.robot.l
+    return own.accel[0] <= l * own.decel[1] and l * own.accel[1] <= own.decel[0]
+
+
 def bound(scenario: Scenario) -> Bound:
     """A state that the governor does not know of; a ramp never passes its input."""
     return Bound(hidden="base.accel: the base ramps its command.")

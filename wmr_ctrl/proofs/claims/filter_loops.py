@@ -14,6 +14,7 @@ from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, within
 from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.command_ramp import moved
 
 claim = Claims(by=Z3(effort=60))
 LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0)}
@@ -120,6 +121,28 @@ def sent_clip(mutation: Mutation, axis: int) -> Statement:
 
 
 @claim(
+    "filter.ramp-rim",
+    given="l > 0; changes in a step away from 0 and towards it: 0 <= grow <= l turn_back, 0 <= l "
+    "turn <= shrink, of v grow and shrink, of omega turn and turn_back; |v + l omega|, |v - l "
+    "omega| <= W of the ramped command and of the one that it nears",
+)
+def ramp_rim(mutation: Mutation) -> Statement:
+    """The ramped command has |v + l omega|, |v - l omega| <= W after the step, too.
+
+    Ramps on which each axis stops no slower than the other starts keep a limit of wheels.
+    """
+    t = symbols("v omega u w W l grow shrink turn turn_back", "W l grow shrink turn turn_back")
+    l, pairs = t["l"], ((t["v"], t["omega"]), (t["u"], t["w"]))
+    v = moved(t["v"], t["u"], t["grow"], t["shrink"])
+    omega = moved(t["omega"], t["w"], mutation(1, 1.5) * t["turn"], t["turn_back"])
+    slower = at_least(l * t["turn_back"], t["grow"]), at_least(t["shrink"], l * t["turn"])
+    given = [above(l), at_least(t["grow"]), at_least(t["turn"]), *slower]
+    given += [r for x, y in pairs for way in WAYS for r in within(x + way * l * y, t["W"])]
+    goals = tuple(r for way in WAYS for r in within(v + way * l * omega, t["W"]))
+    return Statement(t, goals, tuple(given))
+
+
+@claim(
     "filter.peak-worst",
     given="K in (0, K_max], z >= z_min > 0; 0 < M, kp, ki and c >= 0 in their intervals",
     by=HAND,
@@ -180,4 +203,20 @@ def slew() -> None:
     parts, to at most K L a'.
 
     When commands change slowly, a linear loop overshoots by less than its peak gain allows for.
+    """
+
+
+@claim(
+    "filter.held-loop",
+    given="a PI loop of constant numbers whose force is held over steps h, friction too, at rest "
+    "at the start; commands change at steps; h a < 2, h b < a, |w| h < 1 - h a/2 where w^2 < 0",
+    by=HAND,
+    premises="filter.peak-gain filter.slew filter.band.superposition filter.band.force",
+)
+def held_loop() -> None:
+    """what is left of its steps, at each instant k h, is that of the loop with a', b', gamma'
+    (`held_loop`), M times the mean slope over a step a value that M S' takes within it, and the sum
+    of h |1 - S| over instants at most its integral and h (N - 1).
+
+    A filter that counts this loop beside its family keeps its limits in every step of a run.
     """

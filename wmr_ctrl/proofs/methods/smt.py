@@ -173,8 +173,11 @@ def decide(statement: Statement, method: Z3) -> Finding:
     for place, wrong in enumerate(problem.wrong):
         terms = [*problem.base, wrong]
         answers.append(ask(terms, method, place))
-        met = _met(statement, problem.terms, terms, answers[-1].model, method)
-        found = first_violation(statement, met)
+        found = _broken_at(statement, problem, terms, answers[-1].model, method)
+        if found is None and answers[-1].word == "sat":  # maybe by what is not defined there
+            defined = [*terms, *map(z3.Not, problem.undefined)]
+            model = ask(defined, method, place).model
+            found = _broken_at(statement, problem, defined, model, method)
         if found is not None:
             return Finding(REFUTED, _evidence(answers), found)
     if {answer.word for answer in answers} <= {"unsat"}:
@@ -243,6 +246,13 @@ def _unless_undefined_or_vacuous(
     exact = (point for point in points if judge(statement, point)[0])
     known |= {"hypotheses": "satisfiable", **_engines(answers)}
     return Finding(PROVED, known, next(exact, None))
+
+
+def _broken_at(
+    statement: Statement, problem: Problem, terms: list[Any], model: Any, method: Z3
+) -> Point | None:
+    """The first exact counterexample among the points of models."""
+    return first_violation(statement, _met(statement, problem.terms, terms, model, method))
 
 
 def _met(

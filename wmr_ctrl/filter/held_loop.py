@@ -1,0 +1,123 @@
+"""The PI loop of a run's own base: its force is held over plant steps, so that it swings more.
+
+A step h changes the speed by (h/M)(F - c v + d), F = kp (u - v) + f, and f by h ki (u - v): the
+steps of Euler's method for the loop of the same numbers.  With
+
+    a = (kp + c)/M,   b = ki/M,   gamma = c/M,   w^2 = b - a^2/4,   g = 1 - h a/2
+    R = arctan(q)/(q g),   q = h w/g,   artanh where q^2 < 0
+
+what is left of a step of the command after k of them is e(k h), e of `step_response` with
+
+    a' = -ln(1 - h a + h^2 b)/h,   w' = w R,   b' = w'^2 + a'^2/4,   gamma' = a'/2 + (gamma - a/2) R
+
+and what a force leads to that pushed for one step is so a difference of R phi/M at two instants,
+phi the response to an impulse of those numbers.  Sums of |changes| over instants are no larger than
+integrals of |slopes|: N and what pushes lead to are at most those of that loop.  gamma' may be
+below 0.  What the motors are asked for, less friction, is M times a mean of the speed's slope over
+the step, so at most what it is at some instant of the step at which the speed is no less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.filter.enclosure import Floats, Span, exp, increasing, root, square
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.resistance import Resistance
+from wmr_ctrl.world.speed_loop import has_loop
+from wmr_ctrl.world.speed_loop_pi import PiLoopGains
+
+PI = Span.of(np.pi, np.nextafter(np.pi, np.inf))
+
+
+@dataclass(frozen=True)
+class Through:
+    """Loop through the samples of a held one: a, b, gamma, w^2 and R, each one interval."""
+
+    a: Span
+    b: Span
+    gamma: Span
+    w2: Span
+    ratio: Span
+    mass: Span
+
+
+@dataclass(frozen=True)
+class HeldLoop:
+    """Numbers of an axis of a run's base, at the wheels' rim, and the step over which it holds."""
+
+    M: tuple[float, float]
+    kp: float
+    ki: float
+    c: tuple[float, float]
+    step: float
+
+    def through(self) -> Through | None:
+        """The loop through its samples; None where it is too quick for its steps.
+
+        There a swing changes its sign with every step, does not fade, or is larger than the step.
+        """
+        h, mass, ki, c = self.step, Span.of(*self.M), Span.of(self.ki), Span.of(*self.c)
+        a, b, gamma = (self.kp + c) / mass, ki / mass, c / mass
+        w2, left = b - 0.25 * square(a), 1 - 0.5 * h * a
+        lost = h * (a - h * b)
+        if not (left.lo > 0 and lost.lo > 0 and lost.hi < 1):
+            return None
+        turned = h * h * w2 / square(left)
+        if not turned.lo > -1:
+            return None
+        ratio = arc_over(turned) / left
+        faded = -increasing(np.log1p, -lost) / h
+        own_w2 = square(ratio) * w2
+        own_b = own_w2 + 0.25 * square(faded)
+        own_gamma = 0.5 * faded + ratio * (gamma - 0.5 * a)
+        largest = 1 - (faded - own_gamma) * own_gamma / own_b
+        if own_w2.hi > 0 and (largest * exp(-(PI * faded / root(Span.of(own_w2.hi))))).hi > 1:
+            return None
+        return Through(faded, own_b, own_gamma, own_w2, ratio, mass)
+
+
+def held_loop(scenario: Scenario, axis: int) -> HeldLoop | None:
+    """The base that a scenario with a filter for PI loops runs; None where it has none."""
+    if not has_loop(scenario, "pi"):
+        return None
+    robot, gains = scenario.robot, scenario.section(PiLoopGains)
+    over = square(Span.of(robot.l)) if axis else Span.of(1.0)
+    M = Span.of((robot.m, robot.I)[axis]) / over
+    c = Span.of(scenario.section(Resistance).viscous[axis]) / over
+    pairs = ((float(item.lo), float(item.hi)) for item in (M, c))
+    mass, friction = pairs
+    return HeldLoop(mass, gains.kp, gains.ki, (max(friction[0], 0.0), friction[1]),
+                    scenario.clock.plant)  # fmt: skip
+
+
+def too_quick(scenario: Scenario) -> Iterator[str]:
+    """Objections to loops of a run's base that no filter's bounds cover as they are held."""
+    h = scenario.clock.plant
+    for axis, name in enumerate(("v", "omega")):
+        own = held_loop(scenario, axis)
+        if own is not None and own.through() is None:
+            yield (
+                f"clock.plant = {h:g} s: the force of the loop of {name} is held for as long, and "
+                f"with base.kp = {own.kp:g} N.s/m and base.ki = {own.ki:g} N/m it swings to and "
+                "fro with these steps, or does not settle. Shorten clock.plant, or lower both."
+            )
+
+
+def arc_over(x: Span) -> Span:
+    """Enclosure of arctan(sqrt x)/sqrt x for x > -1, which is artanh(sqrt -x)/sqrt -x below 0.
+
+    It falls.  Near 0 the terms of its series that are left out are less than 1e-16.
+    """
+    return Span(_arc_over(x.hi) * (1 - 2.0**-48), _arc_over(x.lo) * (1 + 2.0**-48))
+
+
+def _arc_over(x: Floats) -> Floats:
+    near = np.abs(x) < 1e-3
+    q = np.where(near, 0.5, np.sqrt(np.abs(x)))
+    far = np.where(x < 0, np.arctanh(np.minimum(q, 1 - 2.0**-53)), np.arctan(q)) / q
+    series = 1 - x * (1 / 3 - x * (1 / 5 - x * (1 / 7 - x * (1 / 9 - x / 11))))
+    return np.where(near, series, far)
