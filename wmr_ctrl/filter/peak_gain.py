@@ -72,9 +72,9 @@ def _peak(loop: PiLoop) -> tuple[float, float]:
     """N of a family, and what a push of 1 N leads to, over boxes that cover it."""
     M, kp, ki, c = (Span.of(*pair) for pair in (loop.M, loop.kp, loop.ki, loop.c))
     s = root(ki * M)
-    found = largest(_gain_bound, kp / s, c / s), largest(_push_bound, kp + c, s)
+    family = largest(_gain_bound, kp / s, c / s), largest(_push_bound, kp + c, s)
     own = loop.held.through() if loop.held else None
-    pairs = zip(found, _of_held(own) if own else found, strict=True)
+    pairs = zip(family, _of_held(own) if own else family, strict=True)
     gain, pushed = map(max, pairs)
     return gain, pushed
 
