@@ -19,7 +19,7 @@ from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, FAILING, PLANT, PLANT_
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import load_map
 from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile, Slave
@@ -305,6 +305,12 @@ def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it(gua
     assert run.provenance["delay"] == "known to the controller"
     with pytest.raises(ArgumentError, match="no torque is delayed"):
         cosimulate(base, "prox", delay_known=True)
+
+
+def test_a_delay_that_the_master_adds_is_told_apart_where_it_is_too_long():
+    """The remedy was a delay and jitter of 8 ms in all, of which the master takes 10."""
+    with pytest.raises(ScenarioError, match=r"counts 0 s of the scenario and .* 0\.01 s, by which"):
+        cosimulate("robot-10ms", "kanayama", master="jacobi", delay_known=True)
 
 
 def test_a_controller_of_ours_tells_its_law(exported):

@@ -307,14 +307,21 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
     return override(scenario, {"actuator.tau_max": min(most, scenario.actuator.tau_max)})
 
 
-def one_period_later(scenario: Scenario) -> Scenario:
-    """The scenario with drives that are one control period later.
+def one_period_later(setup: Setup) -> Setup:
+    """The same with drives that are one control period later.
 
-    A controller that is settled on it counts with a master that passes values on only after all
-    parts have stepped.
+    A controller that is built for it counts with a master that passes values on only after all
+    parts have stepped.  Raises ScenarioError, which tells the delays apart.
     """
-    delay = scenario.actuator.delay + scenario.clock.control
-    return override(scenario, {"actuator.delay": delay})
+    stated, period = setup.scenario.actuator.delay, setup.scenario.clock.control
+    try:
+        return settle(override(setup.scenario, {"actuator.delay": stated + period}), setup.name)
+    except ScenarioError as error:
+        raise ScenarioError(
+            f"{error} Here actuator.delay counts {stated:g} s of the scenario and one control "
+            f"period, {period:g} s, by which the master delays torques: where no smaller one is "
+            "possible, step in order (gauss-seidel)."
+        ) from error
 
 
 def _finite_reference(scenario: Scenario) -> None:

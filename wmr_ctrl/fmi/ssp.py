@@ -121,7 +121,7 @@ def export_ssp(
         )
     setup = settle(scenario_given(scenario), law)
     check_plain_loop(setup, "an SSP package")
-    own = settle(one_period_later(setup.scenario), law) if delay_known else setup
+    own = one_period_later(setup) if delay_known else setup
     maps = load_map(map_file) if map_file is not None else {}
     given = {"controller": controller, "plant": plant}
     parts: dict[str, Component] = {}

@@ -196,7 +196,7 @@ def _cosim_setup(
         )
     setup = settle(scenario_given(scenario), law if law is not None else within or STAND_IN)
     check_takes_torques(setup.scenario, "co-simulation couples FMUs")
-    own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
+    own = one_period_later(setup) if delay_known else setup
     foreign = theirs or "controller" in maps
     bare = None
     if controller is not None and not foreign and setup.scenario.guard.enabled:
