@@ -64,12 +64,13 @@ def test_switching_disturbances_any_mass_and_noise(law: str, cases: int) -> None
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", NAMES)
-def test_searched_disturbances(law: str) -> None:
+def test_searched_disturbances(law: str, request: pytest.FixtureRequest) -> None:
     """A hill climb over period, phase, mass, friction and start finds nothing beyond the limit."""
+    steps = 120 if request.config.getoption("every_case") else 60
     draw = np.random.default_rng(7 + sum(law.encode()))
     best, worst = None, -np.inf
-    for step in range(120):
-        case = drawn(draw, 1 + 2 * (step % 3)) if step < 60 else moved(draw, best)
+    for step in range(steps):
+        case = drawn(draw, 1 + 2 * (step % 3)) if step < steps // 2 else moved(draw, best)
         found = (run_case(law, case, draw) / LIMITS).max()
         if found > worst:
             best, worst = case, found
