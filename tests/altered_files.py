@@ -258,6 +258,70 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
          "if monitor.violations and not (monitor.rigid and monitor.rigid.slipped is not None):"),
     ),
     *_rows(
+        "wmr_ctrl/guard/", "tests/guard/test_lateness.py::"
+        "test_a_guard_does_the_same_in_either_direction",
+        ("delay.py", "self.rise, self.rise_late)", "self.rise_late, self.rise)"),
+        ("delay.py", "self.slow and self.slow.mirrored", "self.slow"),
+    ),
+    *_rows(
+        "wmr_ctrl/guard/", "tests/guard/test_lateness.py::"
+        "test_a_few_hostile_robots_get_the_forces_of_the_formula",
+        ("delay.py", "rise * ca.fmax(p - z, 0)", "rise * (p - z)"),
+        ("delay.py", "    if late.averaged:\n", "    if late.jitter:\n"),
+    ),
+    *_rows(
+        CODEGEN, f"{EMITTER}halves_of_a_loop_that_reads_a_loop_are_read_by_others",
+        ("body.py", "operand.start + shift - inner.target.start, j",
+         "operand.start - inner.target.start, j"),
+    ),
+    *_rows(
+        CODEGEN, f"{EMITTER}three_exponentials_that_nothing_pairs_stay_apart",
+        ("pairs.py", "if len(two) == 2 and", "if len(two) > 1 and"),
+    ),
+    *_rows(
+        "wmr_ctrl/control/", "tests/control/test_delay_steps.py::"
+        "test_a_torque_that_is_followed_is_that_of_every_step",
+        ("applied.py", "pieces.insert(0, (", "pieces.append(("),
+    ),
+    *_rows(
+        "wmr_ctrl/filter/", "tests/filter/test_times.py",
+        ("forecast.py", "0.5 * x * x", "x * x"),
+        ("clip.py", "max(jitter, UNTOLD)", "jitter"),
+    ),
+    *_rows(
+        "wmr_ctrl/corridor/", "tests/corridor/test_enclosures.py::"
+        "test_products_of_wide_matrices_hold_those_of_all_that_is_in_them",
+        ("midradius.py", "self.radius @ other.most", "self.radius @ np.abs(other.middle)"),
+    ),
+    *_rows(
+        "wmr_ctrl/corridor/", "tests/corridor/test_certifier.py",
+        ("certificate.py", " + law.sum(axis=(1, 2))", ""),
+        ("masses.py", "zip(scenario.changes, later", "zip(scenario.changes, robots"),
+    ),
+    *_rows(
+        "fmu/ros2/", "tests/ros2/test_filter_core.py",
+        ("filter_core.c", "since > 0 ? (double)since * 1e-9 : 0.0", "(double)since * 1e-9"),
+        ("filter_core.c", "now->simulated && core->answered && core->stamp",
+         "now->simulated && core->stamp"),
+    ),
+    *_rows(
+        RUNTIME, "tests/identification/test_identify.py::test_gradient_and_likelihood_agree",
+        ("read_log.c", "if (kinds[n] != WATCHED)", "if (1)"),
+        ("read_log.c", "kinds[n] == COUNTED", "kinds[n] >= SKIPPED"),
+    ),
+    *_rows(
+        RUNTIME, "tests/sim/test_batch.py::"
+        "test_lanes_that_are_cancelled_do_no_further_sample",
+        ("loop.c", " && !*s->cancelled) {", ") {"),
+    ),
+    *_rows(
+        FMI, "tests/fmi/test_hostile.py",
+        ("kind_sampled.c", "PERIOD_TOLERANCE * period ? near : t",
+         "PERIOD_TOLERANCE * period ? t : near"),
+        ("kind_loop.c", "period < 0.5 * step", "period < 1.5 * step"),
+        ("instance.c", "stop >= start", "stop > start"),
+    ),
+    *_rows(
         "wmr_ctrl/checks/", "tests/checks/test_barrier.py",
         ("barrier.py", "limits.v_u1).any()", "limits.v_u1).all()"),
     ),
