@@ -93,7 +93,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         CODEGEN, "tests/codegen/test_branches.py",
-        ("items.py", "for side in (1, 2)\n", "for side in (2, 1)\n"),
+        ("items.py", "for side in (0, 1)]", "for side in (1, 0)]"),
         ("items.py", "if item not in dependent]", "if True]"),
         ("items.py", "self.condition, then, other,", "self.condition, other, then,"),
     ),
