@@ -189,7 +189,8 @@ def test_runs_of_the_oracle_stay_in_one_of_the_halves(limited):
 
 @pytest.mark.slow
 def test_a_corner_that_is_five_centimetres_off_both_ways_comes_in_cut_on_its_way(monkeypatch):
-    scenario = override(load_scenario("safe-simulation"), {"corridor.start": (0.05, 0.05, 0.15)})
+    told = {"corridor.start": (0.05, 0.05, 0.15), "clock.plant": 0.005}
+    scenario = override(load_scenario("safe-simulation"), told)
     middle, width = np.array([0.049, 0.049, 0.145]), np.array([0.001, 0.001, 0.005])
     batches = []
     run = transient._Search._run

@@ -80,7 +80,8 @@ def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
 
 def test_the_corridor_can_be_what_is_made_small(tmp_path):
     pytest.importorskip("flint")
-    guarded = load_scenario("safe-simulation", {"changes": [], "clock.duration": 4.0})
+    brief = {"changes": [], "clock.duration": 4.0, "clock.plant": 0.005}
+    guarded = load_scenario("safe-simulation", brief)
     few = {**FEW, "trials": 6, "merit": "corridor", "hold": ["gains.kinematics.k"], "weight": 1e-4}
     found = wmr_ctrl.tune(guarded, "prox", tmp_path / "a.toml", **few)
     before, after = (find_corridor(item, "prox").position for item in (guarded, found.scenario))
