@@ -192,3 +192,11 @@ def test_the_number_that_is_said_to_be_enough_is_enough(key) -> None:
 
     assert key in said
     settle(scenario_of(preset, {**base, **changed, key: [float(number.rstrip(".")), most]}), None)
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+def test_an_error_that_is_stated_too_small_is_named_by_its_axis(axis):
+    stated = [0.2 - 0.15 * (axis == 1), 0.2 - 0.15 * (axis == 2)]
+    case = {"guard.enabled": True, "guard.nbar": stated, "sensor.velocity_noise": [0.1, 0.1]}
+    with pytest.raises(ScenarioError, match=rf"^guard\.nbar\[{axis}\] = 0\.05 "):
+        settle(load_scenario("far-start", case), None)

@@ -27,6 +27,7 @@ from wmr_ctrl.world.jitter import JITTER
 from wmr_ctrl.world.motor import MOTOR, largest_torque, stepped
 from wmr_ctrl.world.resistance import RESISTANCE
 from wmr_ctrl.world.slope import SLOPE
+from wmr_ctrl.world.velocity_noise import build as velocity_noise
 from wmr_ctrl.world.wheels import WHEELS
 
 LIMITED = {"actuator.tau_max": 10.0}
@@ -177,3 +178,11 @@ def test_steps_of_a_motor_go_beyond_its_limit_by_no_more_than_is_counted(limit, 
 
     assert given <= largest_torque(chosen) * (1 + 1e-12) <= limit + 0.5 * step + 1e-9
     assert (given == pytest.approx(largest_torque(chosen))) is (step == 0.3)
+
+
+@pytest.mark.parametrize(("noise", "wanted"), [([0.1, 0.0], 1), ([0.0, 0.1], 1), ([0.0, 0.0], 0)])
+def test_noise_of_one_velocity_alone_is_drawn(noise, wanted):
+    system = velocity_noise(load_scenario("far-start", {"sensor.velocity_noise": noise}))
+    (numbers,) = system.draws
+
+    assert float(ca.Function("wanted", [system.p], [numbers.wanted])(system.p0)) == wanted
