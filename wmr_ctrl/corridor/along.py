@@ -37,6 +37,8 @@ STEADY = 1e-9
 TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.2, 20, 0.5, 0.03
 """Seconds and samples that are followed at once; seconds after which some samples' columns stand
 for all, and between these."""
+OLD, OF_OLD = 1.2, 3
+"""Seconds after which one in so many of these stands for all."""
 BRIEF, SLOW, SPREAD = 0.1, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
 KEPT, MOST_TOGETHER = 4, 8
@@ -110,9 +112,13 @@ class Along:
         return min(self.memory, blocks * self.together)
 
     @cached_property
-    def apart(self) -> int:
-        """Of so many old samples one keeps its columns."""
-        return max(1, int(APART / self.setup.scenario.clock.control + 1e-9))
+    def thinned(self) -> list[tuple[int, int]]:
+        """Ages from which of so many samples that have columns one keeps them."""
+        period = self.setup.scenario.clock.control
+        return [
+            (self.young, max(1, int(APART / period + 1e-9))),
+            (self.young + self.together * round(OLD / period / self.together), OF_OLD),
+        ]
 
     @cached_property
     def pairs(self) -> list[tuple[int, int]]:

@@ -24,8 +24,8 @@ class FollowedBlock:
     ``chain`` (J + 1, n, n): products of matrices until each sample and until the end.  ``inner``
     (J, rows, n): rows of each sample by the state at which it begins.  ``columns`` (n, J, w): what
     each sample adds, at the end: what is known, from the second of ``ends`` on by a disc's pair,
-    from the third by the law's force, then by boxes.  ``by`` (J, all rows, J w): sizes of rows at
-    the end of each sample and at its beginning of these.
+    from the third by the law's force, then by boxes.  ``by`` (J times all rows, j w): sizes of rows
+    at the end of sample j and at its beginning of what the first j add.
 
     What does not depend on the deviations: ``ahead`` (J, all rows, n): rows at the end and at the
     beginning of each sample by the state before the block, ``own`` (J, all rows) their sizes by
@@ -39,7 +39,7 @@ class FollowedBlock:
     inner: Floats
     columns: Floats
     ends: tuple[int, int]
-    by: Floats
+    by: list[Floats]
     ahead: Floats
     own: Floats
     wide: Floats
@@ -77,28 +77,33 @@ def blocks_of(
     inner = np.concatenate([here.outputs.middle[at][:, :, outputs], *knots], axis=2)
     columns, chain = np.zeros((many, n, count * width)), np.empty((many, count + 1, n, n))
     chain[:, 0] = np.eye(n)
-    by = np.zeros((many, count, len(rows) + inner.shape[2], count * width))
+    by = list[Floats]()
+    own = np.zeros((many, count, len(rows) + inner.shape[2]))
     for j in range(count):
         old, new = slice(j * width), slice((j + 1) * width)
+        reach = np.zeros((many, own.shape[2], (j + 1) * width))
         if j:
-            np.matmul(inner[:, j], columns[..., old], out=by[:, j, len(rows) :, old])
+            np.matmul(inner[:, j], columns[..., old], out=reach[:, len(rows) :, old])
             columns[..., old] = A[:, j] @ columns[..., old]
         columns[..., j * width : (j + 1) * width] = added[:, j]
-        np.matmul(rows, columns[..., new], out=by[:, j, : len(rows), new])
+        np.matmul(rows, columns[..., new], out=reach[:, : len(rows)])
         np.matmul(A[:, j], chain[:, j], out=chain[:, j + 1])
-    np.abs(by, out=by)
-    sizes = by.reshape(*by.shape[:3], count, width)
-    own = sizes[..., : ends[0]].sum(axis=(-1, -2))
-    if misled.size:
-        own += np.hypot(*np.moveaxis(sizes[..., slice(*ends)], -1, 0)).sum(axis=-1)
+        by.append(np.abs(reach, out=reach))
+        sizes = reach.reshape(many, -1, j + 1, width)
+        own[:, j] = sizes[..., : ends[0]].sum(axis=(-1, -2))
+        if misled.size:
+            own[:, j] += np.hypot(*np.moveaxis(sizes[..., slice(*ends)], -1, 0)).sum(axis=-1)
     parts = {
-        "at": at, "chain": chain, "inner": inner, "by": by, "own": own,
+        "at": at, "chain": chain, "inner": inner, "own": own,
         "columns": columns.reshape(many, n, count, width),
         "ahead": np.concatenate([rows @ chain[:, 1:], inner @ chain[:, :-1]], axis=2),
         **_wide(here, inputs, at, outputs),
     }  # fmt: skip
     each = ({name: part[k] for name, part in parts.items()} for k in range(many))
-    return [FollowedBlock(ends=ends, **item) for item in each]
+    parted = ([reach[k] for reach in by] for k in range(many))
+    return [
+        FollowedBlock(ends=ends, by=own, **item) for own, item in zip(parted, each, strict=True)
+    ]
 
 
 def _wide(here: Stretch, inputs: Inputs, at: IntArray, which: IntArray) -> dict[str, Floats]:

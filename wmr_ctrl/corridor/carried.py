@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -73,10 +74,9 @@ class CarriedColumns:
         count = end - begin
         if count < 3 or apart < 2:
             return self, np.zeros(len(self.values))
-        nodes = np.array(sorted({*range(0, count, apart), count - 1}))
         old = self._from(begin, end)
+        nodes, share = _shares(tuple((old.born - old.born[0]).tolist()), apart)
         born, ends = old.born, old.values[..., nodes]
-        share = np.array([np.interp(born, born[nodes], unit) for unit in np.eye(len(nodes))])
         between, size = ends @ share, np.abs(ends) @ share
         off = np.abs(old.values - between) + 4 * ROUNDED * (np.abs(old.values) + size)
         new = CarriedColumns(born[nodes], ends, (old.weight @ share.T) * UP, self.ends)
@@ -111,6 +111,15 @@ class CarriedColumns:
         off = 2 * (rows.shape[-1] + 8) * SINGLE * (np.abs(rows) @ (sizes + many * FAINT))
         share = (1 + 2 * many * SINGLE) * UP
         return known * share + off * UP, (known + bent) * share + off * UP
+
+
+@lru_cache(maxsize=64)
+def _shares(born: tuple[int, ...], apart: int) -> tuple[IntArray, Floats]:
+    """Places of one in so many samples, with the ends, and the shares (places, samples) of each."""
+    last = len(born) - 1
+    nodes = np.unique(np.linspace(0, last, -(-last // apart) + 1).round().astype(int))
+    ends = np.array(born)[nodes]
+    return nodes, np.array([np.interp(born, ends, unit) for unit in np.eye(len(nodes))])
 
 
 def sizes_of(values: Floats, weight: Floats) -> Floats:

@@ -17,8 +17,8 @@ from flint import arb
 from wmr_ctrl.model.graph import SELECT, Node, read
 
 Balls = list[arb]
-OFTEN = 20
-"""Calls after which a graph becomes one Python function, which takes half the time."""
+OFTEN = 3
+"""Calls after which a graph becomes one Python function, which takes some calls' time."""
 
 
 class OpenBoxError(ArithmeticError):

@@ -65,6 +65,7 @@ class Following(Remainders):
             self._begin_estimate()
         rows = np.hstack([along.rows, np.zeros((len(along.rows), n - self.nz))])
         self.rows = np.vstack([rows, np.eye(n)[self.nz :]])
+        self.row_sizes, self.fast_sizes = np.abs(self.rows), np.abs(along.rows)
         outs = along.outs.shape[1]
         self.read = np.array([*range(COMMAND), *range(outs - self.loop.count, outs)])
         self.which = self.rows, along.rows, self.read
@@ -93,7 +94,7 @@ class Following(Remainders):
     def _reached(self) -> tuple[Floats, Floats]:
         """What the rows reach, by what disturbs alone and in all."""
         linear, every = self.carried.sums(self.rows, self.carried.sizes)
-        return linear, (every + np.abs(self.rows) @ self.pending) * UP
+        return linear, (every + self.row_sizes @ self.pending) * UP
 
     def _state(self, reach: Floats) -> Floats:
         """Sizes of the state's numbers (J, n) from those of the rows."""
@@ -105,7 +106,7 @@ class Following(Remainders):
         sizes = self.carried.sizes
         through = np.abs(block.chain) @ (sizes + self.pending)
         linear, every = self.carried.sums(block.ahead, sizes)
-        size = [through[1:] @ np.abs(self.rows).T, each(np.abs(block.inner), through[:-1])]
+        size = [through[1:] @ self.row_sizes.T, each(np.abs(block.inner), through[:-1])]
         own = block.own + DOT * np.hstack(size)
         every = (every + own + np.abs(block.ahead) @ self.pending) * UP
         box = block.box + DOT * each(np.abs(now.here.A.middle[block.at]), through[:-1])
@@ -168,9 +169,10 @@ class Following(Remainders):
         """Reach of rows at the ends of samples (J, rows), and of inner ones within them."""
         weights, first = np.zeros((now.count, now.block.columns.shape[2])), now.block.ends[1]
         weights[:, first:] = guess.weights
-        beside, count = now.block.by[places] @ weights.ravel(), len(self.rows)
+        flat, count = weights.ravel(), len(self.rows)
+        beside = np.array([by @ flat[: by.shape[1]] for by in now.block.by[places]])
         after = until.after[places] + beside[:, :count]
-        after = (after + DOT * self._state(after) @ np.abs(self.rows).T) * UP
+        after = (after + DOT * self._state(after) @ self.row_sizes.T) * UP
         return after, until.inner[places] + beside[:, count:]
 
     def _found(
@@ -195,7 +197,7 @@ class Following(Remainders):
         ask = added[:, :COMMAND] + direct[:, :COMMAND]
         extra, knots = self._within(now, state, ask, inner[:, outs:])
         most = np.maximum(np.maximum(begin, after), knots)
-        most = (most + (extra + guess.left) @ np.abs(rows).T) * UP
+        most = (most + (extra + guess.left) @ self.fast_sizes.T) * UP
         step = self._step(most, law[:, :COMMAND], now) + now.here.body[at] @ self.inputs.body
         left = each(now.here.steps[at], step) * UP
         box[:, : self.nz] += left
@@ -222,7 +224,7 @@ class Following(Remainders):
                 wide += each(command.most, commands)
                 wide += (pushed.radius + DOT * pushed.most) @ push
                 own = np.abs(rows @ pushed.middle) @ push
-                most = np.maximum(most, inner[:, place] + own + wide @ np.abs(rows).T)
+                most = np.maximum(most, inner[:, place] + own + wide @ self.fast_sizes.T)
         return extra, most
 
     def _carry(self, now: Instant, answer: Guess, until: _Until) -> None:
@@ -241,9 +243,10 @@ class Following(Remainders):
         """Columns at the end of a block, with its own; sizes (n) of what is left of the old."""
         along, last = self.along, now.k + now.count
         columns, gone = carried.later(now.block.chain[-1], last + 1 - along.memory)
-        young = last - along.young
-        columns, beside = columns.thinned(young - now.count + 1, young, along.apart)
-        return columns.and_more(new), gone + beside
+        for age, apart in along.thinned:
+            columns, beside = columns.thinned(last - age - now.count + 1, last - age, apart)
+            gone = gone + beside
+        return columns.and_more(new), gone
 
     def _rest(self, box: Floats) -> Floats:
         """Of a box the components that do not last."""

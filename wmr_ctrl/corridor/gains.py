@@ -114,8 +114,9 @@ def _summed(
     measured = sample.outputs @ sample.seen
     inputs = np.hstack([sample.push, sample.outputs, sample.late, measured])
     every = np.hstack([np.eye(n), doubles(inputs)])
-    course = powers @ every
-    scale = np.abs(course[:, :, n : n + COMMAND]).sum(axis=(0, 2))
+    columns, which = np.unique(every, axis=1, return_inverse=True)
+    course, which = powers @ columns, which.ravel()
+    scale = np.abs(course[:, :, which[n : n + COMMAND]]).sum(axis=(0, 2))
     scale = scale + 1e-9 * scale.max()
     left = np.abs(last)
     damping = float((left @ scale / scale).max()) * UP
@@ -135,13 +136,13 @@ def _summed(
     whole_sample = np.concatenate((shares[-1], np.zeros(n - nz)))
     steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
     whole, steady = summed.sum(axis=0), powers @ whole_sample
-    norms = _weighed(course, summed @ np.abs(every), scale)
+    norms = _weighed(course, summed @ np.abs(columns), scale)[:, which]
     off = summed @ np.abs(whole_sample)
     rest = _weighed(steady[..., None], off[..., None], scale).sum()
     estimate = n - sample.acting - loop.filter if loop.filter else None
     old = nz + COMMAND * loop.queue + loop.observed[1] if loop.observed else None
     sums = Responses(
-        course, whole, np.abs(every), norms, scale, damping, n, steps, start, estimate, old,
+        course, which, whole, np.abs(every), norms, scale, damping, n, steps, start, estimate, old,
         steady, off.sum(axis=0), float(rest),
     )  # fmt: skip
     within = [sums.gains(sample.rows_within(s, picked), shares[s]) for s in range(loop.steps)]

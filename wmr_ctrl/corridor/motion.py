@@ -26,6 +26,7 @@ from wmr_ctrl.corridor.enclosure import BentEnclosure
 from wmr_ctrl.corridor.loop import SampledLoop
 from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, MidRadius
 from wmr_ctrl.corridor.spans import MidRadiusGraph
+from wmr_ctrl.model.evaluate import HeldGraph, evaluated
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
@@ -139,14 +140,14 @@ def _chord(start: Floats, end: Floats, turn: Floats, period: float) -> Floats:
 
 def _apart(start: Floats, every: Floats, way: Floats, steps: int, h: float) -> Floats:
     """Distances (n, steps) [m] of the desired from the carried position at each plant step."""
-    pose, v = ca.SX.sym("pose", 3), ca.SX.sym("v", 2)
-    step = ca.Function("carried", [pose, v], [carried(pose, v, ca.SX(h))])
-    now, result = start.T, []
-    for s in range(steps):
-        now = np.asarray(step(now, way.T))
-        there = every[s + 1 :: steps][: len(start)]
-        result.append(np.hypot(now[0] - there[:, 0], now[1] - there[:, 1]))
-    return np.stack(result, axis=1) + _rounding(every, steps)
+    pose, v, n = ca.SX.sym("pose", 3), ca.SX.sym("v", 2), len(start)
+    course = [pose]
+    for _ in range(steps):
+        course.append(carried(course[-1], v, ca.SX(h)))
+    graph = ca.Function("carried", [pose, v], [ca.vertcat(*(now[:2] for now in course[1:]))])
+    (places,) = evaluated(graph.map(n), start, way)
+    off = places.T.reshape(n, steps, 2) - every[1:, :2].reshape(n, steps, 2)
+    return np.asarray(np.hypot(off[..., 0], off[..., 1]) + _rounding(every, steps))
 
 
 def _rounding(poses: Floats, steps: int) -> float:
@@ -295,20 +296,24 @@ class MovingLoop(SampledLoop):
 
     @cached_property
     def _given(self) -> tuple[Floats, Floats]:
-        """Numbers of the law and of the plant steps, in columns."""
+        """Numbers of the law and of the plant steps, each sample's in a row."""
         given = np.concatenate([self.step_numbers, self.motion.robot[..., :2]], axis=2)
-        return self.law_numbers.T, given.transpose(2, 0, 1).reshape(5, -1)
+        return self.law_numbers, given.reshape(len(given), -1)
 
     def sampled(self, k: int) -> Callable[[Floats], Floats]:
         """The state a sample later, by the state at sample ``k``."""
-        law, steps = self._given
-        part = slice(k * self.steps, (k + 1) * self.steps)
-        return lambda x: np.asarray(self._sample(x, law[:, k], steps[:, part])[0]).ravel()
+        law, steps = (part[k] for part in self._given)
+        return lambda x: evaluated(self._sample, x, law, steps)[0].ravel()
 
     def undisturbed(self) -> tuple[Floats, Floats, Floats]:
         """In doubles: state at n + 1 samples, fast state at plant steps, outputs of the law."""
-        n, nz = len(self.motion.v_d), len(self.names)
-        states, courses, outs = self._sample.mapaccum(n)(self.start, *self._given)
-        states = np.vstack([self.start, np.asarray(states).T])
-        fine = np.asarray(courses).reshape(nz, n, self.steps + 1).transpose(1, 2, 0)
-        return states, fine, np.asarray(outs).T
+        n, graph = len(self.motion.v_d), HeldGraph(self._sample)
+        states, fine, outs = (np.empty((n, item.size)) for item in graph.outputs)
+        (state, law, steps), made = graph
+        state[:] = self.start
+        for k, (law[:], steps[:]) in enumerate(zip(*self._given, strict=True)):
+            graph.evaluate()
+            states[k], fine[k], outs[k] = made
+            state[:] = states[k]
+        fine = fine.reshape(n, self.steps + 1, len(self.names))
+        return np.vstack([self.start, states]), fine, outs

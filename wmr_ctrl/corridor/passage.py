@@ -48,7 +48,7 @@ class Passing(Following):
         self._again = 0
         self._blocks: list[LapBlock] | None = None
         self._sizes = [np.full((len(along.states), x.shape[1]), np.nan) for x in self.latest]
-        self._reach = np.zeros(len(self.rows)), np.abs(self.rows) @ self.pending
+        self._reach = np.zeros(len(self.rows)), self.row_sizes @ self.pending
 
     def run(self, until: int | None = None) -> RunBounds:
         """On over all samples, or ``until`` one of them; of all that are done.

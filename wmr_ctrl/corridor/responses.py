@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from wmr_ctrl.checks.loop import IntArray
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.corridor.loop import UP
 from wmr_ctrl.corridor.sample import FLOOR, ROUNDING, OutputRows
@@ -41,13 +42,15 @@ class Gains:
 
 @dataclass
 class Responses:
-    """The loop's course from each input's unit, (samples, n, inputs), and sums over it.
+    """The loop's course from each input's unit, (samples, n, courses), and sums over it.
 
-    ``powers``: sizes of what the powers are sums of; ``norms`` (samples, inputs): weighed ones of
-    the course, ``steady_norm``: the sum of those of ``steady``.
+    ``which`` (inputs) of the courses: many inputs have the same.  ``powers``: sizes of what the
+    powers are sums of; ``norms`` (samples, inputs): weighed ones of the course, ``steady_norm``:
+    the sum of those of ``steady``.
     """
 
     course: Floats
+    which: IntArray
     powers: Floats
     inputs: Floats
     norms: Floats
@@ -64,8 +67,8 @@ class Responses:
 
     @cached_property
     def _in_rows(self) -> Floats:
-        """The course as one matrix (n, samples inputs)."""
-        return np.ascontiguousarray(self.course.transpose(1, 0, 2)).reshape(self.n, -1)
+        """The courses as one matrix (n, courses samples)."""
+        return np.ascontiguousarray(self.course.transpose(1, 2, 0)).reshape(self.n, -1)
 
     def gains(self, rows: OutputRows, added: Floats | None = None) -> Gains:
         """Gains of some rows: sums of sizes with the shares of rounding and tail, and the direct
@@ -76,7 +79,7 @@ class Responses:
         """
         size = np.abs(rows.picked) @ np.abs(rows.state)
         direct, constant = np.hstack(_direct(rows)), self._constant(rows, size, added)
-        gains = self._summed(self._ways(rows), direct, rows.steps, size, constant)
+        gains = self._summed(self._ways(rows), self.which, direct, rows.steps, size, constant)
         held = (np.abs(rows.picked @ rows.state) + ROUNDING * size + FLOOR) * UP
         return replace(gains, first=(held, *gains.first[1:]))
 
@@ -89,27 +92,30 @@ class Responses:
         There is no ``first``.
         """
         size = np.abs(rows.picked) @ np.abs(rows.state)
-        ways, constant = self._ways(rows), self._constant(rows, size, added)
+        ways, constant = self._ways(rows)[:, self.which], self._constant(rows, size, added)
+        ways, every = ways.transpose(0, 2, 1), np.arange(len(self.which))
         direct = np.hstack([np.zeros((len(ways), self.n)), *_direct(rows)])
         total, times, power = ways, np.eye(len(ways)), np.eye(len(ways))
         spent = np.zeros(direct.shape)
         for _ in range(count):
             spent += np.abs(total).sum(axis=1)
             steps, parts = times @ rows.steps, (times @ size, times @ constant)
-            yield self._summed(total, direct[:, self.n :], steps, *parts, (UP - 1) * spent)
+            seen = total.transpose(0, 2, 1)
+            yield self._summed(seen, every, direct[:, self.n :], steps, *parts, (UP - 1) * spent)
             total = np.tensordot(turned, np.concatenate([direct[:, None], total], axis=1), 1)
             total[:, : ways.shape[1]] += ways
             power = turned @ power
             times = (times + np.abs(power)) * UP
 
     def _ways(self, rows: OutputRows) -> Floats:
-        """Responses (rows, samples, columns) to the course of each column."""
+        """Responses (rows, courses, samples) to each course."""
         ways = rows.picked @ rows.state @ self._in_rows
-        return np.asarray(ways.reshape(len(rows.picked), len(self.course), -1))
+        return np.asarray(ways.reshape(len(rows.picked), -1, len(self.course)))
 
     def _summed(
         self,
         ways: Floats,
+        which: IntArray,
         direct: Floats,
         own: Floats,
         size: Floats,
@@ -118,17 +124,18 @@ class Responses:
     ) -> Gains:
         """Gains of responses, ``direct`` and to plant steps of their ``own`` sample as well.
 
-        ``size`` (rows, n): of the rows that the responses are sums of; ``more``: further rounding.
+        ``which`` of the ``ways`` (rows, any, samples) is that of each column; ``size`` (rows, n):
+        of the rows that the responses are sums of; ``more``: further rounding.
         """
         n, seen = self.n, np.abs(ways)
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR + more
         reach = size @ self.scale
         tail = np.outer(reach, self.norms.sum(axis=0)) * self.damping / (1 - self.damping)
-        start = self._started(ways[..., :n], slack, reach)
-        misled, before = self._misled(seen, slack, reach), self._before(seen, slack, reach)
-        every, direct = (seen.sum(axis=1) + slack + tail) * UP, np.abs(direct)
+        start = self._started(ways, which, slack, reach)
+        misled, before = (of(seen, which, slack, reach) for of in (self._misled, self._before))
+        every, direct = (seen.sum(axis=2)[:, which] + slack + tail) * UP, np.abs(direct)
         steps = (every[:, :n] @ self.steps + own) * UP
-        disc = np.hypot(seen[..., -ROBOT], seen[..., 1 - ROBOT]).sum(axis=1)
+        disc = np.hypot(seen[:, which[-ROBOT]], seen[:, which[1 - ROBOT]]).sum(axis=1)
         disc += (slack + tail)[:, -ROBOT : 2 - ROBOT].sum(axis=1)
         given = _with_disc(direct, np.hypot(direct[:, -ROBOT], direct[:, 1 - ROBOT]))
         by = (_with_disc(every[:, n:], disc * UP) + given) * UP
@@ -136,7 +143,7 @@ class Responses:
         left = reach * self.damping * UP
         return Gains(by, steps, start, misled, before, first, left, constant)
 
-    def _started(self, ways: Floats, slack: Floats, reach: Floats) -> Floats:
+    def _started(self, ways: Floats, which: IntArray, slack: Floats, reach: Floats) -> Floats:
         """Largest values after a start at any sum of shares of the columns ``start``."""
         size = np.abs(self.start).sum(axis=1)
         if not size.any():
@@ -144,6 +151,7 @@ class Responses:
         rest = (
             slack[:, : self.n] + np.outer(reach, self.norms[:, : self.n].max(axis=0)) * self.damping
         )
+        ways = ways[:, which[: self.n]].transpose(0, 2, 1)
         off = (np.abs(ways) @ size).max(axis=1) * ROUNDING
         most = np.abs(ways @ self.start).sum(axis=2).max(axis=1)
         return np.asarray((most + off + rest @ size) * UP)
@@ -159,22 +167,22 @@ class Responses:
         rest = size @ self.scale * self.steady_norm * self.damping / (1 - self.damping)
         return np.asarray((np.abs(course).max(axis=1) + slack + rest) * UP)
 
-    def _misled(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
+    def _misled(self, seen: Floats, which: IntArray, slack: Floats, reach: Floats) -> Floats:
         """Largest values after a start whose estimated position alone is off."""
         if self.estimate is None:
             return np.zeros(len(reach))
         e = slice(self.estimate, self.estimate + 2)
         rest = slack[:, e] + np.outer(reach, self.norms[:, e].max(axis=0)) * self.damping
-        size = np.hypot(seen[..., self.estimate], seen[..., self.estimate + 1]).max(axis=1)
+        size = np.hypot(*(seen[:, which[k]] for k in (e.start, e.stop - 1))).max(axis=1)
         return np.asarray((size + rest.sum(axis=1)) * UP)
 
-    def _before(self, seen: Floats, slack: Floats, reach: Floats) -> Floats:
+    def _before(self, seen: Floats, which: IntArray, slack: Floats, reach: Floats) -> Floats:
         """Largest values after a start at which one remembered velocity is off (2 columns)."""
         if self.old is None:
             return np.zeros((len(reach), COMMAND))
         v = slice(self.old, self.old + COMMAND)
         rest = slack[:, v] + np.outer(reach, self.norms[:, v].max(axis=0)) * self.damping
-        return np.asarray((seen[..., v].max(axis=1) + rest) * UP)
+        return np.asarray((seen[:, which[v]].max(axis=2) + rest) * UP)
 
 
 def _direct(rows: OutputRows) -> tuple[Floats, Floats, Floats, Floats]:

@@ -153,9 +153,10 @@ def powers_until(matrix: BallArray, samples: int) -> tuple[Floats, Floats, Float
     last, which is that of balls.
     """
     A = arb_mat(matrix.tolist())
-    first = [A**k for k in range(TOGETHER)]
-    power, far = A**0, []
-    leap, count = A**TOGETHER, samples // TOGETHER
+    first = [A**0]
+    for _ in range(TOGETHER):
+        first.append(A * first[-1])
+    power, far, leap, count = first[0], [], first.pop(), samples // TOGETHER
     for _ in range(count):
         far.append(power)
         power = leap * power

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.fields.section import Section, number_of, quantities, quantity
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.model.system import Parameters, System, outputs, port
 from wmr_ctrl.signals import REFERENCE, SAMPLE, TIME, Signal
 from wmr_ctrl.symbolic import ca
@@ -149,9 +150,9 @@ def sample(scenario: Scenario, times: Floats) -> Floats:
     system = reference(scenario)
     if system.x.numel():
         return _stepped(system, scenario.clock.control, np.asarray(times, dtype=float))
-    graph = system.function("reference", [system.y])
-    row = np.asarray(times, dtype=float).reshape(1, -1)
-    return np.asarray(graph(row, ca.DM(0, 1), ca.DM(system.p0))).T
+    graph = system.function("reference", [ca.densify(system.y)])
+    every = graph.map("sampled", "serial", np.size(times), [1, 2], [])
+    return evaluated(every, times, [], system.p0)[0].T
 
 
 def _stepped(system: System, period: float, times: Floats) -> Floats:
