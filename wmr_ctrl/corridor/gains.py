@@ -142,8 +142,8 @@ def _summed(
     estimate = n - sample.acting - loop.filter if loop.filter else None
     old = nz + COMMAND * loop.queue + loop.observed[1] if loop.observed else None
     sums = Responses(
-        course, which, whole, np.abs(every), norms, scale, damping, n, steps, start, estimate, old,
-        steady, off.sum(axis=0), float(rest),
+        course, whole, np.abs(every), norms, scale, damping, n, steps, start, estimate, old,
+        steady, off.sum(axis=0), float(rest), which,
     )  # fmt: skip
     within = [sums.gains(sample.rows_within(s, picked), shares[s]) for s in range(loop.steps)]
     shown = doubles(sample.law)

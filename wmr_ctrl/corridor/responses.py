@@ -50,7 +50,6 @@ class Responses:
     """
 
     course: Floats
-    which: IntArray
     powers: Floats
     inputs: Floats
     norms: Floats
@@ -64,6 +63,7 @@ class Responses:
     steady: Floats
     steady_size: Floats
     steady_norm: float
+    which: IntArray
 
     @cached_property
     def _in_rows(self) -> Floats:
