@@ -37,9 +37,11 @@ def responses() -> Responses:
     course = powers[:, None, None] * every
     steady = powers[:, None] * STEADY
     rest = np.abs(steady).max(axis=1).sum()
+    sizes = np.abs(course).max(axis=1)
+    backwards = np.arange(every.shape[1])[::-1]
     return Responses(
-        course, np.abs(powers).sum() * np.eye(N), np.abs(every), np.abs(course).max(axis=1),
-        np.ones(N), LEFT, N, WITHIN, START, 1, 0, steady, np.abs(steady).sum(axis=0), rest,
+        course[..., ::-1], np.abs(powers).sum() * np.eye(N), np.abs(every), sizes, np.ones(N), LEFT,
+        N, WITHIN, START, 1, 0, steady, np.abs(steady).sum(axis=0), rest, backwards,
     )  # fmt: skip
 
 
