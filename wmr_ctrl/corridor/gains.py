@@ -146,9 +146,8 @@ def _summed(
         steady, off.sum(axis=0), float(rest), which,
     )  # fmt: skip
     within = [sums.gains(sample.rows_within(s, picked), shares[s]) for s in range(loop.steps)]
-    shown = doubles(sample.law)
+    shown, late = doubles(sample.law), sample.late.shape[1]
     count = len(shown)
-    late = sample.late.shape[1]
     none = {"push": blank[:, :COMMAND], "measured": np.zeros((n, ROBOT)), "steps": blank[:, :nz],
             "late": np.zeros((n, late))}  # fmt: skip
     state = OutputRows(np.eye(n), np.eye(n), law=np.zeros((n, count)), **none)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -26,7 +27,7 @@ from wmr_ctrl.corridor.enclosure import BentEnclosure
 from wmr_ctrl.corridor.loop import SampledLoop
 from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, MidRadius
 from wmr_ctrl.corridor.spans import MidRadiusGraph
-from wmr_ctrl.model.evaluate import HeldGraph, evaluated
+from wmr_ctrl.model.evaluate import evaluated
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
@@ -307,12 +308,19 @@ class MovingLoop(SampledLoop):
 
     def undisturbed(self) -> tuple[Floats, Floats, Floats]:
         """In doubles: state at n + 1 samples, fast state at plant steps, outputs of the law."""
-        n, graph = len(self.motion.v_d), HeldGraph(self._sample)
-        states, fine, outs = (np.empty((n, item.size)) for item in graph.outputs)
-        (state, law, steps), made = graph
+        n, graph = len(self.motion.v_d), self._sample
+        state, law, steps = (np.zeros(graph.nnz_in(k)) for k in range(3))
+        made = [np.zeros(graph.nnz_out(k)) for k in range(3)]
+        buffer: Any
+        buffer, run = graph.buffer()
+        for k, item in enumerate((state, law, steps)):
+            buffer.set_arg(k, item.data)
+        for k, item in enumerate(made):
+            buffer.set_res(k, item.data)
+        states, fine, outs = (np.empty((n, len(item))) for item in made)
         state[:] = self.start
         for k, (law[:], steps[:]) in enumerate(zip(*self._given, strict=True)):
-            graph.evaluate()
+            run()
             states[k], fine[k], outs[k] = made
             state[:] = states[k]
         fine = fine.reshape(n, self.steps + 1, len(self.names))

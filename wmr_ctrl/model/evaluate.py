@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -39,21 +38,3 @@ def _sizes(function: ca.Function) -> tuple[list[int], list[tuple[int, int]]]:
     shapes = [function.size_out(k)[::-1] for k in range(function.n_out())]
     assert [function.nnz_out(k) for k in range(len(shapes))] == [m * n for m, n in shapes]
     return [function.nnz_in(k) for k in range(function.n_in())], shapes
-
-
-class HeldGraph:
-    """A CasADi function between arrays that stay where they are."""
-
-    def __init__(self, function: ca.Function) -> None:
-        self.inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
-        self.outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
-        self._buffer: Any  # its library frees what `evaluate` uses with it
-        self._buffer, self.evaluate = function.buffer()
-        for place, array in enumerate(self.inputs):
-            self._buffer.set_arg(place, array.data)
-        for place, array in enumerate(self.outputs):
-            self._buffer.set_res(place, array.data)
-
-    def __iter__(self) -> Iterator[list[Floats]]:
-        yield self.inputs
-        yield self.outputs

@@ -7,20 +7,21 @@ agrees with the compiled loop but for their rounding.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.model.evaluate import HeldGraph
 from wmr_ctrl.results import Monitor, Settings, split_columns
 from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS, Event
 from wmr_ctrl.signals import PLANT_STATE, VELOCITY
 from wmr_ctrl.sim.memory import noise_key
 
 if TYPE_CHECKING:
+    import casadi as ca
+
     from wmr_ctrl.codegen.functions import LoopFunctions, StreamNumbers
 
 Floats = NDArray[np.float64]
@@ -57,7 +58,7 @@ class _Run:
 
     def __init__(self, loop: LoopFunctions, seed: int, settings: Settings) -> None:
         self.numbers, self.substeps = loop.numbers, round(settings.control / settings.plant)
-        self.sampled, self.stepped = HeldGraph(loop.sample), HeldGraph(loop.step)
+        self.sampled, self.stepped = _Graph(loop.sample), _Graph(loop.step)
         self.fast = len(self.stepped.outputs[0])
         self.x, self.phase = np.array(loop.numbers.start), -1
         self.queue = np.zeros((loop.numbers.delay_steps, 2))
@@ -98,6 +99,24 @@ class _Run:
             self.phase += 1
             for graph, place in ((self.sampled, 2), (self.stepped, 3)):
                 graph.inputs[place][:] = self.numbers.parameters[self.phase]
+
+
+class _Graph:
+    """A CasADi function between arrays that stay where they are."""
+
+    def __init__(self, function: ca.Function) -> None:
+        self.inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
+        self.outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
+        self._buffer: Any  # its library frees what `evaluate` uses with it
+        self._buffer, self.evaluate = function.buffer()
+        for place, array in enumerate(self.inputs):
+            self._buffer.set_arg(place, array.data)
+        for place, array in enumerate(self.outputs):
+            self._buffer.set_res(place, array.data)
+
+    def __iter__(self) -> Iterator[list[Floats]]:
+        yield self.inputs
+        yield self.outputs
 
 
 class _Draws:
