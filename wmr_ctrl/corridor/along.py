@@ -112,7 +112,7 @@ class Along:
         return min(self.memory, blocks * self.together)
 
     @cached_property
-    def thinned(self) -> list[tuple[int, int]]:
+    def spacings(self) -> list[tuple[int, int]]:
         """Ages from which of so many samples that have columns one keeps them."""
         period = self.setup.scenario.clock.control
         return [

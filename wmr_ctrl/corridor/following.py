@@ -243,7 +243,7 @@ class Following(Remainders):
         """Columns at the end of a block, with its own; sizes (n) of what is left of the old."""
         along, last = self.along, now.k + now.count
         columns, gone = carried.later(now.block.chain[-1], last + 1 - along.memory)
-        for age, apart in along.thinned:
+        for age, apart in along.spacings:
             columns, beside = columns.thinned(last - age - now.count + 1, last - age, apart)
             gone = gone + beside
         return columns.and_more(new), gone
