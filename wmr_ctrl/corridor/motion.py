@@ -310,18 +310,18 @@ class MovingLoop(SampledLoop):
         """In doubles: state at n + 1 samples, fast state at plant steps, outputs of the law."""
         n, graph = len(self.motion.v_d), self._sample
         state, law, steps = (np.zeros(graph.nnz_in(k)) for k in range(3))
-        made = [np.zeros(graph.nnz_out(k)) for k in range(3)]
+        answers = [np.zeros(graph.nnz_out(k)) for k in range(3)]
         buffer: Any
         buffer, run = graph.buffer()
         for k, item in enumerate((state, law, steps)):
             buffer.set_arg(k, item.data)
-        for k, item in enumerate(made):
+        for k, item in enumerate(answers):
             buffer.set_res(k, item.data)
-        states, fine, outs = (np.empty((n, len(item))) for item in made)
+        states, fine, outs = (np.empty((n, len(item))) for item in answers)
         state[:] = self.start
         for k, (law[:], steps[:]) in enumerate(zip(*self._given, strict=True)):
             run()
-            states[k], fine[k], outs[k] = made
+            states[k], fine[k], outs[k] = answers
             state[:] = states[k]
         fine = fine.reshape(n, self.steps + 1, len(self.names))
         return np.vstack([self.start, states]), fine, outs
