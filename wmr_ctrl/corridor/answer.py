@@ -167,8 +167,8 @@ class Corridor:
             return self._while(share, ", and")
         if not self.near:
             return f"from a start on the path {self._while(share, ', and')}"
-        share = rounded(100 * self.near, 2, up=False)
-        return f"from a start moved by {share} % of that, where no limit acts"
+        moved = rounded(100 * self.near, 2, up=False)
+        return f"from a start moved by {moved} % of that, where no limit acts"
 
     @property
     def figures(self) -> dict[str, object]:

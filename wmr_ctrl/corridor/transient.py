@@ -167,7 +167,7 @@ class _Search:
             radius = cells.radius
             wide = radius[:, 2:ROBOT] >= np.array([LOST[0], *LOST[1] * self.limited.largest])
             bad = np.column_stack([~np.isfinite(cells.c).all(axis=1), wide])
-            good = ~bad.any(axis=1)
+            good = np.logical_not(bad.any(axis=1))
             over[cells.begin[~good]], why[cells.begin[~good]] = k, bad[~good].argmax(axis=1)
             cells = cells.only(good)
             if len(cells.c) and k in LOOKS:
