@@ -14,7 +14,8 @@ from tests.filter.linear_base import LinearBase, held, pi_base, second_order_bas
 from tests.filter.test_peak_gain import LOOP, WIDE, scenario
 from wmr_ctrl import command_filter
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.step_response import pi_cells, swing
+from wmr_ctrl.filter.peak_gain import PiLoop
+from wmr_ctrl.filter.step_response import Cells, band, pi_cells, swing
 from wmr_ctrl.scenario import Scenario, override
 
 
@@ -145,3 +146,18 @@ def test_no_member_swings_longer_than_its_family_and_the_slowest_nearly_as_long(
 def test_a_slew_that_cannot_be_counted_on_is_refused(stated, words):
     with pytest.raises(ScenarioError, match=words):
         command_filter(scenario(**stated))
+
+
+def test_loops_of_two_parts_that_differ_too_much_are_refused_with_what_helps():
+    """What this one swings, 0.01 s, was told as none, its numbers being beyond all others."""
+
+    def cells(kp: float, ki: float) -> Cells:
+        return pi_cells(PiLoop((55.0, 55.0), (kp, kp), (ki, ki), (0.0, 0.0)))
+
+    words = r"Lower the upper end of kp .* lower end of ki"
+    with pytest.raises(ScenarioError, match=words):
+        swing(cells(5e3, 1e3))
+    with pytest.raises(ScenarioError, match=words):
+        band(cells(4e4, 5e4), 0.05, 8, 128)
+    assert swing(cells(5e2, 1e3)) > 0.01
+    assert swing(cells(5e3, 1e4)) > 5e-3

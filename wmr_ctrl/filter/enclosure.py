@@ -15,8 +15,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.errors import ScenarioError
+
 Floats: TypeAlias = NDArray[np.float64]
 LIBM = 2.0**-49
+STIFFEST = 600.0
+"""Largest argument of a hyperbolic cosine: products with it are still numbers."""
 FEW = 200
 """Numbers of which NumPy finds the next ones at once."""
 
@@ -110,7 +114,17 @@ def exp(x: Span) -> Span:
 
 
 def cosine(x: Span) -> Span:
-    """Enclosure of cos(sqrt x), which is cosh(sqrt -x) below 0."""
+    """Enclosure of cos(sqrt x), which is cosh(sqrt -x) below 0.
+
+    Raises ScenarioError, of the family of loops, where it would be beyond all numbers.
+    """
+    if np.min(x.lo) < -(STIFFEST**2):
+        raise ScenarioError(
+            "filter: some loops of the stated family fade in two parts, one so much sooner than "
+            "the other that no bounds of their step responses are known. Lower the upper end of kp "
+            'or damping, raise the lower end of ki, or use filter.kind = "clip" without '
+            "filter.slew."
+        )
     steep = 0.5 / np.sqrt(np.maximum(x.lo, 1.0))
     return _rolling(x, lambda y: np.where(y < 0, np.cosh(_root(-y)), np.cos(_root(y))), steep, -1.0)
 

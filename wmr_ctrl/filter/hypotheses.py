@@ -15,7 +15,7 @@ from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.held_loop import too_quick
 from wmr_ctrl.laws.law import Predicting
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.world.command_ramp import keeps_wheels
+from wmr_ctrl.world.command_ramp import keeps_wheels, quick_stops
 from wmr_ctrl.world.effect import ROUNDING, Bound, EffectRole, Pair
 from wmr_ctrl.world.phases import largest_friction, phases
 from wmr_ctrl.world.registry import EFFECTS
@@ -23,7 +23,6 @@ from wmr_ctrl.world.resistance import Resistance, against, rolling_against
 from wmr_ctrl.world.speed_loop import has_loop
 
 UNITS = ("m/s", "rad/s")
-QUICK_STOPS = ", or let both axes stop no slower than the other starts, times robot.l of omega"
 
 
 def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
@@ -214,7 +213,7 @@ def _of_wheels(scenario: Scenario) -> Iterator[str]:
         yield (
             f"{bounded[0]} may hold back one of v and omega while the other changes, so that a "
             "wheel passes filter.wheel_speed between two commands that keep it. Leave out either"
-            f"{QUICK_STOPS * ('cel' in bounded[0])}."
+            f"{quick_stops(scenario) * ('cel' in bounded[0])}."
         )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.model.system import Parameters, System, outputs, port, ports, stack
 from wmr_ctrl.signals import COMMAND, Signal
 from wmr_ctrl.symbolic import ca
@@ -63,6 +64,15 @@ def keeps_wheels(scenario: Scenario) -> bool:
     """
     own, l = scenario.section(CommandRamp), scenario.robot.l
     return own.accel[0] <= l * own.decel[1] and l * own.accel[1] <= own.decel[0]
+
+
+def quick_stops(scenario: Scenario) -> str:
+    """What else to state where one does; empty where commands grow at once."""
+    own, l = scenario.section(CommandRamp), scenario.robot.l
+    least = l * own.accel[1], own.accel[0] / l
+    if min(least) == math.inf:
+        return ""
+    return f", or state base.decel = [{', '.join(rounded(rate, 4) for rate in least)}] or more"
 
 
 def bound(scenario: Scenario) -> Bound:
