@@ -285,3 +285,10 @@ def test_what_a_filter_cannot_be_asked_for_together_is_refused(values, word):
 
 def test_a_filter_may_know_a_time_constant_within_a_factor_of_a_million():
     assert build(Filter, {"kind": "governor", "tau": [1e-4, 99.0]}).tau == (1e-4, 99.0)
+
+
+def test_a_gain_that_a_preset_states_need_not_be_left_out():
+    pi = {name: [1.0, 2.0] for name in ("mass", "inertia", "kp", "ki")} | {"loop": "pi"}
+    with pytest.raises(ScenarioError, match=r"state filter\.gain = \[1, 1\]"):
+        build(Filter, {"kind": "clip", "gain": [0.9, 1.1], **pi})
+    assert build(Filter, {"kind": "clip", "gain": [1, 1], **pi}).gain == (1.0, 1.0)

@@ -173,7 +173,7 @@ class Filter(Section, key="filter"):
             )
         if self.loop == "pi" and self.gain != (1.0, 1.0):
             raise ScenarioError(
-                'filter.loop = "pi" reaches its command at rest: leave out filter.gain. State the '
+                'filter.loop = "pi" reaches its command at rest: state filter.gain = [1, 1], the '
                 "largest push as push = [N, N.m], and as filter.d the largest error of the command "
                 "that acts, such as half a quantum."
             )
@@ -231,5 +231,6 @@ class Filter(Section, key="filter"):
         if self.odometry is not None or self.channels == "wheels" or self.wheel_speed:
             raise ScenarioError(
                 'filter.kind = "band" limits v and omega from its own commands: leave out '
-                "filter.odometry, filter.channels and filter.wheel_speed."
+                "filter.odometry, filter.channels and filter.wheel_speed. A preset that states "
+                "them cannot be extended: begin with a copy (wmr-ctrl scenarios NAME --toml)."
             )
