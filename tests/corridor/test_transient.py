@@ -89,6 +89,8 @@ def test_a_start_from_which_limits_act_comes_into_its_corridor(start):
     tube, samples = find_corridor(scenario, "prox"), 250
     assert tube.settling > 0
     assert "the limits of law and wheels may act for" in tube.sentence
+    assert "most used in the end: " in tube.sentence
+    assert "most used: " in alone.sentence
     assert tube.position_late == pytest.approx(alone.position, rel=1e-4)
 
     farthest = 0.0

@@ -102,8 +102,8 @@ class Corridor:
         return (
             f"corridor: within {self._off} and {self._turned} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
-            f"{self._mass}{lasts}; {self._free} (most used: "
-            f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
+            f"{self._mass}{lasts}; {self._free} (most used"
+            f"{' in the end' * (self.settling > 0)}: {self._used})"
         )
 
     @property
@@ -115,8 +115,12 @@ class Corridor:
         return (
             f"; {idle}within {self._off} and {self._turned} rad over the whole "
             f"run of {self.run:g} s, where no limit and no guard acts either (most used: "
-            f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
+            f"{self._used})"
         )
+
+    @property
+    def _used(self) -> str:
+        return f"{self.binding}, {100 * (self.share or 0.0):.0f} %"
 
     @property
     def _off(self) -> str:
