@@ -629,6 +629,20 @@ def test_ramps_whose_axes_stop_soon_enough_keep_a_limit_of_wheels(
     assert (fastest > W * 1.02) == (fastest > W * (1 + 1e-12)) == (not kept)
 
 
+@pytest.mark.parametrize(("l", "accel"), [(0.15, [0.9, 2.0]), (0.2, [0.5, 0.1])])
+def test_the_decel_that_a_refusal_tells_is_enough(l: float, accel: list[float]) -> None:
+    """Also where a product by l is less than what it is of the same decimals."""
+    clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
+    ramped = {"robot.l": l, "base.accel": accel, "base.decel": [1e-3, 1e-3], "filter": clip}
+    stated = based({**CLIPPED, "base.tau": [0.2, 0.2], **ramped})
+    with pytest.raises(ScenarioError, match=r"base\.accel may hold back") as refused:
+        settle(stated, "kanayama")
+    told = re.findall(r"base\.decel = \[(.*), (.*)\] or more", str(refused.value))[0]
+    linear, angular = map(float, told)
+    assert linear < l * accel[1] or l * angular < accel[0]  # by a rounding
+    settle(override(stated, {"base.decel": [linear, angular]}), "kanayama")
+
+
 REFUSED: Mapping[str, Mapping[str, Any]] = {
     "guard.enabled": {"guard.enabled": True},
     "gains.kanayama.delay": {"gains.kanayama.delay": 0.05, "base.delay": 0.05},

@@ -17,6 +17,8 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 
 RAMPED = Signal("v_ramped", "m/s, rad/s", "command behind the acceleration limit", 2)
 FREE = (math.inf, math.inf)
+ALIKE = 2e-12
+"""Share by which rates may miss one another that are the same but for roundings."""
 
 
 class CommandRamp(Section, key="base"):
@@ -60,10 +62,11 @@ def keeps_wheels(scenario: Scenario) -> bool:
     """True where no wheel passes a limit that both commands keep, one ramped towards the other.
 
     Each of v and omega stops no slower than the other starts, at the wheels' rim
-    (`filter.ramp-rim`).
+    (`filter.ramp-rim`), but for roundings.
     """
     own, l = scenario.section(CommandRamp), scenario.robot.l
-    return own.accel[0] <= l * own.decel[1] and l * own.accel[1] <= own.decel[0]
+    linear, angular = (rate * (1 + ALIKE) for rate in own.decel)
+    return own.accel[0] <= l * angular and l * own.accel[1] <= linear
 
 
 def quick_stops(scenario: Scenario) -> str:
