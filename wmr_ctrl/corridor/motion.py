@@ -323,5 +323,5 @@ class MovingLoop(SampledLoop):
             run()
             states[k], fine[k], outs[k] = answers
             state[:] = states[k]
-        fine = fine.reshape(n, self.steps + 1, len(self.names))
-        return np.vstack([self.start, states]), fine, outs
+        course = fine.reshape(n, self.steps + 1, len(self.names))
+        return np.vstack([self.start, states]), course, outs
