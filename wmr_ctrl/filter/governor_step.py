@@ -34,6 +34,7 @@ from wmr_ctrl.guard.lateness import Times
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.command_filter import MOST_PERIODS
+from wmr_ctrl.scenario.units import asking_about_units
 from wmr_ctrl.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
 
 Sides: TypeAlias = list[list[ca.SX]]
@@ -72,12 +73,13 @@ def schedule(scenario: Scenario) -> Schedule:
     soonest, latest, jitter, age, hold = in_periods
     plan = Schedule((soonest, latest), settings.losses, jitter, age, hold)
     span = (last + settings.age) / (T - settings.jitter) + settings.losses
-    if span > MOST_PERIODS:
-        raise ScenarioError(
-            f"filter: delay, age of odometry and losses span {span:.0f} control periods of {T:g} s "
-            f"and the governor handles at most {MOST_PERIODS}. State shorter ones, or set "
-            'filter.kind = "clip", which does not depend on them.'
-        )
+    with asking_about_units(scenario):
+        if span > MOST_PERIODS:
+            raise ScenarioError(
+                f"filter: delay, age of odometry and losses span {span:.0f} control periods of "
+                f"{T:g} s and the governor handles at most {MOST_PERIODS}. State shorter ones, or "
+                'set filter.kind = "clip", which does not depend on them.'
+            )
     return plan
 
 
