@@ -124,8 +124,8 @@ class Settling:
 
         What the plant steps of a sample leave may have any signs, so each step's sizes are added.
         """
-        moved = self.powers @ new
-        return np.asarray(np.abs(self.every @ moved) + COARSE * np.abs(self.every) @ np.abs(moved))
+        moved, most = self.powers @ new, np.abs(self.powers) @ np.abs(new)
+        return np.asarray(np.abs(self.every @ moved) + COARSE * np.abs(self.every) @ most)
 
     def _moved(self, fast: Floats, force: Floats) -> Floats:
         known = np.concatenate((self.inputs.push, self.inputs.body))
@@ -168,21 +168,24 @@ class Settling:
         position = far[live].max(initial=0.0) / cos(pi / (2 * DIRECTIONS)) * SUMS
         moved = self.powers[-1] @ whole
         left = self._after(added, self.samples)[:, count : count + self.n]
-        left = left * SUMS + COARSE * np.abs(moved).sum(axis=2)
+        left = left * SUMS + COARSE * self._most_moved(whole, self.samples)
         rest = np.concatenate([moved, left[:, :, None] * np.eye(self.n)], axis=2)
         return SettledCells(live, rest, float(position), float(turned[live].max(initial=0.0)))
 
     def _reached(self, whole: Floats, added: Floats, k: int) -> Floats:
         """Largest deviations r (C, rows) at the sample k: of fast state, state and law."""
-        moved = self.powers[k] @ whole
-        ends = np.abs(self.every @ moved).sum(axis=2)
-        ends += COARSE * np.abs(moved).sum(axis=2) @ np.abs(self.every).T
+        ends = np.abs(self.every @ (self.powers[k] @ whole)).sum(axis=2)
+        ends += COARSE * self._most_moved(whole, k) @ np.abs(self.every).T
         within = len(self.rows)
         fast = ends[:, :within].reshape(len(ends), self.steps, self.count).max(axis=1)
         size = np.concatenate([fast, ends[:, within:]], axis=1)
         if k:
             size += self._after(added, k)
         return np.asarray(size * SUMS)
+
+    def _most_moved(self, whole: Floats, k: int) -> Floats:
+        """Sums (C, n) of columns after k samples if nothing cancelled, for their rounding."""
+        return np.asarray(np.abs(whole).sum(axis=2) @ np.abs(self.powers[k]).T)
 
     def _after(self, added: Floats, k: int) -> Floats:
         """Largest values (C, rows) after what k samples added."""
