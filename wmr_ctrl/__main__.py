@@ -32,6 +32,7 @@ def _interrupt(number: int, _: object) -> None:
     from wmr_ctrl.cli.console import Interruption
 
     Interruption.heard = True
+    sys.unraisablehook = lambda _: None  # what was torn by it need not be told
     _repeat(0.1)
     error = sys.exc_info()[1]
     while error and not isinstance(error, KeyboardInterrupt):

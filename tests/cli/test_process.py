@@ -12,7 +12,7 @@ import time
 import pytest
 
 from wmr_ctrl import __version__
-from wmr_ctrl.cli.console import Interruption, explain
+from wmr_ctrl.cli.console import Interruption, explain, resumable
 from wmr_ctrl.errors import ScenarioError
 
 PIPE = subprocess.PIPE
@@ -126,6 +126,16 @@ def test_what_a_library_makes_of_an_interruption_is_one(monkeypatch, capsys):
     assert explain(ImportError("numpy failed to import"), debug=False) == 130
     assert explain(ScenarioError("a mistake"), debug=False) == 2
     assert "error: Interrupted." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("heard", [False, True])
+def test_what_is_done_is_named_where_a_library_makes_an_error_of_an_interruption(
+    heard, monkeypatch, capsys, tmp_path
+):
+    monkeypatch.setattr(Interruption, "heard", heard)
+    with pytest.raises(ValueError, match="closed"), resumable(tmp_path):
+        raise ValueError("seek of closed file")
+    assert ("the same command goes on" in " ".join(capsys.readouterr().err.split())) == heard
 
 
 @posix

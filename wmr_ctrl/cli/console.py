@@ -95,8 +95,9 @@ def resumable(record: Path) -> Iterator[None]:
     """Long work with a ``record`` of progress: who interrupts it is told that it goes on."""
     try:
         yield
-    except KeyboardInterrupt:
-        if record.exists():
+    except BaseException as error:
+        stopped = isinstance(error, KeyboardInterrupt) or Interruption.heard
+        if stopped and record.exists():
             say("note", f"what is done is kept in {record}; the same command goes on from there.")
         raise
 
