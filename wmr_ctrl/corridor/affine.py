@@ -17,13 +17,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.corridor.enclosure import OpenBoxError
+from wmr_ctrl.model.evaluate import InPlace
 from wmr_ctrl.model.graph import SELECT, Graph, read
 
 STEEPER = (1.0, 1.1, 1.2, 1.3, 1.5, 0.0)
@@ -131,10 +131,7 @@ class OverBoxes:
         given, count = np.hstack([center, radius]), self._function.numel_out(0)
         box, answer = np.empty(given.shape[1]), np.empty(count)
         result = np.empty((len(given), count))
-        buffer: Any  # a call's own, since threads share the function
-        buffer, run = self._function.buffer()
-        buffer.set_arg(0, box.data)
-        buffer.set_res(0, answer.data)
+        run = InPlace(self._function, [box], [answer])
         for one, row in zip(given, result, strict=True):
             box[:] = one
             run()

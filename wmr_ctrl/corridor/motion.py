@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -27,7 +26,7 @@ from wmr_ctrl.corridor.enclosure import BentEnclosure
 from wmr_ctrl.corridor.loop import SampledLoop
 from wmr_ctrl.corridor.midradius import OUTWARD, ROUNDED, MidRadius
 from wmr_ctrl.corridor.spans import MidRadiusGraph
-from wmr_ctrl.model.evaluate import evaluated
+from wmr_ctrl.model.evaluate import InPlace, evaluated
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
@@ -311,12 +310,7 @@ class MovingLoop(SampledLoop):
         n, graph = len(self.motion.v_d), self._sample
         state, law, steps = (np.zeros(graph.nnz_in(k)) for k in range(3))
         answers = [np.zeros(graph.nnz_out(k)) for k in range(3)]
-        buffer: Any
-        buffer, run = graph.buffer()
-        for k, item in enumerate((state, law, steps)):
-            buffer.set_arg(k, item.data)
-        for k, item in enumerate(answers):
-            buffer.set_res(k, item.data)
+        run = InPlace(graph, (state, law, steps), answers)
         states, fine, outs = (np.empty((n, len(item))) for item in answers)
         state[:] = self.start
         for k, (law[:], steps[:]) in enumerate(zip(*self._given, strict=True)):

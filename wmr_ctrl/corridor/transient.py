@@ -218,7 +218,7 @@ def _halved(
 ) -> list[StartPart]:
     """The halves of a part that was lost after ``over`` samples, cut as early as it is wide.
 
-    None where it is not wide at all.
+    Empty where it is not wide at all.
     """
     share = part.share
     while share > FINEST:

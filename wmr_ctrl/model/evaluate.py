@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -13,6 +14,27 @@ from wmr_ctrl.symbolic import ca
 Floats = NDArray[np.float64]
 
 
+class InPlace:
+    """A function, which has no gaps, between arrays that stay where they are: a call renews them.
+
+    Threads may share the function, and none of these.
+    """
+
+    def __init__(
+        self, function: ca.Function, inputs: Sequence[Floats], outputs: Sequence[Floats]
+    ) -> None:
+        self._buffer: Any  # its library frees what a call uses with it
+        self._buffer, self._run = function.buffer()
+        for k, item in enumerate(inputs):
+            self._buffer.set_arg(k, item.data)
+        for k, item in enumerate(outputs):
+            self._buffer.set_res(k, item.data)
+
+    def __call__(self) -> None:
+        """Evaluate it."""
+        self._run()
+
+
 def evaluated(function: ca.Function, *given: ArrayLike) -> list[Floats]:
     """Outputs (rows, columns) of a function whose inputs are vectors and which has no gaps.
 
@@ -22,13 +44,7 @@ def evaluated(function: ca.Function, *given: ArrayLike) -> list[Floats]:
     inputs: list[Floats] = [np.array(item, dtype=float).ravel() for item in given]
     outputs: list[Floats] = [np.zeros(shape) for shape in shapes]
     assert [item.size for item in inputs] == sizes
-    buffer: Any
-    buffer, run = function.buffer()
-    for k, item in enumerate(inputs):
-        buffer.set_arg(k, item.data)
-    for k, item in enumerate(outputs):
-        buffer.set_res(k, item.data)
-    run()
+    InPlace(function, inputs, outputs)()
     return [item.T for item in outputs]
 
 
