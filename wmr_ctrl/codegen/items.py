@@ -157,7 +157,6 @@ def replaced(items: Iterable[Item], new: Sequence[Item]) -> list[Item]:
 
 
 Choice = Operation | Pair
-_ANY = 1 << 62
 WORTH = 15
 """Cost (see `Graph.cost`) of what a branch saves, from which on it is made."""
 
@@ -169,10 +168,12 @@ def branched(
 
     With ``worth`` 1 nothing is computed that is not asked for.
     """
-    outside, items, known = frozenset(needed), list(items), dict[int, tuple[int, int]]()
+    outside, items = frozenset(needed), list(items)
     while _cost(items) >= worth:
-        best = _Scope(graph, items, outside).best(worth, known)
-        if best is None:
+        scope = _Scope(graph, items, outside)
+        branches = (_Branch(graph, scope, condition, worth) for condition in scope.choices)
+        best = max(branches, key=lambda one: one.cost, default=None)
+        if best is None or best.cost < worth:
             break
         items = scheduled(best.contracted())
     return items
@@ -205,29 +206,6 @@ class _Scope:
                 continue
             if not graph.nodes[condition].leaf:
                 self.choices.setdefault(condition, []).append(item)
-
-    def best(self, worth: int, known: dict[int, tuple[int, int]]) -> "_Branch | None":
-        """The branch that saves most, and of equal ones the first, if one is worth it.
-
-        ``known``, brought up to date: by condition its choices and the cost of their branch when it
-        was last looked at.  While no choice has gone elsewhere it saves no more since.
-        """
-        order = {condition: place for place, condition in enumerate(self.choices)}
-        most = {
-            condition: cost
-            for condition, (count, cost) in known.items()
-            if len(self.choices.get(condition, ())) == count
-        }
-        best: _Branch | None = None
-        for condition in sorted(order, key=lambda c: -most.get(c, _ANY)):
-            if most.get(condition, _ANY) < (best.cost if best else worth):
-                break
-            one = _Branch(self.graph, self, condition, worth)
-            known[condition] = len(self.choices[condition]), one.cost
-            first = (one.cost, -order[condition])
-            if one.cost >= worth and (not best or first > (best.cost, -order[best.condition])):
-                best = one
-        return best
 
 
 class _Branch:
