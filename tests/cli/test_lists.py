@@ -6,7 +6,6 @@ import json
 import re
 import tomllib
 from collections import Counter
-from importlib import import_module
 from itertools import chain
 from pathlib import Path
 
@@ -15,7 +14,7 @@ import pytest
 from wmr_ctrl import checks
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.checks.outlook import IN_PART
-from wmr_ctrl.cli import check
+from wmr_ctrl.cli import check_answers
 from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws import LAWS
@@ -150,8 +149,7 @@ def test_check_says_why_the_guard_would_be_refused(wmr):
 
 def test_check_has_every_finding_by_its_name(wmr, monkeypatch):
     """What is found of the same laws is worked out once: asked is how it is told."""
-    module = import_module("wmr_ctrl.cli.check")
-    find, found = module._answers, {}
+    find, found = check_answers.find_answers, {}
 
     def once(case, laws, taken, *alone):
         key = (*laws, *alone)
@@ -159,7 +157,7 @@ def test_check_has_every_finding_by_its_name(wmr, monkeypatch):
             found[key] if key in found else found.setdefault(key, find(case, laws, taken, *alone))
         )
 
-    monkeypatch.setattr(module, "_answers", once)
+    monkeypatch.setattr(check_answers, "find_answers", once)
     document = json.loads(wmr("check", "paper-simulation", "--json").stdout)
     keys = {"stability", "run", "corridor"} | {item["key"] for item in document["warnings"]}
     every = wmr("check", "paper-simulation", "-v").stdout
@@ -176,10 +174,10 @@ def test_check_has_every_finding_by_its_name(wmr, monkeypatch):
 
 def test_only_filter_lists_what_is_asked_of_its_numbers(monkeypatch):
     keys = ("filter", "filter.hold", "filterless", "guard", "guard.alpha")
-    notes = [check.Note(None, key, f"on {key}") for key in keys]
-    monkeypatch.setattr(check, "_findings", lambda answers: iter(notes))
-    assert [item.key for item in check._about(None, "filter")] == ["filter", "filter.hold"]
-    assert [item.key for item in check._about(None, "guard")] == ["guard"]
+    notes = [check_answers.Note(None, key, f"on {key}") for key in keys]
+    monkeypatch.setattr(check_answers, "findings", lambda answers: iter(notes))
+    assert [item.key for item in check_answers.about(None, "filter")] == ["filter", "filter.hold"]
+    assert [item.key for item in check_answers.about(None, "guard")] == ["guard"]
 
 
 def test_check_says_what_concerns_all_laws_once(wmr):
@@ -190,8 +188,7 @@ def test_check_says_what_concerns_all_laws_once(wmr):
 
 
 def test_check_runs_no_law_for_longer_than_it_says(wmr, monkeypatch):
-    module = import_module("wmr_ctrl.cli.check")
-    monkeypatch.setattr(module, "MOST_STEPS", 20_000)
+    monkeypatch.setattr(check_answers, "MOST_STEPS", 20_000)
     said = wmr("check", "paper-simulation-no-switch", "--law", "pid").stdout
     found = json.loads(wmr("check", "paper-simulation", "--law", "pid", "--json").stdout)
 

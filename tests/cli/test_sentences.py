@@ -22,7 +22,8 @@ from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 
 check, compare, runs, summary = (
-    import_module(f"wmr_ctrl.cli.{name}") for name in ("check", "compare", "runs", "summary")
+    import_module(f"wmr_ctrl.cli.{name}")
+    for name in ("check_answers", "compare", "runs", "summary")
 )
 BOTH = Warning("limits.v_u1", "of both", "Eq. (1)")
 ONE, OTHER = Warning("robot.m", "of one", "Eq. (2)"), Warning("robot.I", "of the other", "Eq. (3)")
@@ -126,7 +127,7 @@ def test_a_torque_counts_from_the_time_that_is_said(run: Run) -> None:
 
 
 def answers(law: str = "pid", **changes: object) -> check.Answers:
-    found = check._answers(Scenario(), (law,), (), bare=True)
+    found = check.find_answers(Scenario(), (law,), (), bare=True)
     return replace(found, **changes)
 
 
@@ -147,7 +148,7 @@ def test_of_one_law_nothing_is_in_common() -> None:
 
 def test_stable_periods_delays_and_masses_are_told_as_they_were_found() -> None:
     limits = Stability(0.003, 0.04, 0.05, (0.5, 2.0), 1e-4)
-    document = json.loads(json.dumps(check._document(answers(stable={"pid": limits}))))
+    document = json.loads(json.dumps(check.document(answers(stable={"pid": limits}))))
     told = {key: document[key]["pid"] for key in
             ("min_period", "max_period", "max_delay", "mass_range")}  # fmt: skip
 
@@ -167,11 +168,11 @@ def test_stable_periods_are_in_milliseconds(shortest: float, period: float, cell
 
 
 def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "warnings_for", lambda _: (ONE,))
-    monkeypatch.setattr(checks, "grip_warnings", lambda _: (OTHER,))
-    monkeypatch.setattr(checks, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
+    monkeypatch.setattr(check, "warnings_for", lambda _: (ONE,))
+    monkeypatch.setattr(check, "grip_warnings", lambda _: (OTHER,))
+    monkeypatch.setattr(check, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
     monkeypatch.setattr(check, "_runs", lambda *_: {})
-    found = check._answers(Scenario(), ("pid",), (), bare=False)
+    found = check.find_answers(Scenario(), ("pid",), (), bare=False)
 
     assert found.warned["pid"] == (ONE, replace(OTHER, objects=False))
 
@@ -193,7 +194,7 @@ def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize(("share", "said"), [(0.5, True), (1.0, False)])
 def test_that_a_run_of_a_check_ends_early_is_said(run: Run, share: float, said: bool) -> None:
     lasts = replace(run.settings, duration=share * Scenario().clock.duration)
-    head = "\n".join(check._head(answers(runs={"pid": replace(run, settings=lasts)})))
+    head = "\n".join(check.head(answers(runs={"pid": replace(run, settings=lasts)})))
 
     assert ("for 2000000 plant steps only" in " ".join(head.split())) is said
 

@@ -1,17 +1,24 @@
 """Sentences of ``wmr-ctrl check``: promise, guard, filter, stability, one run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from wmr_ctrl.checks import Stability
-    from wmr_ctrl.control.setup import Setup
-    from wmr_ctrl.guard.bounds import SourcedNumber
-    from wmr_ctrl.results import Run
-    from wmr_ctrl.scenario import Scenario
-    from wmr_ctrl.scenario.toml_io import InheritedValue
+from wmr_ctrl.checks import Stability, filter_advice, filter_facts
+from wmr_ctrl.checks.velocity_base import hears
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.fields.units import rounded
+from wmr_ctrl.guard.bounds import MASS_KEYS, SourcedNumber, assumption_sources
+from wmr_ctrl.guard.price import early_speed, speed_price
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.results import Run, driving, percent, speeds, tracked
+from wmr_ctrl.results.measures import arrival, guard_share, tracking
+from wmr_ctrl.scenario import Scenario, override, parse_assignments, title_of
+from wmr_ctrl.scenario.command_filter import Filter
+from wmr_ctrl.scenario.sections import Guard
+from wmr_ctrl.scenario.toml_io import InheritedValue, stated_keys
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
@@ -72,20 +79,12 @@ def rest(arrival: float, duration: float) -> str:
 
 def valid(case: Scenario) -> str:
     """The scenario is valid; its title."""
-    from wmr_ctrl.scenario import title_of
-
     title = title_of(case)
     return f"{case.name} is valid{f' ({title})' if title else ''}."
 
 
 def promise(setup: Setup) -> str:
     """The promise on the limits, if there is one: by what, and as long as what."""
-    from wmr_ctrl.checks import filter_advice, filter_facts
-    from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.errors import ScenarioError
-    from wmr_ctrl.guard.price import early_speed
-    from wmr_ctrl.scenario import override
-
     case = setup.scenario
     linear, angular = case.limits.v_u1
     limits = f"|v1| <= {linear:g} m/s and |omega| <= {angular:g} rad/s"
@@ -122,9 +121,6 @@ def guard_numbers(setup: Setup) -> dict[str, object] | None:
     """The guard's numbers for JSON, their sources, and the speeds it leaves; None without guard."""
     if not setup.scenario.guard.enabled:
         return None
-    from wmr_ctrl.guard.bounds import assumption_sources
-    from wmr_ctrl.guard.price import speed_price
-
     known = assumption_sources(setup.scenario, setup.guard, setup.effects)
     price = speed_price(setup.scenario, setup.guard)
     return {
@@ -139,10 +135,6 @@ def guard_lines(setup: Setup) -> Iterator[str]:
     """The same in two sentences; none without guard."""
     if not setup.scenario.guard.enabled:
         return
-    from wmr_ctrl.guard.bounds import assumption_sources
-    from wmr_ctrl.guard.price import speed_price
-    from wmr_ctrl.results import speeds
-
     known = assumption_sources(setup.scenario, setup.guard, setup.effects)
     parts = [_masses(known) + _differs(setup), *(_bound(known[name]) for name in PER_AXIS)]
     parts += [_late(known[name]) for name in ("delay", "lag")]
@@ -158,11 +150,6 @@ def guard_lines(setup: Setup) -> Iterator[str]:
 
 def filter_lines(setup: Setup) -> Iterator[str]:
     """The command filter in sentences; none without filter."""
-    from wmr_ctrl.checks import filter_facts
-    from wmr_ctrl.checks.velocity_base import hears
-    from wmr_ctrl.fields.units import rounded
-    from wmr_ctrl.results import speeds
-
     facts = filter_facts(setup)
     if facts is None:
         return
@@ -215,12 +202,6 @@ def inherited_robot(taken: Sequence[InheritedValue]) -> str:
 
 def idle_keys(case: Scenario) -> tuple[str, ...]:
     """Keys that are not as by default and do nothing, as what they belong to is switched off."""
-    from wmr_ctrl.fields.section import quantities
-    from wmr_ctrl.scenario.command_filter import Filter
-    from wmr_ctrl.scenario.sections import Guard
-    from wmr_ctrl.world.registry import EFFECTS
-    from wmr_ctrl.world.speed_loop import takes_velocity
-
     off = [effect.section for effect in EFFECTS if not effect.active(case)]
     keys = dict[str, None]()
     for section in (*off, Guard if takes_velocity(case) else Filter):
@@ -234,10 +215,6 @@ def idle_by_user(
     case: Scenario, source: str, assignments: Sequence[str], laws: Sequence[str]
 ) -> tuple[str, ...]:
     """Those of `idle_keys` that the user states, and gains set for laws that do not run."""
-    from wmr_ctrl.laws import LAWS
-    from wmr_ctrl.scenario import parse_assignments
-    from wmr_ctrl.scenario.toml_io import stated_keys
-
     given = parse_assignments(assignments)
     stated = stated_keys(source, given)
     gains = [key for key in given if key.startswith("gains.") and key.count(".") > 1]
@@ -247,9 +224,6 @@ def idle_by_user(
 
 def sight(run: Run) -> str:
     """One run in a sentence."""
-    from wmr_ctrl.results import driving, percent, tracked
-    from wmr_ctrl.results.measures import arrival, guard_share, tracking
-
     parts, shares, times = tracking(run), guard_share(run), arrival(run)
     away = " and ".join(
         f"{part['position_rms']:.3g} m RMS from the desired position in the {place}"
@@ -286,8 +260,6 @@ def stable(limits: Stability, period: float) -> str:
 
 
 def _masses(known: Mapping[str, SourcedNumber]) -> str:
-    from wmr_ctrl.guard.bounds import MASS_KEYS
-
     low, high = (known[key.removeprefix("guard.")] for key in MASS_KEYS)
     texts = [
         f"{name} {low.value[i]:.4g} to {high.value[i]:.4g} {unit}"

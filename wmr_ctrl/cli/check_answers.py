@@ -1,0 +1,285 @@
+"""Answers of ``wmr-ctrl check``: what theory says against a scenario, and what one run shows."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import groupby
+from math import inf
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from wmr_ctrl import api
+from wmr_ctrl.checks import (
+    Stability,
+    Warning,
+    filter_facts,
+    grip_warnings,
+    reference_torque,
+    stability,
+    warnings_for,
+)
+from wmr_ctrl.checks.outlook import IN_PART, CheckVerdict, verdict
+from wmr_ctrl.checks.surroundings import lost_poses, rounded_effects
+from wmr_ctrl.checks.torques import GRIP
+from wmr_ctrl.cli import check_sentences
+from wmr_ctrl.cli.console import Progress, say, table, wrapped
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.corridor import Corridor, find_corridor
+from wmr_ctrl.errors import ArgumentError, CompilerError
+from wmr_ctrl.fields.units import rounded
+from wmr_ctrl.results import OBJECTED, Run, driving, summary
+from wmr_ctrl.results.measures import guard_share, tracking
+from wmr_ctrl.results.remarks import Remark
+from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario.toml_io import InheritedValue
+from wmr_ctrl.world.grip import grip
+
+MOST_STEPS = 2_000_000
+"""Plant steps that one law is run for; twenty times what the paper's runs take."""
+NONE, FINDINGS = "-", "findings"
+"""Cell of a table that has no value; column of the keys of objections and notes."""
+
+
+class Note(NamedTuple):
+    """A finding on a law, on all of several (None) or on the scenario (""), by key or subject."""
+
+    law: str | None
+    key: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Everything that theory and one run say of a scenario, by law; a ``setup`` of any of them."""
+
+    scenario: Scenario
+    setup: Setup
+    taken: Sequence[InheritedValue]
+    warned: Mapping[str, Sequence[Warning]]
+    stable: Mapping[str, Stability]
+    tubes: Mapping[str, Corridor]
+    runs: Mapping[str, Run]
+
+    def verdict(self, law: str) -> CheckVerdict:
+        """The verdict on a law, in a word."""
+        return verdict(self.warned[law], self.runs.get(law))
+
+
+def find_answers(
+    case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue], bare: bool
+) -> Answers:
+    """Answers for these laws; ``bare``: their corridors alone."""
+    warned, stable, tubes = {}, {}, {}
+    with Progress("what theory says") as progress:
+        setups = {law: settle(case, law) for law in laws}
+        for count, (law, setup) in enumerate(setups.items()):
+            progress(count / len(laws))
+            tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
+            tyres = (replace(item, objects=False) for item in grip_warnings(setup))
+            warned[law] = () if bare else (*warnings_for(setup), *tyres)
+            if not (bare or setup.takes_velocity):
+                stable[law] = stability(case, law)
+        runs = {} if bare else _runs(case, laws, progress)
+    return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
+
+
+def _runs(scenario: Scenario, laws: Sequence[str], progress: Progress) -> dict[str, Run]:
+    """One run of each law; none where no compiler works, and stderr says so."""
+    runs = {}
+    progress.start(len(laws), "one run of each law")
+    try:
+        short = _short(scenario)
+        for law in laws:
+            runs[law] = api.simulate(short, law)
+            progress.advance()
+        return runs
+    except CompilerError as error:
+        say("warning", f"no law was run: {error}")
+        return {}
+
+
+def _short(scenario: Scenario) -> Scenario:
+    """The scenario, which ends after `MOST_STEPS` plant steps if it would not end before."""
+    clock, window = scenario.clock, scenario.metrics
+    if clock.duration <= MOST_STEPS * clock.plant:
+        return scenario
+    end = int(MOST_STEPS * clock.plant / clock.control) * clock.control
+    split = {} if window.split is None else {"metrics.split": min(window.split, end / 2)}
+    first = {"metrics.rms_from": min(window.rms_from, end / 2)}
+    return override(scenario, {"clock.duration": end, **split, **first})
+
+
+def document(answers: Answers) -> dict[str, Any]:
+    """The answers as ``--json`` prints them."""
+    case, stable, runs = answers.scenario, answers.stable, answers.runs
+    filtering = filter_facts(answers.setup)
+    shares = ("guard_share", "filter_share")
+    shown = ("position_rms", "tracking", "tracked", "arrival", *shares, "outcome", "remarks")
+    figures = {law: summary(run) for law, run in runs.items()}
+    warnings = [{"key": w.key, "law": law, "text": str(w)} for law, w in _merged(answers)]
+    inherited = check_sentences.inherited_robot(answers.taken)
+    if inherited:
+        warnings.append({"key": "inherited", "law": None, "text": inherited})
+    return {
+        "scenario": case.name,
+        "valid": True,
+        "grip": {**asdict(grip(case)), "reference": reference_torque(case)},
+        "warnings": warnings,
+        "inherited": {item.key: item.value for item in answers.taken},
+        "nominal_duration": {law: run.settings.duration for law, run in runs.items()},
+        "nominal": {law: {key: row[key] for key in shown} for law, row in figures.items()},
+        "verdict": {law: answers.verdict(law) for law in answers.warned},
+        "min_period": {law: limits.shortest for law, limits in stable.items()},
+        "max_period": {law: limits.period for law, limits in stable.items()},
+        "max_delay": {law: limits.delay for law, limits in stable.items()},
+        "mass_range": {law: limits.masses for law, limits in stable.items()},
+        "idle": check_sentences.idle_keys(case),
+        "arrival": case.reference.arrival,
+        "laws": {
+            law: {
+                "largest_stable_period": stable[law].period if law in stable else None,
+                "warnings": [asdict(warning) for warning in warnings],
+            }
+            for law, warnings in answers.warned.items()
+        },
+        "guard": check_sentences.guard_numbers(answers.setup),
+        "filter": filtering and asdict(filtering),
+        "corridor": {law: tube.figures for law, tube in answers.tubes.items()},
+    }
+
+
+def _merged(answers: Answers) -> Iterator[tuple[str | None, Warning]]:
+    """Every warning once, with its law: None where it concerns all of several."""
+    first, *others = answers.warned.values()
+    shared = [item for item in first if others and all(item in each for each in others)]
+    yield from ((None, item) for item in shared)
+    for law, warnings in answers.warned.items():
+        yield from ((law, item) for item in warnings if item not in shared)
+
+
+def head(answers: Answers) -> Iterator[str]:
+    """The promise, and lines on the scenario whatever the law."""
+    case = answers.scenario
+    yield wrapped(check_sentences.valid(case))
+    yield wrapped(check_sentences.promise(answers.setup))
+    if case.reference.arrival is not None:
+        yield wrapped(check_sentences.rest(case.reference.arrival, case.clock.duration))
+    if answers.taken:
+        listed = ", ".join(item.key for item in answers.taken)
+        yield wrapped(
+            f"Not stated, so taken from the paper or the preset (--only inherited): {listed}."
+        )
+    if idle := check_sentences.idle_keys(case):
+        yield wrapped(f"Without effect, as what they belong to is switched off: {', '.join(idle)}.")
+    if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
+        yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
+
+
+def law_table(answers: Answers) -> Iterator[str]:
+    """The laws side by side, and what the columns are."""
+    place = next(map(driving, answers.runs.values()), "drive")
+    period = f"{1e3 * answers.scenario.clock.control:g}"
+    about = {
+        "law": "",
+        "verdict": "",
+        "stable\n[ms]": f"longest stable clock.control, which is {period} here",
+        "off\n[mm]": f"RMS distance from the desired position in the {place}, seed 0",
+        "guard\n[%]": "share of samples that the guard changed, on the worse axis",
+        "corridor\n[mm]": "certified largest distance from the desired position, started there",
+        FINDINGS: "objections by key; in brackets notes, which need no change",
+    }
+    columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)
+    shown = {
+        name: cells
+        for name, cells in zip(about, columns, strict=True)
+        if set(cells) != {NONE} or name == FINDINGS
+    }
+    yield table(zip(*shown.values(), strict=True), tuple(shown))
+    yield ""
+    for name in filter(about.get, shown):
+        yield wrapped(f"{name.partition(chr(10))[0]}: {about[name]}", hang="  ")
+    keys = dict.fromkeys(key for law in answers.warned for key in _reasons(answers, law))
+    yield from check_sentences.remedies(key for key in keys if not key.startswith("("))
+    yield wrapped("Reasons and details: --only NAME, with a law or key from the table; or -v.")
+
+
+def _cells(answers: Answers, law: str) -> Iterator[str]:
+    """Cells of a law, NONE where it has none."""
+    limits, run = answers.stable.get(law), answers.runs.get(law)
+    shares = run and guard_share(run)
+    drive = (run and tracking(run)["drive"]) or {}
+    away, most = drive.get("position_rms"), answers.tubes[law].position
+    yield answers.verdict(law).removeprefix("holds-").replace("-", " ")
+    if limits is None:
+        yield NONE
+    elif limits.period == 0:
+        yield "none"
+    else:
+        low = f"{_digits(1e3 * limits.shortest)} to " if limits.shortest > 0 else ""
+        yield low + (_digits(1e3 * limits.period) if limits.period < inf else "any")
+    yield NONE if away is None else _digits(1e3 * away)
+    yield _digits(100 * max(shares)) if shares and answers.scenario.guard.enabled else NONE
+    yield NONE if most is None else _digits(float(rounded(1e3 * most, 3)))  # never less
+    yield ", ".join(_reasons(answers, law)) or NONE
+
+
+def _digits(value: float) -> str:
+    return "<0.001" if 0 < value < 1e-3 else f"{float(f'{value:.3g}'):g}"
+
+
+def _reasons(answers: Answers, law: str) -> Iterator[str]:
+    """Keys of what is held against a law, each once; in brackets those that object to nothing."""
+    held = [(w.key, w.objects) for w in answers.warned[law] if w.equation != GRIP]
+    held += [(item.key, item.key not in IN_PART) for item in _seen(answers, law)]
+    for key in dict.fromkeys(key for key, _ in held):
+        yield key if (key, True) in held else f"({key})"
+
+
+def _seen(answers: Answers, law: str) -> list[Remark]:
+    """Remarks on the run of a law, but for those that repeat the warnings."""
+    run = answers.runs.get(law)
+    return [item for item in run.remarks if item.key != OBJECTED] if run else []
+
+
+def findings(answers: Answers) -> Iterator[Note]:
+    """Everything that is known, of the scenario first, then by law."""
+    about = {"guard": check_sentences.guard_lines, "filter": check_sentences.filter_lines}
+    for key, lines in about.items():
+        yield from (Note("", key, line) for line in lines(answers.setup))
+    if answers.taken:
+        yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))
+    ignored = filter(None, (lost_poses(answers.scenario), rounded_effects(answers.scenario)))
+    rest = ", and ".join(ignored)
+    warnings = [
+        Note(law, item.key, f"{'' if item.objects else 'note: '}{item}")
+        for law, item in _merged(answers)
+    ]
+    yield from (item for item in warnings if item.law is None)
+    for law, tube in answers.tubes.items():
+        if law in answers.stable:
+            stable = check_sentences.stable(answers.stable[law], answers.scenario.clock.control)
+            yield Note(law, "stability", f"{stable} ({rest})" if rest else stable)
+        yield from (item for item in warnings if item.law == law)
+        yield from (Note(law, item.key, f"{item.key}: {item.text}") for item in _seen(answers, law))
+        if law in answers.runs:
+            yield Note(law, "run", check_sentences.sight(answers.runs[law]))
+        yield Note(law, "corridor", tube.sentence)
+
+
+def about(answers: Answers, name: str) -> list[Note]:
+    """The findings on a law, a key or a subject; ArgumentError where there is none."""
+    every = list(findings(answers))
+    own = name == "filter"  # whose numbers are asked about, too
+    chosen = [n for n in every if name in (n.law, n.key) or (own and n.key.startswith("filter."))]
+    if not chosen:
+        names = dict.fromkeys((*answers.warned, *(item.key for item in every)))
+        raise ArgumentError(f"--only {name!r} is not among the findings: {', '.join(names)}.")
+    return chosen
+
+
+def listed(findings: Iterable[Note]) -> str:
+    """Findings as items of a list, below the law that they are about."""
+    lines = list[str]()
+    for law, notes in groupby(findings, attrgetter("law")):
+        lines += [f"\n{law or 'all laws'}"] if law != "" else []
+        lines += (wrapped(f"- {item.text}", indent="  ", hang="  ") for item in notes)
+    return "\n".join(lines).lstrip("\n")
