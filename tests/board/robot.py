@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tests.codegen.compiled import compiled
-from wmr_ctrl.codegen.block import plant_block
 from wmr_ctrl.codegen.emit import kernel
+from wmr_ctrl.fmi.blocks import plant_block
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references.kind import reference
 

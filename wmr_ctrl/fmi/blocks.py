@@ -1,25 +1,26 @@
-"""Models of single blocks: plant, laws, reference, guard, command filter, corridor monitor."""
+"""Models of single blocks: plant, laws, reference, guard, command filter, corridor monitor.
+
+A block is a System as one function of all that it knows, with its derivatives.  Its known values z
+lie side by side: inputs, parameters, state.  Its results w are the rates (continuous systems), the
+outputs that are no states, and the diagnostics.
+"""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+import casadi as ca
 import numpy as np
 
-from wmr_ctrl.codegen.block import (
-    PARALLEL,
-    Block,
-    corridor_block,
-    filter_block,
-    guard_block,
-    law_block,
-    plant_block,
-    reference_block,
-)
+from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import sizes_of
+from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.numbers import Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor import corridor_monitor
+from wmr_ctrl.filter.channels import AXES, FLAG_MEANINGS, FLAG_NAMES, FLAGS, SENT, has_bit
+from wmr_ctrl.filter.filter import called_filter
 from wmr_ctrl.fmi.model import (
     TIME,
     FmuModel,
@@ -30,14 +31,60 @@ from wmr_ctrl.fmi.model import (
     rate_rows,
     state_rows,
 )
-from wmr_ctrl.model.system import System
+from wmr_ctrl.model.dynamics import plant, rk4_step
+from wmr_ctrl.model.system import Output, Parameters, System, port, stack
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import POSE, REFERENCE, VELOCITY
+from wmr_ctrl.signals import ASKED, POSE, REFERENCE, VELOCITY, Signal
 from wmr_ctrl.signals import TIME as SECONDS
+from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.registry import EFFECTS
 
 CHANGED = ("robot.m", "robot.I", "robot.mu")
 """The plant's parameters that may be changed while it runs, as the paper does at 40 s."""
+SHARE = Signal("share", "1", "share of the command asked for that is sent, by axis", 2)
+PARALLEL = Signal(
+    "clock.parallel",
+    "1",
+    "1: for masters that step all parts at once; the first sample uses the inputs of "
+    "initialisation",
+)
+"""Parameter of sampled blocks with inputs that their kernels do not read; the stepping does."""
+
+Entry = tuple[int, int, bool]
+"""Row of w, row of z, and whether the derivative there is a constant."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A System and its results beyond continuous states, with its kernels and serialised graph.
+
+    ``kernels`` are those of the native loop, from the same graphs and under the same names of
+    vectors, so that both compute the same bits; ``derivatives`` need not be fast.
+    """
+
+    system: System
+    results: tuple[Output, ...]
+    kernels: tuple[Kernel, ...]
+    derivatives: tuple[Kernel, ...]
+    jacobian: tuple[Entry, ...]
+    graph: str
+
+
+def plant_block(scenario: Scenario) -> Block:
+    """The plant with the native loop's Runge-Kutta step; parameters end with that step [s].
+
+    It tells the way that it drives where a sensor of the scenario asks for it.
+    """
+    sensors = [item.system(scenario) for item in EFFECTS.present(scenario, EffectRole.SENSOR)]
+    system = plant(scenario, rolling=rolling_of(sensors)[:1])
+    p = Parameters(scenario, system.params)
+    following = rk4_step(system, p.take("clock.plant"))
+    stepped = replace(system, params=p.ports)
+    given = {"u": stepped.u, "x": stepped.x, "p": stepped.p}
+    meaning = "State after one Runge-Kutta step, inputs held."
+    return _block(stepped, (kernel("rk4", meaning, given, {"next": following}),))
 
 
 def plant_model(scenario: Scenario) -> FmuModel:
@@ -46,39 +93,108 @@ def plant_model(scenario: Scenario) -> FmuModel:
 
 
 def law_model(setup: Setup) -> FmuModel:
-    """One control law: reference, pose and velocity in, torques and diagnostics out."""
-    law = setup.control_law
-    return _model(law.name, f"Control law: {law.title}", setup.scenario, law_block(setup))
+    """One control law, watched: reference, pose and velocity in, torques and diagnostics out."""
+    law, block = setup.control_law, _sampled(asking_controller(setup))
+    return _model(law.name, f"Control law: {law.title}", setup.scenario, block)
 
 
 def guard_model(setup: Setup) -> FmuModel:
-    """The velocity guard behind any law: asked force in, torques out."""
-    return _model("guard", "Velocity guard", setup.scenario, guard_block(setup))
+    """The velocity guard behind any law: asked force and measured velocity in, torques out."""
+    return _model("guard", "Velocity guard", setup.scenario, _sampled(guard(setup)))
 
 
 def filter_model(scenario: Scenario) -> FmuModel:
     """The command filter of a scenario: any velocity in, one that is safe out.
 
-    Its period is fixed: delays and tables of step responses are counted in it.
+    Beside it that as a share of what was asked, and its flags one by one.  It comes without
+    derivatives: those of the band's tables would be longer than all the rest.
+
+    ScenarioError where the filter is not set, or cannot be met.
     """
-    block, T = filter_block(scenario), scenario.clock.control
-    fixed = {"clock.control": (T, T)}
-    return _model("filter", block.system.title.capitalize(), scenario, block, fixed=fixed)
+    system = called_filter(scenario)
+    made = {item.signal: item.expr for item in system.outputs}
+    asked = next(item.sym for item in system.inputs if item.signal == ASKED)
+    sent = made[SENT]
+    shares = (ca.if_else(asked[i] == 0, 1, sent[i] / asked[i]) for i in AXES)
+    told = (
+        Output(
+            Signal(name.replace("-", "_"), "1", f"1: {FLAG_MEANINGS[bit]}"),
+            has_bit(made[FLAGS], bit),
+        )
+        for bit, name in FLAG_NAMES.items()
+    )
+    shown = (Output(SHARE, ca.vertcat(*shares)), *told)
+    return _counting("filter", scenario, replace(system, diagnostics=shown))
 
 
 def corridor_model(scenario: Scenario, law: str) -> FmuModel:
     """The monitor of a law's certified corridor: what the law is given and sends in, verdict out.
 
-    Its period is fixed, since samples are counted.
+    Comparisons leave it no derivatives.
     """
-    block, T = corridor_block(corridor_monitor(scenario, law), scenario), scenario.clock.control
+    return _counting("corridor", scenario, corridor_monitor(scenario, law))
+
+
+def _counting(what: str, scenario: Scenario, system: System) -> FmuModel:
+    """The model of a System without derivatives whose period is fixed, since it counts in it."""
+    p, T = Parameters(scenario, system.params), scenario.clock.control
+    p.take("clock.control")
+    block = replace(_sampled(replace(system, params=p.ports)), derivatives=())
     fixed = {"clock.control": (T, T)}
-    return _model("corridor", block.system.title.capitalize(), scenario, block, fixed=fixed)
+    return _model(what, block.system.title.capitalize(), scenario, block, fixed=fixed)
 
 
 def reference_model(scenario: Scenario) -> FmuModel:
-    """The desired trajectory."""
-    return _model("reference", "Desired trajectory", scenario, reference_block(scenario))
+    """The desired trajectory, sampled with the control period."""
+    system = reference(scenario)
+    p = Parameters(scenario, system.params)
+    p.take("clock.control")
+    block = _block(replace(system, params=p.ports, period=scenario.clock.control))
+    return _model("reference", "Desired trajectory", scenario, block)
+
+
+def _sampled(system: System) -> Block:
+    """A block that masters may step in parallel with others."""
+    return _block(replace(system, params=(*system.params, port(PARALLEL))))
+
+
+def results_of(system: System) -> tuple[Output, ...]:
+    """Outputs that are no continuous states themselves, then the diagnostics."""
+    states = {} if system.period else {item.signal.name: item.sym for item in system.state}
+    pairs = ((item, states.get(item.signal.name)) for item in system.outputs)
+    own = (item for item, sym in pairs if sym is None or not ca.is_equal(ca.SX(item.expr), sym))
+    return (*own, *system.diagnostics)
+
+
+def _block(system: System, more: tuple[Kernel, ...] = ()) -> Block:
+    results = results_of(system)
+    own = stack(item.expr for item in results[: len(results) - len(system.diagnostics)])
+    given = {"u": system.u, "x": system.x, "p": system.p}
+    shown = {"next": system.update, "y": own, "d": system.d}
+    evaluate = kernel("evaluate", f"Results of the {system.title}.", given, shown)
+    z, y = ca.vertcat(system.u, system.p, system.x), stack(item.expr for item in results)
+    w = y if system.period else ca.vertcat(system.update, y)
+    whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])
+    derivatives, entries = _derivatives(z, w), _entries(z, w)
+    return Block(system, results, (evaluate, *more), derivatives, entries, whole.serialize())
+
+
+def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:
+    dz, bar = ca.SX.sym("dz", z.numel()), ca.SX.sym("bar", w.numel())
+    forward, reverse = ca.jtimes(w, z, dz), ca.jtimes(w, z, bar, True)
+    along = "Jacobian of the results times a direction."
+    back = "Transposed Jacobian of the results times weights."
+    return (
+        kernel("forward_rows", along, {"z": z, "dz": dz}, {"dw": ca.densify(forward)}),
+        kernel("reverse_rows", back, {"z": z, "bar": bar}, {"back": ca.densify(reverse)}),
+    )
+
+
+def _entries(z: ca.SX, w: ca.SX) -> tuple[Entry, ...]:
+    jacobian = ca.jacobian(w, z)
+    rows, columns = jacobian.sparsity().get_triplet()
+    constant = [jacobian.nz[k].is_constant() for k in range(jacobian.nnz())]
+    return tuple(zip(rows, columns, constant, strict=True))
 
 
 def parallel(model: FmuModel) -> FmuModel:
