@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from math import inf
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from wmr_ctrl import api
 from wmr_ctrl.checks import (
@@ -108,7 +108,7 @@ def _short(scenario: Scenario) -> Scenario:
     return override(scenario, {"clock.duration": end, **split, **first})
 
 
-def document(answers: Answers) -> dict[str, Any]:
+def document(answers: Answers) -> dict[str, object]:
     """The answers as ``--json`` prints them."""
     case, stable, runs = answers.scenario, answers.stable, answers.runs
     filtering = filter_facts(answers.setup)

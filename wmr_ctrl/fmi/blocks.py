@@ -112,18 +112,18 @@ def filter_model(scenario: Scenario) -> FmuModel:
     ScenarioError where the filter is not set, or cannot be met.
     """
     system = called_filter(scenario)
-    made = {item.signal: item.expr for item in system.outputs}
+    results = {item.signal: item.expr for item in system.outputs}
     asked = next(item.sym for item in system.inputs if item.signal == ASKED)
-    sent = made[SENT]
+    sent = results[SENT]
     shares = (ca.if_else(asked[i] == 0, 1, sent[i] / asked[i]) for i in AXES)
-    told = (
+    flags = (
         Output(
             Signal(name.replace("-", "_"), "1", f"1: {FLAG_MEANINGS[bit]}"),
-            has_bit(made[FLAGS], bit),
+            has_bit(results[FLAGS], bit),
         )
         for bit, name in FLAG_NAMES.items()
     )
-    shown = (Output(SHARE, ca.vertcat(*shares)), *told)
+    shown = (Output(SHARE, ca.vertcat(*shares)), *flags)
     return _counting("filter", scenario, replace(system, diagnostics=shown))
 
 
@@ -141,7 +141,7 @@ def _counting(what: str, scenario: Scenario, system: System) -> FmuModel:
     p.take("clock.control")
     block = replace(_sampled(replace(system, params=p.ports)), derivatives=())
     fixed = {"clock.control": (T, T)}
-    return _model(what, block.system.title.capitalize(), scenario, block, fixed=fixed)
+    return _model(what, system.title.capitalize(), scenario, block, fixed=fixed)
 
 
 def reference_model(scenario: Scenario) -> FmuModel:
