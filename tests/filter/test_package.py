@@ -19,10 +19,12 @@ from tests.filter.test_filter import scenario
 from tests.matrix import quick
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import known_footprint, package_files
+from wmr_ctrl.codegen.single_precision import with_margin
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import command_filter
 from wmr_ctrl.filter.channels import FLAG_NAMES
 from wmr_ctrl.filter.enclosure import Floats
+from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.scenario import load_scenario
 
 MEMORY = """#include <math.h>
@@ -452,6 +454,21 @@ WHEELS: Mapping[str, Mapping[str, object]] = {
     },
     "clip of wheels": {**FILTERS["clip"], "filter.wheel_speed": 1.2},
 }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", quick(WHEELS, "wheels beside"))
+def test_every_limit_is_lowered_in_single_precision(name: str) -> None:
+    """A rim came to 1 + 2e-7 of `filter.wheel_speed`, which was none of those that were lowered."""
+    settings = load_scenario("paper-simulation", WHEELS[name])
+    stated, lowered = (
+        {item.signal.name: np.array(item.value) for item in system.params}
+        for system in (filter_system(settings), with_margin(filter_system(settings)))
+    )
+    limits = {"limits.v_u1", "filter.wheel_speed"} & set(stated)
+    assert {key for key, value in stated.items() if (lowered[key] != value).any()} == limits
+    assert all((lowered[key] < stated[key] * (1 - 3e-5)).all() for key in limits)
+
+
 WITHOUT_EFFECT = {
     "clip": {"clock.control": 8}, "clip of wheels": {"clock.control": 8},
     "clip of slow commands": {"filter.d[1]": 0, "filter.d[2]": 0},
