@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.codegen.compiled import compiled
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.fmi.blocks import plant_block
+from wmr_ctrl.fmi.blocks import stepped_plant
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references.kind import reference
 
@@ -15,15 +15,14 @@ class Robot:
     """State x, y [m], theta [rad], v1 [m/s], omega [rad/s], without noise."""
 
     def __init__(self, scenario: Scenario, start: np.ndarray | None = None) -> None:
-        plant, desired = plant_block(scenario), reference(scenario)
-        step = next(item for item in plant.kernels if item.name == "rk4")
+        (plant, step), desired = stepped_plant(scenario), reference(scenario)
         sample = kernel("desired", "Desired trajectory.", {"u": desired.u, "p": desired.p},
                         {"y": desired.y})  # fmt: skip
         self.clock = scenario.clock
         self._step, self._reference = compiled([step, sample])
-        self._plant_p, self._reference_p = np.array(plant.system.p0), np.array(desired.p0)
-        self._more = np.zeros(plant.system.u.numel() - 2)
-        self.state = np.array(plant.system.x0 if start is None else start, dtype=float)
+        self._plant_p, self._reference_p = np.array(plant.p0), np.array(desired.p0)
+        self._more = np.zeros(plant.u.numel() - 2)
+        self.state = np.array(plant.x0 if start is None else start, dtype=float)
         self.fastest = abs(self.state[3:])
 
     def reference(self, k: int) -> np.ndarray:

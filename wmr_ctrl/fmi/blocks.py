@@ -6,7 +6,7 @@ outputs that are no states, and the diagnostics.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 import casadi as ca
@@ -52,28 +52,9 @@ PARALLEL = Signal(
 )
 """Parameter of sampled blocks with inputs that their kernels do not read; the stepping does."""
 
-Entry = tuple[int, int, bool]
-"""Row of w, row of z, and whether the derivative there is a constant."""
 
-
-@dataclass(frozen=True)
-class Block:
-    """A System and its results beyond continuous states, with its kernels and serialised graph.
-
-    ``kernels`` are those of the native loop, from the same graphs and under the same names of
-    vectors, so that both compute the same bits; ``derivatives`` need not be fast.
-    """
-
-    system: System
-    results: tuple[Output, ...]
-    kernels: tuple[Kernel, ...]
-    derivatives: tuple[Kernel, ...]
-    jacobian: tuple[Entry, ...]
-    graph: str
-
-
-def plant_block(scenario: Scenario) -> Block:
-    """The plant with the native loop's Runge-Kutta step; parameters end with that step [s].
+def stepped_plant(scenario: Scenario) -> tuple[System, Kernel]:
+    """The plant, and the native loop's Runge-Kutta step of it; parameters end with that step [s].
 
     It tells the way that it drives where a sensor of the scenario asks for it.
     """
@@ -84,18 +65,20 @@ def plant_block(scenario: Scenario) -> Block:
     stepped = replace(system, params=p.ports)
     given = {"u": stepped.u, "x": stepped.x, "p": stepped.p}
     meaning = "State after one Runge-Kutta step, inputs held."
-    return _block(stepped, (kernel("rk4", meaning, given, {"next": following}),))
+    return stepped, kernel("rk4", meaning, given, {"next": following})
 
 
 def plant_model(scenario: Scenario) -> FmuModel:
     """The robot: torques in, pose, velocity and heading out."""
-    return _model("plant", "Wheeled robot, Eqs. (1)-(6)", scenario, plant_block(scenario), CHANGED)
+    system, step = stepped_plant(scenario)
+    title = "Wheeled robot, Eqs. (1)-(6)"
+    return _model("plant", title, scenario, system, more=(step,), tunable=CHANGED)
 
 
 def law_model(setup: Setup) -> FmuModel:
     """One control law, watched: reference, pose and velocity in, torques and diagnostics out."""
-    law, block = setup.control_law, _sampled(asking_controller(setup))
-    return _model(law.name, f"Control law: {law.title}", setup.scenario, block)
+    law, system = setup.control_law, _sampled(asking_controller(setup))
+    return _model(law.name, f"Control law: {law.title}", setup.scenario, system)
 
 
 def guard_model(setup: Setup) -> FmuModel:
@@ -139,9 +122,8 @@ def _counting(what: str, scenario: Scenario, system: System) -> FmuModel:
     """The model of a System without derivatives whose period is fixed, since it counts in it."""
     p, T = Parameters(scenario, system.params), scenario.clock.control
     p.take("clock.control")
-    block = replace(_sampled(replace(system, params=p.ports)), derivatives=())
-    fixed = {"clock.control": (T, T)}
-    return _model(what, system.title.capitalize(), scenario, block, fixed=fixed)
+    fixed, timed = {"clock.control": (T, T)}, _sampled(replace(system, params=p.ports))
+    return _model(what, system.title.capitalize(), scenario, timed, fixed=fixed, derived=False)
 
 
 def reference_model(scenario: Scenario) -> FmuModel:
@@ -149,13 +131,13 @@ def reference_model(scenario: Scenario) -> FmuModel:
     system = reference(scenario)
     p = Parameters(scenario, system.params)
     p.take("clock.control")
-    block = _block(replace(system, params=p.ports, period=scenario.clock.control))
-    return _model("reference", "Desired trajectory", scenario, block)
+    timed = replace(system, params=p.ports, period=scenario.clock.control)
+    return _model("reference", "Desired trajectory", scenario, timed)
 
 
-def _sampled(system: System) -> Block:
-    """A block that masters may step in parallel with others."""
-    return _block(replace(system, params=(*system.params, port(PARALLEL))))
+def _sampled(system: System) -> System:
+    """The System for masters that may step all parts at once."""
+    return replace(system, params=(*system.params, port(PARALLEL)))
 
 
 def results_of(system: System) -> tuple[Output, ...]:
@@ -164,19 +146,6 @@ def results_of(system: System) -> tuple[Output, ...]:
     pairs = ((item, states.get(item.signal.name)) for item in system.outputs)
     own = (item for item, sym in pairs if sym is None or not ca.is_equal(ca.SX(item.expr), sym))
     return (*own, *system.diagnostics)
-
-
-def _block(system: System, more: tuple[Kernel, ...] = ()) -> Block:
-    results = results_of(system)
-    own = stack(item.expr for item in results[: len(results) - len(system.diagnostics)])
-    given = {"u": system.u, "x": system.x, "p": system.p}
-    shown = {"next": system.update, "y": own, "d": system.d}
-    evaluate = kernel("evaluate", f"Results of the {system.title}.", given, shown)
-    z, y = ca.vertcat(system.u, system.p, system.x), stack(item.expr for item in results)
-    w = y if system.period else ca.vertcat(system.update, y)
-    whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])
-    derivatives, entries = _derivatives(z, w), _entries(z, w)
-    return Block(system, results, (evaluate, *more), derivatives, entries, whole.serialize())
 
 
 def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:
@@ -190,13 +159,6 @@ def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:
     )
 
 
-def _entries(z: ca.SX, w: ca.SX) -> tuple[Entry, ...]:
-    jacobian = ca.jacobian(w, z)
-    rows, columns = jacobian.sparsity().get_triplet()
-    constant = [jacobian.nz[k].is_constant() for k in range(jacobian.nnz())]
-    return tuple(zip(rows, columns, constant, strict=True))
-
-
 def parallel(model: FmuModel) -> FmuModel:
     """The same model for masters that step all parts at once."""
     rows = (replace(v, start=1.0) if v.name == PARALLEL.name else v for v in model.variables)
@@ -207,12 +169,27 @@ def _model(
     what: str,
     title: str,
     scenario: Scenario,
-    block: Block,
+    system: System,
+    *,
+    more: tuple[Kernel, ...] = (),
+    derived: bool = True,
     tunable: tuple[str, ...] = (),
     fixed: Mapping[str, Range] = MappingProxyType({}),
 ) -> FmuModel:
-    system = block.system
-    sections = _sections(scenario, block, tunable, fixed)
+    """The model of a System, with ``more`` kernels.
+
+    Kernels are those of the native loop, from the same graphs and under the same names of vectors,
+    so that both compute the same bits; derivatives need not be fast.
+    """
+    results = results_of(system)
+    own = stack(item.expr for item in results[: len(results) - len(system.diagnostics)])
+    given = {"u": system.u, "x": system.x, "p": system.p}
+    shown = {"next": system.update, "y": own, "d": system.d}
+    evaluate = kernel("evaluate", f"Results of the {system.title}.", given, shown)
+    z, y = ca.vertcat(system.u, system.p, system.x), stack(item.expr for item in results)
+    w = y if system.period else ca.vertcat(system.update, y)
+    whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])
+    sections = _sections(scenario, system, [item.signal for item in results], tunable, fixed)
     rows = tuple(row for section in sections.values() for row in section)
     at = {row.name: i for i, row in enumerate(rows)}
     layout = _layout(sections, system)
@@ -220,12 +197,6 @@ def _model(
     layout[name] = at[key]
     if PARALLEL.name in at:
         layout["AT_PARALLEL"] = at[PARALLEL.name]
-    first, known = layout["W"], layout["Z"]
-    dependencies: dict[int, list[tuple[int, bool]]] = {
-        first + row: [] for row in range(layout["NW"])
-    }
-    for row, column, constant in sorted(block.jacobian):
-        dependencies[first + row].append((known + column, constant))
     return FmuModel(
         what,
         title,
@@ -233,20 +204,36 @@ def _model(
         scenario,
         rows,
         sizes_of("block", system),
-        block.kernels,
-        block.derivatives,
+        (evaluate, *more),
+        _derivatives(z, w) if derived else (),
         layout,
-        dependencies=dependencies,
-        graph=block.graph,
+        dependencies=_dependencies(z, w, layout),
+        graph=whole.serialize(),
     )
 
 
+def _dependencies(
+    z: ca.SX, w: ca.SX, layout: Mapping[str, int]
+) -> dict[int, list[tuple[int, bool]]]:
+    """Rows that each row of w depends on, and whether by a constant."""
+    first, known = layout["W"], layout["Z"]
+    on: dict[int, list[tuple[int, bool]]] = {first + row: [] for row in range(layout["NW"])}
+    jacobian = ca.jacobian(w, z)
+    places = enumerate(zip(*jacobian.sparsity().get_triplet(), strict=True))
+    for row, column, constant in sorted((*at, jacobian.nz[k].is_constant()) for k, at in places):
+        on[first + row].append((known + column, constant))
+    return on
+
+
 def _sections(
-    scenario: Scenario, block: Block, tunable: tuple[str, ...], fixed: Mapping[str, Range]
+    scenario: Scenario,
+    system: System,
+    results: list[Signal],
+    tunable: tuple[str, ...],
+    fixed: Mapping[str, Range],
 ) -> Mapping[str, list[Variable]]:
     """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
-    system, discrete = block.system, block.system.period is not None
-    results = [item.signal for item in block.results]
+    discrete = system.period is not None
     ranges = ranges_of(scenario, (port.signal.name for port in system.params))
     ranges |= {PARALLEL.name: (0.0, 1.0)} | (clock_of(scenario) if discrete else {})
     ranges |= dict(fixed)
