@@ -256,9 +256,12 @@ def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share: float, 
 
 
 def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes() -> None:
-    text = broken({**GOVERNED, "resistance.rolling": [0.02, 0.01], "filter.d": [1e-6, 1e-6]})
-    pushed = [float(x) for x in re.findall(r"pushed on by (\S+) ", text)]
+    """Of a governor in one sentence an axis; of a clip pushes alone count."""
+    ground = {"resistance.rolling": [0.02, 0.01], "filter.d": [1e-6, 1e-6]}
+    text, clipped = broken({**GOVERNED, **ground}), broken({**CLIPPED, **ground})
+    pushed = [float(x) for x in re.findall(r"push the base on by (\S+) ", clipped)]
     slowed = [float(x) for x in re.findall(r"slow the base by up to (\S+) ", text)]
+    assert "push the base on by" not in text
     assert [b / a for a, b in zip(pushed, slowed, strict=True)] == pytest.approx([3, 3], rel=2e-3)
 
 
@@ -450,6 +453,8 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "rolling": ({"resistance.rolling": [0.1, 0.1]}, "slow the base by up to"),
     "viscous": ({"resistance.viscous": [0.0, 2.0]}, "slow the base by up to"),
     "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
+    "tyres": ({"actuator.traction": True}, "actuator.traction limits tau_max"),
+    "stop": ({"base.decel": [1.0, 1.0]}, "base.decel: the base ramps"),
     "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
     "noise": ({"sensor.velocity_noise": [0.02, 0.0]}, "filter.odometry[1]"),
     "window": ({"sensor.velocity_window": 0.1}, "a mean over some time"),

@@ -187,7 +187,7 @@ def test_the_number_that_is_said_to_be_enough_is_enough(key) -> None:
     with pytest.raises(ScenarioError) as refused:
         settle(scenario_of(preset, {**base, **changed}), "kanayama")
     said = str(refused.value)
-    (number,) = re.findall(r"(?:below the|dbar - f_min =|pushed on by) ([\d.]+)", said)
+    (number,) = re.findall(r"(?:below the|dbar - f_min =|push the base on by) ([\d.]+)", said)
     most = {"filter.d": 0.05, "guard.nbar": 0.2}.get(key, 40.0)
 
     assert key in said

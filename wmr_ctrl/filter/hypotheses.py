@@ -23,6 +23,7 @@ from wmr_ctrl.world.resistance import Resistance, against, rolling_against
 from wmr_ctrl.world.speed_loop import has_loop
 
 UNITS = ("m/s", "rad/s")
+CAPPED = " Here actuator.traction limits tau_max; false leaves that as it is stated."
 
 
 def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
@@ -54,17 +55,19 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
         sentences += _of_the_band(bound)
     if scenario.filter.slew is not None:
         sentences += _of_slow_commands(scenario, bound)
-    return tuple(sentences)
+    if scenario.actuator.traction:
+        sentences = [s + CAPPED * ("actuator.tau_max" in s) for s in sentences]
+    return tuple(dict.fromkeys(sentences))
 
 
 def refuse_broken_hypotheses(scenario: Scenario, bound: Bound) -> None:
     """Raise ScenarioError for them, some at once, unless filter.trust says that it is meant."""
     sentences = broken_hypotheses(scenario, bound)
     if sentences and not scenario.filter.trust:
-        said = " ".join(sentences[:4])  # both axes of two things
-        raise ScenarioError(
-            f'filter.kind = "{scenario.filter.kind}" guarantees nothing here. {said} To '
-            "run it nevertheless, without guarantee, set filter.trust = true."
+        raise ScenarioError(  # at most both axes of two things
+            f'filter.kind = "{scenario.filter.kind}" guarantees nothing here. '
+            f"{' '.join(sentences[:4])} To run it nevertheless, without guarantee, set "
+            "filter.trust = true."
         )
 
 
@@ -95,13 +98,26 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
         yield from _of_pushed_weak_motors(scenario, bound)
         yield from _of_wheels(scenario)
-    for axis, push in enumerate(push_speeds(scenario, bound)):
-        if push > stated.d[axis] * (1 + ROUNDING):
-            yield (
-                f"The base may be pushed on by {rounded(push, 4)} {UNITS[axis]} (disturbances and "
-                f"errors of the command together), and filter.d[{axis + 1}] = {stated.d[axis]:g} "
-                f"{UNITS[axis]} is less. Raise it to that, if that is below limits.v_u1."
-            )
+    yield from _of_pushes(scenario, bound)
+
+
+def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """What drives a first-order base on beyond d; of a governor's also what slows it."""
+    stated = scenario.filter
+    slowed = against(scenario) if stated.kind == "governor" else (0.0, 0.0)
+    both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
+    for axis, speed in enumerate(push_speeds(scenario, replace(bound, dbar=both))):
+        if speed <= (d := stated.d[axis]) * (1 + ROUNDING):
+            continue
+        said, why, other = "Disturbances and errors of the command may push the base on by", "", ""
+        if slowed[axis]:
+            said = "[resistance] and pushes together slow the base by up to"
+            why = ": on its way back to rest the speed changes faster than the governor counts on"
+            other = ', or use filter.kind = "clip"'
+        yield (
+            f"{said} {rounded(speed, 4)} {UNITS[axis]}, and filter.d[{axis + 1}] = {d:g} "
+            f"{UNITS[axis]} is less{why}. Raise it to that, if that is below limits.v_u1{other}."
+        )
 
 
 def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
@@ -158,8 +174,8 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
     """A torque limit that the loop may reach."""
-    most, force, robot = scenario.actuator.tau_max, scenario.filter.force, scenario.robot
-    if math.isinf(most):
+    force, robot = scenario.filter.force, scenario.robot
+    if math.isinf(most := scenario.actuator.tau_max):
         return
     if force is None:
         yield (
@@ -230,9 +246,7 @@ def most_torque(scenario: Scenario) -> float:
 
 
 def _of_the_band(bound: Bound) -> Iterator[str]:
-    """Objections to what lies between the band's commands and the loop whose step responses it
-    knows.
-    """
+    """Objections to what lies between the band's commands and the loop that its tables know."""
     if bound.hidden:
         yield (
             f"{bound.hidden} The band relies on every command reaching the loop as it was sent. "
@@ -242,8 +256,7 @@ def _of_the_band(bound: Bound) -> Iterator[str]:
     if bound.losses or soonest != latest:
         yield (
             "Commands may be lost, or delayed by varying times, and the band relies on each one "
-            "taking effect, a constant delay after it was sent. Use "
-            'filter.kind = "clip".'
+            'taking effect, a constant delay after it was sent. Use filter.kind = "clip".'
         )
 
 
@@ -284,16 +297,6 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 yield _outside(f"base.tau[{axis + 1}]", tau, "s", "filter.tau", stated.tau)
             if gain < stated.gain[0] * (1 - ROUNDING):
                 yield _outside(f"base.gain[{axis + 1}]", gain, "1", "filter.gain", stated.gain)
-    if any(slowed := against(scenario)):
-        both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
-        for axis, speed in enumerate(push_speeds(scenario, replace(bound, dbar=both))):
-            if speed > stated.d[axis] * (1 + ROUNDING):
-                yield (
-                    f"[resistance] and pushes together slow the base by up to {rounded(speed, 4)} "
-                    f"{UNITS[axis]}, and filter.d[{axis + 1}] = {stated.d[axis]:g} {UNITS[axis]} "
-                    "is less: on its way back to rest the speed changes faster than the governor "
-                    'counts on. Raise it to that, or use filter.kind = "clip".'
-                )
     yield from _of_the_times(scenario, bound)
     if stated.odometry is None:
         return
@@ -310,8 +313,7 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
             "and the governor relies on that of one instant. Leave out filter.odometry, which it "
             "does not need, or take a sensor without window."
         )
-    linear, angular = bound.age
-    if linear != angular:
+    if bound.age[0] != bound.age[1]:
         yield (
             f"sensor.velocity_age: one axis' velocity is {max(bound.age):g} s old and the other's "
             "is not (gyro.enabled), but the governor takes one age for both. Leave out "
@@ -338,8 +340,7 @@ def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
 
 
 def _within(value: float, ends: Pair) -> bool:
-    low, high = ends
-    return low * (1 - ROUNDING) <= value <= high * (1 + ROUNDING)
+    return ends[0] * (1 - ROUNDING) <= value <= ends[1] * (1 + ROUNDING)
 
 
 def _outside(name: str, value: float, unit: str, key: str, ends: Pair) -> str:

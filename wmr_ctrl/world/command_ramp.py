@@ -80,7 +80,8 @@ def quick_stops(scenario: Scenario) -> str:
 
 def bound(scenario: Scenario) -> Bound:
     """A state that the governor does not know of; a ramp never passes its input."""
-    return Bound(hidden="base.accel: the base ramps its command.")
+    key = "accel" if min(scenario.section(CommandRamp).accel) < math.inf else "decel"
+    return Bound(hidden=f"base.{key}: the base ramps its command.")
 
 
 COMMAND_RAMP = Effect("command ramp", EffectRole.COMMAND, CommandRamp, build, bound, rate=Rate.STEP)
