@@ -59,9 +59,9 @@ def test_numpys_functions_are_as_exact_as_the_enclosures_count_on(name):
 ])  # fmt: skip
 @pytest.mark.parametrize("width", [0.0, 1e-6, 0.01, 3.0])
 def test_swings_are_enclosed_on_both_sides_of_critical_damping(enclosure, ball, width):
-    """cos(sqrt x) and sin(sqrt x)/sqrt x for x from -900 to 900, in complex balls."""
+    """cos(sqrt x) and sin(sqrt x)/sqrt x for x from -900 to 900 and beyond, in complex balls."""
     rng = np.random.default_rng(1)
-    start = np.concatenate([rng.uniform(-900, 900, 800), rng.uniform(-0.01, 0.01, 200)])
+    start = np.concatenate([rng.uniform(-900, 900, 800), rng.uniform(-0.01, 0.01, 200), [9.9e5]])
     found = enclosure(Span(start, start + width))
     inside = np.minimum(start + width * rng.random(len(start)), start + width)
     for x, low, high in zip(inside, found.lo, found.hi, strict=True):

@@ -138,7 +138,7 @@ def sine_over(x: Span) -> Span:
 def _sine_over(y: Floats) -> Floats:
     near = np.abs(y) < 1e-3
     w = np.where(near, 1.0, np.sqrt(np.abs(y)))
-    far = np.where(y < 0, np.sinh(w), np.sin(w)) / w
+    far = np.where(y < 0, np.sinh(np.where(y < 0, w, 0.0)), np.sin(w)) / w
     return np.where(near, 1 - y / 6 * (1 - y / 20 * (1 - y / 42)), far)
 
 
