@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 import re
 import warnings
 from itertools import product
@@ -219,6 +221,16 @@ def test_the_limit_is_kept_away_from_by_the_rounding_alone():
 def test_what_cannot_be_met_is_refused_with_its_key(stated, words):
     with pytest.raises(ScenarioError, match=words):
         wmr_ctrl.command_filter(scenario(**stated))
+
+
+@pytest.mark.parametrize("through", [copy.deepcopy, lambda item: pickle.loads(pickle.dumps(item))])
+def test_a_copy_goes_on_where_the_filter_stands(through):
+    """Such as one that is sent to another process."""
+    own = wmr_ctrl.command_filter(scenario("governor", delay=(0.0, 0.03)))
+    own.step((5.0, 1.0), measured=(0.3, 0.1))
+    other = through(own)
+    for _ in range(3):
+        assert own.step((5.0, -1.0)) == other.step((5.0, -1.0))
 
 
 def test_pairs_have_two_numbers():

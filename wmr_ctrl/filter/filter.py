@@ -254,12 +254,16 @@ class CommandFilter:
 
     def __init__(self, scenario: Scenario) -> None:
         """Build the graph; ScenarioError where the filter is not set, or cannot be met."""
-        self.system = called_filter(scenario)
+        self.system, self._scenario = called_filter(scenario), scenario
         self.governs = scenario.filter.kind == "governor"
         self.period = scenario.clock.control
         dense = [ca.densify(item) for item in (self.system.update, self.system.y)]
         self._step, self._p = self.system.function("filter", dense), np.array(self.system.p0)
         self.start()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Built again from the scenario, with the memory of this one."""
+        return CommandFilter, (self._scenario,), {"_x": self._x.copy()}
 
     def start(self) -> None:
         """Restart: what was sent before counts as 0.
