@@ -162,11 +162,10 @@ def codegen(
             "it works only with --ros2. Add --ros2, or leave --param out.", param_hint="--param"
         )
     case = opt.load(scenario, assignments)
-    if (law == CORRIDOR) != (watched is not None) or (law == CORRIDOR and (float32 or ros2)):
+    _refuse_unread(f"codegen {law}", ("float32", "ros2") if law == CORRIDOR else ("watched",))
+    if law == CORRIDOR and watched is None:
         raise click.BadParameter(
-            "only `codegen corridor` takes a law, and it needs one; it has neither --float32 nor "
-            "--ros2.",
-            param_hint="--law",
+            "codegen corridor needs one: the law that drives.", param_hint="--law"
         )
     if watched is not None:
         from wmr_ctrl.corridor import corridor_monitor
