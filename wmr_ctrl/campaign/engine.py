@@ -12,6 +12,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 from wmr_ctrl.campaign.paper import REPORTED
 from wmr_ctrl.campaign.plan import PlannedCase, PlannedRun
 from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.figures import FIGURES, values_of
 from wmr_ctrl.results.table import REFUSED, RunTable, table_of_rows
@@ -80,7 +81,8 @@ def built_loops(
 ) -> list[RunnableLoop | Refusal]:
     """The loop of each case for a device, in their order, each different one compiled once.
 
-    A guard that refuses gives its Refusal; what cannot be without the guard either is raised.
+    A guard that refuses gives its Refusal; what cannot be without the guard either is raised, with
+    what tells its case from the others.
     """
     known: dict[str, RunnableLoop | Refusal] = {}
 
@@ -91,7 +93,7 @@ def built_loops(
                 known[key] = build_loop(case, device)
             except ScenarioError as error:
                 if not case.guard:
-                    raise
+                    raise ScenarioError(f"{error}{_apart(case, apart.values())}") from error
                 built(replace(case, guard=False))
                 known[key] = Refusal(str(error))
         return known[key]
@@ -105,6 +107,16 @@ def built_loops(
             built(case)
             advance(1)
     return [known[keys[id(case)]] for case in listed]
+
+
+def _apart(case: PlannedCase, others: Iterable[PlannedCase]) -> str:
+    """Law and changes by which a case differs from others, as a sentence; empty for none."""
+    apart = [
+        f"{key} = {show(value)}"
+        for key, value in {"law": case.law, **case.overrides}.items()
+        if any({"law": other.law, **other.overrides}.get(key) != value for other in others)
+    ]
+    return f" Refused is the case {', '.join(apart)}." if apart else ""
 
 
 def accepted(
