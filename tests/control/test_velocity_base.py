@@ -453,6 +453,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "rolling": ({"resistance.rolling": [0.1, 0.1]}, "slow the base by up to"),
     "viscous": ({"resistance.viscous": [0.0, 2.0]}, "slow the base by up to"),
     "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
+    "time-out": ({"base.timeout": 0.04}, "the base stops before the next command"),
     "tyres": ({"actuator.traction": True}, "actuator.traction limits tau_max"),
     "stop": ({"base.decel": [1.0, 1.0]}, "base.decel: the base ramps"),
     "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
@@ -686,6 +687,7 @@ SLOW: Mapping[str, Any] = {
 LEFT_OPEN: Mapping[str, Mapping[str, Any]] = {
     "losses": {"base.losses": 1},
     "a time-out": {"base.losses": 1, "base.timeout": 0.06},
+    "a stop in every period": {"base.timeout": 0.04},
     "dead band": {"base.deadband": [0.02, 0.02]},
     "quantum": {"base.quantum": [0.01, 0.01]},
     "ramps": {"base.accel": [1.0, 2.0]},

@@ -61,7 +61,7 @@ def build(scenario: Scenario) -> System:
 def bound(scenario: Scenario) -> Bound:
     """The losses; a stop in between is a command that was not sent."""
     own, period = scenario.section(CommandLoss), scenario.clock.control
-    stops = own.losses > 0 and own.timeout < (own.losses + 1) * period
+    stops = own.timeout < (own.losses + 1) * period
     sentence = "base.timeout: the base stops before the next command that is not lost."
     return Bound(losses=own.losses, hidden=sentence if stops else "")
 
