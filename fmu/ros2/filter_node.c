@@ -248,7 +248,6 @@ static void refuse_to_start(filter_node *n)
     for (int64_t end = clock_of(CLOCK_MONOTONIC) + WMR_DISCOVERY; !ended && clock_of(CLOCK_MONOTONIC) < end;) {
         if (wmr_useless(n, n->useless)) {
             fprintf(stderr, "error: %s\n", n->useless);
-            (void)!rcl_shutdown(&n->context);
             exit(2);
         }
         nanosleep(&pause, NULL);
@@ -321,6 +320,5 @@ int main(int argc, char **argv)
     spin(&n);
     publish(&n, 0.0, 0.0);
     (void)!rcl_publisher_wait_for_all_acked(&n.out, LAST_ZERO);
-    (void)!rcl_shutdown(&n.context);
     return 0;
 }

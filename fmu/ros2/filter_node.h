@@ -48,8 +48,8 @@ extern const char *const wmr_type_names[TOPICS];
 /* Ends the process with a sentence where a call fails. */
 void wmr_check(rcl_ret_t result, const char *what);
 
-/* Reads the arguments; makes messages, publishers, subscriptions, the service, and what waits for them.  Ends the
-   process with a sentence where that fails. */
+/* Reads the arguments; makes messages, publishers, subscriptions, the service, and what waits for them; all of it
+   ends with the process.  Ends that with a sentence where it fails. */
 void wmr_connect(filter_node *n, int argc, const char *const *argv);
 
 /* Whether somebody voids the node's promise or keeps everything from it: another publisher beside it, or a sender of whom
