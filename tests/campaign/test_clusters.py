@@ -90,7 +90,7 @@ def test_a_scheduler_of_its_own_loses_nothing_with_a_worker(tmp_path):
     )
     one = [*dask, "worker", address, "--nthreads", "1", "--no-dashboard"]
     workers = [subprocess.Popen([*one, "--no-nanny"], **silent) for _ in range(2)]
-    plan = {**REAL, "seeds": 60, "chunk": 4, "set": {**REAL["set"], "clock.duration": 20.0}}
+    plan = {**REAL, "seeds": 60, "chunk": 4, "set": {**REAL["set"], "clock.duration": 5.0}}
     try:
         with ThreadPoolExecutor(1) as pool:
             running = pool.submit(

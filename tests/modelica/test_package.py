@@ -172,8 +172,10 @@ def test_a_second_reader_takes_it(text):
     for law in LAWS:
         flat = tree.flatten(syntax, ast.ComponentRef.from_string(loop(law)))
         assert len(flat.classes) > 0
+    number = 'model A\n  parameter Real a = 0.01 "b";\nend A;'
+    assert parser.parse(number) is not None
     with pytest.raises(SyntaxError, match="no viable alternative"):
-        parser.parse(text.replace("= 0.01 ", "= .01 "))
+        parser.parse(number.replace("= 0.01 ", "= .01 "))
 
 
 def test_nothing_that_a_tried_compiler_overlooks(text):
