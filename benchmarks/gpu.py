@@ -17,7 +17,7 @@ import numpy as np
 
 import wmr_ctrl
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.engines import runnable_batch
+from wmr_ctrl.engines import runnable
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Monitor
@@ -42,7 +42,7 @@ def hashed(array: np.ndarray) -> str:
 
 def hashes(scenario: str, law: str, guard: bool, device: str, runs: int) -> tuple[str, str]:
     """Hash of all figures and of all columns of the first seeds."""
-    loop = runnable_batch(scenario_of(scenario, guard=guard), law, device)
+    loop = runnable(scenario_of(scenario, guard=guard), law, device=device)
     tasks = [Task(loop, seed) for seed in range(runs)]
 
     def columns(place: int, rows: np.ndarray, seen: Monitor) -> str:
@@ -78,7 +78,7 @@ def bits(runs: int = RUNS) -> int:
 
 def paced(scenario: str, law: str, device: str, runs: int) -> float:
     """Seconds for so many runs with figures, after a first few that compile and load."""
-    loop = runnable_batch(scenario_of(scenario), law, device)
+    loop = runnable(scenario_of(scenario), law, device=device)
     run_tasks([Task(loop, seed) for seed in range(64)])
     tasks = [Task(loop, seed) for seed in range(runs)]
     start = time.perf_counter()
@@ -90,7 +90,7 @@ def varied(runs: int) -> float:
     """Seconds for so many runs of 2048 robots, which differ in mass and friction."""
     base, rng = scenario_of("safe-simulation"), np.random.default_rng(0)
     loops = [
-        runnable_batch(scenario_of(base, {"robot.m": m, "robot.mu": mu}), "prox", "gpu")
+        runnable(scenario_of(base, {"robot.m": m, "robot.mu": mu}), "prox", device="gpu")
         for m, mu in rng.uniform((45.0, 0.06), (55.0, 0.1), (2048, 2))
     ]
     run_tasks([Task(loop, 0) for loop in loops])

@@ -94,7 +94,7 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    from wmr_ctrl.engines import check_plant, run_compiled, run_numpy, runnable_plantless
+    from wmr_ctrl.engines import check_plant, run_compiled, run_numpy, runnable
 
     chosen = scenario_of(scenario, overrides, guard)
     checked_seeds([seed])
@@ -102,7 +102,7 @@ def simulate(
     if plant == "mujoco":
         from wmr_ctrl.physics.run import run_rigid
 
-        return run_rigid(runnable_plantless(chosen, law), seed, progress)
+        return run_rigid(runnable(chosen, law, plant), seed, progress)
     if engine == "native":
         return run_compiled(chosen, law, seed)
     if engine == "numpy":
@@ -338,9 +338,9 @@ def compile_loop(
     guard: bool | None = None,
 ) -> RunnableLoop:
     """The closed loop of ``law`` on ``scenario``, for `sim.batch`.  Errors as in `compile_law`."""
-    from wmr_ctrl.engines import runnable_batch
+    from wmr_ctrl.engines import runnable
 
-    return runnable_batch(scenario_of(scenario, overrides, guard), law)
+    return runnable(scenario_of(scenario, overrides, guard), law)
 
 
 def law_table() -> list[dict[str, str]]:

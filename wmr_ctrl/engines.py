@@ -8,6 +8,8 @@ from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.physics.rigid import mujoco
+from wmr_ctrl.physics.run import rigid_table, run_rigid_each
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario
@@ -24,10 +26,14 @@ DEVICES = ("cpu", "gpu")
 """Where many runs are made: in vectors on this processor's cores, or on a graphics processor."""
 
 
-def runnable_batch(scenario: Scenario, law: str, device: str = "cpu") -> RunnableLoop:
-    """The closed loop of a law, for many runs at a time on a device.  Raises as `settle` does."""
+def runnable(scenario: Scenario, law: str, plant: str = "ode", device: str = "cpu") -> RunnableLoop:
+    """The closed loop of a law, for many runs at a time on a device.  Raises as `settle` does.
+
+    For the rigid body it is that of one robot, compiled without its plant.
+    """
     setup = settle(scenario, law)
-    return runnable_of((build_gpu if device == "gpu" else build_batch)(setup), setup)
+    build = build_plantless if plant == "mujoco" else build_gpu if device == "gpu" else build_batch
+    return runnable_of(build(setup), setup)
 
 
 def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
@@ -36,12 +42,6 @@ def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
     loop = runnable_of(build_loop(setup), setup)
     (run,) = each_task([Task(loop, seed)], lambda _, run: run, 1, engine="native")
     return run
-
-
-def runnable_plantless(scenario: Scenario, law: str) -> RunnableLoop:
-    """The loop of a law for one robot, compiled without its plant.  Raises as `settle` does."""
-    setup = settle(scenario, law)
-    return runnable_of(build_plantless(setup), setup)
 
 
 def run_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None = None) -> Run:
@@ -64,13 +64,10 @@ def runs_of(
     device: str = "cpu",
 ) -> list[Run]:
     """A whole Run per seed on that plant; errors as `run_each` and `run_rigid_each` raise."""
+    loop, run_all = runnable(scenario, law, plant, device), run_each
     if plant == "mujoco":
-        from wmr_ctrl.physics.run import run_rigid_each
-
-        apart = runnable_plantless(scenario, law)
-        return run_rigid_each([(apart, seed) for seed in seeds], lambda _, run: run, jobs, progress)
-    loop = runnable_batch(scenario, law, device)
-    return run_each([(loop, seed) for seed in seeds], lambda _, run: run, jobs, progress)
+        run_all = run_rigid_each
+    return run_all([(loop, seed) for seed in seeds], lambda _, run: run, jobs, progress)
 
 
 def table_of(
@@ -85,13 +82,9 @@ def table_of(
     device: str = "cpu",
 ) -> RunTable:
     """Figures of a run per seed on that plant; errors as `planned_tasks` and the makers raise."""
-    build, tabulate = partial(runnable_batch, law=law, device=device), tabulated
+    build, tabulate = partial(runnable, law=law, plant=plant, device=device), tabulated
     if plant == "mujoco":
-        from wmr_ctrl.physics.rigid import mujoco
-        from wmr_ctrl.physics.run import rigid_table
-
         mujoco()
-        build = partial(runnable_plantless, law=law)
         tabulate = partial(rigid_table, build=build)
     tasks = planned_tasks(build, scenarios, seeds, starts, progress)
     return tabulate(tasks, figures, jobs, later(progress))

@@ -58,14 +58,14 @@ def _writer(what: str) -> Callable[..., list[Path]]:
 
 def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:
     """Film a run on the rigid body in three dimensions; as `Run.film`."""
-    from wmr_ctrl.engines import runnable_plantless
+    from wmr_ctrl.engines import runnable
     from wmr_ctrl.physics.film import moments_of
     from wmr_ctrl.report.animate import MOST_MOMENTS, check_film, write_moments
     from wmr_ctrl.report.course import course_behind
     from wmr_ctrl.scenario import loads_scenario
 
     check_film(path, run.settings.plant_kind)
-    loop = runnable_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
+    loop = runnable(loads_scenario(str(run.provenance["scenario_toml"])), run.law, "mujoco")
     moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
     course = course_behind(run)
     tube = None if course is None else course[0, moments.rows]

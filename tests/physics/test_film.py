@@ -11,7 +11,7 @@ from PIL import Image
 
 from tests.physics.test_run import SHORT
 from wmr_ctrl import simulate
-from wmr_ctrl.engines import runnable_plantless
+from wmr_ctrl.engines import runnable
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.outputs import film_run
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, check_painter, moments_of, pictures
@@ -33,7 +33,7 @@ def brief_run(duration=0.1):
     """A run and the loop that it was made by."""
     brief = BRIEF | {"clock.duration": duration}
     run = simulate("paper-simulation", "mb", plant="mujoco", overrides=brief)
-    return runnable_plantless(load_scenario("paper-simulation", brief), "mb"), run
+    return runnable(load_scenario("paper-simulation", brief), "mb", "mujoco"), run
 
 
 def test_moments_are_those_of_the_log():
@@ -76,7 +76,7 @@ def test_the_film_shows_the_certified_corridor(tmp_path):
         pytest.skip("no OpenGL here")
     near = {"clock.duration": 0.08, "initial.pose": [0.0, 0.0, -1.57], "changes": []}
     run = simulate("safe-simulation", "prox", plant="mujoco", overrides=near)
-    loop = runnable_plantless(load_scenario("safe-simulation", near), "prox")
+    loop = runnable(load_scenario("safe-simulation", near), "prox", "mujoco")
     moments = moments_of(loop, run, 8)
     bare, wide = (
         list(pictures(replace(moments, tube=tube)))[-1].astype(int)

@@ -9,7 +9,7 @@ import pytest
 
 from tests.equal_runs import runs_equal
 from wmr_ctrl import simulate, simulate_runs
-from wmr_ctrl.engines import runnable_plantless
+from wmr_ctrl.engines import runnable
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.results import load_run, outcome_of, summary
 from wmr_ctrl.results.formats import save_run
@@ -35,7 +35,7 @@ def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, overrides
     """Shown the states of a native run, it logs what that run logged."""
     chosen = {"clock.duration": 2.0, **overrides}
     run = simulate("paper-simulation", law, seed=5, overrides=chosen)
-    loop = runnable_plantless(load_scenario("paper-simulation", chosen), law)
+    loop = runnable(load_scenario("paper-simulation", chosen), law, "mujoco")
     coupled = Coupled(loop.compiled, 5, loop.scenario.clock.plant)
     names = [name for item in loop.compiled.layout.columns for name in item.elements]
     native = np.column_stack([run[name] for name in names])

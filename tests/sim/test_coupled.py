@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from wmr_ctrl.engines import runnable_plantless
+from wmr_ctrl.engines import runnable
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.sim.coupled import Coupled
 
@@ -23,7 +23,7 @@ def loop(loop_with):
 
 @pytest.fixture(scope="module")
 def loop_with():
-    return lambda changes: runnable_plantless(load_scenario("paper-simulation", changes), "mb")
+    return lambda changes: runnable(load_scenario("paper-simulation", changes), "mb", "mujoco")
 
 
 def coupled(loop) -> Coupled:

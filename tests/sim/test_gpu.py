@@ -24,7 +24,7 @@ from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.campaign.study_chunks import StudyChunk, chunk_rows
 from wmr_ctrl.campaign.study_run import _told
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.engines import check_device, runnable_batch
+from wmr_ctrl.engines import check_device, runnable
 from wmr_ctrl.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results.table import RunTable
@@ -85,7 +85,7 @@ def test_a_base_that_takes_velocities_runs_there(stand: Stand) -> None:
 
 
 def test_a_launch_takes_no_more_than_the_memory_holds(stand: Stand) -> None:
-    task = Task(runnable_batch(scenario_of("safe-simulation"), "prox", "gpu"), 0)
+    task = Task(runnable(scenario_of("safe-simulation"), "prox", device="gpu"), 0)
     stand.most = 10**6
     assert gpu.robots_of(task, 11, log=False) < 10**6
     logged = gpu.robots_of(task, 11, log=True)
@@ -96,7 +96,7 @@ def test_a_launch_takes_no_more_than_the_memory_holds(stand: Stand) -> None:
 def test_a_cancelled_launch_ends_and_leaves_nothing(
     stand: Stand, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    loop = runnable_batch(scenario_of("safe-simulation"), "prox", "gpu")
+    loop = runnable(scenario_of("safe-simulation"), "prox", device="gpu")
     run = Stand.run
 
     def interrupted(self: Stand, *words: object) -> None:
@@ -145,7 +145,7 @@ def test_a_study_has_the_same_table_and_goes_on_after_an_interrupt(
 
 
 def test_the_text_includes_nothing() -> None:
-    loop = runnable_batch(scenario_of("safe-simulation"), "prox", "gpu")
+    loop = runnable(scenario_of("safe-simulation"), "prox", device="gpu")
     text = Path(loop.compiled.library).read_text(encoding="utf-8")
     assert "#include" not in text
     assert text.count("wmr_runs") == 1

@@ -60,12 +60,9 @@ def phase(progress: PhaseProgress | None, total: int, text: str) -> Iterator[Cal
 
 def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
     """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
-    # imported here, so that a worker that builds none is light
-    from wmr_ctrl.engines import runnable_batch, runnable_plantless
+    from wmr_ctrl.engines import runnable  # here, so that a worker that builds none is light
 
-    if case.plant == "ode":
-        return runnable_batch(scenario_of(case), case.law, device)
-    return runnable_plantless(scenario_of(case), case.law)
+    return runnable(scenario_of(case), case.law, case.plant, device)
 
 
 def scenario_of(case: PlannedCase) -> Scenario:
