@@ -6,7 +6,7 @@ import os
 import re
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -63,7 +63,6 @@ class Log:
     columns: Mapping[str, Floats]
     base: Scenario | None = None
     remarks: tuple[str, ...] = ()
-    exact: frozenset[str] = field(default_factory=frozenset)
 
     def has(self, names: Sequence[str]) -> bool:
         """True if all of these columns are there."""
@@ -137,7 +136,7 @@ def _of_run(name: str, run: Run) -> Log:
     columns = {s.name: run[s.name] for s in run.elements if s.name in KNOWN and s.name != TIME.name}
     text = run.provenance.get("scenario_toml")
     base = None if text is None else loads_scenario(text)
-    return Log(name, dict.fromkeys(columns, t), columns, base, (), frozenset(columns))
+    return Log(name, dict.fromkeys(columns, t), columns, base)
 
 
 def _of_drive(one: drive.RecordedDrive) -> Log:
