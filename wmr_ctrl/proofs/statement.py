@@ -209,13 +209,41 @@ def valued(
     return tuple(Relation(e, item.kind) for e, item in zip(put, relations, strict=True))
 
 
-def symbols(names: str, fixed: str = "") -> dict[str, ca.SX]:
+class Symbols(dict[str, ca.SX]):
+    """Scalar symbols by name, ``t["x"]`` or ``t.x``."""
+
+    def __getattr__(self, name: str) -> ca.SX:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __or__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
+        return Symbols({**self, **more})
+
+    def __ror__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
+        return Symbols({**more, **self})
+
+
+class Named:
+    """Base of a setting: its ``symbols`` are items and attributes of it, too."""
+
+    def __getitem__(self, name: str) -> ca.SX:
+        return getattr(self.symbols, name)
+
+    def __getattr__(self, name: str) -> ca.SX:
+        if name == "symbols":
+            raise AttributeError(name)
+        return self[name]
+
+
+def symbols(names: str, fixed: str = "") -> Symbols:
     """Fresh scalar symbols by name; those in ``fixed`` are parameters to the compiler."""
     known = set(fixed.split())
-    return {name: ca.SX.sym(f"p.{name}" if name in known else name) for name in names.split()}
+    return Symbols({n: ca.SX.sym(f"p.{n}" if n in known else n) for n in names.split()})
 
 
-def column(name: str, size: int, fixed: bool = False) -> dict[str, ca.SX]:
+def column(name: str, size: int, fixed: bool = False) -> Symbols:
     """Fresh scalar symbols name1 to name<size>; ``fixed`` makes them parameters."""
     names = " ".join(f"{name}{i}" for i in range(1, size + 1))
     return symbols(names, names if fixed else "")

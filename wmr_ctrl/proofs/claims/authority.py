@@ -67,9 +67,9 @@ def low(mutation: Mutation) -> Statement:
     A disturbance up to the bound [{unit}] is held back before the limit.
     """
     a = BarrierAxis()
-    t = {**a.symbols, **symbols("rho low", "rho")}
-    bound = mutation(t["low"], 1.01 * t["low"])
-    return Statement(t, (at_least(t["rho"] * a.V, bound * a.A), above(a.A)), a.inside)
+    t = a.symbols | symbols("rho low", "rho")
+    bound = mutation(t.low, 1.01 * t.low)
+    return Statement(t, (at_least(t.rho * a.V, bound * a.A), above(a.A)), a.inside)
 
 
 @claim(
@@ -88,12 +88,12 @@ def high(mutation: Mutation) -> Statement:
     A larger constant disturbance pushes the robot over its limit, whatever the law does.
     """
     a, v, c, u1, u2 = barrier_axis()
-    t = {**a.symbols, **symbols("b rho high", "rho")}
-    later = barrier.lyapunov(t["b"], c, u1, u2)
+    t = a.symbols | symbols("b rho high", "rho")
+    later = barrier.lyapunov(t.b, c, u1, u2)
     return Statement(
         t,
-        (at_least(mutation(t["high"], 0.99 * t["high"]) * a.A, t["rho"] * later), above(a.A)),
-        (*a.inside, above(t["b"], v), above(u1, t["b"])),
+        (at_least(mutation(t.high, 0.99 * t.high) * a.A, t.rho * later), above(a.A)),
+        (*a.inside, above(t.b, v), above(u1, t.b)),
     )
 
 
@@ -110,10 +110,10 @@ def links(mutation: Mutation) -> Statement:
     The table has no gap in v.
     """
     a, v, _, u1, _ = barrier_axis()
-    t = {**a.symbols, **symbols("b before first last rho high", "rho high")}
-    begin = ca.if_else(t["first"], a.x + t["high"] / t["rho"], t["before"])
-    short = ca.if_else(t["last"], u1 - 1.01 * table.CLIP - t["b"], 0)
-    longer = t["b"] - v - mutation(0, 1)
+    t = a.symbols | symbols("b before first last rho high", "rho high")
+    begin = ca.if_else(t.first, a.x + t.high / t.rho, t.before)
+    short = ca.if_else(t.last, u1 - 1.01 * table.CLIP - t.b, 0)
+    longer = t.b - v - mutation(0, 1)
     return Statement(t, (at_least(begin, v), at_least(0, short), above(longer)))
 
 
@@ -130,9 +130,9 @@ def rows_cover(mutation: Mutation) -> Statement:
     The table has no gap in v_c0.
     """
     t = symbols("c before first last")
-    begin = ca.if_else(t["first"], t["c"], 0)
-    end = ca.if_else(t["last"], t["c"] - table.LARGEST_TARGET * mutation(1, 1.01), 0)
-    rise = ca.if_else(t["first"], 1, t["c"] - t["before"])
+    begin = ca.if_else(t.first, t.c, 0)
+    end = ca.if_else(t.last, t.c - table.LARGEST_TARGET * mutation(1, 1.01), 0)
+    rise = ca.if_else(t.first, 1, t.c - t.before)
     return Statement(t, (equal(begin), equal(end), above(rise)))
 
 
@@ -151,7 +151,7 @@ def ratio(mutation: Mutation) -> Statement:
     The bound on the disturbance is known to two per cent for every |v_c0| <= 20.
     """
     t = symbols("low high")
-    return Statement(t, (at_least(100 * t["low"], mutation(98, 99) * t["high"]),))
+    return Statement(t, (at_least(100 * t.low, mutation(98, 99) * t.high),))
 
 
 @claim(
@@ -190,7 +190,7 @@ def limit(mutation: Mutation) -> Statement:
     Far away, the barrier's authority fades like one over the distance.
     """
     t = symbols("s")
-    return Statement(t, (at_least(mutation(0.2163, 0.2161), authority_limit(t["s"])),))
+    return Statement(t, (at_least(mutation(0.2163, 0.2161), authority_limit(t.s)),))
 
 
 @claim(
@@ -202,7 +202,7 @@ def limit_reached(mutation: Mutation) -> Statement:
     The bound is attained.
     """
     t = symbols("s")
-    return Statement(t, (at_least(authority_limit(t["s"]), mutation(0.2161, 0.2163)),))
+    return Statement(t, (at_least(authority_limit(t.s), mutation(0.2161, 0.2163)),))
 
 
 @claim(

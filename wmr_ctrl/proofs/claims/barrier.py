@@ -40,7 +40,7 @@ def two_axes(mutation: Mutation) -> Statement:
     one, two = BarrierAxis("1"), BarrierAxis("2")
     columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
     return Statement(
-        {**one.symbols, **two.symbols}, (equal(total_barrier(*columns), one.V + mutation * two.V),)
+        one.symbols | two.symbols, (equal(total_barrier(*columns), one.V + mutation * two.V),)
     )
 
 

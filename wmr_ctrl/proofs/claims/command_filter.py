@@ -20,8 +20,10 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import (
+    Named,
     Relation,
     Statement,
+    Symbols,
     above,
     at_least,
     equal,
@@ -33,17 +35,13 @@ INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
 claim = Claims(by=Z3(effort=60))
 
 
-class FilterAxis:
+class FilterAxis(Named):
     """Symbols of one axis: the filter's numbers, a command, and what the base makes of it."""
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Every number by name; e is exp(-H/tau_min), E the share of the old speed that is left."""
         return symbols(f"{NUMBERS} u v v_bar K d mean E e", NUMBERS)
-
-    def __getitem__(self, name: str) -> ca.SX:
-        """The symbol of a name."""
-        return self.symbols[name]
 
     @cached_property
     def bounds(self) -> FirstOrder:
@@ -53,7 +51,7 @@ class FilterAxis:
     @property
     def hi(self) -> ca.SX:
         """Largest command that is safe."""
-        return largest_command(self["v_bar"], self.bounds)
+        return largest_command(self.v_bar, self.bounds)
 
     @property
     def intervals(self) -> tuple[Relation, ...]:
@@ -64,8 +62,8 @@ class FilterAxis:
     @property
     def relaxing(self) -> tuple[Relation, ...]:
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
-        e, E = self["e"], self["E"]
-        ratio = equal(self["kappa"] * (1 - e), e)
+        e, E = self.e, self.E
+        ratio = equal(self.kappa * (1 - e), e)
         return above(e), above(ca.SX(1), e), at_least(E, e), at_least(ca.SX(1), E), ratio
 
 
@@ -77,11 +75,11 @@ def driven(mutation: Mutation) -> Statement:
     The speed towards which a command can drive the base, gain and push at their worst.
     """
     a = FilterAxis()
-    inside = at_least(a["K"], a["K_min"]), at_least(a["K_max"], a["K"])
-    given = (*a.intervals, *inside, at_least(a["dbar"], mutation(1, 0.9) * a["d"]))
-    u, b, reached = a["u"], a.bounds, a["K"] * a["u"]
+    inside = at_least(a.K, a.K_min), at_least(a.K_max, a.K)
+    given = (*a.intervals, *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
+    u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
-    least = at_least(ahead, reached + a["d"]), at_least(back, a["d"] - reached)
+    least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
     most = at_least(highest(u, b), ahead), at_least(highest(-u, b), back)
     return Statement(a.symbols, (*least, *most), given)
 
@@ -103,10 +101,10 @@ def inside(mutation: Mutation) -> Statement:
     as long as it may act.
     """
     a = FilterAxis()
-    b, E = a.bounds, a["E"]
-    known = at_least(a["v_bar"], a["v"]), at_least(b.V, mutation(1, 0.99) * a["v_bar"])
-    sent = at_least(a.hi, a["u"]), at_least(drive(a["u"], b), a["mean"])
-    goal = at_least(b.V, E * a["v"] + (1 - E) * a["mean"])
+    b, E = a.bounds, a.E
+    known = at_least(a.v_bar, a.v), at_least(b.V, mutation(1, 0.99) * a.v_bar)
+    sent = at_least(a.hi, a.u), at_least(drive(a.u, b), a.mean)
+    goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
     return Statement(a.symbols, (goal,), (*a.intervals, *a.relaxing, *known, *sent))
 
 
@@ -119,10 +117,10 @@ def clip(mutation: Mutation) -> Statement:
     The memoryless clip (V - dbar)/K_max keeps the limit without odometry and time constants.
     """
     a = FilterAxis()
-    b, E = a.bounds, a["E"]
-    share = at_least(E), at_least(ca.SX(1), E), equal(a["kappa"]), at_least(b.V, a["v"])
-    sent = at_least(mutation(1, 1.01) * a.hi, a["u"]), at_least(drive(a["u"], b), a["mean"])
-    goal = at_least(b.V, E * a["v"] + (1 - E) * a["mean"])
+    b, E = a.bounds, a.E
+    share = at_least(E), at_least(ca.SX(1), E), equal(a.kappa), at_least(b.V, a.v)
+    sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
+    goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
     return Statement(a.symbols, (goal,), (*a.intervals, *share, *sent))
 
 
@@ -135,7 +133,7 @@ def contains_clip(mutation: Mutation) -> Statement:
     a = FilterAxis()
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
-    given = (*a.intervals, at_least(b.V, mutation(1, 0.99) * a["v_bar"]), at_least(b.kappa))
+    given = (*a.intervals, at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
     return Statement(a.symbols, (at_least(a.hi, smallest), above(smallest)), given)
 
 
@@ -150,9 +148,9 @@ def necessary(mutation: Mutation) -> Statement:
     largest push.
     """
     a = FilterAxis()
-    b, e = a.bounds, a["e"]
-    given = (*a.intervals, *a.relaxing, above(a["u"], mutation(1, 0.99) * a.hi), at_least(a["u"]))
-    end = e * a["v_bar"] + (1 - e) * (b.K_max * a["u"] + b.dbar)
+    b, e = a.bounds, a.e
+    given = (*a.intervals, *a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
+    end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
     return Statement(a.symbols, (above(end, b.V),), given)
 
 
@@ -168,12 +166,12 @@ def estimate(mutation: Mutation) -> Statement:
     """
     t = symbols("v w mean target least share most")
     inside = (
-        at_least(t["w"], t["v"]), at_least(t["target"], t["mean"]), at_least(t["least"]),
-        at_least(t["share"], mutation(1, 0.9) * t["least"]), at_least(t["most"], t["share"]),
-        at_least(ca.SX(1), t["most"]),
+        at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least),
+        at_least(t.share, mutation(1, 0.9) * t.least), at_least(t.most, t.share),
+        at_least(ca.SX(1), t.most),
     )  # fmt: skip
-    end = relaxed(t["w"], t["target"], t["most"], t["least"])
-    goal = at_least(end, t["v"] + t["share"] * (t["mean"] - t["v"]))
+    end = relaxed(t.w, t.target, t.most, t.least)
+    goal = at_least(end, t.v + t.share * (t.mean - t.v))
     return Statement(t, (goal,), inside)
 
 

@@ -12,7 +12,7 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.system import Port, System
-from wmr_ctrl.proofs.statement import Relation, Statement, above, symbols
+from wmr_ctrl.proofs.statement import Relation, Statement, Symbols, above, symbols
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 PRESET = "paper-simulation"
@@ -40,13 +40,10 @@ BARRIERS = (
 """Both barriers, for entries of both: name, words, and the entries on each."""
 
 
-def elements_of(*ports: Port) -> dict[str, ca.SX]:
+def elements_of(*ports: Port) -> Symbols:
     """Symbols of ports by name and place, such as "tau.1"."""
-    return {
-        f"{item.signal.name}.{k + 1}": item.sym[k]
-        for item in ports
-        for k in range(item.signal.size)
-    }
+    sizes = ((item, k) for item in ports for k in range(item.signal.size))
+    return Symbols({f"{item.signal.name}.{k + 1}": item.sym[k] for item, k in sizes})
 
 
 @dataclass(frozen=True)
@@ -56,13 +53,13 @@ class BarrierAxis:
     suffix: str = ""
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """v, c, u1, u2 with the suffix."""
         s = self.suffix
         return symbols(f"v{s} c{s} u1{s} u2{s}", f"u1{s} u2{s}")
 
     @property
-    def names(self) -> dict[str, ca.SX]:
+    def names(self) -> Symbols:
         """Symbols of a statement about the axis."""
         return self.symbols
 
@@ -121,9 +118,10 @@ def barrier_axis() -> tuple[BarrierAxis, ca.SX, ca.SX, ca.SX, ca.SX]:
     return axis, *axis.all
 
 
-def scalars(ports: Iterable[Port]) -> dict[str, ca.SX]:
+def scalars(ports: Iterable[Port]) -> Symbols:
     """Every element of the ports by its name, counted from 1."""
-    return {name: port.sym[i] for port in ports for i, name in enumerate(port.signal.elements)}
+    named = ((name, port.sym[i]) for port in ports for i, name in enumerate(port.signal.elements))
+    return Symbols(named)
 
 
 @dataclass(frozen=True)
@@ -147,7 +145,7 @@ class LawGraph:
         return law_graph(settle(self.scenario, self.name))
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """All ports' elements by name."""
         return scalars((*self.system.inputs, *self.system.state, *self.system.params))
 

@@ -112,7 +112,7 @@ def closed_slope(mutation: Mutation) -> Statement:
     The closed form is the logarithm of the paper.
     """
     t = symbols("y")
-    y = t["y"]
+    y = t.y
     return Statement(t, (equal(ca.gradient(y * stable._chi(y, 1 - y), y), 1 / (1 - y) - mutation),))
 
 
@@ -131,7 +131,7 @@ def series_slope(mutation: Mutation) -> Statement:
     double precision.
     """
     t = symbols("y")
-    y = t["y"]
+    y = t.y
     chi = stable._chi(y, 1 - y)
     slope = (1 / (1 - y) - 1) - ca.gradient(y * chi, y)
     bound = mutation(2.0**-51, 2.0**-56) * ca.fabs(y)

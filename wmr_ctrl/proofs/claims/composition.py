@@ -59,9 +59,9 @@ def eq18_rate(mutation: Mutation) -> Statement:
     How fast the target of the velocity moves.
     """
     a, _, c, u1, u2 = barrier_axis()
-    t = {**a.symbols, **symbols("cdot")}
-    rate = target_rate(c, t["cdot"], u1, u2)
-    return Statement(t, (equal(rate, mutation * ca.gradient(a.x, c) * t["cdot"]),))
+    t = a.symbols | symbols("cdot")
+    rate = target_rate(c, t.cdot, u1, u2)
+    return Statement(t, (equal(rate, mutation * ca.gradient(a.x, c) * t.cdot),))
 
 
 @claim("reference.{kind}", given="rates and radius > 0{more}", by=POSITIVE_RATES, over=MOTIONS)
@@ -73,10 +73,10 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     """
     names = {"circle": "t ref_radius ref_rate", "line": "t ref_speed ref_heading x0 y0"}[kind]
     t = symbols(names, names.removeprefix("t "))
-    given = {**t, "ref_origin": ca.vertcat(t["x0"], t["y0"])} if kind == "line" else t
-    y = {"circle": curves.circle, "line": curves.line}[kind](t["t"], given)
-    first = ca.jacobian(y, t["t"])
-    second = ca.jacobian(first, t["t"])
+    given = {**t, "ref_origin": ca.vertcat(t.x0, t.y0)} if kind == "line" else t
+    y = {"circle": curves.circle, "line": curves.line}[kind](t.t, given)
+    first = ca.jacobian(y, t.t)
+    second = ca.jacobian(first, t.t)
     turned = first[0] * second[1] - first[1] * second[0]
     goals: tuple[Relation, ...] = (
         equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation)),
@@ -87,7 +87,7 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     )
     if kind == "line":
         ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
-        goals = (*goals, *ahead, equal(y[3], t["ref_speed"]))
+        goals = (*goals, *ahead, equal(y[3], t.ref_speed))
     return Statement(t, goals)
 
 
@@ -100,7 +100,7 @@ def estimator_pose(mutation: Mutation) -> Statement:
     names = "x y theta v omega x_m y_m theta_m period gain"
     t = symbols(names, names)
     pose, old = (ca.vertcat(*(t[n] for n in part.split())) for part in ("x y theta", "v omega"))
-    measured, period, gain = ca.vertcat(t["x_m"], t["y_m"], t["theta_m"]), t["period"], t["gain"]
+    measured, period, gain = ca.vertcat(t.x_m, t.y_m, t.theta_m), t.period, t.gain
     theta = pose[2] + period * old[1]
     moved = pose + period * ca.vertcat(-old[0] * ca.sin(theta), old[0] * ca.cos(theta), old[1])
     estimate = corrected(reckoned(pose, old, period), measured, gain)
@@ -121,7 +121,7 @@ def prediction_times(mutation: Mutation) -> Statement:
     Over its delay the law counts on each command under way for as long as it acts.
     """
     t = symbols("delay period")
-    delay, period = t["delay"], t["period"]
+    delay, period = t.delay, t.period
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
     total = reduce(ca.SX.__add__, times)
     goals = [equal(total, mutation * delay)]
@@ -137,7 +137,7 @@ def oldest_first(mutation: Mutation) -> Statement:
     Only the oldest command under way acts for less than a period.
     """
     t = symbols("delay period")
-    delay, period = t["delay"], t["period"]
+    delay, period = t.delay, t.period
     goals = []
     for age in range(1, MOST):
         newer, older = (acts_for(item, delay, period) for item in (age, age + 1))
@@ -152,7 +152,7 @@ def friction(mutation: Mutation) -> Statement:
     In the prediction friction slows the robot down and never turns it round.
     """
     t = symbols("free taken")
-    free, taken = t["free"], t["taken"]
+    free, taken = t.free, t.taken
     after = slowed(free, taken)
     goals = (
         at_least(after * free),
@@ -176,18 +176,18 @@ def lemma_piece(mutation: Mutation) -> Statement:
     guard.lemma for motions in pieces; its integrals are the limit of these.
     """
     a, t = GuardAxis(), symbols("end drag push")
-    v, end, edge = a["v"], t["end"], a["f_speed"]
+    v, end, edge = a["v"], t.end, a["f_speed"]
     above_edge = ca.logic_or(v > edge, end > edge)
     given = (
         *a.sound(), at_least(a["mass"], a["M_min"]), at_least(a["t"]),
-        *within(t["push"], a["dbar"]), at_least((v - edge) * (end - edge)),
-        when(above_edge, at_least(t["drag"], a["f_min"])),
-        equal(a["mass"] * (end - v), a["t"] * (a["asked"] - t["drag"] + t["push"])),
+        *within(t.push, a["dbar"]), at_least((v - edge) * (end - edge)),
+        when(above_edge, at_least(t.drag, a["f_min"])),
+        equal(a["mass"] * (end - v), a["t"] * (a["asked"] - t.drag + t.push)),
     )  # fmt: skip
     most = (
         ca.fmax(v, edge) + mutation(1, 0.9) * a["t"] * push([a["asked"]], a.bounds, 1) / a["M_min"]
     )
-    return Statement({**a.symbols, **t}, (at_least(most, ca.fmax(end, edge)),), given)
+    return Statement(a.symbols | t, (at_least(most, ca.fmax(end, edge)),), given)
 
 
 @piece_claim(
@@ -240,7 +240,7 @@ def mean_piece(mutation: Mutation) -> Statement:
             given.append(at_least(speeds[k] + gain, speeds[k + 1]))
         reached = seen.reached(ca.fmax(way * a["y"] + b.nbar, b.f_speed), b)
         goals.append(at_least(reached, speeds[2]))
-    return Statement({**a.symbols, **t}, tuple(goals), tuple(given))
+    return Statement(a.symbols | t, tuple(goals), tuple(given))
 
 
 @piece_claim("guard.late.convex", given="0 <= w <= 1; any two forces, any dbar - f_min")
@@ -257,7 +257,7 @@ def convex(mutation: Mutation) -> Statement:
             push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)
         )
         goals.append(at_least(w * first + mutation(1 - w, w) * second, mixed))
-    return Statement({**a.symbols, "w": w}, tuple(goals), (at_least(w), at_least(1, w)))
+    return Statement(a.symbols | {"w": w}, tuple(goals), (at_least(w), at_least(1, w)))
 
 
 def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relation:
@@ -292,7 +292,7 @@ def sine(mutation: Mutation) -> Statement:
     What the window argument uses about the angle.
     """
     names = symbols("t")
-    t = names["t"]
+    t = names.t
     gap, rise = t - ca.sin(t), t**2 / 2 - 1 + ca.cos(t)
     slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
     goals = (

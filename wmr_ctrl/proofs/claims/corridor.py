@@ -32,12 +32,12 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     Away from the limits the step is a mixture of where the velocity is carried and the target.
     """
     s = Step(smooth)
-    t, carried = s.inputs, s.free["carried"]
-    plainly = carried_plainly(t["v"], t["c"], t["followed"])
-    after = mixture(plainly, t["target"], s.shares)
+    t, carried = s.inputs, s.free.carried
+    plainly = carried_plainly(t.v, t.c, t.followed)
+    after = mixture(plainly, t.target, s.shares)
     given = (
-        equal(carried, plainly), above(1e100, t["u2"]),
-        *(at_least(t["u2"], way * after) for way in (1, -1)),
+        equal(carried, plainly), above(1e100, t.u2),
+        *(at_least(t.u2, way * after) for way in (1, -1)),
     )  # fmt: skip
     return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
 
@@ -49,13 +49,13 @@ def mb(mutation: Mutation, smooth: bool) -> Statement:
     Away from the limits the barrier adds nothing to the model-based law.
     """
     t = symbols("v c u1 u2", "u1 u2")
-    barrier = (smooth_barrier if smooth else stable_barrier)(t["c"], t["v"], t["u1"], t["u2"])
+    barrier = (smooth_barrier if smooth else stable_barrier)(t.c, t.v, t.u1, t.u2)
     given = (
-        above(t["u2"]), above(t["u1"], t["u2"]), above(1e100, t["u2"]),
-        *(at_least(mutation(1, 2) * t["u2"], ca.fabs(t[name])) for name in ("v", "c")),
+        above(t.u2), above(t.u1, t.u2), above(1e100, t.u2),
+        *(at_least(mutation(1, 2) * t.u2, ca.fabs(t[name])) for name in ("v", "c")),
     )  # fmt: skip
     return Statement(
-        t, (equal(2 * barrier.V1_over_A, t["v"] - t["c"]), equal(barrier.q, ca.SX(1))), given
+        t, (equal(2 * barrier.V1_over_A, t.v - t.c), equal(barrier.q, ca.SX(1))), given
     )
 
 
@@ -66,10 +66,10 @@ def kanayama(mutation: Mutation) -> Statement:
     Within its limits the command is not clipped.
     """
     t = symbols("a b A B", "A B")
-    values, most = ca.vertcat(t["a"], t["b"]), ca.vertcat(t["A"], t["B"])
+    values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
     left = cut(values, most)
     within = (at_least(mutation(1, 2) * most[i], ca.fabs(values[i])) for i in (0, 1))
-    plain = (at_least(t["A"]), at_least(t["B"]))
+    plain = (at_least(t.A), at_least(t.B))
     return Statement(t, tuple(equal(left[i], values[i]) for i in (0, 1)), (*plain, *within))
 
 
@@ -82,16 +82,16 @@ def guard(mutation: Mutation) -> Statement:
     """
     t = symbols(f"{NUMBERS} y force", NUMBERS)
     bounds = Bounds(**{name: t[name] for name in NUMBERS.split()})
-    slope, net = t["M_min"] * t["alpha"], bounds.net
-    near, far = (slope * (t["u1"] - t[name]) - net for name in ("nbar", "f_speed"))
-    sizes = ((t["force"] + slope * t["y"], near), (slope * t["y"], near), (t["force"], far))
-    held = guarded(ca.vertcat(t["force"], 0), ca.vertcat(t["y"], 0), bounds)
+    slope, net = t.M_min * t.alpha, bounds.net
+    near, far = (slope * (t.u1 - t[name]) - net for name in ("nbar", "f_speed"))
+    sizes = ((t.force + slope * t.y, near), (slope * t.y, near), (t.force, far))
+    held = guarded(ca.vertcat(t.force, 0), ca.vertcat(t.y, 0), bounds)
     given = (
         *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1")),
         *(at_least(t[name]) for name in ("nbar", "f_speed", "brake")), at_least(net),
         *(at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes),
     )  # fmt: skip
-    return Statement(t, (equal(held.force[0], t["force"]), equal(held.safe[0])), given)
+    return Statement(t, (equal(held.force[0], t.force), equal(held.safe[0])), given)
 
 
 @claim(
@@ -105,13 +105,13 @@ def wheels(mutation: Mutation, key: str) -> Statement:
     On this condition the wheels' limit does not act.
     """
     t = symbols("force moment r half tau", "r half tau")
-    force = ca.vertcat(t["force"], t["moment"])
-    torque = force_to_wheel(t["r"], t["half"], force)
-    phi = full_thrust(t["r"], t["tau"])
-    mapped = MAPS[key](force, phi, t["half"], ca.SX.zeros(2))
+    force = ca.vertcat(t.force, t.moment)
+    torque = force_to_wheel(t.r, t.half, force)
+    phi = full_thrust(t.r, t.tau)
+    mapped = MAPS[key](force, phi, t.half, ca.SX.zeros(2))
     given = (
         *(above(t[name]) for name in ("r", "half", "tau")),
-        *(at_least(mutation(1, 2) * t["tau"], ca.fabs(torque[i])) for i in (0, 1)),
+        *(at_least(mutation(1, 2) * t.tau, ca.fabs(torque[i])) for i in (0, 1)),
     )
     return Statement(t, tuple(equal(mapped[i], force[i]) for i in (0, 1)), given)
 
@@ -123,12 +123,12 @@ def product(mutation: Mutation) -> Statement:
     The largest product of two errors follows from how large sums of them get.
     """
     t = symbols("a b P Q ratio", "P Q ratio")
-    sums = (t["a"] + t["ratio"] * t["b"], t["a"] - t["ratio"] * t["b"])
+    sums = (t.a + t.ratio * t.b, t.a - t.ratio * t.b)
     given = (
-        above(t["ratio"]),
-        at_least(t["P"], ca.fabs(sums[0])),
-        at_least(t["Q"], ca.fabs(sums[1])),
+        above(t.ratio),
+        at_least(t.P, ca.fabs(sums[0])),
+        at_least(t.Q, ca.fabs(sums[1])),
     )
-    largest = ca.fmax(t["P"] * t["P"], t["Q"] * t["Q"])
-    size = mutation(4, 5) * t["ratio"] * ca.fabs(t["a"] * t["b"])
+    largest = ca.fmax(t.P * t.P, t.Q * t.Q)
+    size = mutation(4, 5) * t.ratio * ca.fabs(t.a * t.b)
     return Statement(t, (at_least(largest, size),), given)

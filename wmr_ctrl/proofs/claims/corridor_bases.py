@@ -58,9 +58,9 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     """
     t = symbols("v omega l A B C", "l A B C")
     axes = [Channel((1 - i, i), ca.SX(1), NOTHING, 0.0) for i in (0, 1)] * ("axes" in kinds)
-    wheels = [Channel((1, way), t["l"], NOTHING, 0.0) for way in WAYS] * ("wheels" in kinds)
-    most = [t["A"], t["B"]] * ("axes" in kinds) + [t["C"], t["C"]] * ("wheels" in kinds)
-    channels, asked = [*axes, *wheels], (t["v"], t["omega"])
+    wheels = [Channel((1, way), t.l, NOTHING, 0.0) for way in WAYS] * ("wheels" in kinds)
+    most = [t.A, t.B] * ("axes" in kinds) + [t.C, t.C] * ("wheels" in kinds)
+    channels, asked = [*axes, *wheels], (t.v, t.omega)
     sent = scaled(asked, channels, [-item for item in most], most, scale)
     given = (
         *(above(t[name], 1e-29) for name in ("l", "A", "B", "C")),
@@ -143,36 +143,34 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     """
     t = symbols(f"{NUMBERS} y force J delay mixed ahead back a_ahead a_back slope stretch braking "
                 "largest", f"{NUMBERS} J delay mixed slope stretch braking largest")  # fmt: skip
-    b = Bounds(**{name: t[name] for name in NUMBERS.split()}, delay=t["delay"])
-    coming = InFlight(t["ahead"], t["back"])
+    b = Bounds(**{name: t[name] for name in NUMBERS.split()}, delay=t.delay)
+    coming = InFlight(t.ahead, t.back)
     if jitters:
-        b = replace(b, jitter=t["J"], mixed=t["mixed"])
-        coming = replace(coming, again=InFlight(t["a_ahead"], t["a_back"]))
-    S, c = t["slope"], t["stretch"] if jitters else ca.SX(1)
+        b = replace(b, jitter=t.J, mixed=t.mixed)
+        coming = replace(coming, again=InFlight(t.a_ahead, t.a_back))
+    S, c = t.slope, t.stretch if jitters else ca.SX(1)
     cuts = {"slope": b.M_min * b.alpha, "braking": b.braking, "largest": largest_force(b)}
     if jitters:
-        cuts["stretch"] = 1 + b.alpha * t["J"]
+        cuts["stretch"] = 1 + b.alpha * t.J
     sizes = list[Relation]()
     for way, side in ((1, "ahead"), (-1, "back")):
-        for w in (way * t["y"] + t["nbar"], t["f_speed"]):
-            for F in (way * t["force"], ca.SX(0)):
-                room = S * (t["u1"] - w - t[side])
+        for w in (way * t.y + t.nbar, t.f_speed):
+            for F in (way * t.force, ca.SX(0)):
+                room = S * (t.u1 - w - t[side])
                 again = t[f"a_{side}"] if jitters else ca.SX(0)
                 sizes.append(at_least(room - S * again, F + b.net))
                 if jitters:
                     sizes.append(at_least(room, c * mutation(1, 0.5) * (F + b.net)))
     if not jitters:
-        sizes[0] = at_least(mutation(1, 2) * S * (t["u1"] - t["y"] - t["nbar"] - t["ahead"]),
-                            t["force"] + b.net)  # fmt: skip
+        sizes[0] = at_least(mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead),
+                            t.force + b.net)  # fmt: skip
     given = (
         *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1", "delay")),
         above(S), *((at_least(c, 1),) if jitters else ()), at_least(b.net),
         *(at_least(t[f"a_{side}"]) for side in ("ahead", "back")),
-        at_least(t["largest"], ca.fabs(t["force"])), *sizes,
+        at_least(t.largest, ca.fabs(t.force)), *sizes,
     )  # fmt: skip
-    goals = tuple(
-        equal(clipped(asked, t["y"], b, coming), asked) for asked in (t["force"], ca.SX(0))
-    )
+    goals = tuple(equal(clipped(asked, t.y, b, coming), asked) for asked in (t.force, ca.SX(0)))
     return Statement(t, goals, given, cuts)
 
 
@@ -186,16 +184,16 @@ def late_sums(mutation: Mutation) -> Statement:
     t = symbols(f"{NUMBERS} F1 F2 N t1 t2", f"{NUMBERS} t1 t2")
     b = Bounds(**{name: t[name] for name in NUMBERS.split()})
     first, second = (ca.vertcat(t[name], 0) for name in ("F1", "F2"))
-    sums = in_flight([(first, t["t1"]), (ca.horzcat(second, first), t["t2"])], 0, b)
-    scale, size = t["period"] / t["M_min"], mutation(1, 0.5) * t["N"]
+    sums = in_flight([(first, t.t1), (ca.horzcat(second, first), t.t2)], 0, b)
+    scale, size = t.period / t.M_min, mutation(1, 0.5) * t.N
     goals = list[Relation]()
     for way, side in ((1, sums.ahead), (-1, sums.back)):
-        worst = ca.fmax(way * t["F1"], way * t["F2"])
-        most = t["t1"] * (way * t["F1"] + size) + t["t2"] * (worst + size)
+        worst = ca.fmax(way * t.F1, way * t.F2)
+        most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
     given = (
-        above(t["M_min"]), above(t["period"]), at_least(t["t1"]), at_least(t["t2"]),
-        at_least(t["N"], b.net), *(at_least(t["N"], ca.fabs(t[name])) for name in ("F1", "F2")),
+        above(t.M_min), above(t.period), at_least(t.t1), at_least(t.t2),
+        at_least(t.N, b.net), *(at_least(t.N, ca.fabs(t[name])) for name in ("F1", "F2")),
     )  # fmt: skip
     return Statement(t, tuple(goals), given)
 
@@ -222,18 +220,18 @@ def overtaken(mutation: Mutation) -> Statement:
     acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
                          for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
     arrived = g["tau_right"]
-    before = ca.if_else(t["phase"] <= 0, last, t["older"])
+    before = ca.if_else(t.phase <= 0, last, t.older)
     given = (
-        above(h), equal(width, t["most"] * h), at_least(t["drawn"]),
-        at_least(t["most"], t["drawn"]), at_least(t["phase"]), at_least(t["steps"], 1),
-        at_least(t["steps"], t["phase"] + 1), at_least(t["steps"], due), at_least(due),
-        when(t["phase"] > 0, equal(last, arrived)),
-        equal((acting - last) * (acting - mutation(t["older"], t["older"] + 1))),
-        when(ca.logic_and(t["phase"] <= 0, due < t["steps"]), equal(acting, last)),
+        above(h), equal(width, t.most * h), at_least(t.drawn),
+        at_least(t.most, t.drawn), at_least(t.phase), at_least(t.steps, 1),
+        at_least(t.steps, t.phase + 1), at_least(t.steps, due), at_least(due),
+        when(t.phase > 0, equal(last, arrived)),
+        equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
+        when(ca.logic_and(t.phase <= 0, due < t.steps), equal(acting, last)),
     )  # fmt: skip
     goals = (
         equal((now - arrived) * (now - before)), equal(waiting, arrived),
-        when(t["phase"] >= wait, equal(now, arrived)),
+        when(t.phase >= wait, equal(now, arrived)),
     )  # fmt: skip
     return g.states(goals, given, cuts, t)
 
@@ -269,15 +267,15 @@ def reckoning(mutation: Mutation) -> Statement:
     A reckoned pose that began off the true one goes on being off so, and turns no further away.
     """
     t = symbols("x y theta dx dy b v omega T s c s_off c_off")
-    there, off = ca.vertcat(t["x"], t["y"], t["theta"]), ca.vertcat(t["dx"], t["dy"], t["b"])
-    v = ca.vertcat(t["v"], t["omega"])
-    first, second = (reckoned(pose, v, t["T"]) for pose in (there, there + off))
-    turned = t["T"] * t["omega"]
+    there, off = ca.vertcat(t.x, t.y, t.theta), ca.vertcat(t.dx, t.dy, t.b)
+    v = ca.vertcat(t.v, t.omega)
+    first, second = (reckoned(pose, v, t.T) for pose in (there, there + off))
+    turned = t.T * t.omega
     cuts = {
-        "s": ca.sin(t["theta"] + turned), "c": ca.cos(t["theta"] + turned),
-        "s_off": ca.sin(t["theta"] + t["b"] + turned),
-        "c_off": ca.cos(t["theta"] + t["b"] + turned),
+        "s": ca.sin(t.theta + turned), "c": ca.cos(t.theta + turned),
+        "s_off": ca.sin(t.theta + t.b + turned),
+        "c_off": ca.cos(t.theta + t.b + turned),
     }  # fmt: skip
-    way = mutation(1, 2) * t["T"] * t["v"]
-    apart = ca.vertcat(-way * (t["s_off"] - t["s"]), way * (t["c_off"] - t["c"]), 0)
+    way = mutation(1, 2) * t.T * t.v
+    apart = ca.vertcat(-way * (t.s_off - t.s), way * (t.c_off - t.c), 0)
     return Statement(t, every(second - first, off + apart), (), cuts)

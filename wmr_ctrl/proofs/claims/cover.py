@@ -10,7 +10,7 @@ from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, equal
+from wmr_ctrl.proofs.statement import Relation, Statement, above, equal, symbols
 
 
 def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX | None, ca.SX | None]]:
@@ -77,7 +77,7 @@ def cover_sides(mutation: Mutation) -> Statement:
 @claim("cover.charts", (15, 18), given="v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y)")
 def charted(mutation: Mutation) -> Statement:
     """each chart of a bounded region covers all of it."""
-    t = {name: ca.SX.sym(name) for name in ("y", "u2", "b")}
+    t = symbols("y u2 b")
     y, u2, b = t.values()
     n = y / (1 - y)
     goals: list[Relation] = []
@@ -97,8 +97,8 @@ def charted(mutation: Mutation) -> Statement:
 @claim("cover.numbers", (15, 18))
 def reached(mutation: Mutation) -> Statement:
     """n/(1 + n) takes every value between 0 and 1 at a positive n."""
-    t = {"y": ca.SX.sym("y")}
-    y = t["y"]
+    t = symbols("y")
+    y = t.y
     n = y / (1 - y)
     return Statement(t, (above(n), equal(n / (1 + n), mutation * y)), (above(y), above(1, y)))
 
@@ -142,7 +142,7 @@ def ordered(mutation: Mutation) -> Statement:
     """where |v| and |v_c1| share an interval, one of the three orders holds, and each has its
     chart.
     """
-    t = {name: ca.SX.sym(name) for name in ("i", "j")}
+    t = symbols("i j")
     i, j = t.values()
     more, less = i - j, i / (j - i)
     rest = ca.if_else(

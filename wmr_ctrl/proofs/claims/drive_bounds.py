@@ -96,16 +96,16 @@ def lag_bound(mutation: Mutation) -> Statement:
     tau = time * (1 + spread * x)
     given = (
         *positive(g, "clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread),
-        at_least(t["most_growth"] * time * (1 - spread), h),
-        at_least(500 * time * (1 - spread), h), *within(x, 1), above(t["growth"]),
-        at_least(t["most_growth"], t["growth"]),
+        at_least(t.most_growth * time * (1 - spread), h),
+        at_least(500 * time * (1 - spread), h), *within(x, 1), above(t.growth),
+        at_least(t.most_growth, t.growth),
     )  # fmt: skip
-    least = lag.equivalent_lag(h, t["growth"])
+    least = lag.equivalent_lag(h, t.growth)
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     goals = (
         at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast),
-        *every(g.system.update, wanted + t["decay"] * (acting - wanted)),
+        *every(g.system.update, wanted + t.decay * (acting - wanted)),
     )  # fmt: skip
     cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
     return g.states(goals, given, cuts, t)
@@ -125,7 +125,7 @@ def constant_lag(mutation: Mutation) -> Statement:
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
     goals = (
         *(equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag"))),
-        *every(g.system.update, wanted + t["decay"] * (acting - wanted)),
+        *every(g.system.update, wanted + t.decay * (acting - wanted)),
     )
     return g.states(goals, given, cuts, t)
 
@@ -165,14 +165,14 @@ def jitter_bound(mutation: Mutation) -> Statement:
     }  # fmt: skip
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
     given = (
-        above(h), equal(width, t["most"] * h), at_least(width), at_least(t["drawn"]),
-        at_least(t["most"], t["drawn"]), at_least(t["most"], g[jitter.DUE.name]),
-        at_least(t["phase"]), at_least(t["steps"]),
+        above(h), equal(width, t.most * h), at_least(width), at_least(t.drawn),
+        at_least(t.most, t.drawn), at_least(t.most, g[jitter.DUE.name]),
+        at_least(t.phase), at_least(t.steps),
     )  # fmt: skip
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
-    acts = t["phase"] >= mutation(t["most"], t["most"] - 1)
+    acts = t.phase >= mutation(t.most, t.most - 1)
     goals = (
-        *(when(acts, goal) for goal in every(now, arrived)), at_least(t["most"], wait),
+        *(when(acts, goal) for goal in every(now, arrived)), at_least(t.most, wait),
         *(equal(g.bound(name)[0], width) for name in ("delay", "jitter")),
     )  # fmt: skip
     return g.states(goals, given, cuts, t)
@@ -214,17 +214,17 @@ def line(mutation: Mutation) -> Statement:
     What a motor misses at a speed.
     """
     t = symbols("torque speed stall slowing most", "stall slowing")
-    made = motor.on_line(t["torque"], t["speed"], t["stall"], t["slowing"])
-    share = t["slowing"] * t["speed"]
-    ahead, back = (motor.missing(t["most"], t["stall"], way * share) for way in (1, -1))
-    ahead, back = ca.fmin(ahead, t["most"]), ca.fmin(back, t["most"])
+    made = motor.on_line(t.torque, t.speed, t.stall, t.slowing)
+    share = t.slowing * t.speed
+    ahead, back = (motor.missing(t.most, t.stall, way * share) for way in (1, -1))
+    ahead, back = ca.fmin(ahead, t.most), ca.fmin(back, t.most)
     part = mutation(1, 0.9)
     goals = (
-        at_least(part * ahead, t["torque"] - made),
-        at_least(part * back, made - t["torque"]),
-        at_least((t["torque"] - made) * t["torque"]),
+        at_least(part * ahead, t.torque - made),
+        at_least(part * back, made - t.torque),
+        at_least((t.torque - made) * t.torque),
     )
-    given = (above(t["stall"]), at_least(t["slowing"]), *within(t["torque"], t["most"]))
+    given = (above(t.stall), at_least(t.slowing), *within(t.torque, t.most))
     return Statement(t, goals, given)
 
 
@@ -244,15 +244,15 @@ def pair_ahead(mutation: Mutation, way: int = 1) -> Statement:
 
     def both(v: ca.SX, turn: ca.SX) -> ca.SX:
         speeds = (v + turn, v - turn) if way > 0 else (turn + v, turn - v)
-        first, second = (motor.missing(t["most"], t["stall"], t["slowing"] * s) for s in speeds)
+        first, second = (motor.missing(t.most, t.stall, t.slowing * s) for s in speeds)
         return first + second
 
     given = (
-        above(t["stall"]), at_least(t["slowing"]), above(t["u1"]), above(t["edge"]),
-        *within(t["v"], t["u1"]), *within(t["turn"], t["edge"]),
+        above(t.stall), at_least(t.slowing), above(t.u1), above(t.edge),
+        *within(t.v, t.u1), *within(t.turn, t.edge),
     )  # fmt: skip
-    end = both(mutation(t["u1"], 0.9 * t["u1"]), t["edge"])
-    return Statement(t, (at_least(end, both(t["v"], t["turn"])),), given)
+    end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
+    return Statement(t, (at_least(end, both(t.v, t.turn)),), given)
 
 
 @claim(
@@ -291,5 +291,5 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
         for name, d, way in zip(t, each, (side, side * opposite), strict=True):
             lost = motor.rounded_by(step) + g["motor.dead_zone"] + ca.fmin(d, most)
             given.append(at_least(lost, way * t[name]))
-    made = wheel_to_force(r, half, ca.vertcat(t["right"], t["left"]))[axis]
+    made = wheel_to_force(r, half, ca.vertcat(t.right, t.left))[axis]
     return g.states(within(made, bound * mutation(1, 0.9)), given, None, t)

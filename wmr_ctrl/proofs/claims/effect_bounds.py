@@ -215,14 +215,14 @@ def rounded_mean(mutation: Mutation, axis: int = 0) -> Statement:
     t, name = symbols("way shown"), velocity_mean.PLACE.name
     h, lasts, u1 = g["clock.plant"], g["clock.duration"], g[f"limits.v_u1[{axis + 1}]"]
     window = 2 * g["clock.control"]
-    missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t["way"]
+    missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t.way
     given = (
         *positive(g, "clock.plant", "sample"), above(u1), at_least(window, 2 * h),
-        at_least(lasts, window), at_least(lasts, 8 * h), *within(t["way"], u1 * window),
+        at_least(lasts, window), at_least(lasts, 8 * h), *within(t.way, u1 * window),
         *within(h * missed, UNIT * u1 * lasts * window),
     )  # fmt: skip
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
-    off = within(t["shown"] * window - t["way"], most * window)
+    off = within(t.shown * window - t.way, most * window)
     whole = g.states(off, given, None, t)
     return replace(whole, computed={"shown": g.system.y[axis]})
 
@@ -276,18 +276,18 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     cuts = {"steps": steps, "phase": since - steps * ca.floor(since / steps)}
     missed, silent = g[command_loss.MISSED.name], g[command_loss.SILENT.name]
     given = (
-        above(h), equal(T, t["steps"] * h), above(g["base.losses"]), at_least(t["steps"], 1),
+        above(h), equal(T, t.steps * h), above(g["base.losses"]), at_least(t.steps, 1),
         at_least(g["base.timeout"], (g["base.losses"] + 1) * T), at_least(missed),
         at_least(most, missed), at_least((most - missed) * (most - missed - 1)),
-        at_least(t["before"]), at_least(t["steps"], t["before"] + 1), at_least(silent),
-        equal(t["phase"], ca.if_else(t["before"] + 1 >= t["steps"], 0, t["before"] + 1)),
-        at_least((t["steps"] - t["before"] - 1) * (t["steps"] - t["before"] - 2)),
-        at_least(missed * t["steps"] + t["before"], silent),
+        at_least(t.before), at_least(t.steps, t.before + 1), at_least(silent),
+        equal(t.phase, ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1)),
+        at_least((t.steps - t.before - 1) * (t.steps - t.before - 2)),
+        at_least(missed * t.steps + t.before, silent),
     )  # fmt: skip
     now, silence, missing = ca.vertsplit(g.system.update, [0, 2, 3, 4])
     goals = (
         at_least(mutation(1, 0.9) * most, missing),
-        at_least(missing * t["steps"] + t["phase"], silence),
+        at_least(missing * t.steps + t.phase, silence),
         *every(g.system.y, now),
     )
     return g.states(goals, given, cuts, t)

@@ -42,10 +42,10 @@ def ball(_: Mutation) -> Statement:
     """
     t = Tracking("r")
     given = (
-        at_least(0.5 * t["r"] ** 2, analysis.position_lyapunov(t.e, t.k[1])),
-        above(t["r"]),
+        at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])),
+        above(t.r),
     )
-    return Statement(t.names, (at_least(t["r"] ** 2, ca.sumsqr(t.e)),), given)
+    return Statement(t.symbols, (at_least(t.r**2, ca.sumsqr(t.e)),), given)
 
 
 @claim("eq61.omega", (61,), given="radius of Omega_1, l > 5", by=Refute(EDGE))
@@ -56,11 +56,11 @@ def omega(_: Mutation) -> Statement:
     An error can leave the ball while V2 falls: the stated sets are not shown to hold the robot.
     """
     t = Tracking("eps0 l")
-    radius = analysis.ball_radius(t["eps0"], t["l"], t.k)
-    given = (at_least(radius**2, ca.sumsqr(t.e)), above(t["l"], 5), above(t["eps0"]))
+    radius = analysis.ball_radius(t.eps0, t.l, t.k)
+    given = (at_least(radius**2, ca.sumsqr(t.e)), above(t.l, 5), above(t.eps0))
     other = ca.vertcat(0, 0, radius)
     return Statement(
-        t.names,
+        t.symbols,
         (
             at_least(
                 analysis.position_lyapunov(other, t.k[1]), analysis.position_lyapunov(t.e, t.k[1])
@@ -78,11 +78,11 @@ def stays_on_target(_: Mutation) -> Statement:
     with v = v_c0 falls behind at once; the code takes the limit v_c0' instead.
     """
     a, v, c, u1, u2 = barrier_axis()
-    t = {**a.symbols, **symbols("rho cdot")}
+    t = a.symbols | symbols("rho cdot")
     return Statement(
         t,
-        (equal(analysis.printed_command(t["rho"], v, c, t["cdot"], u1, u2), t["cdot"]),),
-        (*a.inside, equal(v, c), above(u2, ca.fabs(v)), above(t["rho"])),
+        (equal(analysis.printed_command(t.rho, v, c, t.cdot, u1, u2), t.cdot),),
+        (*a.inside, equal(v, c), above(u2, ca.fabs(v)), above(t.rho)),
     )
 
 
@@ -97,17 +97,17 @@ def one_rate(_: Mutation) -> Statement:
 
     With one gain per axis the sum does not decay at one rate.
     """
-    t = {**column("V", 2), **column("rho", 2), **symbols("rho")}
-    total = t["V1"] + t["V2"]
-    rate = -t["rho1"] * t["V1"] - t["rho2"] * t["V2"]
+    t = column("V", 2) | column("rho", 2) | symbols("rho")
+    total = t.V1 + t.V2
+    rate = -t.rho1 * t.V1 - t.rho2 * t.V2
     paper = (
-        equal(t["rho1"], 15),
-        equal(5 * t["rho2"], 288),
-        at_least(t["V1"]),
-        at_least(t["V2"]),
-        equal(t["rho"], t["rho1"]),
+        equal(t.rho1, 15),
+        equal(5 * t.rho2, 288),
+        at_least(t.V1),
+        at_least(t.V2),
+        equal(t.rho, t.rho1),
     )
-    return Statement(t, (equal(rate, -t["rho"] * total),), paper)
+    return Statement(t, (equal(rate, -t.rho * total),), paper)
 
 
 @claim(
@@ -122,11 +122,11 @@ def slower_rate(mutation: Mutation) -> Statement:
 
     The slower axis sets the pace.
     """
-    t = {**column("V", 2), **column("rho", 2)}
-    least = mutation(ca.fmin(t["rho1"], t["rho2"]), ca.fmax(t["rho1"], t["rho2"]))
-    rate = -t["rho1"] * t["V1"] - t["rho2"] * t["V2"]
+    t = column("V", 2) | column("rho", 2)
+    least = mutation(ca.fmin(t.rho1, t.rho2), ca.fmax(t.rho1, t.rho2))
+    rate = -t.rho1 * t.V1 - t.rho2 * t.V2
     given = tuple(at_least(t[name]) for name in t)
-    return Statement(t, (at_least(-least * (t["V1"] + t["V2"]), rate),), given)
+    return Statement(t, (at_least(-least * (t.V1 + t.V2), rate),), given)
 
 
 @claim("eq86.forgetting", (86,), form=OURS, given="M1ii > 0")
@@ -137,7 +137,7 @@ def forgetting_binds(mutation: Mutation) -> Statement:
     The time constant of the paper's guarantee is 12.5 s and no gain of the velocity loop shortens
     it.
     """
-    t = {**column("rho", 2), **column("M", 2)}
+    t = column("rho", 2) | column("M", 2)
     sigma, gamma = ca.SX([1, 1]), ca.SX([2, 0.08])
     rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), sigma, gamma)
-    return Statement(t, (at_least(mutation(0.081, 0.07), rate),), (above(t["M1"]), above(t["M2"])))
+    return Statement(t, (at_least(mutation(0.081, 0.07), rate),), (above(t.M1), above(t.M2)))

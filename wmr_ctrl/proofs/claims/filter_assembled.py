@@ -77,7 +77,7 @@ class AssembledStep:
         Odometry is as stated where it is there, and what was kept where the sample came in time.
         """
         graph, axis, f = self.graph, self.axis, self.free
-        b, v, y = graph.bounds[axis], f["v"], graph.odometry.sym[axis]
+        b, v, y = graph.bounds[axis], f.v, graph.odometry.sym[axis]
         kappa, most, least = self.cuts.values()
         up, down = (known.sym[axis] for known in graph.known)
         error = mutation(1, 1.01) * b.nbar
@@ -86,13 +86,13 @@ class AssembledStep:
         return (
             above(b.V, b.dbar), at_least(b.dbar), at_least(b.V, v), at_least(b.V, -v),
             at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min),
-            equal(f["kappa"], kappa), equal(f["gone"], most), above(f["kappa"]),
-            equal(-f["kappa"] * f["gone"], 1 + f["gone"]),
+            equal(f.kappa, kappa), equal(f.gone, most), above(f.kappa),
+            equal(-f.kappa * f.gone, 1 + f.gone),
             above(-least), at_least(least, most), above(1 + most),
             when(timely, at_least(up, v)), when(timely, at_least(down, -v)),
             when(there, at_least(error, y - v)), when(there, at_least(error, v - y)),
-            at_least(f["E"], 1 + most), at_least(ca.SX(1), f["E"]), above(graph.T),
-            at_least(target, f["mean"]),
+            at_least(f.E, 1 + most), at_least(ca.SX(1), f.E), above(graph.T),
+            at_least(target, f.mean),
         )  # fmt: skip
 
 
@@ -124,9 +124,9 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     The limit of the filter as it is exported, from odometry to command, keeps the base within V.
     """
     step = AssembledStep(side, axis)
-    u, E = step.free["u"], step.free["E"]
+    u, E = step.free.u, step.free.E
     given = (*step.given(mutation, drive(u, step.graph.bounds[axis])), at_least(step.limit, u))
-    end = E * step.way * step.free["v"] + (1 - E) * step.free["mean"]
+    end = E * step.way * step.free.v + (1 - E) * step.free.mean
     return Statement(step.symbols, (at_least(step.graph.bounds[axis].V, end),), given, step.cuts)
 
 
@@ -180,12 +180,12 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     The memory of the filter as it is exported bounds the speed at the next sample.
     """
     step = AssembledStep(side, axis)
-    v, share, (_, most, least) = step.way * step.free["v"], step.free["share"], step.cuts.values()
+    v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
     sent, b = step.way * step.graph.safe[axis], step.graph.bounds[axis]
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
     within = at_least(step.limit, sent), at_least(share, -least), at_least(-most, share)
     given = (*step.given(mutation, target), *within, *step.slow, at_least(highest(sent, b), target))
-    end = v + share * (step.free["mean"] - v)
+    end = v + share * (step.free.mean - v)
     commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
     cuts = step.cuts | commands | {"driven towards": target}
     return Statement(step.symbols, (at_least(step.graph.following[side][axis], end),), given, cuts)

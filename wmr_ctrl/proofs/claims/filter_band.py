@@ -22,6 +22,7 @@ from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import (
     Relation,
     Statement,
+    Symbols,
     above,
     at_least,
     stacked,
@@ -40,7 +41,7 @@ class BandAxis:
     size: int = 1
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Every number by name."""
         numbers, parts = range(1, self.size + 1), ("above", "below", "over", "under")
         names = " ".join(f"{part}{i}" for part in parts for i in numbers)
@@ -55,16 +56,14 @@ class BandAxis:
     def table(self) -> ResponseTable:
         """Tables as the filter's graph reads them."""
         s, after = self.symbols, stacked(self.symbols, "after", self.size + 1 - PIECES)
-        return ResponseTable(
-            self.column("above"), self.column("below"), after, s["left"], s["fading"]
-        )
+        return ResponseTable(self.column("above"), self.column("below"), after, s.left, s.fading)
 
     @cached_property
     def forecast(self) -> Forecast:
         """Forecast at the sample."""
         s = self.symbols
-        past = s["past_over"], s["past_under"]
-        return Forecast(self.column("over"), self.column("under"), s["tail"], s["u"], *past)
+        past = s.past_over, s.past_under
+        return Forecast(self.column("over"), self.column("under"), s.tail, s.u, *past)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -74,7 +73,7 @@ class BandAxis:
                  for part in (at_least(low[i]), at_least(high[i], low[i]))]  # fmt: skip
         shares = [part for name in ("left", "fading")
                   for part in (at_least(s[name]), at_least(ca.SX(1), s[name]))]  # fmt: skip
-        return (*order, *shares, at_least(s["tail"]), above(s["c"]))
+        return (*order, *shares, at_least(s.tail), above(s.c))
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
@@ -95,16 +94,14 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     After a change of the command the forecast still bounds every member of the family.
     """
     a = BandAxis()
-    s, changed = a.symbols, a.forecast.changed(a.symbols["to"], a.table)
-    given = [*a.stated, at_least(way * s["u"] + bound_of(a.forecast, way), way * s["v"])]
+    s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
+    given = [*a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
     given += [
-        at_least(s["S"], mutation(1, 0.9) * a.table.low[0]),
-        at_least(a.table.high[0], s["S"]),
+        at_least(s.S, mutation(1, 0.9) * a.table.low[0]),
+        at_least(a.table.high[0], s.S),
     ]
-    most = way * s["to"] + bound_of(changed, way)
-    return Statement(
-        s, (at_least(most, way * (s["v"] + (s["to"] - s["u"]) * s["S"])),), given=tuple(given)
-    )
+    most = way * s.to + bound_of(changed, way)
+    return Statement(s, (at_least(most, way * (s.v + (s.to - s.u) * s.S)),), given=tuple(given))
 
 
 @claim("filter.band.mirrored", given=f"{TABLES}")
@@ -115,8 +112,8 @@ def mirrored(mutation: Mutation) -> Statement:
     """
     a = BandAxis()
     s = a.symbols
-    there = a.forecast.mirrored(ca.SX(-1)).changed(-mutation(1, 1.1) * s["to"], a.table)
-    here = a.forecast.changed(s["to"], a.table).mirrored(ca.SX(-1))
+    there = a.forecast.mirrored(ca.SX(-1)).changed(-mutation(1, 1.1) * s.to, a.table)
+    here = a.forecast.changed(s.to, a.table).mirrored(ca.SX(-1))
     goals = [at_least(bound_of(x, way) - bound_of(y, way))
              for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
     return Statement(s, tuple(goals), a.stated)
@@ -164,11 +161,11 @@ class BandStep(BandAxis):
     @cached_property
     def stopped(self) -> ca.SX:
         """Largest change of each condition where 0 follows, as the filter's graph reckons it."""
-        return self.forecast.stopped(self.symbols["c"], self.table, self.inverse[1:])
+        return self.forecast.stopped(self.symbols.c, self.table, self.inverse[1:])
 
     def most(self, held: bool) -> ca.SX:
         """c'' where a command is held, c' where 0 follows."""
-        return self.symbols["c"] * (HELD if held else 1 + FLATTEST)
+        return self.symbols.c * (HELD if held else 1 + FLATTEST)
 
     def within(self, forecast: Forecast, part: int, way: int, *, held: bool = True) -> Relation:
         """The forecast keeps v (or -v) within `most` on one part: a piece, or -1 for the tail."""
@@ -193,9 +190,9 @@ def least(mutation: Mutation) -> Statement:
     a = BandStep()
     lines = a.stopped
     cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
-    largest = a.forecast.largest(a.symbols["c"], a.table, a.inverse[1:])
+    largest = a.forecast.largest(a.symbols.c, a.table, a.inverse[1:])
     goals = tuple(
-        at_least(ca.fmax(a.symbols["u"] + line, 0), mutation(1, 1.1) * largest)
+        at_least(ca.fmax(a.symbols.u + line, 0), mutation(1, 1.1) * largest)
         for line in cuts.values()
     )
     return Statement(a.symbols, goals, (), cuts)
@@ -216,7 +213,7 @@ def held(mutation: Mutation, rises: bool) -> Statement:
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps
-    to, u = s["to"], s["u"]
+    to, u = s.to, s.u
     if rises:
         turn = at_least(to, u), at_least(u + mutation(1, 1.2) * rise, to)
     else:
@@ -237,13 +234,11 @@ def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
     A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
     """
     a = BandStep()
-    line, to = (-1 if part == "tail" else 0), a.symbols["to"]
+    line, to = (-1 if part == "tail" else 0), a.symbols.to
     known = a.forecast.changed(to, a.table)
     behind = -1 if part == "tail" else PIECES
     admitted = (
-        (a.within(known, behind, 1),)
-        if way > 0
-        else (at_least(a.symbols["u"] + a.stopped[line], to),)
+        (a.within(known, behind, 1),) if way > 0 else (at_least(a.symbols.u + a.stopped[line], to),)
     )
     after = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
     after = after.changed(ca.SX(0), a.table)
@@ -260,14 +255,14 @@ def zero(mutation: Mutation) -> Statement:
     """
     a = BandStep()
     now = a.forecast.changed(ca.SX(0), a.table)
-    after = now.later(a.table).changed(mutation(0, 1) * a.symbols["c"], a.table)
+    after = now.later(a.table).changed(mutation(0, 1) * a.symbols.c, a.table)
     goals = [
         a.within(f, part, way, held=way > 0)
         for f in (now, after)
         for part in a.everywhere
         for way in (1, -1)
     ]
-    given = (*a.stated, at_least(a.symbols["u"]), *a.inside(*a.everywhere))
+    given = (*a.stated, at_least(a.symbols.u), *a.inside(*a.everywhere))
     return Statement(a.symbols, tuple(goals), given)
 
 
@@ -283,8 +278,8 @@ def zero_held(mutation: Mutation) -> Statement:
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps
     known = tuple(at_least(a.table.high[i], ca.SX(FLATTEST)) for i in range(a.size))
-    goals = at_least(mutation(1, 0.9) * fall, s["u"]), at_least(s["u"] + rise)
-    return Statement(s, goals, (*a.stated, *known, at_least(s["u"]), *a.inside(*a.everywhere)))
+    goals = at_least(mutation(1, 0.9) * fall, s.u), at_least(s.u + rise)
+    return Statement(s, goals, (*a.stated, *known, at_least(s.u), *a.inside(*a.everywhere)))
 
 
 @claim(

@@ -24,12 +24,12 @@ claim = Claims(by=Z3(effort=100))
 
 def _sizes(a: BandAxis) -> tuple[Relation, ...]:
     """Bounds of what is known, and of both commands, in sizes of c."""
-    s, c, numbers = a.symbols, a.symbols["c"], range(a.size)
+    s, c, numbers = a.symbols, a.symbols.c, range(a.size)
     columns = (a.column(word)[i] for word in ("over", "under") for i in numbers)
-    sizes = (*columns, s["past_over"], s["past_under"])
+    sizes = (*columns, s.past_over, s.past_under)
     return (
-        *(at_least(ca.SX(5), a.table.high[i]) for i in numbers), *within(s["u"], 2 * c),
-        *within(s["to"], 2 * c), *(part for item in sizes for part in within(item, 4 * c)),
+        *(at_least(ca.SX(5), a.table.high[i]) for i in numbers), *within(s.u, 2 * c),
+        *within(s.to, 2 * c), *(part for item in sizes for part in within(item, 4 * c)),
     )  # fmt: skip
 
 
@@ -46,15 +46,15 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
     """
     a = BandAxis()
-    s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.symbols["to"], a.table)
+    s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.symbols.to, a.table)
     known = bound_of(a.forecast, way)
     given = (
-        *a.stated, *_sizes(a), at_least(s["e"]), at_least(s["S"], a.table.low[0]),
-        at_least(way * s["u"] + known + s["e"], way * s["v"]), at_least(a.table.high[0], s["S"]),
+        *a.stated, *_sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]),
+        at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S),
     )  # fmt: skip
     past = s[f"past_{word}"]
-    most = way * s["to"] + past + s["made"] + s["e"] + mutation(1, 2.0**-9) * STEP * s["c"]
-    goal = at_least(most, way * (s["v"] + (s["to"] - s["u"]) * s["S"]))
+    most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
+    goal = at_least(most, way * (s.v + (s.to - s.u) * s.S))
     made = {"over": changed.over, "under": changed.under}[word]
     return Statement(s, (goal,), given, computed={"made": made})
 
@@ -71,13 +71,13 @@ def tail(mutation: Mutation) -> Statement:
     """
     a = BandAxis()
     s = a.symbols | symbols("f made")
-    after = a.forecast.changed(s["to"], a.table).later(a.table)
+    after = a.forecast.changed(s.to, a.table).later(a.table)
     given = (
-        above(s["f"]), at_least(s["fading"], (1 + mutation(1, 0) * 2.0**-41) * s["f"]),
-        at_least(s["left"]), at_least(s["tail"]),
+        above(s.f), at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f),
+        at_least(s.left), at_least(s.tail),
     )  # fmt: skip
-    stays = s["f"] * (s["tail"] + ca.fabs(s["to"] - s["u"]) * s["left"])
-    return Statement(s, (at_least(s["made"], stays),), given, computed={"made": after.tail})
+    stays = s.f * (s.tail + ca.fabs(s.to - s.u) * s.left)
+    return Statement(s, (at_least(s.made, stays),), given, computed={"made": after.tail})
 
 
 LINES = (
@@ -103,7 +103,7 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     """
     a = BandStep()
     s, table = a.symbols | symbols("limit wider inverse slope"), a.table
-    wider, u, slope, inverse = s["wider"], s["u"], s["slope"], s["inverse"]
+    wider, u, slope, inverse = s.wider, s.u, s.slope, s.inverse
     up = way > 0 or stops  # a fall that is held is a change the other way
     if stops:
         room, left = (
@@ -112,17 +112,17 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
         )
     else:
         room, left = (a.forecast.rooms(c, u)[0 if up else 1][0] for c in (a.most(not stops), wider))
-    change, product = s["to"] - u, inverse * slope
+    change, product = s.to - u, inverse * slope
     text = u + room * inverse if up else u - room * inverse
-    own = {item.name() for item in ca.symvar(ca.vertcat(text, left, s["to"]))}
+    own = {item.name() for item in ca.symvar(ca.vertcat(text, left, s.to))}
     known = (*a.stated, *_sizes(a), *within(table.after[0], ca.SX(5)))
     given = (
         *(part for part in known if {item.name() for item in ca.symvar(part.expr)} <= own),
-        at_least(way * change), above(s["c"]), at_least(16 * inverse, ca.SX(1)),
+        at_least(way * change), above(s.c), at_least(16 * inverse, ca.SX(1)),
         above(slope) if stops else at_least(slope),
         at_least(product, ca.SX(1)) if stops and way < 0 else at_least(ca.SX(1), product),
         at_least(ca.SX(10), slope),
-        at_least(s["limit"], s["to"]) if up else at_least(s["to"], s["limit"]),
+        at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
         at_least(wider, a.most(not stops) * (1 + mutation(1, -1) * WIDER)),
     )  # fmt: skip
     goal = at_least(left, slope * change * (1 if up else -1))
@@ -143,14 +143,14 @@ def beat(mutation: Mutation) -> Statement:
     What roundings add to a beat in the periods that tables reach back is far below what they allow.
     """
     s = symbols("before behind since T e p made_before made_behind")
-    T, off = s["T"], s["since"] - s["T"]
-    after = spread_of(ca.vertcat(s["before"], s["behind"]), off)
-    most, p = s["e"] + mutation(1, 2.0**-4) * 2.0**-51 * T, s["p"] - off
-    given = [above(T), at_least(s["since"]), at_least(2 * T, s["since"]), at_least(s["e"])]
+    T, off = s.T, s.since - s.T
+    after = spread_of(ca.vertcat(s.before, s.behind), off)
+    most, p = s.e + mutation(1, 2.0**-4) * 2.0**-51 * T, s.p - off
+    given = [above(T), at_least(s.since), at_least(2 * T, s.since), at_least(s.e)]
     for name in ("before", "behind"):
         given += [at_least(s[name]), at_least(T, s[name])]
-    given += [at_least(s["p"] + s["e"], -s["before"]), at_least(s["behind"] + s["e"], s["p"])]
-    goals = at_least(p + most, -s["made_before"]), at_least(s["made_behind"] + most, p)
+    given += [at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p)]
+    goals = at_least(p + most, -s.made_before), at_least(s.made_behind + most, p)
     computed = {"made_before": after[0], "made_behind": after[1]}
     return Statement(s, goals, tuple(given), computed=computed)
 
@@ -167,13 +167,13 @@ def stays(mutation: Mutation) -> Statement:
     However short the time since the last sample is, not too little is kept of what is past.
     """
     s = symbols("rate time g made")
-    x = s["rate"] * s["time"]
+    x = s.rate * s.time
     given = (
-        at_least(s["rate"]), at_least(s["time"]), at_least(s["g"]),
-        at_least(1, s["g"] * (1 + x + 0.5 * x * x)),
+        at_least(s.rate), at_least(s.time), at_least(s.g),
+        at_least(1, s.g * (1 + x + 0.5 * x * x)),
     )  # fmt: skip
-    goal = at_least(s["made"], s["g"] * (1 + mutation(2.0**-41, 2.0**-39)))
-    return Statement(s, (goal,), given, computed={"made": stays_of(s["rate"], s["time"])})
+    goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
+    return Statement(s, (goal,), given, computed={"made": stays_of(s.rate, s.time)})
 
 
 @claim(
@@ -189,19 +189,19 @@ def fading(mutation: Mutation) -> Statement:
     What the text remembers of the past is never too little, so that nothing adds up.
     """
     s = symbols("reach past held u came stays soonest r p g made_reach made_past")
-    came = s["came"]
-    after = Fading(s["reach"], s["past"], s["held"]).aged(came, s["u"], s["stays"], s["soonest"])
-    kept = s["g"] * (1 + mutation(2.0**-41, 0))
+    came = s.came
+    after = Fading(s.reach, s.past, s.held).aged(came, s.u, s.stays, s.soonest)
+    kept = s.g * (1 + mutation(2.0**-41, 0))
     given = (
-        at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s["g"]),
-        at_least(s["r"]), at_least(s["p"]), at_least(s["reach"], s["r"]),
-        at_least(s["past"], s["p"]), at_least(s["soonest"], came * kept),
-        at_least(s["stays"], (1 - came) * kept),
+        at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s.g),
+        at_least(s.r), at_least(s.p), at_least(s.reach, s.r),
+        at_least(s.past, s.p), at_least(s.soonest, came * kept),
+        at_least(s.stays, (1 - came) * kept),
     )  # fmt: skip
-    left = came * s["p"] + (1 - came) * s["r"]
+    left = came * s.p + (1 - came) * s.r
     goals = (
-        at_least(s["made_reach"], s["r"] * s["g"] * (1 + 2.0**-42)),
-        at_least(s["made_past"], left * s["g"]),
+        at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)),
+        at_least(s.made_past, left * s.g),
     )
     computed = {"made_reach": after.reach, "made_past": after.past}
     return Statement(s, goals, given, computed=computed)
@@ -219,15 +219,15 @@ def reached(mutation: Mutation) -> Statement:
     A change of the command adds enough to what fades.
     """
     s = symbols("reach furthest r reached u to made")
-    change = s["to"] - s["u"]
+    change = s.to - s.u
     none = ca.SX(0)
-    after = Fading(s["reach"], none, none).changed(change, s["furthest"])
+    after = Fading(s.reach, none, none).changed(change, s.furthest)
     given = (
-        at_least(s["r"]), at_least(s["reached"]),
-        at_least(s["reach"], s["r"] * (1 + 2.0**-42)),
-        at_least(s["furthest"], s["reached"] * (1 + mutation(1, 0) * 2.0**-41)),
+        at_least(s.r), at_least(s.reached),
+        at_least(s.reach, s.r * (1 + 2.0**-42)),
+        at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41)),
     )  # fmt: skip
-    goal = at_least(s["made"], s["r"] + ca.fabs(change) * s["reached"])
+    goal = at_least(s.made, s.r + ca.fabs(change) * s.reached)
     return Statement(s, (goal,), given, computed={"made": after.reach})
 
 
@@ -244,13 +244,13 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     Behind an untimely sample the text counts on no less than what is certain.
     """
     s = symbols("c past held v made")
-    bounds = Fading(ca.SX(0), s["past"], s["held"]).bounds(s["c"], 1)
-    v, most = way * (s["v"] - s["held"]), mutation(LEVEL, PAST + 2.0**-47) * s["c"]
+    bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c, 1)
+    v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
     given = (
-        above(s["c"]), *within(s["held"], 2 * s["c"]), at_least(s["past"], v),
-        at_least(most, way * s["v"]),
+        above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v),
+        at_least(most, way * s.v),
     )  # fmt: skip
-    goal = at_least(s["made"], v)
+    goal = at_least(s.made, v)
     return Statement(s, (goal,), given, computed={"made": bounds[0 if way > 0 else 1]})
 
 

@@ -9,7 +9,7 @@ from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols, within
+from wmr_ctrl.proofs.statement import Statement, Symbols, at_least, equal, symbols, within
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=100))
@@ -23,7 +23,7 @@ BANDED = {
 AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
 
 
-def _whole(axis: int) -> tuple[BandGovernor, dict[str, ca.SX], dict[str, ca.SX]]:
+def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
     """The band's graph, its inputs by name, and its ends and what a stop leaves as cuts."""
     graph = BandGovernor(load_scenario("paper-simulation", BANDED))
     cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
@@ -85,12 +85,12 @@ def beat(mutation: Mutation) -> Statement:
     Samples whose spread is within twice the jitter have one beat in common, whichever it is.
     """
     s = symbols("before behind off p q")
-    after = spread_of(ca.vertcat(s["before"], s["behind"]), s["off"])
-    p, q = (s[name] - mutation(1, 0.9) * s["off"] for name in ("p", "q"))
-    given = [at_least(s["before"]), at_least(s["behind"])]
+    after = spread_of(ca.vertcat(s.before, s.behind), s.off)
+    p, q = (s[name] - mutation(1, 0.9) * s.off for name in ("p", "q"))
+    given = [at_least(s.before), at_least(s.behind)]
     goals = [at_least(after[0]), at_least(after[1]), at_least(ca.sum1(after), p - q)]
     for name, own in (("p", p), ("q", q)):
-        given += [at_least(s[name], -s["before"]), at_least(s["behind"], s[name])]
+        given += [at_least(s[name], -s.before), at_least(s.behind, s[name])]
         goals += [at_least(own, -after[0]), at_least(after[1], own)]
     return Statement(s, tuple(goals), tuple(given))
 
@@ -106,19 +106,19 @@ def fading(mutation: Mutation) -> Statement:
     How far the base is from its command is known whenever the next command comes.
     """
     s = symbols("reach past held u came rate time soonest r p g")
-    came, x = s["came"], s["rate"] * s["time"]
-    known = Fading(s["reach"], s["past"], s["held"])
-    after = known.aged(came, s["u"], stays_of(s["rate"], s["time"]), s["soonest"])
-    stays = at_least(1, s["g"] * (1 + x + 0.5 * x * x)), at_least(s["soonest"], came * s["g"])
+    came, x = s.came, s.rate * s.time
+    known = Fading(s.reach, s.past, s.held)
+    after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
+    stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
     given = (
-        *stays, at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s["g"]),
-        at_least(s["rate"]), at_least(s["time"]), at_least(s["r"]), at_least(s["p"]),
-        at_least(s["soonest"]), at_least(s["reach"], s["r"]), at_least(s["past"], s["p"]),
+        *stays, at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s.g),
+        at_least(s.rate), at_least(s.time), at_least(s.r), at_least(s.p),
+        at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p),
     )  # fmt: skip
-    left = came * s["p"] + (1 - came) * s["r"]
+    left = came * s.p + (1 - came) * s.r
     goals = (
-        at_least(after.reach, mutation(1, 1.1) * s["r"] * s["g"]),
-        at_least(after.past, left * s["g"]),
+        at_least(after.reach, mutation(1, 1.1) * s.r * s.g),
+        at_least(after.past, left * s.g),
     )
     return Statement(s, goals, given)
 
@@ -135,12 +135,12 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     Behind an untimely sample nothing is lost of what is certain in any case.
     """
     s = symbols("past held c v")
-    bound = Fading(ca.SX(0), s["past"], s["held"]).bounds(s["c"], 1)[0 if way > 0 else 1]
-    v = way * (s["v"] - s["held"])
+    bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c, 1)[0 if way > 0 else 1]
+    v = way * (s.v - s.held)
     given = (
-        at_least(s["past"], mutation(1, 0.9) * v),
-        at_least(PAST * s["c"], way * s["v"]),
-        at_least(s["c"]),
+        at_least(s.past, mutation(1, 0.9) * v),
+        at_least(PAST * s.c, way * s.v),
+        at_least(s.c),
         at_least(v),
     )
     return Statement(s, (at_least(bound, v),), given)

@@ -17,7 +17,7 @@ from wmr_ctrl.filter.governor import FirstOrder, largest_command
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
+from wmr_ctrl.proofs.statement import Relation, Statement, Symbols, above, at_least, symbols, within
 
 BEYOND = 2.0**-50
 """Share of its limit by which roundings may carry v or omega beyond it."""
@@ -40,7 +40,7 @@ class Limited:
     on: str
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Every number by name; M is the largest limit of a wheel, in size."""
         limits = " ".join(
             f"{end}{i + 1}" for i in range(len(self.channels)) for end in ("hi", "lo")
@@ -75,7 +75,7 @@ class Limited:
     @property
     def sent(self) -> list[ca.SX]:
         """v and omega as computed."""
-        return [self.symbols["v"], self.symbols["omega"]]
+        return [self.symbols.v, self.symbols.omega]
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -84,7 +84,7 @@ class Limited:
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             for size in (high, -low):
                 given.append(above(size))
-                given += [] if self.is_axis(channel) else [at_least(self.symbols["M"], size)]
+                given += [] if self.is_axis(channel) else [at_least(self.symbols.M, size)]
         return tuple(given)
 
     def is_axis(self, channel: Channel) -> bool:
@@ -96,7 +96,7 @@ class Limited:
         kept = list[Relation]()
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             if self.is_axis(channel) == axes:
-                up, down = (high, -low) if axes else [self.symbols["M"]] * 2
+                up, down = (high, -low) if axes else [self.symbols.M] * 2
                 speed = channel.of(command)
                 kept += [at_least(high + spare * up, speed), at_least(speed, low - spare * down)]
         return tuple(kept)
@@ -251,21 +251,21 @@ def slew_limit(mutation: Mutation) -> Statement:
     The margin covers what rounding adds to commands and to how fast they change.
     """
     s = symbols("V K delta slew reach direct inverse", "V K delta slew reach")
-    V, K, dbar = s["V"], s["K"], s["delta"] + s["slew"] * s["reach"]
+    V, K, dbar = s.V, s.K, s.delta + s.slew * s.reach
     aimed = V * (1 - mutation(ROUNDING, -ROUNDING))
     top = largest_command(aimed, FirstOrder(aimed, dbar, ca.SX(0), K, K, ca.SX(0)))
     computed = {"direct": top, "inverse": (aimed - dbar) * (1 / K)}
-    added = s["delta"] + s["slew"] * (1 + 2.0**-30) * s["reach"]
+    added = s.delta + s.slew * (1 + 2.0**-30) * s.reach
     goals = tuple(at_least(V, K * s[name] * (1 + OVER) + added) for name in computed)
-    signs = above(K), at_least(s["delta"]), at_least(s["slew"]), at_least(s["reach"])
+    signs = above(K), at_least(s.delta), at_least(s.slew), at_least(s.reach)
     return Statement(s, goals, (*signs, above(aimed, dbar)), computed=computed)
 
 
-def _slow(s: dict[str, ca.SX]) -> tuple[Relation, ...]:
+def _slow(s: Symbols) -> tuple[Relation, ...]:
     """The command before and the one that is wanted are within the limit but for roundings."""
-    hi = s["hi"]
-    wanted = within(s["wanted"], hi * (1 + BEYOND))
-    return (above(hi), *within(s["last"], hi * (1 + OVER)), *wanted)
+    hi = s.hi
+    wanted = within(s.wanted, hi * (1 + BEYOND))
+    return (above(hi), *within(s.last, hi * (1 + OVER)), *wanted)
 
 
 @claim(
@@ -280,9 +280,9 @@ def slew_kept(mutation: Mutation) -> Statement:
     Rounding carries commands that change slowly no further beyond their limit with time.
     """
     s = symbols("hi last wanted share sent")
-    shares = at_least(s["share"], mutation(2.0**-22, 0.0)), at_least(ca.SX(1), s["share"])
-    goals = within(s["sent"], s["hi"] * (1 + OVER))
-    computed = {"sent": moved(s["last"], s["wanted"], s["share"])}
+    shares = at_least(s.share, mutation(2.0**-22, 0.0)), at_least(ca.SX(1), s.share)
+    goals = within(s.sent, s.hi * (1 + OVER))
+    computed = {"sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, (*_slow(s), *shares), computed=computed)
 
 
@@ -297,14 +297,14 @@ def slew_step(mutation: Mutation) -> Statement:
     Commands change no faster than the clip of slow commands counts on.
     """
     s = symbols("hi last wanted share sent own slew T", "slew T")
-    most = s["slew"] * s["T"]
-    (own,) = ramp_shares(s["last"], s["wanted"], most)
+    most = s.slew * s.T
+    (own,) = ramp_shares(s.last, s.wanted, most)
     given = (
-        *_slow(s), above(s["slew"]), above(s["T"]), at_least(s["share"]),
-        at_least(most, mutation(1, 2.0**-10) * SLOWEST * s["hi"]), at_least(s["own"], s["share"]),
+        *_slow(s), above(s.slew), above(s.T), at_least(s.share),
+        at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share),
     )  # fmt: skip
-    goals = (*within(s["sent"] - s["last"], most * (1 + 2.0**-30)), at_least(s["own"], 2.0**-22))
-    computed = {"own": own, "sent": moved(s["last"], s["wanted"], s["share"])}
+    goals = (*within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
+    computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)
 
 

@@ -24,7 +24,7 @@ from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import Relation, Statement, Symbols, above, at_least, equal, symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=100))
@@ -36,7 +36,7 @@ class ForceAxis:
     """Symbols of one axis' force: tables, forecast, the new command ``to``, the base's response."""
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Every number by name; f is the force that is left to change the speed."""
         return symbols("above below over under past_over past_under left fading tail u to f F W")
 
@@ -44,25 +44,25 @@ class ForceAxis:
     def table(self) -> ResponseTable:
         """Tables as the filter's graph reads them."""
         s = self.symbols
-        return force_response(s["above"], s["below"], s["left"], s["fading"])
+        return force_response(s.above, s.below, s.left, s.fading)
 
     @cached_property
     def forecast(self) -> Forecast:
         """Forecast at the sample."""
         s = self.symbols
-        past = s["past_over"], s["past_under"]
-        return Forecast(s["over"], s["under"], s["tail"], s["u"], *past)
+        past = s.past_over, s.past_under
+        return Forecast(s.over, s.under, s.tail, s.u, *past)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """low <= high, 0 < high; left and tail are not negative; f > 0."""
         s = self.symbols
-        shares = at_least(s["fading"]), at_least(ca.SX(1), s["fading"]), at_least(s["left"])
+        shares = at_least(s.fading), at_least(ca.SX(1), s.fading), at_least(s.left)
         signs = (
-            above(s["above"]),
-            at_least(s["above"], -s["below"]),
-            at_least(s["tail"]),
-            above(s["f"]),
+            above(s.above),
+            at_least(s.above, -s.below),
+            at_least(s.tail),
+            above(s.f),
         )
         return (*shares, *signs)
 
@@ -78,13 +78,13 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     After a change of the command the forecast still bounds the force of every member.
     """
     a = ForceAxis()
-    s, changed = a.symbols, a.forecast.changed(a.symbols["to"], a.table)
+    s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
     given = (
-        *a.stated, at_least(bound_of(a.forecast, way), way * s["F"]),
-        at_least(s["W"], a.table.low[0]),
-        at_least(mutation(1, 1.1) * a.table.high[0], s["W"]),
+        *a.stated, at_least(bound_of(a.forecast, way), way * s.F),
+        at_least(s.W, a.table.low[0]),
+        at_least(mutation(1, 1.1) * a.table.high[0], s.W),
     )  # fmt: skip
-    goal = at_least(bound_of(changed, way), way * (s["F"] + (s["to"] - s["u"]) * s["W"]))
+    goal = at_least(bound_of(changed, way), way * (s.F + (s.to - s.u) * s.W))
     return Statement(s, (goal,), given)
 
 
@@ -99,7 +99,7 @@ def ramped_force(mutation: Mutation) -> Statement:
     A command that is admitted and held keeps the force within what the motors have left.
     """
     a = ForceAxis()
-    s, f, to, u = a.symbols, a.symbols["f"], a.symbols["to"], a.symbols["u"]
+    s, f, to, u = a.symbols, a.symbols.f, a.symbols.to, a.symbols.u
     rise, fall = force_steps(a.forecast, f, inverse_force_slopes(a.table.low, a.table.high))
     before, after = (_parts(item) for item in (a.forecast, a.forecast.changed(to, a.table)))
     given = (
@@ -122,7 +122,7 @@ class DraggedAxis:
         return cls(ForceAxis(), BandAxis())
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Every number by name: of the speed with a v behind, but for its command and limit."""
         own = {f"{name} of v": item for name, item in self.speed.symbols.items()}
         return self.force.symbols | own | symbols("drag friction")
@@ -130,19 +130,19 @@ class DraggedAxis:
     @property
     def forecasts(self) -> tuple[Forecast, Forecast]:
         """Of force and speed, under one command u."""
-        u = self.force.symbols["u"]
+        u = self.force.symbols.u
         return self.force.forecast, replace(self.speed.forecast, u=u)
 
     def after(self, to: ca.SX) -> Forecast:
         """Forecast of the force with friction after a change of the command."""
         force, speed = self.forecasts
         changed = force.changed(to, self.force.table), speed.changed(to, self.speed.table)
-        return with_drag(*changed, self.symbols["drag"])
+        return with_drag(*changed, self.symbols.drag)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """Hypotheses about both, with a drag that is not negative."""
-        return (*self.force.stated, *self.speed.stated, at_least(self.symbols["drag"]))
+        return (*self.force.stated, *self.speed.stated, at_least(self.symbols.drag))
 
 
 @claim(
@@ -159,14 +159,14 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
     """
     a = DraggedAxis.fresh()
     force, speed = a.forecasts
-    s, both = a.symbols, with_drag(force, speed, a.symbols["drag"])
+    s, both = a.symbols, with_drag(force, speed, a.symbols.drag)
     bounds = [bound_of(f, way) for f in (force, speed, both)]
     given = (
-        at_least(bounds[0], way * s["F"]), at_least(bounds[1] + way * s["u"], way * s["v of v"]),
-        at_least(s["friction"]), at_least(mutation(1, 1.1) * s["drag"], s["friction"]),
+        at_least(bounds[0], way * s.F), at_least(bounds[1] + way * s.u, way * s["v of v"]),
+        at_least(s.friction), at_least(mutation(1, 1.1) * s.drag, s.friction),
     )  # fmt: skip
     most = ca.fmax(bounds[0], bounds[2] + way * both.u)
-    return Statement(s, (at_least(most, way * (s["F"] + s["friction"] * s["v of v"])),), given)
+    return Statement(s, (at_least(most, way * (s.F + s.friction * s["v of v"])),), given)
 
 
 @claim(
@@ -182,7 +182,7 @@ def drag_changed(mutation: Mutation, way: int) -> Statement:
     """
     a = DraggedAxis.fresh()
     s, (force, speed) = a.symbols, a.forecasts
-    drag, to, u = s["drag"], s["to"], s["u"]
+    drag, to, u = s.drag, s.to, s.u
     before, after = with_drag(force, speed, drag), a.after(to)
     low, high = dragging(a.force.table, a.speed.table, drag)
     ahead, back = ca.fmax(way * (to - u), 0), ca.fmax(way * (u - to), 0)
@@ -218,12 +218,12 @@ def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> State
     """
     s = symbols("low high low_behind high_behind over under tail past_over past_under u held to f")
     low, high = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("low", "high"))
-    past, f, change = (s["past_over"], s["past_under"]), s["f"], s["to"] - s["u"]
-    known = Forecast(s["over"], s["under"], s["tail"], s["u"], *past)
-    rise, fall = force_steps(known, f, inverse_force_slopes(low, high), s["held"])
-    before = _bounds(known, way)[behind] + way * s["held"]
+    past, f, change = (s.past_over, s.past_under), s.f, s.to - s.u
+    known = Forecast(s.over, s.under, s.tail, s.u, *past)
+    rise, fall = force_steps(known, f, inverse_force_slopes(low, high), s.held)
+    before = _bounds(known, way)[behind] + way * s.held
     given = (
-        above(s["high"]), above(f), at_least(high[behind], low[behind]), at_least(f, before),
+        above(s.high), above(f), at_least(high[behind], low[behind]), at_least(f, before),
         at_least(change if rises else -change),
         at_least(mutation(1, 1.2) * (rise if rises else fall), change if rises else -change),
     )  # fmt: skip

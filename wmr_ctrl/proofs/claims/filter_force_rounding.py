@@ -25,6 +25,7 @@ from wmr_ctrl.proofs.statement import (
     UNIT,
     Relation,
     Statement,
+    Symbols,
     above,
     at_least,
     symbols,
@@ -47,14 +48,14 @@ NONE, ZERO = ca.SX(0, 1), ca.SX(0)
 claim = Claims(by=Z3(effort=100))
 
 
-def _strong(s: dict[str, ca.SX], most: float = STRONGEST) -> tuple[Relation, ...]:
+def _strong(s: Symbols, most: float = STRONGEST) -> tuple[Relation, ...]:
     """c, f > 0; A c <= 2^8 f."""
-    return above(s["f"]), above(s["c"]), at_least(most * s["f"], s["A"] * s["c"])
+    return above(s.f), above(s.c), at_least(most * s.f, s.A * s.c)
 
 
-def _moved(s: dict[str, ca.SX], most: ca.SX) -> tuple[Relation, ...]:
+def _moved(s: Symbols, most: ca.SX) -> tuple[Relation, ...]:
     """0 <= d <= 6 c, and at most what the text admits, but for the rounding of the sum with u."""
-    d, c = s["d"], s["c"]
+    d, c = s.d, s.c
     return at_least(d), at_least(6 * c, d), at_least(ca.fmax(most, 0) + ENDED * c, d)
 
 
@@ -71,14 +72,14 @@ def summed(mutation: Mutation) -> Statement:
     Force and friction together are foreseen well enough.
     """
     s = symbols("force speed past_force past_speed drag u f ahead past ends")
-    f, u, drag = s["f"], s["u"], s["drag"]
+    f, u, drag = s.f, s.u, s.drag
     force, speed = (
         Forecast(NONE, NONE, s[name], u, s[f"past_{name}"], ZERO) for name in ("force", "speed")
     )
     both = with_drag(force, speed, drag)
     computed = {"ahead": both.tail, "past": both.past_over, "ends": both.u}
-    exact = {"ahead": s["force"] + drag * s["speed"],
-             "past": s["past_force"] + drag * s["past_speed"], "ends": drag * u}  # fmt: skip
+    exact = {"ahead": s.force + drag * s.speed,
+             "past": s.past_force + drag * s.past_speed, "ends": drag * u}  # fmt: skip
     given = [above(f), *within(drag * u, 2 * f)]
     for name, share in (("force", 1), ("speed", drag)):
         for own in (name, f"past_{name}"):
@@ -100,12 +101,12 @@ def room(mutation: Mutation) -> Statement:
     What is left of the force is computed well enough, with friction and, with drag = 0, without.
     """
     s = symbols("ahead past ends f above below")
-    f, ends, past = s["f"], s["ends"], s["past"]
-    left = Forecast(NONE, NONE, s["ahead"], ends, past, past).rooms(f, ends)
-    given = (above(f), *within(s["ahead"], 9 * f), *within(past, 9 * f), *within(ends, 3 * f))
+    f, ends, past = s.f, s.ends, s.past
+    left = Forecast(NONE, NONE, s.ahead, ends, past, past).rooms(f, ends)
+    given = (above(f), *within(s.ahead, 9 * f), *within(past, 9 * f), *within(ends, 3 * f))
     goals = list[Relation]()
     for name, way in (("above", 1), ("below", -1)):
-        exact = f - (s["ahead"] + past + way * ends)
+        exact = f - (s.ahead + past + way * ends)
         goals += within(s[name] - exact, mutation(1, 2.0**-4) * ROOM * f)
     return Statement(s, tuple(goals), given, computed={"above": left[0], "below": left[1]})
 
@@ -121,15 +122,15 @@ def slope(mutation: Mutation) -> Statement:
     What a change takes of the motors, friction included, is computed well enough.
     """
     s = symbols("low high low_speed high_speed drag A least most")
-    pairs = (s["high"], -s["low"]), (s["high_speed"], -s["low_speed"])
+    pairs = (s.high, -s.low), (s.high_speed, -s.low_speed)
     force, speed = (force_response(*pair, ZERO, ZERO) for pair in pairs)
-    low, high = dragging(force, speed, s["drag"])
-    given, goals = [at_least(s["drag"])], list[Relation]()
-    spare = mutation(1, 2.0**-3) * 4 * UNIT * (s["A"] + 5 * s["drag"])
+    low, high = dragging(force, speed, s.drag)
+    given, goals = [at_least(s.drag)], list[Relation]()
+    spare = mutation(1, 2.0**-3) * 4 * UNIT * (s.A + 5 * s.drag)
     for name, made in (("low", "least"), ("high", "most")):
         own = s[f"{name}_speed"]
-        given += [*within(s[name], s["A"]), *within(own, 5)]
-        goals += within(s[made] - (s[name] + s["drag"] * own), spare)
+        given += [*within(s[name], s.A), *within(own, 5)]
+        goals += within(s[made] - (s[name] + s.drag * own), spare)
     computed = {"least": low[0], "most": high[0]}
     return Statement(s, tuple(goals), tuple(given), computed=computed)
 
@@ -147,16 +148,16 @@ def lined(mutation: Mutation, sign: int) -> Statement:
     A change that a computed line admits takes no more than the room, however flat the line is.
     """
     s = symbols("first slope room f c A d line")
-    rising = s["slope"] if sign > 0 else -s["slope"]
-    low, high = ca.vertcat(0, rising), ca.vertcat(s["first"], rising)
+    rising = s.slope if sign > 0 else -s.slope
+    low, high = ca.vertcat(0, rising), ca.vertcat(s.first, rising)
     inverse = inverse_force_slopes(low, high)[0 if sign > 0 else 1][1]
     given = (
-        *_strong(s, 2 * STRONGEST), above(s["first"]), *within(s["slope"], s["A"]),
-        *within(s["room"], 16 * s["f"]), *_moved(s, s["line"]),
+        *_strong(s, 2 * STRONGEST), above(s.first), *within(s.slope, s.A),
+        *within(s.room, 16 * s.f), *_moved(s, s.line),
     )  # fmt: skip
-    most = ca.fmax(s["room"], 0) + mutation(1, 2.0**-8) * LINED * s["f"]
-    goals = (at_least(most, s["d"] * s["slope"]),)
-    return Statement(s, goals, given, computed={"line": line(s["room"], inverse)})
+    most = ca.fmax(s.room, 0) + mutation(1, 2.0**-8) * LINED * s.f
+    goals = (at_least(most, s.d * s.slope),)
+    return Statement(s, goals, given, computed={"line": line(s.room, inverse)})
 
 
 @claim(
@@ -173,16 +174,16 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     A change of the command leaves a computed forecast of the force too low by at most 2^-40 of f.
     """
     s = symbols("low high over under u to f c A F W e made")
-    table = force_response(s["high"], -s["low"], ZERO, ZERO)
-    known = Forecast(s["over"], s["under"], ZERO, s["u"], ZERO, ZERO)
-    changed = known.changed(s["to"], table)
-    given = [*_strong(s), at_least(s["e"]), at_least(s["W"], s["low"]), at_least(s["high"], s["W"])]
-    sizes = {"low": s["A"], "high": s["A"], "u": 2 * s["c"], "to": 2 * s["c"]}
-    for name, most in (sizes | dict.fromkeys(("over", "under"), 4 * s["f"])).items():
+    table = force_response(s.high, -s.low, ZERO, ZERO)
+    known = Forecast(s.over, s.under, ZERO, s.u, ZERO, ZERO)
+    changed = known.changed(s.to, table)
+    given = [*_strong(s), at_least(s.e), at_least(s.W, s.low), at_least(s.high, s.W)]
+    sizes = {"low": s.A, "high": s.A, "u": 2 * s.c, "to": 2 * s.c}
+    for name, most in (sizes | dict.fromkeys(("over", "under"), 4 * s.f)).items():
         given += within(s[name], most)
-    given.append(at_least(s[word] + s["e"], way * s["F"]))
-    most = s["made"] + s["e"] + mutation(1, 2.0**-8) * CHANGED * s["f"]
-    goal = at_least(most, way * (s["F"] + (s["to"] - s["u"]) * s["W"]))
+    given.append(at_least(s[word] + s.e, way * s.F))
+    most = s.made + s.e + mutation(1, 2.0**-8) * CHANGED * s.f
+    goal = at_least(most, way * (s.F + (s.to - s.u) * s.W))
     made = changed.over if way > 0 else changed.under
     return Statement(s, (goal,), tuple(given), computed={"made": made})
 
@@ -201,10 +202,10 @@ def end(mutation: Mutation) -> Statement:
     names = [(f"rise{i}", f"fall{i}") for i in (1, 2, 3)]
     every = [name for pair in names for name in pair]
     s = symbols(f"u to c least most {' '.join(every)}")
-    c, change = s["c"], s["to"] - s["u"]
-    least, most = reached(s["u"], [(s[rise], s[fall]) for rise, fall in names])
-    given = [above(c), *within(s["u"], 2 * c), at_least(s["most"], s["to"])]
-    given.append(at_least(s["to"], s["least"]))
+    c, change = s.c, s.to - s.u
+    least, most = reached(s.u, [(s[rise], s[fall]) for rise, fall in names])
+    given = [above(c), *within(s.u, 2 * c), at_least(s.most, s.to)]
+    given.append(at_least(s.to, s.least))
     given += [*map(at_least, (s[name] for name in every))]
     given += [at_least(6 * c, s[name]) for name in names[0]]
     spare = mutation(1, 2.0**-3) * ENDED * c
@@ -229,16 +230,16 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     A command that is admitted by roundings keeps the speed's forecast within c but for roundings.
     """
     a = BandAxis()
-    s, c = a.symbols | symbols("d turn inverse inverse_behind"), a.symbols["c"]
+    s, c = a.symbols | symbols("d turn inverse inverse_behind"), a.symbols.c
     way = 1 if rises else -1
-    d = s["d"]
-    inverse = ca.vertcat(s["inverse"], s["inverse_behind"])
+    d = s.d
+    inverse = ca.vertcat(s.inverse, s.inverse_behind)
     steps = a.forecast.steps(c, inverse)
     given = [
-        *a.stated, at_least(5, a.table.high[0]), at_least(0.2, s["left"]),
-        at_least(4 * c, s["tail"]), *within(s["u"], 2 * c),
-        *within(s["over1"], 4 * c), *within(s["under1"], 4 * c),
-        at_least(d), at_least(s["turn"] + ENDED * c, d),
+        *a.stated, at_least(5, a.table.high[0]), at_least(0.2, s.left),
+        at_least(4 * c, s.tail), *within(s.u, 2 * c),
+        *within(s.over1, 4 * c), *within(s.under1, 4 * c),
+        at_least(d), at_least(s.turn + ENDED * c, d),
     ]  # fmt: skip
     for word in ("over", "under"):
         given += [at_least(4 * c, s[f"past_{word}"]), at_least(s[f"past_{word}"], -c)]
@@ -246,7 +247,7 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
         given += [at_least(1, item * high), at_least(16 * item, ca.SX(1))]
     spare, goals = mutation(1, 2.0**-8) * SPEED * c, [at_least(6 * c, d)]
     for part, high in zip((0, -1), ca.vertsplit(a.table.high), strict=True):
-        before = bound_of(a.forecast, way, part) + way * s["u"]
+        before = bound_of(a.forecast, way, part) + way * s.u
         goals.append(at_least(ca.fmax(before, c) + spare, before + d * high))
     return Statement(s, tuple(goals), tuple(given), computed={"turn": steps[0 if rises else 1]})
 
@@ -262,14 +263,14 @@ def least(mutation: Mutation, rises: bool) -> Statement:
     The text compares each room with what the change takes of it, up or down.
     """
     s = symbols("over under tail past_over past_under u f held up down up_behind down_behind")
-    past = s["past_over"], s["past_under"]
-    known, f = Forecast(s["over"], s["under"], s["tail"], s["u"], *past), s["f"]
+    past = s.past_over, s.past_under
+    known, f = Forecast(s.over, s.under, s.tail, s.u, *past), s.f
     up, down = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("up", "down"))
     inverse = up, down
-    most = force_steps(known, f, inverse, s["held"])[0 if rises else 1]
+    most = force_steps(known, f, inverse, s.held)[0 if rises else 1]
     lines = [
         line(left, inverse[(way > 0) != rises])
-        for left, way in zip(known.rooms(f, s["held"]), (1, -1), strict=True)
+        for left, way in zip(known.rooms(f, s.held), (1, -1), strict=True)
     ]
     each = {f"line{i}": item for i, item in enumerate(ca.vertsplit(ca.vertcat(*lines)))}
     goals = [at_least(ca.fmax(item, 0), mutation(1, 1.1) * most) for item in each.values()]

@@ -28,10 +28,10 @@ def wheel_box(mutation: Mutation) -> Statement:
     Limits on each wheel alone keep the body's limits, however different the two wheels are.
     """
     t = symbols("v omega V Omega l", "V Omega l")
-    top = mutation(1, 1.01) * ca.fmin(t["V"], t["l"] * t["Omega"])
-    rims = [t["v"] + way * t["l"] * t["omega"] for way in WAYS]
-    given = [above(t["l"]), *(part for rim in rims for part in within(rim, top))]
-    goals = (*within(t["v"], t["V"]), *within(t["omega"], t["Omega"]))
+    top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
+    rims = [t.v + way * t.l * t.omega for way in WAYS]
+    given = [above(t.l), *(part for rim in rims for part in within(rim, top))]
+    goals = (*within(t.v, t.V), *within(t.omega, t.Omega))
     return Statement(t, goals, tuple(given))
 
 
@@ -132,13 +132,13 @@ def ramp_rim(mutation: Mutation) -> Statement:
     Ramps on which each axis stops no slower than the other starts keep a limit of wheels.
     """
     t = symbols("v omega u w W l grow shrink turn turn_back", "W l grow shrink turn turn_back")
-    l, pairs = t["l"], ((t["v"], t["omega"]), (t["u"], t["w"]))
-    v = moved(t["v"], t["u"], t["grow"], t["shrink"])
-    omega = moved(t["omega"], t["w"], mutation(1, 1.5) * t["turn"], t["turn_back"])
-    slower = at_least(l * t["turn_back"], t["grow"]), at_least(t["shrink"], l * t["turn"])
-    given = [above(l), at_least(t["grow"]), at_least(t["turn"]), *slower]
-    given += [r for x, y in pairs for way in WAYS for r in within(x + way * l * y, t["W"])]
-    goals = tuple(r for way in WAYS for r in within(v + way * l * omega, t["W"]))
+    l, pairs = t.l, ((t.v, t.omega), (t.u, t.w))
+    v = moved(t.v, t.u, t.grow, t.shrink)
+    omega = moved(t.omega, t.w, mutation(1, 1.5) * t.turn, t.turn_back)
+    slower = at_least(l * t.turn_back, t.grow), at_least(t.shrink, l * t.turn)
+    given = [above(l), at_least(t.grow), at_least(t.turn), *slower]
+    given += [r for x, y in pairs for way in WAYS for r in within(x + way * l * y, t.W)]
+    goals = tuple(r for way in WAYS for r in within(v + way * l * omega, t.W))
     return Statement(t, goals, tuple(given))
 
 

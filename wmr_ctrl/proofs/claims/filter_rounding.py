@@ -27,6 +27,7 @@ from wmr_ctrl.proofs.statement import (
     UNIT,
     Relation,
     Statement,
+    Symbols,
     above,
     at_least,
     symbols,
@@ -50,7 +51,7 @@ NUMBERS = "V dbar nbar K_min K_max kappa"
 claim = Claims(by=Z3(effort=100))
 
 
-def _numbers(further: str, fixed: str = "") -> tuple[dict[str, ca.SX], FirstOrder]:
+def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
     s = symbols(f"{NUMBERS} {further}", f"{NUMBERS} {fixed}".strip())
     return s, FirstOrder(**{name: s[name] for name in NUMBERS.split()})
 
@@ -94,10 +95,10 @@ def target(mutation: Mutation) -> Statement:
     The speed towards which a command drives the base is computed well enough.
     """
     s, b = _numbers("u target")
-    exact = drive(s["u"], b)
+    exact = drive(s.u, b)
     most = mutation(4, 0.5) * UNIT * (ca.fabs(exact - b.dbar) + b.dbar)
     computed = {"target": exact}
-    return Statement(s, within(s["target"] - exact, most), _stated(b), computed=computed)
+    return Statement(s, within(s.target - exact, most), _stated(b), computed=computed)
 
 
 @claim(
@@ -112,14 +113,14 @@ def carried_on(mutation: Mutation) -> Statement:
     What is carried from sample to sample is computed well enough.
     """
     s = symbols("V w target share next", "V")
-    V, way = s["V"], s["share"] * (s["target"] - s["w"])
-    made = relaxed(s["w"], s["target"], s["share"], s["share"])
+    V, way = s.V, s.share * (s.target - s.w)
+    made = relaxed(s.w, s.target, s.share, s.share)
     given = (
-        above(V), at_least(s["share"]), at_least(ca.SX(2), s["share"]), *within(s["w"], 2 * V),
+        above(V), at_least(s.share), at_least(ca.SX(2), s.share), *within(s.w, 2 * V),
         *within(way, 8 * V),
     )  # fmt: skip
     most = mutation(1, 2.0**-6) * MARGIN * V
-    goals = within(s["next"] - (s["w"] + way), most)
+    goals = within(s.next - (s.w + way), most)
     return Statement(s, goals, given, computed={"next": made})
 
 
@@ -143,21 +144,21 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     However short a piece of time is, the speed gains on its computed bound by at most 2^-44 of V.
     """
     s = symbols("V w v d target mean share most least most_as least_as e off", "V")
-    V, e, most, share = s["V"], s["e"], s["most"], s["share"]
-    following = relaxed(s["w"], s["target"], s["most_as"], s["least_as"])
-    least = relaxed(s["w"], s["target"], s[goes], s[goes])
+    V, e, most, share = s.V, s.e, s.most, s.share
+    following = relaxed(s.w, s.target, s.most_as, s.least_as)
+    least = relaxed(s.w, s.target, s[goes], s[goes])
     given = (
-        above(V), at_least(s["least"]), at_least(most, s["least"]), at_least(ca.SX(1), most),
-        *_computed(s["most_as"], most, s["off"]), *_computed(s["least_as"], s["least"], s["off"]),
-        at_least(s["off"]), at_least(OFF, s["off"]), *within(s["off"] * s["target"], AIMED_OFF * V),
-        at_least(share, s["least"]), at_least(most, share), at_least(e),
-        at_least(s["w"] + e, s["v"]), *within(s["w"], 2 * V), at_least(s["d"]),
-        at_least(MARGIN * V, most * s["d"]),
-        *within(most * s["target"], 4 * V), at_least(s["target"] + s["d"], s["mean"]),
-        at_least(sign * (s["target"] - s["w"])),
+        above(V), at_least(s.least), at_least(most, s.least), at_least(ca.SX(1), most),
+        *_computed(s.most_as, most, s.off), *_computed(s.least_as, s.least, s.off),
+        at_least(s.off), at_least(OFF, s.off), *within(s.off * s.target, AIMED_OFF * V),
+        at_least(share, s.least), at_least(most, share), at_least(e),
+        at_least(s.w + e, s.v), *within(s.w, 2 * V), at_least(s.d),
+        at_least(MARGIN * V, most * s.d),
+        *within(most * s.target, 4 * V), at_least(s.target + s.d, s.mean),
+        at_least(sign * (s.target - s.w)),
     )  # fmt: skip
-    gained = (1 - s["least"]) * e + mutation(1, 2.0**-7) * PIECE * V
-    reached = s["v"] + share * (s["mean"] - s["v"])
+    gained = (1 - s.least) * e + mutation(1, 2.0**-7) * PIECE * V
+    reached = s.v + share * (s.mean - s.v)
     goals = at_least(following, least), at_least(least - MARGIN * V + gained, reached)
     return Statement(s, goals, given)
 
@@ -177,19 +178,19 @@ def takeover(mutation: Mutation) -> Statement:
     From a bound that was carried through n pieces of time, too, the computed limit keeps the speed.
     """
     s, b = _numbers("w direct inverse v e d n")
-    V, e, n = b.V, s["e"], s["n"]
-    known = s["w"] + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
+    V, e, n = b.V, s.e, s.n
+    known = s.w + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
     given = (
         *_stated(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
-        *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s["v"]),
-        at_least(V, s["w"]), at_least(s["w"], -2 * V), at_least(s["d"]),
-        at_least(2.0**-45 * V, (1 - e) * s["d"]),
+        *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v),
+        at_least(V, s.w), at_least(s.w, -2 * V), at_least(s.d),
+        at_least(2.0**-45 * V, (1 - e) * s.d),
     )  # fmt: skip
     each = 1 / b.K_max
-    by_it = (V - b.dbar) * each + b.kappa * each * (V - s["w"])
-    computed = {"direct": largest_command(s["w"], b), "inverse": by_it}
-    means = (b.K_max * s[name] + b.dbar + s["d"] for name in computed)
-    goals = tuple(at_least(V * (1 + SLACK), e * s["v"] + (1 - e) * mean) for mean in means)
+    by_it = (V - b.dbar) * each + b.kappa * each * (V - s.w)
+    computed = {"direct": largest_command(s.w, b), "inverse": by_it}
+    means = (b.K_max * s[name] + b.dbar + s.d for name in computed)
+    goals = tuple(at_least(V * (1 + SLACK), e * s.v + (1 - e) * mean) for mean in means)
     return Statement(s, goals, given, computed=computed)
 
 
@@ -205,11 +206,11 @@ def rim(mutation: Mutation) -> Statement:
     The speed towards which a command drives a wheel is computed well enough.
     """
     s, b = _numbers("v omega l target", "l")
-    exact = drive(Channel((1, 1), s["l"], b, 1.0).of((s["v"], s["omega"])), b)
-    size = ca.fabs(s["v"]) + s["l"] * ca.fabs(s["omega"])
+    exact = drive(Channel((1, 1), s.l, b, 1.0).of((s.v, s.omega)), b)
+    size = ca.fabs(s.v) + s.l * ca.fabs(s.omega)
     most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
-    goals = within(s["target"] - exact, most)
-    return Statement(s, goals, (*_stated(b), above(s["l"])), computed={"target": exact})
+    goals = within(s.target - exact, most)
+    return Statement(s, goals, (*_stated(b), above(s.l)), computed={"target": exact})
 
 
 LOOKED_BACK = Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
@@ -229,7 +230,7 @@ def rest(mutation: Mutation) -> Statement:
     Older odometry divides a piece of time at the right instant but for roundings.
     """
     s = symbols("age T rest", "T")
-    age, T = s["age"], s["T"]
+    age, T = s.age, s.T
     pieces = LOOKED_BACK.pieces(-LOOKED_BACK.age, 0.0, 1)
     ends = {f"end{k}": piece.end * T for k, piece in enumerate(pieces)}
     starts = {"start": pieces[0].start * T}
@@ -240,7 +241,7 @@ def rest(mutation: Mutation) -> Statement:
         start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
         over, whole = -age >= end, -age <= start
         part = ca.logic_not(ca.logic_or(over, whole))
-        off = within(s["rest"] - (piece.end * T + age), spare)
+        off = within(s.rest - (piece.end * T + age), spare)
         goals += [when(part, item) for item in off]
         goals.append(when(over, at_least(spare, piece.end * T + age)))
         goals.append(when(whole, at_least(piece.start * T + age, -spare)))
@@ -261,10 +262,10 @@ def odometry(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("v y sum")
     V, slack = b.V, SLACK * b.V
-    given = (above(V), at_least(b.nbar), *within(s["v"], V + slack))
-    known = at_least(s["y"] + b.nbar, s["v"])
-    goal = at_least(ca.fmin(s["sum"], V) + mutation(1, -1) * slack, s["v"])
-    return Statement(s, (goal,), (*given, known), computed={"sum": s["y"] + b.nbar})
+    given = (above(V), at_least(b.nbar), *within(s.v, V + slack))
+    known = at_least(s.y + b.nbar, s.v)
+    goal = at_least(ca.fmin(s.sum, V) + mutation(1, -1) * slack, s.v)
+    return Statement(s, (goal,), (*given, known), computed={"sum": s.y + b.nbar})
 
 
 @claim(
@@ -280,14 +281,14 @@ def agrees(mutation: Mutation) -> Statement:
     to the last bit.
     """
     s = symbols("V v above below n sum least", "V")
-    V, off = s["V"], (SLACK + s["n"] * PIECE) * s["V"] * mutation(1, 2**14)
+    V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
     given = (
-        above(V), at_least(ca.SX(2.0**16), s["n"]), at_least(s["n"]), at_least(V, s["above"]),
-        at_least(V, s["below"]), at_least(s["above"] + off, s["v"]),
-        at_least(s["below"] + off, -s["v"]),
+        above(V), at_least(ca.SX(2.0**16), s.n), at_least(s.n), at_least(V, s.above),
+        at_least(V, s.below), at_least(s.above + off, s.v),
+        at_least(s.below + off, -s.v),
     )  # fmt: skip
-    computed = {"sum": s["above"] + s["below"], "least": -contradiction(V)}
-    return Statement(s, (at_least(s["sum"], s["least"]),), given, computed=computed)
+    computed = {"sum": s.above + s.below, "least": -contradiction(V)}
+    return Statement(s, (at_least(s.sum, s.least),), given, computed=computed)
 
 
 @claim(

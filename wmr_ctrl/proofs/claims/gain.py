@@ -197,9 +197,9 @@ def fades(mutation: Mutation) -> Statement:
     A = smaller_slope(a)
     pull = mutation(cost(a), 0.5 * A**2)
     return Statement(
-        {**a.symbols, **t},
-        (above(A), at_least(0.5 * t["D"] * A, t["rho"] * t["M"] * pull)),
-        (above(u1, v), at_least(v, level(c, u1, u2, t["rho"] * t["M"] / t["D"]))),
+        a.symbols | t,
+        (above(A), at_least(0.5 * t.D * A, t.rho * t.M * pull)),
+        (above(u1, v), at_least(v, level(c, u1, u2, t.rho * t.M / t.D))),
     )
 
 
@@ -241,7 +241,7 @@ def covered(mutation: Mutation) -> Statement:
     e = root - 3 - mutation(2, 5) * b * B
     goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))
     given = (above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k)))
-    return Statement({**a.symbols, "k": k}, goals, given)
+    return Statement(a.symbols | {"k": k}, goals, given)
 
 
 @claim.also(
@@ -298,8 +298,8 @@ def levels(mutation: Mutation) -> Statement:
     """
     # v* of a disturbance that is held back at v lies beyond v; low = D/M.
     t = symbols("v c u1 u2 rho low", "u1 u2 rho")
-    star = level(t["c"], t["u1"], t["u2"], t["rho"] / t["low"])
-    return Statement(t, (above(mutation * (star - t["v"])),))
+    star = level(t.c, t.u1, t.u2, t.rho / t.low)
+    return Statement(t, (above(mutation * (star - t.v)),))
 
 
 @claim(

@@ -81,19 +81,19 @@ def simulated(mutation: Mutation) -> Statement:
     u1 by that much.
     """
     robot = plant(load_scenario(PRESET))
-    t = {**scalars((*robot.inputs, *robot.state, *robot.params)), **symbols("step", "step")}
+    t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
     m, inertia, mu, r, half, g, v_s = (t[key] for key in KEYS)
-    tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + t["noise_left"])
-    push = wheel_to_force(r, half, tau) + ca.vertcat(t["thrust"], t["moment"])
-    after = rk4_step(robot, t["step"])[3:5]
+    tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
+    push = wheel_to_force(r, half, tau) + ca.vertcat(t.thrust, t.moment)
+    after = rk4_step(robot, t.step)[3:5]
     friction = mu * m * g
-    driven = t["v1"] + t["step"] * ca.fmax(push[0], 0) / m
-    slow = t["step"] * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
+    driven = t.v1 + t.step * ca.fmax(push[0], 0) / m
+    slow = t.step * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
     goals = (
         at_least(ca.fmax(driven, slow), after[0]),
-        equal(after[1], t["omega"] + t["step"] * push[1] / inertia),
+        equal(after[1], t.omega + t.step * push[1] / inertia),
     )
-    positive = tuple(above(item) for item in (m, inertia, r, half, g, v_s, t["step"]))
+    positive = tuple(above(item) for item in (m, inertia, r, half, g, v_s, t.step))
     given = (*positive, at_least(mu))
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
@@ -111,15 +111,15 @@ def not_blamed(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old push drag e_new e_old way")
-    way = ca.if_else(t["way"] > 0, 1, -1)
-    mean = (a["asked"] + way * (t["push"] - mutation * t["drag"])) / a["mass"]
-    new = t["old"] + b.period * mean
-    y, before = new + t["e_new"], t["old"] + t["e_old"]
+    way = ca.if_else(t.way > 0, 1, -1)
+    mean = (a["asked"] + way * (t.push - mutation * t.drag)) / a["mass"]
+    new = t.old + b.period * mean
+    y, before = new + t.e_new, t.old + t.e_old
     errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
-    ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t["drag"]))
+    ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t.drag))
     least = least_push(y, before, a["asked"], b)
     given = (*a.feasible(), *a.during(), *errors, *ahead)
-    return Statement({**a.symbols, **t}, (at_least(ca.fmax(t["push"], 0), least),), given)
+    return Statement(a.symbols | t, (at_least(ca.fmax(t.push, 0), least),), given)
 
 
 @claim("guard.monitor-quiet", given="any bounds, T > 0")
@@ -133,7 +133,7 @@ def quiet(mutation: Mutation) -> Statement:
     least = least_push(a["y"], old, a["asked"], b)
     same = ca.fmax(ca.fmin(a["y"], old), -ca.fmax(a["y"], old)) - mutation(0, 1)
     given = (above(b.period), above(b.M_min), at_least(b.nbar), at_least(b.nbar, same))
-    return Statement({**a.symbols, "old": old}, (equal(least),), given)
+    return Statement(a.symbols | {"old": old}, (equal(least),), given)
 
 
 @claim(
@@ -147,12 +147,12 @@ def sharp(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old push way")
-    way = ca.if_else(t["way"] > 0, 1, -1)
-    y = t["old"] + b.period * (a["asked"] + way * t["push"]) / b.M_min
-    least = least_push(y, t["old"], a["asked"], b)
+    way = ca.if_else(t.way > 0, 1, -1)
+    y = t.old + b.period * (a["asked"] + way * t.push) / b.M_min
+    least = least_push(y, t.old, a["asked"], b)
     exact = (equal(b.nbar), equal(b.M_max, b.M_min), above(b.M_min), above(b.period))
-    ahead = (above(ca.fmin(way * y, way * t["old"])), at_least(t["push"]))
-    return Statement({**a.symbols, **t}, (equal(least, mutation * t["push"]),), (*exact, *ahead))
+    ahead = (above(ca.fmin(way * y, way * t.old)), at_least(t.push))
+    return Statement(a.symbols | t, (equal(least, mutation * t.push),), (*exact, *ahead))
 
 
 SINCE = Since(
@@ -178,7 +178,7 @@ def late(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b, t = a.bounds, symbols("old D F1 F2 N1 N2")
     sent = [ca.vertcat(t[f"F{j}"], t[f"N{j}"]) for j in (1, 2)]
-    motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t["old"], t["D"]
+    motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t.old, t.D
     goals, given = [], [above(b.M_min), above(b.period), at_least(b.nbar), at_least(D)]
     for axis, name in enumerate("FN"):
         least = motion.least_push(axis, a["y"], old, b)
@@ -191,7 +191,7 @@ def late(mutation: Mutation) -> Statement:
             moved = b.M_min * (way * (a["y"] - old) - 2 * b.nbar) / b.period
             begun = b.M_min * (way * a["y"] - b.nbar) / b.period
             given.append(at_least(ca.fmax(mean - moved, rest - begun)))
-    return Statement({**a.symbols, **t}, tuple(goals), tuple(given))
+    return Statement(a.symbols | t, tuple(goals), tuple(given))
 
 
 BOX = (
@@ -225,18 +225,18 @@ class MappedWheels:
     def reached(self, force: ca.SX) -> Relation:
         """``force`` is within the wheels' reach."""
         t = self.symbols
-        return at_least(t["phi"], ca.fabs(force[0]) + ca.fabs(force[1]) / t["half"])
+        return at_least(t.phi, ca.fabs(force[0]) + ca.fabs(force[1]) / t.half)
 
     @property
     def given(self) -> tuple[Relation, ...]:
         """The hypotheses."""
         t = self.symbols
-        sides = (above(t["half"]), above(t["phi"]), above(t["r"]))
+        sides = (above(t.half), above(t.phi), above(t.r))
         return (*sides, *self.within(self.pair("force")), self.reached(self.safe))
 
     def mapped(self, name: str, safe: ca.SX) -> ca.SX:
         """Output of a map for the force."""
-        return MAPS[name](self.pair("force"), self.symbols["phi"], self.symbols["half"], safe)
+        return MAPS[name](self.pair("force"), self.symbols.phi, self.symbols.half, safe)
 
 
 map_claim = Claims(by=Z3(effort=150))
@@ -250,10 +250,10 @@ def torques(mutation: Mutation) -> Statement:
     """
     w = MappedWheels()
     t = w.symbols
-    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
+    torque = force_to_wheel(t.r, t.half, w.pair("force"))
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
-    size = ca.fabs(t["force1"]) + mutation * ca.fabs(t["force2"]) / t["half"]
-    return Statement(t, (equal(largest, t["r"] / 2 * size),), (above(t["half"]), above(t["r"])))
+    size = ca.fabs(t.force1) + mutation * ca.fabs(t.force2) / t.half
+    return Statement(t, (equal(largest, t.r / 2 * size),), (above(t.half), above(t.r)))
 
 
 @map_claim("wheels.necessary", given="F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0")
@@ -265,13 +265,13 @@ def necessary(mutation: Mutation) -> Statement:
     """
     # At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger.
     w = MappedWheels()
-    t = {**w.symbols, **symbols("dbar1 dbar2")}
-    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
+    t = w.symbols | symbols("dbar1 dbar2")
+    torque = force_to_wheel(t.r, t.half, w.pair("force"))
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
-    tight = above(t["dbar1"] + t["dbar2"] / t["half"], mutation(1, 0.99) * t["phi"])
+    tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
     held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
-    positive = [at_least(t[f"dbar{i}"]) for i in (1, 2)] + [above(t["half"]), above(t["r"])]
-    return Statement(t, (above(largest, t["phi"] * t["r"] / 2),), (*positive, *held, tight))
+    positive = [at_least(t[f"dbar{i}"]) for i in (1, 2)] + [above(t.half), above(t.r)]
+    return Statement(t, (above(largest, t.phi * t.r / 2),), (*positive, *held, tight))
 
 
 @map_claim.also(
@@ -299,7 +299,7 @@ def clip_per_wheel(mutation: Mutation) -> Statement:
     """
     w = MappedWheels()
     t = w.symbols
-    most = t["phi"] * t["r"] / 2
-    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
-    found = wheel_to_force(t["r"], t["half"], ca.fmax(-most, ca.fmin(most, torque)))
+    most = t.phi * t.r / 2
+    torque = force_to_wheel(t.r, t.half, w.pair("force"))
+    found = wheel_to_force(t.r, t.half, ca.fmax(-most, ca.fmin(most, torque)))
     return Statement(t, w.within(mutation * found), w.given)

@@ -12,7 +12,7 @@ import casadi as ca
 
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor, room
-from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
+from wmr_ctrl.proofs.statement import Named, Relation, Symbols, above, at_least, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
@@ -27,7 +27,7 @@ FREE = (
 
 
 @dataclass(frozen=True)
-class GuardAxis:
+class GuardAxis(Named):
     """The guard's numbers, and what happens in one sample.
 
     ``lateness``: velocities and drives are at once; behind a delay, ``arrived`` bounding v+ where
@@ -40,13 +40,9 @@ class GuardAxis:
     varies: bool = True
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Every number by name."""
         return symbols(f"{PARAMETERS} {FREE}", PARAMETERS)
-
-    def __getitem__(self, name: str) -> ca.SX:
-        """The symbol of a name."""
-        return self.symbols[name]
 
     def __call__(self, name: str, way: int) -> ca.SX:
         """The symbol of one direction."""

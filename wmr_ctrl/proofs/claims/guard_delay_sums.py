@@ -15,7 +15,17 @@ from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least, column, symbols
+from wmr_ctrl.proofs.statement import (
+    UNIT,
+    Named,
+    Relation,
+    Statement,
+    Symbols,
+    above,
+    at_least,
+    column,
+    symbols,
+)
 
 SENT = 5
 """Commands of the queue that is written out."""
@@ -31,7 +41,7 @@ WAYS: tuple[dict[str, Any], ...] = (
 
 
 @dataclass(frozen=True)
-class Queue:
+class Queue(Named):
     """Commands under way on one axis, their sums without the factor T/M_min.
 
     What is computed before the last command is cut off: any number, so any queue, none as well.
@@ -41,21 +51,17 @@ class Queue:
     length: int = SENT
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Forces, moments, times; the sums before the last command, and what is said of them."""
         n = self.length
         sums = "front rear exact off grown lost ahead back counted most"
-        listed = {**column("F", n), **column("N", n), **column("time", n)}
-        return {**listed, **symbols(f"dbar f_min {sums}", "dbar f_min")}
-
-    def __getitem__(self, name: str) -> ca.SX:
-        """The symbol of a name."""
-        return self.symbols[name]
+        listed = column("F", n) | column("N", n) | column("time", n)
+        return listed | symbols(f"dbar f_min {sums}", "dbar f_min")
 
     def sums(self, count: int) -> InFlight:
         """Sums over the first ``count`` commands."""
         one, none = ca.SX(1), ca.SX(0)
-        b = Bounds(one, one, one, one, self["dbar"], none, one, none, self["f_min"], none)
+        b = Bounds(one, one, one, one, self.dbar, none, one, none, self.f_min, none)
         listed = range(1, count + 1)
         sent = [(ca.vertcat(self[f"F{j}"], self[f"N{j}"]), self[f"time{j}"]) for j in listed]
         return in_flight(sent, self.axis, b)
@@ -68,7 +74,7 @@ class Queue:
     @property
     def net(self) -> ca.SX:
         """dbar - f_min."""
-        return self["dbar"] - self["f_min"]
+        return self.dbar - self.f_min
 
     @property
     def before(self) -> dict[str, ca.SX]:
@@ -79,7 +85,7 @@ class Queue:
     def known(self, *names: str) -> tuple[Relation, ...]:
         """Signs of the sums before, and how far they have grown."""
         _, time = self.last
-        grown = (at_least(self["grown"], 3 * UNIT), at_least(2.0**-24, self["grown"]))
+        grown = (at_least(self.grown, 3 * UNIT), at_least(2.0**-24, self.grown))
         return (at_least(time), *grown, *(at_least(self[name]) for name in names))
 
 
@@ -96,13 +102,13 @@ def read(mutation: Mutation) -> Statement:
     Commands under way are remembered as torques and read back as forces.
     """
     t = symbols("right left thrust moment r half", "r half")
-    exact = wheel_to_force(t["r"], t["half"], ca.vertcat(t["right"], t["left"]))
+    exact = wheel_to_force(t.r, t.half, ca.vertcat(t.right, t.left))
     goals = []
     for place, name in enumerate(("thrust", "moment")):
         lost = mutation(5, 1) * UNIT * ca.fabs(exact[place])
         goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
     computed = {"thrust": exact[0], "moment": exact[1]}
-    return Statement(t, tuple(goals), (above(t["r"]), above(t["half"])), computed=computed)
+    return Statement(t, tuple(goals), (above(t.r), above(t.half)), computed=computed)
 
 
 @claim(
@@ -122,14 +128,14 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     whole = q.sums(SENT)
     computed = {"ahead": whole.ahead if way > 0 else whole.back}
     force, time = q.last
-    exact = q["exact"] + time * ca.fmax(way * force + q["lost"] + q.net, 0)
-    off = q["off"] + time * (q["lost"] + 2 * UNIT * ca.fabs(q.net))
-    grown = 1 + q["grown"] + mutation(3, -9) * UNIT
+    exact = q.exact + time * ca.fmax(way * force + q.lost + q.net, 0)
+    off = q.off + time * (q.lost + 2 * UNIT * ca.fabs(q.net))
+    grown = 1 + q.grown + mutation(3, -9) * UNIT
     given = (
         *q.known("front", "rear", "off", "lost"),
-        at_least((1 + q["grown"]) * q[name] + q["off"], q["exact"]),
+        at_least((1 + q.grown) * q[name] + q.off, q.exact),
     )  # fmt: skip
-    goal = at_least(grown * q["ahead"] + off, exact)
+    goal = at_least(grown * q.ahead + off, exact)
     return Statement(q.symbols, (goal,), given, q.before, computed=computed)
 
 
@@ -148,15 +154,15 @@ def both(mutation: Mutation, axis: int) -> Statement:
     q = Queue(axis)
     whole = q.sums(SENT)
     force, time = q.last
-    most = q["counted"] + time * (q["most"] + q.net + 3 * UNIT * ca.fabs(q.net))
-    grown = 1 + q["grown"] + mutation(3, -9) * UNIT
+    most = q.counted + time * (q.most + q.net + 3 * UNIT * ca.fabs(q.net))
+    grown = 1 + q.grown + mutation(3, -9) * UNIT
     given = (
         *q.known("front", "rear", "counted"),
-        *(at_least(q["most"], size) for size in (ca.fabs(q.net), force, -force)),
-        at_least((1 + q["grown"]) * q["counted"], q["front"] + q["rear"]),
+        *(at_least(q.most, size) for size in (ca.fabs(q.net), force, -force)),
+        at_least((1 + q.grown) * q.counted, q.front + q.rear),
     )  # fmt: skip
     computed = {"ahead": whole.ahead, "back": whole.back}
-    goal = at_least(grown * most, q["ahead"] + q["back"])
+    goal = at_least(grown * most, q.ahead + q.back)
     return Statement(q.symbols, (goal,), given, q.before, computed=computed)
 
 
@@ -172,19 +178,19 @@ def scaled(mutation: Mutation) -> Statement:
     """
     t = symbols("F N time period M_min dbar f_min front rear ahead back", "period M_min dbar f_min")
     one, none = ca.SX(1), ca.SX(0)
-    sent = [(ca.vertcat(t["F"], t["N"]), t["time"])]
+    sent = [(ca.vertcat(t.F, t.N), t.time)]
 
     def sums(period: ca.SX, mass: ca.SX) -> InFlight:
-        numbers = (t["dbar"], none, one, none, t["f_min"], none)
+        numbers = (t.dbar, none, one, none, t.f_min, none)
         return in_flight(sent, 0, Bounds(one, period, mass, one, *numbers))
 
-    raw, whole = sums(one, one), sums(t["period"], t["M_min"])
+    raw, whole = sums(one, one), sums(t.period, t.M_min)
     goals = []
     for before, after in (("front", "ahead"), ("rear", "back")):
-        exact = t[before] * t["period"] / t["M_min"]
+        exact = t[before] * t.period / t.M_min
         lost = mutation(4, 1) * UNIT * exact
         goals += [at_least(lost, exact - t[after]), at_least(lost, t[after] - exact)]
-    positive = (above(t["period"]), above(t["M_min"]), at_least(t["front"]), at_least(t["rear"]))
+    positive = (above(t.period), above(t.M_min), at_least(t.front), at_least(t.rear))
     cuts, computed = (
         {names[0]: sums.ahead, names[1]: sums.back}
         for names, sums in ((("front", "rear"), raw), (("ahead", "back"), whole))

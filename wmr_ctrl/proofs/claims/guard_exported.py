@@ -23,6 +23,7 @@ from wmr_ctrl.proofs.claims.guard_sent import added, caps, room
 from wmr_ctrl.proofs.statement import (
     Relation,
     Statement,
+    Symbols,
     above,
     at_least,
     equal,
@@ -176,7 +177,7 @@ class Assembled:
         return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
 
     @property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """Every scalar of the graph by name."""
         return scalars((*self.system.inputs, *self.system.state, *self.system.params))
 
@@ -320,7 +321,7 @@ def keeps(
     goals: list[Relation] = []
     given, cuts = [above(e.told["feasible"])], dict(e.cuts)
     given += positive(r, half, e.p["actuator.tau_max"])
-    table = {**e.symbols, **symbols("t")}
+    table = e.symbols | symbols("t")
     for axis, (y, b, coming) in enumerate(e.axes):
         a = GuardAxis(DELAYED) if coming else GuardAxis()
         own = symbols("v mass arrived_ahead arrived_back")

@@ -74,7 +74,7 @@ class Flag(Assembled):
         computed: dict[str, ca.SX],
     ) -> Statement:
         """The statement about what doubles compute."""
-        table = {**self.symbols, **free}
+        table = self.symbols | free
         return Statement(table, tuple(goals), (*given, *self.signs), self.cuts, computed=computed)
 
 
@@ -105,7 +105,7 @@ def conditions(mutation: Mutation, n: int) -> Statement:
             at_least(b.M_max, b.M_min),
         )
     ]
-    return e.states(goals, [above(free["flag"])], free, {"flag": e.told["feasible"]})
+    return e.states(goals, [above(free.flag)], free, {"flag": e.told["feasible"]})
 
 
 @claim(
@@ -147,13 +147,13 @@ def reach(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("flag first second exact1 exact2 size1 size2")
     share, half = 4 * (1 + n) * NEAR, e.wheels[1]
-    given = [above(free["flag"])]
+    given = [above(free.flag)]
     for k, (name, b) in enumerate(zip(("first", "second"), e.both, strict=True), 1):
         exact, most = free[f"exact{k}"], free[f"size{k}"]
         given += [*within(free[name] - exact, share * most), *within(exact, most)]
         given += [equal(most, size(b)), equal(exact, b.braking)]
-    off = 2 * share * (free["size1"] + free["size2"] / half)
-    braked = free["exact1"] + free["exact2"] / half
+    off = 2 * share * (free.size1 + free.size2 / half)
+    braked = free.exact1 + free.exact2 / half
     goal = at_least(e.phi * (1 + 8 * NEAR) + mutation * off, braked)
     computed = {"flag": e.told["feasible"], "first": e.both[0].braking, "second": e.both[1].braking}
     return e.states([goal], given, free, computed)
@@ -214,8 +214,8 @@ def applied(mutation: Mutation) -> Statement:
         *every(e.later["tau_sent1"], commands[0]), *every(e.later["tau_sent2"], commands[1]),
     )  # fmt: skip
     cuts = {"e": share, "right": commands[0][0], "left": commands[0][1]}
-    table = {**e.symbols, **free, **symbols("right left")}
-    return Statement(table, goals, (above(free["e"]), above(1, free["e"])), cuts)
+    table = e.symbols | free | symbols("right left")
+    return Statement(table, goals, (above(free.e), above(1, free.e)), cuts)
 
 
 @watched_claim(

@@ -183,8 +183,8 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     Commands already sent never take the room that braking needs.
     """
     b, t = a.bounds, symbols("room_ahead room_back core_ahead core_back brakes")
-    rooms, cores = (t["room_ahead"], t["room_back"]), (t["core_ahead"], t["core_back"])
-    need = ca.fmax(t["brakes"] + a.net, 0) / b.alpha
+    rooms, cores = (t.room_ahead, t.room_back), (t.core_ahead, t.core_back)
+    need = ca.fmax(t.brakes + a.net, 0) / b.alpha
     lines = [
         at_least(b.M_min * room, ca.fmin(core, a["most"] / b.alpha))
         for room, core in zip(rooms, cores, strict=True)
@@ -194,7 +194,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
         above(b.M_min), above(b.alpha),
     )  # fmt: skip
     goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
-    return Statement({**a.symbols, **t}, (goal,), given)
+    return Statement(a.symbols | t, (goal,), given)
 
 
 @claim(

@@ -145,15 +145,15 @@ def unvaried(_: Mutation) -> Statement:
     """
     a = GuardAxis(LATE, varies=False)
     t = symbols("z rise fast slow")
-    b, z = a.bounds, t["z"]
+    b, z = a.bounds, t.z
     force = clipped(a["asked"], a["y"], b, InFlight(a["ahead"], a["back"]))
     p = ca.fmax(force + a.net, 0)
-    end = a["arrived"] + waiting(z, p, b.period, t["rise"]) / b.M_min
+    end = a["arrived"] + waiting(z, p, b.period, t.rise) / b.M_min
     given = (
         *a.stated, *a.seen(1), at_least(z),
         equal(a["rest_ahead"], a["ahead"]), equal(a["rest_back"], a["back"]),
-        above(t["fast"]), above(t["slow"], t["fast"]), above(t["rise"]),
-        at_least(t["slow"] - t["fast"], t["rise"]), at_least(a["ahead"] * b.M_min, t["slow"] * z),
+        above(t.fast), above(t.slow, t.fast), above(t.rise),
+        at_least(t.slow - t.fast, t.rise), at_least(a["ahead"] * b.M_min, t.slow * z),
         at_least(b.u1, a["arrived"]),
     )  # fmt: skip
-    return Statement({**a.symbols, **t}, (at_least(b.u1, end),), given, a.cuts)
+    return Statement(a.symbols | t, (at_least(b.u1, end),), given, a.cuts)

@@ -19,7 +19,7 @@ from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least, symbols
+from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, Symbols, above, at_least, symbols
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class RoundedAxis(GuardAxis):
         return ON_WHEELS * self.widest * self.precision.unit * self.reach
 
 
-def _wheels() -> dict[str, ca.SX]:
+def _wheels() -> Symbols:
     names = " ".join(f"{name}{i}" for name in ("force", "safe", "cap", "size", "lo", "hi")
                      for i in (1, 2))  # fmt: skip
     return symbols(f"{names} thrust moment right left phi half r", "phi half r")
@@ -265,7 +265,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     The rounding of the torque limit does not undo the guard.
     """
     t = _wheels()
-    found, given = (t["thrust"], t["moment"]), [above(t["half"]), above(t["phi"])]
+    found, given = (t.thrust, t.moment), [above(t.half), above(t.phi)]
     for i in "12":
         given += [*_within(t[f"cap{i}"], t[f"safe{i}"]), *_within(t[f"size{i}"], t[f"force{i}"])]
         given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
@@ -274,13 +274,13 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
                 at_least(t[f"hi{i}"], t[f"{part}{i}"]),
                 at_least(t[f"{part}{i}"], t[f"lo{i}"]),
             ]
-    given.append(at_least(t["phi"] * (1 + 4 * precision.unit), t["cap1"] + t["cap2"] / t["half"]))
-    lost = mutation(12, 1) * precision.unit * (t["size1"] + t["size2"] / t["half"])
-    goals = [part for i, error in ((1, lost), (2, lost * t["half"]))
+    given.append(at_least(t.phi * (1 + 4 * precision.unit), t.cap1 + t.cap2 / t.half))
+    lost = mutation(12, 1) * precision.unit * (t.size1 + t.size2 / t.half)
+    goals = [part for i, error in ((1, lost), (2, lost * t.half))
              for part in (at_least(t[f"hi{i}"] + error, found[i - 1]),
                           at_least(found[i - 1], t[f"lo{i}"] - error))]  # fmt: skip
     force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
-    both = MAPS[kind](force, t["phi"], t["half"], safe)
+    both = MAPS[kind](force, t.phi, t.half, safe)
     computed = {"thrust": both[0], "moment": both[1]}
     return Statement(t, tuple(goals), tuple(given), computed=computed, unit=precision.unit)
 
@@ -298,13 +298,13 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     The plant is pushed by torques, which are rounded numbers as well.
     """
     t = _wheels()
-    half, asked = t["half"], ca.vertcat(t["force1"], t["force2"])
-    torque = force_to_wheel(t["r"], half, asked)
-    reached = wheel_to_force(t["r"], half, ca.vertcat(t["right"], t["left"]))
+    half, asked = t.half, ca.vertcat(t.force1, t.force2)
+    torque = force_to_wheel(t.r, half, asked)
+    reached = wheel_to_force(t.r, half, ca.vertcat(t.right, t.left))
     lost = mutation(5, 2) * precision.unit * (ca.fabs(asked[0]) + ca.fabs(asked[1]) / half)
     goals = (*_within(lost, reached[0] - asked[0]), *_within(lost * half, reached[1] - asked[1]))
     computed = {"right": torque[0], "left": torque[1]}
-    return Statement(t, goals, (above(half), above(t["r"])), computed=computed, unit=precision.unit)
+    return Statement(t, goals, (above(half), above(t.r)), computed=computed, unit=precision.unit)
 
 
 @claim(

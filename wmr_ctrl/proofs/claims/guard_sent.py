@@ -102,7 +102,7 @@ def queue(mutation: Mutation) -> Statement:
     What is shown for one more command holds for all of them together.
     """
     a = GuardAxis(DELAYED)
-    t = {**column("F", 5), **column("N", 5), **column("time", 5)}
+    t = column("F", 5) | column("N", 5) | column("time", 5)
     sent = [(ca.vertcat(t[f"F{j}"], t[f"N{j}"]), t[f"time{j}"]) for j in range(1, 6)]
     goals = []
     for axis in (0, 1):
@@ -111,7 +111,7 @@ def queue(mutation: Mutation) -> Statement:
             rest = in_flight(sent[: n - 1], axis, a.bounds)
             goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
             goals.append(equal(every.back, rest.back + last.back))
-    return Statement({**a.symbols, **t}, tuple(goals), (above(a.bounds.M_min),))
+    return Statement(a.symbols | t, tuple(goals), (above(a.bounds.M_min),))
 
 
 @claim(
@@ -161,7 +161,7 @@ def late_tail(mutation: Mutation) -> Statement:
     forces = [ca.vertcat(t[f"force{i}"], t[f"other{i}"]) for i in (1, 2)]
     state = tails.state[0].sym
     following = tails.following(forces, b)
-    table = {**a.symbols, **t, **{f"tail{i}": state[i] for i in range(4)}}
+    table = a.symbols | t | {f"tail{i}": state[i] for i in range(4)}
     goals = []
     for axis in (0, 1):
         now = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
@@ -224,13 +224,13 @@ def late_room(mutation: Mutation) -> Statement:
     a = GuardAxis(LATE)
     b, t = a.bounds, symbols("spare_ahead spare_back again_ahead again_back")
     spared = (*spares(a), a.again.ahead, a.again.back)
-    again = at_least(a.J * a.S / b.M_min, t["again_ahead"] + t["again_back"])
-    signs = (at_least(t["again_ahead"]), at_least(t["again_back"]))
+    again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
+    signs = (at_least(t.again_ahead), at_least(t.again_back))
     positive = tuple(above(item) for item in (b.M_min, b.alpha, b.period, a.J))
-    given = (*positive, *a.capped, *signs, again, _spared(a, t["spare_ahead"], t["spare_back"]))
+    given = (*positive, *a.capped, *signs, again, _spared(a, t.spare_ahead, t.spare_back))
     cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
     goal = a.enough(a.left, mutation(1, 0.99))
-    return Statement({**a.symbols, **t}, (goal,), given, cuts)
+    return Statement(a.symbols | t, (goal,), given, cuts)
 
 
 @claim(
@@ -268,15 +268,15 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     """
     a = GuardAxis(DELAYED)
     b, t = a.bounds, symbols("V share window")
-    p, window, share = ca.fmax(a["sent"] + a.net, 0), t["window"], t["share"]
+    p, window, share = ca.fmax(a["sent"] + a.net, 0), t.window, t.share
     v = share * window * p / b.M_min
-    y = share * v / 2 - (1 - share) * t["V"]
+    y = share * v / 2 - (1 - share) * t.V
     pair, periods = ca.vertcat(a["sent"], 0), window / b.period
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
     given = (
-        *a.sound(), above(window), at_least(share), at_least(1, share), at_least(t["V"]),
-        at_least(b.u1, t["V"]),
+        *a.sound(), above(window), at_least(share), at_least(1, share), at_least(t.V),
+        at_least(b.u1, t.V),
     )  # fmt: skip
-    return Statement({**a.symbols, **t}, (at_least(reached, mutation(1, 1.01) * v),), given)
+    return Statement(a.symbols | t, (at_least(reached, mutation(1, 1.01) * v),), given)

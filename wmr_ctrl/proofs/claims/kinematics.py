@@ -33,8 +33,8 @@ def no_sideways(mutation: Mutation) -> Statement:
     The simulated robot never slides sideways.
     """
     t = symbols("theta v1 v2")
-    rate = pose_rate(t["theta"], ca.vertcat(t["v1"], t["v2"]))
-    return Statement(t, (equal(constraint(t["theta"]).T @ (rate * ca.vertcat(mutation, 1, 1))),))
+    rate = pose_rate(t.theta, ca.vertcat(t.v1, t.v2))
+    return Statement(t, (equal(constraint(t.theta).T @ (rate * ca.vertcat(mutation, 1, 1))),))
 
 
 @claim("eq04.null-space", (4, 5), given="any theta")
@@ -44,10 +44,10 @@ def null_space(mutation: Mutation) -> Statement:
     The forces that keep the wheels from sliding drop out of the equations of motion.
     """
     t = symbols("theta")
-    h = velocity_map(t["theta"]) * ca.vertcat(
+    h = velocity_map(t.theta) * ca.vertcat(
         ca.horzcat(mutation, 1), ca.horzcat(1, 1), ca.horzcat(1, 1)
     )
-    return Statement(t, every(h.T @ constraint(t["theta"]), ca.SX(2, 1)))
+    return Statement(t, every(h.T @ constraint(t.theta), ca.SX(2, 1)))
 
 
 @claim("eq05", (5,), given=ANY)
@@ -57,9 +57,9 @@ def rate_is_map(mutation: Mutation) -> Statement:
     Forward is (-sin theta, cos theta): theta counts from the Y axis.
     """
     t = symbols("theta v1 v2")
-    v = ca.vertcat(t["v1"], t["v2"])
+    v = ca.vertcat(t.v1, t.v2)
     return Statement(
-        t, every(pose_rate(t["theta"], v), velocity_map(t["theta"]) @ (v * ca.vertcat(mutation, 1)))
+        t, every(pose_rate(t.theta, v), velocity_map(t.theta) @ (v * ca.vertcat(mutation, 1)))
     )
 
 
@@ -70,8 +70,8 @@ def velocity_back(mutation: Mutation) -> Statement:
     The two velocities are the ones that a sensor would measure.
     """
     t = symbols("theta v1 v2")
-    v = ca.vertcat(t["v1"], t["v2"])
-    back = velocity_map(t["theta"]).T @ (pose_rate(t["theta"], v) * ca.vertcat(1, mutation, 1))
+    v = ca.vertcat(t.v1, t.v2)
+    back = velocity_map(t.theta).T @ (pose_rate(t.theta, v) * ca.vertcat(1, mutation, 1))
     return Statement(t, every(back, v))
 
 
@@ -88,22 +88,14 @@ def projection(mutation: Mutation) -> Statement:
 
     Two equations of motion are enough; the wheels' side forces are not needed.
     """
-    t = {
-        **symbols("theta m I r l lam", "m I r l"),
-        **column("v", 2),
-        **column("vdot", 2),
-        **column("tau", 2),
-        **column("F", 3),
-    }
-    theta, v, tau = t["theta"], stacked(t, "v", 2), stacked(t, "tau", 2)
-    h, mass = velocity_map(theta), dynamics.mass_matrix(t["m"], t["I"])
+    t = symbols("theta m I r l lam v1 v2 vdot1 vdot2 tau1 tau2 F1 F2 F3", "m I r l")
+    theta, v, tau = t.theta, stacked(t, "v", 2), stacked(t, "tau", 2)
+    h, mass = velocity_map(theta), dynamics.mass_matrix(t.m, t.I)
     h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, v[1]), 3, 2)
     inner = mass @ (h @ stacked(t, "vdot", 2) + h_dot @ v) + stacked(t, "F", 3)
-    push = dynamics.input_matrix(theta, t["r"], t["l"]) @ tau + constraint(theta) * t["lam"]
-    reduced = dynamics.reduced_mass(t["m"], t["I"]) * stacked(t, "vdot", 2)
-    right = (
-        reduced + h.T @ stacked(t, "F", 3) - mutation * dynamics.wheel_to_force(t["r"], t["l"], tau)
-    )
+    push = dynamics.input_matrix(theta, t.r, t.l) @ tau + constraint(theta) * t.lam
+    reduced = dynamics.reduced_mass(t.m, t.I) * stacked(t, "vdot", 2)
+    right = reduced + h.T @ stacked(t, "F", 3) - mutation * dynamics.wheel_to_force(t.r, t.l, tau)
     return Statement(t, every(h.T @ (inner - push), right))
 
 
@@ -113,15 +105,15 @@ def eq04_reduced(mutation: Mutation) -> Statement:
 
     Thrust and turning do not disturb each other.
     """
-    t = {**symbols("theta m I r l omega", "m I r l"), **column("tau", 2)}
-    theta, tau = t["theta"], stacked(t, "tau", 2)
-    mass, push = dynamics.projected(theta, t["m"], t["I"], t["r"], t["l"])
+    t = symbols("theta m I r l omega", "m I r l") | column("tau", 2)
+    theta, tau = t.theta, stacked(t, "tau", 2)
+    mass, push = dynamics.projected(theta, t.m, t.I, t.r, t.l)
     h = velocity_map(theta)
-    h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, t["omega"]), 3, 2)
-    coriolis = h.T @ dynamics.mass_matrix(t["m"], t["I"]) @ h_dot
+    h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, t.omega), 3, 2)
+    coriolis = h.T @ dynamics.mass_matrix(t.m, t.I) @ h_dot
     goals = (
-        *every(mass, ca.diag(dynamics.reduced_mass(mutation * t["m"], t["I"]))),
-        *every(push @ tau, dynamics.wheel_to_force(t["r"], t["l"], tau)),
+        *every(mass, ca.diag(dynamics.reduced_mass(mutation * t.m, t.I))),
+        *every(push @ tau, dynamics.wheel_to_force(t.r, t.l, tau)),
         *every(coriolis, ca.SX(2, 2)),
     )
     return Statement(t, goals)
@@ -142,13 +134,13 @@ def eq04_plant(mutation: Mutation) -> Statement:
     system = plant(load_scenario(PRESET))
     t = scalars((*system.inputs, *system.state, *system.params))
     m, inertia, mu, r, l, g, v_s = (t[key] for key in KEYS)
-    v = ca.vertcat(t["v1"], t["omega"])
-    tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + mutation * t["noise_left"])
+    v = ca.vertcat(t.v1, t.omega)
+    tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + mutation * t.noise_left)
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
     left = inertial + dynamics.friction(mu, m, g, v_s, v)
-    force = dynamics.wheel_to_force(r, l, tau) + ca.vertcat(t["thrust"], t["moment"])
+    force = dynamics.wheel_to_force(r, l, tau) + ca.vertcat(t.thrust, t.moment)
     return Statement(
-        t, (*every(left, force), *every(system.update[0:3], velocity_map(t["theta"]) @ v))
+        t, (*every(left, force), *every(system.update[0:3], velocity_map(t.theta) @ v))
     )
 
 
@@ -159,9 +151,9 @@ def eq04_wheels(mutation: Mutation) -> Statement:
     The wheels produce exactly the thrust and moment that a law asks for.
     """
     t = symbols("r l F N", "r l")
-    force = ca.vertcat(t["F"], t["N"])
-    wheels = dynamics.force_to_wheel(t["r"], t["l"], force) * ca.vertcat(mutation, 1)
-    return Statement(t, every(dynamics.wheel_to_force(t["r"], t["l"], wheels), force))
+    force = ca.vertcat(t.F, t.N)
+    wheels = dynamics.force_to_wheel(t.r, t.l, force) * ca.vertcat(mutation, 1)
+    return Statement(t, every(dynamics.wheel_to_force(t.r, t.l, wheels), force))
 
 
 @claim(
@@ -172,7 +164,7 @@ def eq33_35(mutation: Mutation) -> Statement:
 
     The tracking error that the laws use evolves as the proof says.
     """
-    t = {**column("q", 3), **column("d", 3), **column("v", 2), **column("vd", 2)}
+    t = column("q", 3) | column("d", 3) | column("v", 2) | column("vd", 2)
     pose, pose_d = stacked(t, "q", 3), stacked(t, "d", 3)
     v, v_d = stacked(t, "v", 2), stacked(t, "vd", 2)
     motion = ca.vertcat(pose_rate(pose[2], v), pose_rate(pose_d[2], v_d))
@@ -187,11 +179,11 @@ def target_rate(mutation: Mutation) -> Statement:
 
     The feed-forward is exact, not a difference quotient.
     """
-    t = {**column("e", 3), **column("v", 2), **column("vd", 2), **column("a", 2), **column("k", 3)}
+    t = column("e", 3) | column("v", 2) | column("vd", 2) | column("a", 2) | column("k", 3)
     e, v, v_d = stacked(t, "e", 3), stacked(t, "v", 2), stacked(t, "vd", 2)
     rate = error_rate(e, v, v_d)
     s, c = ca.sin(e[2]), ca.cos(e[2])
-    first = t["a1"] * c - mutation * v_d[0] * s * rate[2] + t["k1"] * rate[0]
-    second = t["a2"] + t["k2"] * (t["a1"] * e[1] + v_d[0] * rate[1]) + t["k3"] * c * rate[2]
+    first = t.a1 * c - mutation * v_d[0] * s * rate[2] + t.k1 * rate[0]
+    second = t.a2 + t.k2 * (t.a1 * e[1] + v_d[0] * rate[1]) + t.k3 * c * rate[2]
     used = auxiliary_rate(e, v, v_d, stacked(t, "a", 2), stacked(t, "k", 3))
     return Statement(t, every(used, ca.vertcat(first, second)))

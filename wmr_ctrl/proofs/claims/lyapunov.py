@@ -19,21 +19,21 @@ from wmr_ctrl.proofs.regions import (
     paired_cases,
     target_cases,
 )
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import Statement, Symbols, above, at_least, equal, symbols
 
 
 class Moving(BarrierAxis):
     """One axis with the rates of v and v_c0."""
 
     @cached_property
-    def rates(self) -> dict[str, ca.SX]:
+    def rates(self) -> Symbols:
         """v' and v_c0'."""
         return symbols(f"vdot{self.suffix} cdot{self.suffix}")
 
     @property
-    def names(self) -> dict[str, ca.SX]:
+    def names(self) -> Symbols:
         """All symbols."""
-        return {**self.symbols, **self.rates}
+        return self.symbols | self.rates
 
     def along(self, expr: ca.SX) -> ca.SX:
         """Time derivative of an expression of v and v_c0."""
@@ -44,7 +44,7 @@ class Moving(BarrierAxis):
 def x_rate(m: Moving) -> ca.SX:
     """v_c1' of one axis."""
     _, c, u1, u2 = m.all
-    return target_rate(c, m.rates["cdot"], u1, u2)
+    return target_rate(c, m.rates.cdot, u1, u2)
 
 
 def at_target(m: Moving) -> ca.SX:
@@ -99,7 +99,7 @@ def barrier_rate(mutation: Mutation) -> Statement:
     m = Moving()
     v, _, u1, u2 = m.all
     written = ca.if_else(
-        barrier.h(v, u2), mutation * barrier.sign(v) * m.rates["vdot"] / (u1 - ca.fabs(v)), 0
+        barrier.h(v, u2), mutation * barrier.sign(v) * m.rates.vdot / (u1 - ca.fabs(v)), 0
     )
     return m.states(equal(m.along(barrier.f(v, u1, u2)), written))
 
@@ -112,7 +112,7 @@ def minimum_rate(mutation: Mutation) -> Statement:
     """
     m = Moving()
     _, c, u1, u2 = m.all
-    written = -(m.x - c) * (x_rate(m) - m.rates["cdot"]) - mutation * at_target(m)
+    written = -(m.x - c) * (x_rate(m) - m.rates.cdot) - mutation * at_target(m)
     return m.states(equal(m.along(barrier.g(c, u1, u2)), written))
 
 
@@ -144,7 +144,7 @@ def g_rate(mutation: Mutation) -> Statement:
     """
     m = Moving()
     _, c, u1, u2 = m.all
-    return m.states(equal(m.along(barrier.g(c, u1, u2)), mutation * (m.x - c) * m.rates["cdot"]))
+    return m.states(equal(m.along(barrier.g(c, u1, u2)), mutation * (m.x - c) * m.rates.cdot))
 
 
 @claim("eq26", (26,), given=OFF_EDGES, by=PAIRS)
@@ -156,7 +156,7 @@ def both_axes(mutation: Mutation) -> Statement:
     """
     m, n, rate = two_axes()
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
-    return Statement({**m.names, **n.names}, (equal(rate, terms[0] + mutation * terms[1]),))
+    return Statement(m.names | n.names, (equal(rate, terms[0] + mutation * terms[1]),))
 
 
 @claim("eq27", (27,), given=OFF_EDGES, by=PAIRS)
@@ -166,7 +166,7 @@ def split(mutation: Mutation) -> Statement:
     The axes do not interfere.
     """
     m, n, rate = two_axes()
-    return Statement({**m.names, **n.names}, (equal(rate, m.along(m.V) + mutation * n.along(n.V)),))
+    return Statement(m.names | n.names, (equal(rate, m.along(m.V) + mutation * n.along(n.V)),))
 
 
 @claim("eq28", (28,), given=OFF_EDGES)
@@ -198,15 +198,14 @@ def command(mutation: Mutation, axis: int = 0) -> Statement:
     k, t = axis + 1, law.symbols
     v, u1, u2 = t[("v1", "omega")[axis]], t[f"limits.v_u1[{k}]"], t[f"limits.v_u2[{k}]"]
     free = symbols("c cdot")
-    c = free["c"]
+    c = free.c
     mass, friction = (law.own(item)[axis] for item in (law.context.mass, law.context.friction))
     a, value = barrier.a_term(v, c, u1, u2), barrier.lyapunov(v, c, u1, u2)
     bracket = (
-        -t[f"gains.mb.rho[{k}]"] * value
-        + mutation * (v - barrier.minimiser(c, u1, u2)) * free["cdot"]
+        -t[f"gains.mb.rho[{k}]"] * value + mutation * (v - barrier.minimiser(c, u1, u2)) * free.cdot
     )
     goal = equal(a * law.force[axis], mass * bracket + a * friction)
-    return Statement({**t, **free}, (goal,), (), law.inner(axis))
+    return Statement(t | free, (goal,), (), law.inner(axis))
 
 
 @claim("eq29.printed", (29,), given=OFF_EDGES + "; A != 0", by=Ring(NONZERO))
@@ -228,10 +227,10 @@ def literal_decay(mutation: Mutation) -> Statement:
     """
     m = Moving()
     v, c, _, _ = m.all
-    rho, c_dot = ca.SX.sym("rho"), m.rates["cdot"]
+    rho, c_dot = ca.SX.sym("rho"), m.rates.cdot
     command = (-rho * m.V + m.w * c_dot) / m.A
     rate = ca.jtimes(m.V, ca.vertcat(v, c), ca.vertcat(command, c_dot))
-    return Statement({**m.names, "rho": rho}, (equal(rate, -mutation * rho * m.V),))
+    return Statement(m.names | {"rho": rho}, (equal(rate, -mutation * rho * m.V),))
 
 
 @claim.also(
@@ -252,9 +251,9 @@ def decay(mutation: Mutation, axis: int = 0) -> Statement:
     free = symbols("c cdot")
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
     v_dot = acceleration(mass, law.force, friction)[axis]
-    value = barrier.lyapunov(v, free["c"], u1, u2)
-    rate = ca.jtimes(value, ca.vertcat(v, free["c"]), ca.vertcat(v_dot, free["cdot"]))
-    return Statement({**t, **free}, (equal(rate, -mutation * rho * value),), (), law.inner(axis))
+    value = barrier.lyapunov(v, free.c, u1, u2)
+    rate = ca.jtimes(value, ca.vertcat(v, free.c), ca.vertcat(v_dot, free.cdot))
+    return Statement(t | free, (equal(rate, -mutation * rho * value),), (), law.inner(axis))
 
 
 @claim(
@@ -274,13 +273,13 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     # The change of V1i over a short time h from v = v_u2, with the command at the start held.
     m = Moving()
     v, c, u1, u2 = m.all
-    t = {**m.names, **symbols("rho h")}
-    command = (-t["rho"] * m.V + mutation * m.w * t["cdot"]) / m.A
-    later = barrier.lyapunov(v + t["h"] * command, c + t["h"] * t["cdot"], u1, u2)
-    change = (later - m.V) / t["h"]
-    given = (*m.inside, equal(v, u2), above(t["h"]), at_least(1, 1000000 * t["h"]), above(t["rho"]))
+    t = m.names | symbols("rho h")
+    command = (-t.rho * m.V + mutation * m.w * t.cdot) / m.A
+    later = barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2)
+    change = (later - m.V) / t.h
+    given = (*m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho))
     del t["vdot"]
-    return Statement(t, (at_least(1, ca.fabs(change + t["rho"] * m.V)),), given)
+    return Statement(t, (at_least(1, ca.fabs(change + t.rho * m.V)),), given)
 
 
 @claim(

@@ -34,7 +34,7 @@ from wmr_ctrl.proofs.statement import (
 
 def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:
     """M1^-1 Gamma^-1 W~' times a rate."""
-    return ca.dot(n.error, rate) / (n.free["mass"] * n.gain("Gamma"))
+    return ca.dot(n.error, rate) / (n.free.mass * n.gain("Gamma"))
 
 
 GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {
@@ -85,9 +85,7 @@ def law(mutation: Mutation) -> Statement:
     The network law that runs is the paper's, with its quotients in cancellation-free form.
     """
     n = network_axis(0)
-    written = -n.gain("rho1") * n.free["quotient"] + mutation * n.free["q"] * ca.dot(
-        n.weights, n.basis
-    )
+    written = -n.gain("rho1") * n.free.quotient + mutation * n.free.q * ca.dot(n.weights, n.basis)
     return n.statement(equal(n.law.force[0], written))
 
 
@@ -100,7 +98,7 @@ def adaptation(mutation: Mutation, axis: int = 0) -> Statement:
     The weights learn from the distance to the target velocity and slowly forget.
     """
     n = network_axis(axis)
-    rate = -n.gain("Gamma") * (n.basis * n.free["w"] + mutation * n.gain("sigma") * n.weights)
+    rate = -n.gain("Gamma") * (n.basis * n.free.w + mutation * n.gain("sigma") * n.weights)
     return n.statement(*(equal(n.weight_rate[j], rate[j]) for j in range(NODES)))
 
 
@@ -117,10 +115,10 @@ def basis_product(mutation: Mutation) -> Statement:
 
     The fast evaluation of the network changes nothing.
     """
-    t = {**column("z", DIMENSIONS), **symbols("eta")}
+    t = column("z", DIMENSIONS) | symbols("eta")
     z = stacked(t, "z", DIMENSIONS)
-    plain = nn.gaussian_basis(z, t["eta"], nn.corner_centres(DIMENSIONS, mutation))
-    return Statement(t, every(nn.corner_basis(z, t["eta"], ca.SX(1)), plain))
+    plain = nn.gaussian_basis(z, t.eta, nn.corner_centres(DIMENSIONS, mutation))
+    return Statement(t, every(nn.corner_basis(z, t.eta, ca.SX(1)), plain))
 
 
 @claim(
@@ -177,9 +175,9 @@ def substituted(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    pushed = f["A"] / f["mass"] * (n.law.force[0] - f["friction"])
+    pushed = f.A / f.mass * (n.law.force[0] - f.friction)
     return n.statement(
-        equal(n.rate, pushed - mutation * f["w"] * f["cdot"] + weights_part(n, n.weight_rate))
+        equal(n.rate, pushed - mutation * f.w * f.cdot + weights_part(n, n.weight_rate))
     )
 
 
@@ -191,9 +189,9 @@ def with_law(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    learnt = f["w"] / f["mass"] * ca.dot(n.best + n.error, n.basis)
-    lost = f["A"] / f["mass"] * f["friction"] + mutation * f["w"] * f["cdot"]
-    fed = -n.gain("rho1") / f["mass"] * f["V"]
+    learnt = f.w / f.mass * ca.dot(n.best + n.error, n.basis)
+    lost = f.A / f.mass * f.friction + mutation * f.w * f.cdot
+    fed = -n.gain("rho1") / f.mass * f.V
     return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + learnt - lost))
 
 
@@ -205,8 +203,8 @@ def with_target(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    rest = f["w"] / f["mass"] * (ca.dot(n.error, n.basis) + mutation * n.residual)
-    fed = -n.gain("rho1") / f["mass"] * f["V"]
+    rest = f.w / f.mass * (ca.dot(n.error, n.basis) + mutation * n.residual)
+    fed = -n.gain("rho1") / f.mass * f.V
     return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + rest))
 
 
@@ -217,9 +215,9 @@ def with_adaptation(mutation: Mutation) -> Statement:
     Learning cancels the unknown part; only the forgetting term and eps2 remain.
     """
     n = network_axis(0)
-    f, mass = n.free, n.free["mass"]
+    f, mass = n.free, n.free.mass
     leak = n.gain("sigma") / mass * ca.dot(n.error, n.weights)
-    written = -n.gain("rho1") / mass * f["V"] - mutation * leak + f["w"] / mass * n.residual
+    written = -n.gain("rho1") / mass * f.V - mutation * leak + f.w / mass * n.residual
     return n.statement(equal(n.rate, written))
 
 
@@ -238,8 +236,8 @@ def eq72(mutation: Mutation, combined: bool = False) -> Statement:
     The worst that eps2 can do.
     """
     n = network_axis(0)
-    f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
-    base = -n.gain("rho1") / mass * f["V"] + 0.5 / mass * (f["w"] ** 2 + n.residual**2)
+    f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
+    base = -n.gain("rho1") / mass * f.V + 0.5 / mass * (f.w**2 + n.residual**2)
     leak = -sigma / mass * ca.dot(n.error, n.error + n.best)
     if combined:
         leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
@@ -261,8 +259,8 @@ def printed_step(mutation: Mutation) -> Statement:
     One unit of the gain is spent on eps2.
     """
     n = network_axis(0)
-    f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
-    bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f["V"] + 0.5 / mass * n.residual**2
+    f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
+    bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f.V + 0.5 / mass * n.residual**2
     leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
     return n.statement(at_least(bound + leak, n.rate))
 
@@ -283,10 +281,10 @@ def decay(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    leftover = analysis.leftover(n.residual, n.gain("sigma"), n.best, f["mass"])
-    total = analysis.network_lyapunov(f["V"], f["mass"], n.gain("Gamma"), n.error)
-    names = {**n.names, **symbols("rho2")}
-    least = mutation(names["rho2"], 1e6 * names["rho2"])
+    leftover = analysis.leftover(n.residual, n.gain("sigma"), n.best, f.mass)
+    total = analysis.network_lyapunov(f.V, f.mass, n.gain("Gamma"), n.error)
+    names = n.names | symbols("rho2")
+    least = mutation(names.rho2, 1e6 * names.rho2)
     return Statement(names, (at_least(-least * total + leftover, n.rate),), (), n.inner)
 
 
@@ -297,7 +295,7 @@ def rate_is_least(mutation: Mutation) -> Statement:
     The slowest of four rates decides: with the paper's gains it is the forgetting, 0.08 1/s, which
     rho1 cannot change.
     """
-    t = {**column("rho", 2), **column("M", 2), **column("sigma", 2), **column("gamma", 2)}
+    t = column("rho", 2) | column("M", 2) | column("sigma", 2) | column("gamma", 2)
     rho, mass, sigma, gamma = (stacked(t, name, 2) for name in ("rho", "M", "sigma", "gamma"))
     least = mutation(1, 2) * analysis.decay_rate(rho, mass, sigma, gamma)
     given = tuple(above(t[f"{n}{i}"]) for n in ("M", "sigma", "gamma") for i in (1, 2))
@@ -322,12 +320,10 @@ def end_bound(mutation: Mutation) -> Statement:
     How close the velocities come, if C3 is finite.
     """
     t = symbols("z1 z2 V C1 C2 rho2")
-    square = t["z1"] ** 2 + t["z2"] ** 2
+    square = t.z1**2 + t.z2**2
     given = (
-        above(t["rho2"]),
-        at_least(2 * (t["C1"] + t["C2"]), t["V"] * t["rho2"]),
-        at_least(2 * t["V"], square),
+        above(t.rho2),
+        at_least(2 * (t.C1 + t.C2), t.V * t.rho2),
+        at_least(2 * t.V, square),
     )
-    return Statement(
-        t, (at_least(4 * (t["C1"] + t["C2"]) * mutation(1, 0.5), square * t["rho2"]),), given
-    )
+    return Statement(t, (at_least(4 * (t.C1 + t.C2) * mutation(1, 0.5), square * t.rho2),), given)

@@ -10,7 +10,7 @@ from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.laws import nn
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claims.common import LawGraph
-from wmr_ctrl.proofs.statement import Statement, column, stacked, symbols
+from wmr_ctrl.proofs.statement import Statement, Symbols, column, stacked, symbols
 
 
 class NetworkAxis:
@@ -23,13 +23,13 @@ class NetworkAxis:
     def __init__(self, axis: int) -> None:
         self.axis, self.law = axis, LawGraph("nn")
         names = "quotient q w A V cdot friction mass"
-        self.free = {**symbols(names), **column("S", NODES), **column("best", NODES)}
+        self.free = symbols(names) | column("S", NODES) | column("best", NODES)
         self.basis, self.best = (stacked(self.free, name, NODES) for name in ("S", "best"))
 
     @property
-    def names(self) -> dict[str, ca.SX]:
+    def names(self) -> Symbols:
         """Everything, the law's own ports included."""
-        return {**self.law.symbols, **self.free}
+        return self.law.symbols | self.free
 
     @cached_property
     def weights(self) -> ca.SX:
@@ -65,31 +65,31 @@ class NetworkAxis:
     @cached_property
     def v_dot(self) -> ca.SX:
         """Acceleration of the true robot under the law's force, Eq. (4)."""
-        return acceleration(self.free["mass"], self.law.force[self.axis], self.free["friction"])
+        return acceleration(self.free.mass, self.law.force[self.axis], self.free.friction)
 
     @cached_property
     def residual(self) -> ca.SX:
         """eps2 of Eq. (59), taken as its definition: what W*'S misses of the target."""
         f = self.free
-        target = analysis.network_target(f["mass"], f["cdot"], f["A"] / f["w"], f["friction"])
+        target = analysis.network_target(f.mass, f.cdot, f.A / f.w, f.friction)
         return ca.dot(self.best, self.basis) - target
 
     @cached_property
     def barrier_rate(self) -> ca.SX:
         """V1i' of Eq. (28)."""
-        return self.free["A"] * self.v_dot - self.free["w"] * self.free["cdot"]
+        return self.free.A * self.v_dot - self.free.w * self.free.cdot
 
     @cached_property
     def rate(self) -> ca.SX:
         """V3i' by differentiation of Eq. (62)."""
         value, weights = ca.SX.sym("V1i"), ca.SX.sym("W", NODES)
-        total = analysis.network_lyapunov(value, self.free["mass"], self.gain("Gamma"), weights)
+        total = analysis.network_lyapunov(value, self.free.mass, self.gain("Gamma"), weights)
         arguments, direction = (
             ca.vertcat(value, weights),
             ca.vertcat(self.barrier_rate, self.weight_rate),
         )
         rate = ca.jtimes(total, arguments, direction)
-        return ca.substitute(rate, arguments, ca.vertcat(self.free["V"], self.error))
+        return ca.substitute(rate, arguments, ca.vertcat(self.free.V, self.error))
 
     def statement(self, *goals: Any) -> Statement:
         """Goals with the graph's inner quantities free."""

@@ -17,6 +17,7 @@ from wmr_ctrl.proofs.statement import (
     AT_LEAST,
     Relation,
     Statement,
+    Symbols,
     above,
     at_least,
     equal,
@@ -27,18 +28,18 @@ from wmr_ctrl.proofs.statement import (
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
 
 
-def _limits(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
-    return above(t["u2"]), above(t["u1"], t["u2"])
+def _limits(t: Symbols) -> tuple[Relation, ...]:
+    return above(t.u2), above(t.u1, t.u2)
 
 
-def _target(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
-    return (*_limits(t), above(t["k"]), above(ca.SX(1e100), t["c"]), above(t["c"], -1e100))
+def _target(t: Symbols) -> tuple[Relation, ...]:
+    return (*_limits(t), above(t.k), above(ca.SX(1e100), t.c), above(t.c, -1e100))
 
 
-def _slope(size: ca.SX, t: dict[str, ca.SX], smooth: bool) -> ca.SX:
+def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
     """f'(|x|) beyond u2."""
-    tangent = 1 / (t["u1"] - t["u2"]) if smooth else 0
-    return 1 / (t["u1"] - size) - tangent
+    tangent = 1 / (t.u1 - t.u2) if smooth else 0
+    return 1 / (t.u1 - size) - tangent
 
 
 map_claim = Claims(by=Z3(effort=150))
@@ -58,14 +59,14 @@ def optimal(mutation: Mutation, smooth: bool = False) -> Statement:
     The closed form is the nearest velocity inside the limit.
     """
     t = symbols("c k u1 u2", "k u1 u2")
-    x = resolvent(t["c"], t["k"], t["u1"], t["u2"], smooth)
-    size, s = ca.fabs(x), ca.if_else(t["c"] >= 0, 1, -1)
-    rest = s * (t["c"] - mutation * x)
-    beyond = (rest - t["k"] * _slope(size, t, smooth)) * (t["u1"] - size)
-    jump = ca.SX(0) if smooth else t["k"] / (t["u1"] - t["u2"])
+    x = resolvent(t.c, t.k, t.u1, t.u2, smooth)
+    size, s = ca.fabs(x), ca.if_else(t.c >= 0, 1, -1)
+    rest = s * (t.c - mutation * x)
+    beyond = (rest - t.k * _slope(size, t, smooth)) * (t.u1 - size)
+    jump = ca.SX(0) if smooth else t.k / (t.u1 - t.u2)
     at_kink = ca.fmin(jump - rest, 0)
-    miss = ca.if_else(size > t["u2"], beyond, ca.if_else(size < t["u2"], rest, at_kink))
-    inside = above(t["u1"], size)
+    miss = ca.if_else(size > t.u2, beyond, ca.if_else(size < t.u2, rest, at_kink))
+    inside = above(t.u1, size)
     return Statement(t, (equal(miss), at_least(rest), at_least(s * x), inside), _target(t))
 
 
@@ -84,19 +85,17 @@ def monotone(mutation: Mutation, smooth: bool = False) -> Statement:
     """
     t = symbols("x1 x2 k1 k2 u1 u2", "u1 u2")
     slopes = []
-    for x, kink in ((t["x1"], t["k1"]), (t["x2"], t["k2"])):
+    for x, kink in ((t.x1, t.k1), (t.x2, t.k2)):
         size, s = ca.fabs(x), ca.if_else(x >= 0, 1, -1)
         jump = ca.SX(0) if smooth else kink
-        steep = ca.if_else(
-            size > t["u2"], _slope(size, t, smooth), ca.if_else(size < t["u2"], 0, jump)
-        )
+        steep = ca.if_else(size > t.u2, _slope(size, t, smooth), ca.if_else(size < t.u2, 0, jump))
         slopes.append(s * steep)
-    rises = mutation * (slopes[0] - slopes[1]) * (t["x1"] - t["x2"])
-    sizes = [above(t["u1"], way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
+    rises = mutation * (slopes[0] - slopes[1]) * (t.x1 - t.x2)
+    sizes = [above(t.u1, way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
     kinks = [
         part
         for name in ("k1", "k2")
-        for part in (at_least(t[name]), at_least(ca.SX(1), t[name] * (t["u1"] - t["u2"])))
+        for part in (at_least(t[name]), at_least(ca.SX(1), t[name] * (t.u1 - t.u2)))
     ]
     return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
 
@@ -110,10 +109,10 @@ def not_expansive(mutation: Mutation) -> Statement:
     Targets that are near stay near.
     """
     t = symbols("x1 x2 a1 a2 k")
-    dx, da = t["x1"] - t["x2"], t["a1"] - t["a2"]
-    dc = dx + t["k"] * da
+    dx, da = t.x1 - t.x2, t.a1 - t.a2
+    dc = dx + t.k * da
     goal = at_least(dc * dc, mutation(1, 1.01) * dx * dx)
-    return Statement(t, (goal,), (above(t["k"]), at_least(dx * da)))
+    return Statement(t, (goal,), (above(t.k), at_least(dx * da)))
 
 
 @map_claim("prox.root", given="k > 0, any t")
@@ -123,8 +122,8 @@ def prox_root(mutation: Mutation) -> Statement:
     How far below the limit a proximal map ends.
     """
     t = symbols("t k")
-    d = root(t["t"], t["k"])
-    return Statement(t, (above(d), equal(d * (d + mutation * t["t"]), t["k"])), (above(t["k"]),))
+    d = root(t.t, t.k)
+    return Statement(t, (above(d), equal(d * (d + mutation * t.t), t.k)), (above(t.k),))
 
 
 @map_claim(
@@ -162,26 +161,26 @@ class Step:
         self.smooth = smooth
         self.inputs = t = symbols("v c followed target E u1 u2", "E u1 u2")
         self.free = symbols("carried end x_followed x_target")
-        self.limits = t["u1"], t["u2"]
-        self.shares = t["E"], 1 - t["E"]
+        self.limits = t.u1, t.u2
+        self.shares = t.E, 1 - t.E
 
     @property
     def start(self) -> ca.SX:
         """v* as the law computes it."""
         t = self.inputs
-        return transported(t["v"], t["c"], t["followed"], self.limits, self.smooth)
+        return transported(t.v, t.c, t.followed, self.limits, self.smooth)
 
     @property
     def argument(self) -> ca.SX:
         """Argument of the last proximal map."""
-        return mixture(self.start, self.inputs["target"], self.shares)
+        return mixture(self.start, self.inputs.target, self.shares)
 
     @property
     def end(self) -> ca.SX:
         """v+ as the law computes it."""
         t = self.inputs
-        way = (t["c"], t["followed"], t["target"])
-        return prox_step(t["v"], way, self.shares, self.limits, self.smooth)
+        way = (t.c, t.followed, t.target)
+        return prox_step(t.v, way, self.shares, self.limits, self.smooth)
 
     def states(
         self,
@@ -195,12 +194,12 @@ class Step:
         inner = {
             "carried": self.start,
             "end": resolvent(self.argument, self.shares[1], *self.limits, self.smooth),
-            "x_followed": resolvent(t["followed"], one, *self.limits, self.smooth),
-            "x_target": resolvent(t["target"], one, *self.limits, self.smooth),
+            "x_followed": resolvent(t.followed, one, *self.limits, self.smooth),
+            "x_target": resolvent(t.target, one, *self.limits, self.smooth),
         }
-        plain = above(t["u2"]), above(t["u1"], t["u2"]), above(t["E"]), above(1, t["E"])
+        plain = above(t.u2), above(t.u1, t.u2), above(t.E), above(1, t.E)
         cuts = {name: inner[name] for name in names}
-        return Statement({**t, **self.free, **(more or {})}, goals, (*plain, *given), cuts)
+        return Statement(t | self.free | (more or {}), goals, (*plain, *given), cuts)
 
 
 claim = Claims(by=HARD, given="0 < v_u2 < v_u1, 0 < E < 1")
@@ -214,7 +213,7 @@ def inside(mutation: Mutation, smooth: bool) -> Statement:
     itself (from |c+| of about 1e17 on).
     """
     s = Step(smooth)
-    limit = mutation(s.inputs["u1"], s.inputs["u2"])
+    limit = mutation(s.inputs.u1, s.inputs.u2)
     return s.states((above(limit, s.end), above(s.end, -limit)), (), ("carried",))
 
 
@@ -233,14 +232,14 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     s, t = Step(smooth), symbols("w")
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
     E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
-    pull, rest = s.argument - s.free["end"], (1 - E) * (target - x_target)
+    pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
     given = (
-        at_least((s.free["end"] - x_target) * (pull - rest)),
-        at_least(ca.fabs(t["w"]), ca.fabs(carried - x_followed)),
+        at_least((s.free.end - x_target) * (pull - rest)),
+        at_least(ca.fabs(t.w), ca.fabs(carried - x_followed)),
         at_least(ca.fabs(target - followed), ca.fabs(x_target - x_followed)),
     )
     way = ca.fabs(target - followed)
-    most = E * (ca.fabs(t["w"]) + mutation(way, 0.9 * way))
+    most = E * (ca.fabs(t.w) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
     return s.states((at_least(most, ca.fabs(s.end - x_target)),), given, names, t)
 
@@ -258,20 +257,20 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     period and the targets.
     """
     s, t = Step(smooth), symbols("mid after")
-    E, target = s.inputs["E"], s.inputs["target"]
-    end, carried = s.free["end"], s.free["carried"]
-    back = s.free["x_target"] - end
+    E, target = s.inputs.E, s.inputs.target
+    end, carried = s.free.end, s.free.carried
+    back = s.free.x_target - end
     # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
     A = symbols("A")
     optimal = equal((1 - E) * (A["A"] - end + target), s.argument - end)
     given = (
         optimal,
-        at_least(t["mid"], t["after"] + A["A"] * (carried - end) + 0.5 * (carried - end) ** 2),
-        at_least(0, t["after"] + A["A"] * back + 0.5 * back**2),
-        at_least(t["after"]),
+        at_least(t.mid, t.after + A["A"] * (carried - end) + 0.5 * (carried - end) ** 2),
+        at_least(0, t.after + A["A"] * back + 0.5 * back**2),
+        at_least(t.after),
     )
-    goals = (at_least(mutation(E**2, (0.9 * E) ** 2) * t["mid"], t["after"]), equal(s.end, end))
-    return s.states(goals, given, ("carried", "end", "x_target"), {**t, **A})
+    goals = (at_least(mutation(E**2, (0.9 * E) ** 2) * t.mid, t.after), equal(s.end, end))
+    return s.states(goals, given, ("carried", "end", "x_target"), t | A)
 
 
 @claim("prox.linear{key}", premises="transport.plain{key}", over=BARRIERS)
@@ -282,7 +281,7 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
     """
     s = Step(smooth)
     E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
-    plain = E * s.free["carried"] + (1 - E) * target
+    plain = E * s.free.carried + (1 - E) * target
     given = (*(at_least(u2, way * plain) for way in (1, -1)), above(1e100, u2))
     return s.states((equal(s.end, mutation * plain),), given, ("carried",))
 
@@ -301,14 +300,14 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     """
     # What X_(1-E) is taken of is bounded here; the rest is `resolvent`'s.
     s, t = Step(smooth), symbols("C m", "C m")
-    u1, C = s.limits[0], t["C"]
-    most = s.inputs["E"] * u1 + s.shares[1] * mutation(C, 0.9 * C)
+    u1, C = s.limits[0], t.C
+    most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
     reached = ca.fabs(s.argument) <= most
     given = (
-        at_least(u1, ca.fabs(s.free["carried"])), at_least(C, ca.fabs(s.inputs["target"])),
-        when(reached, at_least(u1 - t["m"], ca.fabs(s.free["end"]))),
+        at_least(u1, ca.fabs(s.free.carried)), at_least(C, ca.fabs(s.inputs.target)),
+        when(reached, at_least(u1 - t.m, ca.fabs(s.free.end))),
     )  # fmt: skip
-    return s.states((at_least(u1 - t["m"], ca.fabs(s.end)),), given, ("carried", "end"), t)
+    return s.states((at_least(u1 - t.m, ca.fabs(s.end)),), given, ("carried", "end"), t)
 
 
 @claim(
@@ -327,22 +326,22 @@ def rises(mutation: Mutation) -> Statement:
     way that it does not carry.
     """
     t = symbols("before carried mid after S S_next way E")
-    S, E = t["S"], t["E"]
+    S, E = t.S, t.E
     root = symbols("S_mid S_carried")
     squares = [
         equal(root_of**2, 2 * value)
         for root_of, value in (
-            (S, t["before"]), (t["S_next"], t["after"]),
-            (root["S_mid"], t["mid"]), (root["S_carried"], t["carried"])
+            (S, t.before), (t.S_next, t.after),
+            (root.S_mid, t.mid), (root.S_carried, t.carried)
         )
     ]  # fmt: skip
-    roots = [at_least(x) for x in (S, t["S_next"], *root.values())]
+    roots = [at_least(x) for x in (S, t.S_next, *root.values())]
     given = (
-        *squares, *roots, above(E), above(1, E), at_least(t["way"]),
-        at_least(t["before"], t["carried"]),
-        at_least(root["S_carried"] + t["way"], root["S_mid"]),
-        at_least(E**2 * t["mid"], t["after"]),
+        *squares, *roots, above(E), above(1, E), at_least(t.way),
+        at_least(t.before, t.carried),
+        at_least(root.S_carried + t.way, root.S_mid),
+        at_least(E**2 * t.mid, t.after),
     )  # fmt: skip
-    most = E * (S + mutation(1, 0.9) * t["way"])
-    level = Relation(ca.if_else(t["way"] > 0, 0, E**2 * t["before"] - t["after"]), AT_LEAST)
-    return Statement({**t, **root}, (at_least(most, t["S_next"]), level), given)
+    most = E * (S + mutation(1, 0.9) * t.way)
+    level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
+    return Statement(t | root, (at_least(most, t.S_next), level), given)

@@ -94,8 +94,8 @@ class Sampled:
     @property
     def observed(self) -> tuple[Relation, ...]:
         """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
-        t, fall = self.law.symbols, self.free["fall"]
-        sizes = positive(t["started"], t["robot.r"], t["robot.l"])
+        t, fall = self.law.symbols, self.free.fall
+        sizes = positive(t.started, t["robot.r"], t["robot.l"])
         return (*self.numbers, *sizes, above(fall, -1), above(0, fall))
 
     def gained(self, d: ca.SX) -> Relation:
@@ -111,7 +111,7 @@ class Sampled:
         more: dict[str, ca.SX],
     ) -> Statement:
         """The statement on the law's graph."""
-        return Statement({**self.law.symbols, **self.free, **more}, goals, given, cuts)
+        return Statement(self.law.symbols | self.free | more, goals, given, cuts)
 
 
 claim = Claims(by=Z3(effort=150))
@@ -143,7 +143,7 @@ def assembled(mutation: Mutation, part: str) -> Statement:
         steps.append(prox_step(t[name], way, shares, limits, context.smooth))
     free = symbols("step1 step2")
     goals = every(law.own(next_velocity(context)), mutation * ca.vertcat(*steps))
-    return Statement({**t, **free}, goals, cuts=dict(zip(free, steps, strict=True)))
+    return Statement(t | free, goals, cuts=dict(zip(free, steps, strict=True)))
 
 
 @claim("prox.force{of}", given="T, M > 0; F1(v+) and v+ whatever they are", over=AXES)
@@ -154,7 +154,7 @@ def force(mutation: Mutation, axis: int) -> Statement:
     what the observer adds.
     """
     s = Sampled(axis)
-    goal = equal(s.moved(-mutation * s.free["f"]), s.free["next"])
+    goal = equal(s.moved(-mutation * s.free.f), s.free.next)
     return s.states((goal,), s.numbers, s.force_cuts, {})
 
 
@@ -173,11 +173,11 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     """
     s = Sampled(axis)
     t = symbols("d w way x_next x_real eps E")
-    nearest = at_least(t["E"] * (t["w"] + t["way"]), ca.fabs(s.free["next"] - t["x_next"]))
-    moved = at_least(ca.fabs(t["eps"]), ca.fabs(t["x_real"] - t["x_next"]))
-    push = s.period * ca.fabs(t["d"] + s.free["f"]) / s.mass
-    most = t["E"] * (t["w"] + t["way"]) + mutation(push, 0.9 * push) + ca.fabs(t["eps"])
-    goal = at_least(most, ca.fabs(s.moved(t["d"]) - t["x_real"]))
+    nearest = at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next))
+    moved = at_least(ca.fabs(t.eps), ca.fabs(t.x_real - t.x_next))
+    push = s.period * ca.fabs(t.d + s.free.f) / s.mass
+    most = t.E * (t.w + t.way) + mutation(push, 0.9 * push) + ca.fabs(t.eps)
+    goal = at_least(most, ca.fabs(s.moved(t.d) - t.x_real))
     return s.states((goal,), (*s.numbers, nearest, moved), s.force_cuts, t)
 
 
@@ -196,9 +196,9 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d m")
     u1 = s.law.symbols[f"limits.v_u1[{axis + 1}]"]
-    room = at_least(u1 - t["m"], ca.fabs(s.free["next"]))
-    push = at_least(t["m"], ca.fabs(s.period * (s.free["f"] + t["d"]) / s.mass))
-    goal = at_least(mutation(1, 0.9) * u1, ca.fabs(s.moved(t["d"])))
+    room = at_least(u1 - t.m, ca.fabs(s.free.next))
+    push = at_least(t.m, ca.fabs(s.period * (s.free.f + t.d) / s.mass))
+    goal = at_least(mutation(1, 0.9) * u1, ca.fabs(s.moved(t.d)))
     return s.states((goal,), (*s.numbers, room, push), s.force_cuts, t)
 
 
@@ -220,14 +220,14 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     One term of the series that prox.gain sums up.
     """
     s, t = Sampled(axis), symbols("d w way x_next x_real eps E p W")
-    whole = s.period * t["p"] / s.mass + t["eps"] + t["E"] * t["way"]
+    whole = s.period * t.p / s.mass + t.eps + t.E * t.way
     given = (
-        *s.numbers, above(t["E"]), above(1, t["E"]), at_least(t["w"]),
-        at_least(t["E"] * (t["w"] + t["way"]), ca.fabs(s.free["next"] - t["x_next"])),
-        *within(t["x_real"] - t["x_next"], t["eps"]), *within(s.free["f"] + t["d"], t["p"]),
-        equal(t["W"] * (1 - t["E"]), mutation(1, 0.9) * whole),
+        *s.numbers, above(t.E), above(1, t.E), at_least(t.w),
+        at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next)),
+        *within(t.x_real - t.x_next, t.eps), *within(s.free.f + t.d, t.p),
+        equal(t.W * (1 - t.E), mutation(1, 0.9) * whole),
     )  # fmt: skip
-    goal = falls(ca.fabs(s.moved(t["d"]) - t["x_real"]), t["w"], t["W"], t["E"])
+    goal = falls(ca.fabs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
     return s.states((goal,), given, s.force_cuts, t)
 
 
@@ -239,10 +239,10 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
     One term of the observer's series in prox.gain.
     """
     s, t = Sampled(axis), symbols("d d_old P")
-    slow = within(t["d"] - t["d_old"], mutation(1, 1.1) * -s.free["fall"] * t["P"])
-    new, old = s.law.system.update[axis] + t["d"], s.f_old + t["d_old"]
-    goal = falls(ca.fabs(new), ca.fabs(old), t["P"], 1 + s.free["fall"])
-    return s.states((goal,), (*s.observed, s.gained(t["d_old"]), *slow), s.observer_cuts, t)
+    slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
+    new, old = s.law.system.update[axis] + t.d, s.f_old + t.d_old
+    goal = falls(ca.fabs(new), ca.fabs(old), t.P, 1 + s.free.fall)
+    return s.states((goal,), (*s.observed, s.gained(t.d_old), *slow), s.observer_cuts, t)
 
 
 @claim("prox.observer-first", given="the state that the law starts from; any first sample")
@@ -271,9 +271,9 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     The observer compensates a push at the rate wo; what remains comes from the push's changes.
     """
     s, t = Sampled(axis), symbols("d d_old")
-    left = (1 + mutation * s.free["fall"]) * (s.f_old + t["d_old"]) + t["d"] - t["d_old"]
-    goal = equal(s.law.system.update[axis] + t["d"], left)
-    return s.states((goal,), (*s.observed, s.gained(t["d_old"])), s.observer_cuts, t)
+    left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
+    goal = equal(s.law.system.update[axis] + t.d, left)
+    return s.states((goal,), (*s.observed, s.gained(t.d_old)), s.observer_cuts, t)
 
 
 @claim("prox.observer-bound{of}", given="as prox.observer; 0 < exp(-wo T) < 1", over=AXES)
@@ -285,15 +285,13 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     sample to sample over L.
     """
     s, t = Sampled(axis), symbols("d d_old most change")
-    share, f = -s.free["fall"], s.law.system.update[axis]
-    old, new = s.f_old + t["d_old"], f + t["d"]
+    share, f = -s.free.fall, s.law.system.update[axis]
+    old, new = s.f_old + t.d_old, f + t.d
     tight = mutation(1, 0.9)
-    sizes = ca.logic_and(ca.fabs(t["d_old"]) <= t["most"], ca.fabs(s.f_old) <= t["most"])
-    slow = ca.logic_and(
-        ca.fabs(t["d"] - t["d_old"]) <= t["change"], share * ca.fabs(old) <= t["change"]
-    )
+    sizes = ca.logic_and(ca.fabs(t.d_old) <= t.most, ca.fabs(s.f_old) <= t.most)
+    slow = ca.logic_and(ca.fabs(t.d - t.d_old) <= t.change, share * ca.fabs(old) <= t.change)
     goals = (
-        when(sizes, at_least(tight * t["most"], ca.fabs(f))),
-        when(slow, at_least(tight * t["change"], share * ca.fabs(new))),
+        when(sizes, at_least(tight * t.most, ca.fabs(f))),
+        when(slow, at_least(tight * t.change, share * ca.fabs(new))),
     )
-    return s.states(goals, (*s.observed, s.gained(t["d_old"])), s.observer_cuts, t)
+    return s.states(goals, (*s.observed, s.gained(t.d_old)), s.observer_cuts, t)

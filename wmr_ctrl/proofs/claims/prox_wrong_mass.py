@@ -41,10 +41,10 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
     How a wrong mass changes the step.
     """
     s, t = Sampled(axis), symbols("mu a x")
-    w, q = s.v - t["x"], s.period * s.free["f"] / s.mass
-    moves = s.period * t["mu"] * (s.force - s.force_cuts["friction"]) / s.mass
-    goal = equal(w + moves, (1 - t["mu"] * t["a"]) * w + mutation * t["mu"] * q)
-    given = (above(s.period), above(s.mass), equal(s.free["next"], s.v - t["a"] * w))
+    w, q = s.v - t.x, s.period * s.free.f / s.mass
+    moves = s.period * t.mu * (s.force - s.force_cuts["friction"]) / s.mass
+    goal = equal(w + moves, (1 - t.mu * t.a) * w + mutation * t.mu * q)
+    given = (above(s.period), above(s.mass), equal(s.free.next, s.v - t.a * w))
     return s.states((goal,), given, s.force_cuts, t)
 
 
@@ -83,13 +83,13 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
     How a wrong mass changes the observer.
     """
     s, t = Sampled(axis), symbols("mu a w")
-    share, q = -s.free["fall"], s.period * s.f_old / s.mass
-    asked = s.mass * (-t["a"] * t["w"]) / s.period + s.f_old
+    share, q = -s.free.fall, s.period * s.f_old / s.mass
+    asked = s.mass * (-t.a * t.w) / s.period + s.f_old
     given = (
         equal(s.applied - s.observer_cuts["drag"], asked),
-        equal(s.mass * (s.v - s.old), t["mu"] * s.period * asked),
+        equal(s.mass * (s.v - s.old), t.mu * s.period * asked),
     )
-    left = (1 - share * t["mu"]) * q - mutation * share * t["a"] * (1 - t["mu"]) * t["w"]
+    left = (1 - share * t.mu) * q - mutation * share * t.a * (1 - t.mu) * t.w
     goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
     return s.states((goal,), (*s.observed, *given), s.observer_cuts, t)
 
@@ -106,12 +106,10 @@ def jury(mutation: Mutation) -> Statement:
     The two numbers that decide the sampled loop's stability.
     """
     t = symbols("mu a L")
-    loop = _matrix(t["mu"], t["a"], t["L"])
+    loop = _matrix(t.mu, t.a, t.L)
     trace, det = loop[0, 0] + loop[1, 1], loop[0, 0] * loop[1, 1] - loop[0, 1] * loop[1, 0]
-    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - mutation * t["a"] * t["L"])
-    return Statement(
-        t, (equal(1 + trace + det, edge), equal(1 - trace + det, t["mu"] * t["a"] * t["L"]))
-    )
+    edge = 4 - t.mu * (2 * (t.a + t.L) - mutation * t.a * t.L)
+    return Statement(t, (equal(1 + trace + det, edge), equal(1 - trace + det, t.mu * t.a * t.L)))
 
 
 @claim("prox.light-model", given="0 < a, L < 1", premises="prox.jury")
@@ -125,10 +123,10 @@ def light_model(mutation: Mutation) -> Statement:
     t = symbols("mu a L")
     given = [part for name in ("a", "L") for part in (above(t[name]), above(ca.SX(1), t[name]))]
     share = mutation(4 / ca.SX(3), ca.SX(1.5))
-    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - t["a"] * t["L"])
-    det = 1 - t["mu"] * (t["a"] + t["L"]) + t["mu"] * t["a"] * t["L"]
+    edge = 4 - t.mu * (2 * (t.a + t.L) - t.a * t.L)
+    det = 1 - t.mu * (t.a + t.L) + t.mu * t.a * t.L
     return Statement(
-        t, (above(edge), above(ca.SX(1), det)), (*given, above(t["mu"]), at_least(share, t["mu"]))
+        t, (above(edge), above(ca.SX(1), det)), (*given, above(t.mu), at_least(share, t.mu))
     )
 
 
@@ -154,14 +152,14 @@ def wrong_mass(mutation: Mutation, numbers: Mapping[str, str], corners: bool = T
     With a believed mass that is wrong by that much, nothing grows.
     """
     t = symbols("w q mu a " + " ".join(numbers))
-    p, s = t["p"], t["s"]
-    w, q = ca.vertsplit(_matrix(t["mu"], t["a"], t["L"]) @ ca.vertcat(t["w"], t["q"]))
-    form = t["w"] ** 2 + 2 * p * t["w"] * t["q"] + s * t["q"] ** 2
-    left = t["g"] ** 2 * form
+    p, s = t.p, t.s
+    w, q = ca.vertsplit(_matrix(t.mu, t.a, t.L) @ ca.vertcat(t.w, t.q))
+    form = t.w**2 + 2 * p * t.w * t.q + s * t.q**2
+    left = t.g**2 * form
     shares = {name: Fraction(value) for name, value in numbers.items()}
     exact = [equal(x.denominator * t[name], x.numerator) for name, x in shares.items()]
-    sides = (8 * t["mu"] - 5) * (3 * t["mu"] - 5), (t["a"] - t["least"]) * (t["a"] - 1)
+    sides = (8 * t.mu - 5) * (3 * t.mu - 5), (t.a - t.least) * (t.a - 1)
     within = [equal(side) if corners else at_least(-side) for side in sides]
     goal = at_least(mutation(1, 0.9) * left, w**2 + 2 * p * w * q + s * q**2)
-    positive = () if corners else (at_least(form, 0.5 * (t["w"] ** 2 + t["q"] ** 2)),)
+    positive = () if corners else (at_least(form, 0.5 * (t.w**2 + t.q**2)),)
     return Statement(t, (goal, *positive), (*exact, *within))

@@ -42,11 +42,11 @@ class Held:
         law, free = LawGraph("mb"), symbols("c cdot d")
         v, level = law.symbols[self.velocity], float(Fraction(self.level))
         nominal = acceleration(law.own(law.context.mass), law.force, ca.SX(0))[self.axis]
-        following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free["d"])
+        following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free.d)
         inner = law.inner(self.axis)
         del inner[self.velocity]  # the clip stays in the graph
         goals = (at_least(level, following), at_least(following, -level))
-        return Statement({**law.symbols, **free}, goals, (), inner, numbers(law))
+        return Statement(law.symbols | free, goals, (), inner, numbers(law))
 
     @property
     def velocity(self) -> str:
@@ -204,10 +204,10 @@ class NewtonStep:
 
     def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
         """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
-        fall, period = self.free["fall"], self.law.symbols["clock.control"]
+        fall, period = self.free.fall, self.law.symbols["clock.control"]
         held = *positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
-        known = (*held, equal(self.free["cdot"]), *given)
-        return Statement({**self.law.symbols, **self.free}, goals, known, self.cuts)
+        known = (*held, equal(self.free.cdot), *given)
+        return Statement(self.law.symbols | self.free, goals, known, self.cuts)
 
 
 HELD = (
@@ -254,8 +254,8 @@ def side(mutation: Mutation, axis: int) -> Statement:
     One sample never carries the velocity past its target, whatever the period.
     """
     s = NewtonStep(axis)
-    w, fall = s.free["w"], s.free["fall"]
-    after, share = w * (w + s.moved), s.free["quotient"] * w
+    w, fall = s.free.w, s.free.fall
+    after, share = w * (w + s.moved), s.free.quotient * w
     goals = (at_least(after, (1 + mutation * fall) * w**2), at_least(w**2, after))
     return s.states(goals, (at_least(share), at_least(w**2, share)))
 
@@ -277,7 +277,7 @@ def falls(mutation: Mutation, axis: int) -> Statement:
     s = NewtonStep(axis)
     _, _, _, fall, w, before, after, slope, slope_after = s.free.values()
     given = (
-        equal(slope * s.free["quotient"], before),
+        equal(slope * s.free.quotient, before),
         at_least(slope * w, before + 0.5 * w**2),
         at_least(before, 0.5 * w**2),
         at_least(after, before + slope * s.moved),

@@ -35,12 +35,12 @@ class Strict(Tracking):
     @property
     def W(self) -> ca.SX:
         """W."""
-        return analysis.strict_lyapunov(self.e, self.k[1], self["eps"])
+        return analysis.strict_lyapunov(self.e, self.k[1], self.eps)
 
     @property
     def W_rate(self) -> ca.SX:
         """W' for v = v_c0."""
-        return analysis.strict_rate(self.e, self.v_d, self.k, self["eps"])
+        return analysis.strict_rate(self.e, self.v_d, self.k, self.eps)
 
     @property
     def size(self) -> ca.SX:
@@ -50,8 +50,8 @@ class Strict(Tracking):
     @property
     def near(self) -> tuple[Relation, ...]:
         """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
-        inside = (at_least(1, self["e1"] ** 2), at_least(1, self["e2"] ** 2))
-        nearly = at_least(4 * ca.cos(self["e3"]), 1)
+        inside = (at_least(1, self.e1**2), at_least(1, self.e2**2))
+        nearly = at_least(4 * ca.cos(self.e3), 1)
         return (*(equal(a * self[name], b) for name, a, b in PAPER), *inside, nearly)
 
 
@@ -118,7 +118,7 @@ def exponential(mutation: Mutation) -> Statement:
     t = Strict()
     given = (at_least(-mutation(1000, 2000) * t.W_rate, t.size), at_least(t.size, t.W))
     goal = at_least(-t.W, 1000 * t.W_rate)
-    return Statement(t.names, (goal,), given, {"value": t.W, "rate": t.W_rate})
+    return Statement(t.symbols, (goal,), given, {"value": t.W, "rate": t.W_rate})
 
 
 @claim("strict.region", (31,), given="k2 = 5, eps = 1/50")
@@ -128,8 +128,8 @@ def stays(mutation: Mutation) -> Statement:
     From inside this set the robot never leaves the region where the rate holds.
     """
     t = Strict()
-    given = (equal(t["k2"], 5), equal(50 * t["eps"], 1), above(mutation, 20 * mutation * t.W))
-    goals = (above(1, t["e1"] ** 2), above(1, t["e2"] ** 2), above(4 * ca.cos(t["e3"]), 1))
+    given = (equal(t.k2, 5), equal(50 * t.eps, 1), above(mutation, 20 * mutation * t.W))
+    goals = (above(1, t.e1**2), above(1, t.e2**2), above(4 * ca.cos(t.e3), 1))
     return t.states(*goals, given=given)
 
 
@@ -140,10 +140,10 @@ def pull(mutation: Mutation) -> Statement:
     The limit weakens a correction but never reverses it.
     """
     a, _, _, u1, u2 = barrier_axis()
-    t = {**a.symbols, **symbols("p y")}
-    moved = barrier.minimiser(t["p"] + t["y"], u1, u2) - mutation * t["p"]
-    given = (*a.inside, at_least(u2, t["p"]), at_least(t["p"], -u2))
-    return Statement(t, (at_least(moved * t["y"]),), given)
+    t = a.symbols | symbols("p y")
+    moved = barrier.minimiser(t.p + t.y, u1, u2) - mutation * t.p
+    given = (*a.inside, at_least(u2, t.p), at_least(t.p, -u2))
+    return Statement(t, (at_least(moved * t.y),), given)
 
 
 @claim("level.rate", (31, 36), given="k2 > 0", by=Ring((Case("any", declared={"k2": POSITIVE}),)))
@@ -152,7 +152,7 @@ def saturated_rate(mutation: Mutation) -> Statement:
     k2 v1d e2.
     """
     t = Tracking("x1 x2")
-    e, k2, x, p = t.e, t.k[1], ca.vertcat(t["x1"], t["x2"]), _undisturbed(t)
+    e, k2, x, p = t.e, t.k[1], ca.vertcat(t.x1, t.x2), _undisturbed(t)
     written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * ca.sin(e[2]) / k2
     return t.states(equal(analysis.position_rate(e, x, t.v_d, k2), written))
 
@@ -178,10 +178,10 @@ def level_set(mutation: Mutation) -> Statement:
     -1.
     """
     t = Tracking("u21 u22 level")
-    e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t["level"], _undisturbed(t)
-    room = t["u22"] - ca.fabs(v_d[1])
+    e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t.level, _undisturbed(t)
+    room = t.u22 - ca.fabs(v_d[1])
     given = (
-        *positive(k2, v_d[0]), at_least(t["u21"], v_d[0]), above(room),
+        *positive(k2, v_d[0]), at_least(t.u21, v_d[0]), above(room),
         at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level),
         above(level, analysis.position_lyapunov(e, k2)),
     )  # fmt: skip
@@ -206,7 +206,7 @@ def level_invariant(mutation: Mutation) -> Statement:
     saturated.
     """
     t = Tracking("x1 x2")
-    e, k, x, p = t.e, t.k, ca.vertcat(t["x1"], t["x2"]), _undisturbed(t)
+    e, k, x, p = t.e, t.k, ca.vertcat(t.x1, t.x2), _undisturbed(t)
     pulls = e[0], ca.sin(e[2])
     given = (
         *(above(k[i]) for i in range(3)),
@@ -250,5 +250,5 @@ def stuck(_: Mutation) -> Statement:
     ever: the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).
     """
     t = Tracking("u11 u12 u21 u22")
-    given = (*positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t["u11"], t.v_d[0]))
+    given = (*positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t.u11, t.v_d[0]))
     return t.states(above(ca.sumsqr(error_rate(t.e, _limited(t), t.v_d))), given=given)

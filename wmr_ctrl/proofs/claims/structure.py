@@ -141,9 +141,9 @@ def bounded_command(mutation: Mutation) -> Statement:
     """
     law = LawGraph("mb")
     names = {n: law.symbols[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
-    t = {**names, **symbols("quotient q w cdot friction")}
+    t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
-    force = law.force[0] - t["friction"]
+    force = law.force[0] - t.friction
     axis = law.context.barrier[0]
     inner = {
         "quotient": law.own(axis.V1_over_A),
@@ -154,11 +154,11 @@ def bounded_command(mutation: Mutation) -> Statement:
     given = (
         above(rho),
         above(mass),
-        at_least(t["q"]),
-        at_least(1, t["q"]),
-        at_least(t["quotient"] * t["w"]),
-        at_least(t["w"] ** 2, t["quotient"] * t["w"]),
-        at_least(t["w"] ** 2, t["quotient"] ** 2),
+        at_least(t.q),
+        at_least(1, t.q),
+        at_least(t.quotient * t.w),
+        at_least(t.w**2, t.quotient * t.w),
+        at_least(t.w**2, t.quotient**2),
     )
-    bound = mutation * rho * ca.fabs(t["w"]) + ca.fabs(t["cdot"])
+    bound = mutation * rho * ca.fabs(t.w) + ca.fabs(t.cdot)
     return Statement(t, (at_least(bound * mass, ca.fabs(force)),), given, inner)

@@ -8,15 +8,13 @@ from wmr_ctrl.proofs.claims.tracking import GAINS, Tracking
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import at
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, positive, symbols
+from wmr_ctrl.proofs.statement import Statement, Symbols, above, at_least, equal, positive, symbols
 
 
-def conditions(names: dict[str, ca.SX], printed: bool = False) -> ca.SX:
+def conditions(names: Symbols, printed: bool = False) -> ca.SX:
     """The six conditions on l, in the symbols of a table."""
-    gains = ca.vertcat(1, names["k2"], names["k3"])
-    return analysis.conditions(
-        names["l"], gains, names["v1dmin"], names["v1dmax"], names["v2max"], printed
-    )
+    gains = ca.vertcat(1, names.k2, names.k3)
+    return analysis.conditions(names.l, gains, names.v1dmin, names.v1dmax, names.v2max, printed)
 
 
 PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
@@ -40,13 +38,13 @@ def start(mutation: Mutation) -> Statement:
     When only the sideways error is left, it alone decides.
     """
     t = Tracking("l")
-    e, k2, l = t.e, t.k[1], t["l"]
+    e, k2, l = t.e, t.k[1], t.l
     sides = (above(ca.fabs(e[1]), l * ca.fabs(e[0])), above(ca.fabs(e[1]), l * ca.fabs(e[2])))
     if mutation < 0:
         sides = (above(l * ca.fabs(e[0]), ca.fabs(e[1])), sides[1])
     lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
     goal = above(analysis.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
-    return Statement(t.names, (goal,), (above(l, 5), above(k2), *sides, lemma))
+    return Statement(t.symbols, (goal,), (above(l, 5), above(k2), *sides, lemma))
 
 
 @claim(
@@ -114,9 +112,9 @@ def side_bound(mutation: Mutation, index: int = 1) -> Statement:
     """|e2| < 1.1 |e2(t0)|."""
     t = Tracking("E")
     value = analysis.position_lyapunov(t.e, t.k[1])
-    given = (*positive(t.k[1], t["E"]), above(594 * t["E"] ** 2, 1000 * value))
+    given = (*positive(t.k[1], t.E), above(594 * t.E**2, 1000 * value))
     limit = mutation(1.21, 1.0)
-    return Statement(t.names, (above(121 * t["E"] ** 2 * limit, 121 * t.e[index] ** 2),), given)
+    return Statement(t.symbols, (above(121 * t.E**2 * limit, 121 * t.e[index] ** 2),), given)
 
 
 @claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))

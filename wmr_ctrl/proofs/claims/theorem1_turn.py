@@ -10,7 +10,16 @@ from wmr_ctrl.proofs.claims.theorem1 import conditions
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case, at
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, positive, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    Symbols,
+    above,
+    at_least,
+    equal,
+    positive,
+    symbols,
+)
 
 BARELY_PAST = tuple(
     at(e3=angle, z1=0, z2=0, k1=1, k2=1, k3=1, root="0.1", eps1="0.01", x="0.1")
@@ -20,7 +29,7 @@ BARELY_PAST = tuple(
 LATE: dict[str, str | int] = {"e1": 0, "e2": 0, "z1": 0, "z2": 0, "k1": 1, "k2": 1, "k3": 1}
 
 
-def paper_gains(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
+def paper_gains(t: Symbols) -> tuple[Relation, ...]:
     """k2 = 5, k3 = 4, v1d = 0.2, v2max = 1.5, as exact hypotheses."""
     exact = (("k2", 1, 5), ("k3", 1, 4), ("v1dmin", 5, 1), ("v1dmax", 5, 1), ("v2max", 2, 3))
     return tuple(equal(a * t[name], b) for name, a, b in exact)
@@ -35,14 +44,14 @@ claim = Claims(by=Z3(), form=PRINTED)
 def angle_falls(mutation: Mutation) -> Statement:
     """e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)."""
     t = Tracking("l E")
-    l, E = t["l"], t["E"]
+    l, E = t.l, t.E
     given = (
         *positive(l, E, t.k[1], t.k[2], t.v_d[0]),
         above(5 * t.e[1], 4 * E),
         above(t.k[2] * E, l * ca.fabs(t.z[1])),
     )
     bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * ca.fabs(ca.sin(t.e[2])), E)
-    return Statement(t.names, (above(bound, 5 * t.rate[2]),), given)
+    return Statement(t.symbols, (above(bound, 5 * t.rate[2]),), given)
 
 
 @claim(
@@ -123,7 +132,7 @@ def rise(mutation: Mutation) -> Statement:
     t = Tracking("eps1")
     given = positive(*(t.k[i] for i in range(3)))
     bound = analysis.position_rate_bound(t.e, t.z, mutation * t.k)
-    return Statement(t.names, (at_least(t["eps1"], bound + t["eps1"]),), given)
+    return Statement(t.symbols, (at_least(t.eps1, bound + t.eps1),), given)
 
 
 @claim(
@@ -185,7 +194,7 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
             at_least(e3 * ca.sin(e3)),
         )
     bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
-    return Statement(t.names, (above(-mutation(3, 40) * eps1, bound + eps1),), tuple(given))
+    return Statement(t.symbols, (above(-mutation(3, 40) * eps1, bound + eps1),), tuple(given))
 
 
 @claim(
@@ -211,9 +220,7 @@ def mean(mutation: Mutation) -> Statement:
     On average over the window the error falls.
     """
     t = symbols("T eps1")
-    return Statement(
-        t, (equal(analysis.mean_rise(t["T"], t["eps1"]), -3 * mutation * t["T"] * t["eps1"]),)
-    )
+    return Statement(t, (equal(analysis.mean_rise(t.T, t.eps1), -3 * mutation * t.T * t.eps1),))
 
 
 @claim("conditions.least", (40,), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
@@ -225,7 +232,7 @@ def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     six = conditions(t, printed)
-    start = above(t["l"], mutation(least, least - 1))
+    start = above(t.l, mutation(least, least - 1))
     return Statement(t, tuple(above(six[i]) for i in range(6)), (*paper_gains(t), start))
 
 
@@ -238,9 +245,7 @@ def at_256(_: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     six = conditions(t)
-    return Statement(
-        t, tuple(above(six[i]) for i in range(6)), (*paper_gains(t), equal(t["l"], 256))
-    )
+    return Statement(t, tuple(above(six[i]) for i in range(6)), (*paper_gains(t), equal(t.l, 256)))
 
 
 @claim("conditions.printed", (40, 51), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")

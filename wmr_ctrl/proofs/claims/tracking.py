@@ -10,6 +10,7 @@ from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.statement import (
+    Named,
     Relation,
     Statement,
     above,
@@ -21,26 +22,22 @@ from wmr_ctrl.proofs.statement import (
 )
 
 
-class Tracking:
+class Tracking(Named):
     """e, z = v - v_c0, a free velocity v, the desired one and gains, with the rates that follow.
 
     ``more``: names of further symbols.
     """
 
     def __init__(self, more: str = "") -> None:
-        free = {**column("e", 3), **column("z", 2), **symbols("v1d v2d")}
-        self.names = {**free, **column("k", 3, fixed=True), **column("v", 2), **symbols(more)}
-        self.e, self.k = (stacked(self.names, name, 3) for name in "ek")
-        self.z, self.v = (stacked(self.names, name, 2) for name in "zv")
-        self.v_d = ca.vertcat(self.names["v1d"], self.names["v2d"])
-
-    def __getitem__(self, name: str) -> ca.SX:
-        """The symbol of a name."""
-        return self.names[name]
+        free = column("e", 3) | column("z", 2) | symbols("v1d v2d")
+        self.symbols = free | column("k", 3, fixed=True) | column("v", 2) | symbols(more)
+        self.e, self.k = (stacked(self.symbols, name, 3) for name in "ek")
+        self.z, self.v = (stacked(self.symbols, name, 2) for name in "zv")
+        self.v_d = ca.vertcat(self.v1d, self.v2d)
 
     def states(self, *goals: Relation, given: Iterable[Relation] = ()) -> Statement:
         """The statement about these symbols alone."""
-        return Statement(self.names, goals, tuple(given))
+        return Statement(self.symbols, goals, tuple(given))
 
     @property
     def followed(self) -> ca.SX:
@@ -132,9 +129,9 @@ def bounded(mutation: Mutation) -> Statement:
     A small velocity error can make the position error grow only a little.
     """
     t = Tracking("eps0")
-    rest = analysis.square_rest(t["eps0"] ** 2, t["eps0"] ** 2, t.k)
+    rest = analysis.square_rest(t.eps0**2, t.eps0**2, t.k)
     written = analysis.position_rate_bound(t.e, t.z, t.k) + mutation * rest
-    return Statement(t.names, (at_least(written, t.fall),))
+    return Statement(t.symbols, (at_least(written, t.fall),))
 
 
 @claim(
@@ -149,7 +146,7 @@ def beyond(mutation: Mutation) -> Statement:
     If the angle is clearly wrong, the error falls.
     """
     t = Tracking("eps0 root")
-    e, z, k, eps0, root = t.e, t.z, t.k, t["eps0"], t["root"]
+    e, z, k, eps0, root = t.e, t.z, t.k, t.eps0, t.root
     rest = analysis.square_rest(eps0**2, eps0**2, k)
     given = (
         above(eps0),
@@ -160,7 +157,7 @@ def beyond(mutation: Mutation) -> Statement:
         above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation),
     )
     only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
-    return Statement(t.names, (above(0, only_angle + rest),), given)
+    return Statement(t.symbols, (above(0, only_angle + rest),), given)
 
 
 @claim(
@@ -176,14 +173,14 @@ def twice_threshold(_: Mutation) -> Statement:
     argument.
     """
     t = Tracking("eps0")
-    x = analysis.threshold(t["eps0"], t.k)
+    x = analysis.threshold(t.eps0, t.k)
     given = (
         above(ca.fabs(t.e[2]), 2 * x),
         above(7, 9 * x),
         above(22, 7 * ca.fabs(t.e[2])),
-        at_least(t["eps0"] ** 2, ca.sumsqr(t.z)),
+        at_least(t.eps0**2, ca.sumsqr(t.z)),
     )
-    return Statement(t.names, (above(0, t.fall),), given)
+    return Statement(t.symbols, (above(0, t.fall),), given)
 
 
 @claim(

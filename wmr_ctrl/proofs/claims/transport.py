@@ -15,7 +15,16 @@ from wmr_ctrl.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, when
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    Symbols,
+    above,
+    at_least,
+    equal,
+    symbols,
+    when,
+)
 
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 
@@ -32,13 +41,13 @@ class Carried:
     def cuts(self) -> dict[str, ca.SX]:
         """Expressions of the first five."""
         t = self.inputs
-        v, limits = t["v"], (t["u1"], t["u2"])
+        v, limits = t.v, (t.u1, t.u2)
         form = smooth_barrier if self.smooth else stable_barrier
         x, x_next = (resolvent(t[c], ca.SX(1), *limits, self.smooth) for c in ("c", "c_next"))
         ahead = x_next + (v - x)
-        level = form(t["c"], ca.if_else(ca.fabs(v) < t["u1"], v, 0), *limits).V1
-        reached = ca.if_else(ca.fabs(ahead) < t["u1"], ahead, 0)
-        excess = form(t["c_next"], reached, *limits).D
+        level = form(t.c, ca.if_else(ca.fabs(v) < t.u1, v, 0), *limits).V1
+        reached = ca.if_else(ca.fabs(ahead) < t.u1, ahead, 0)
+        excess = form(t.c_next, reached, *limits).D
         share = level_share(v - x, level, excess)
         return {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
 
@@ -46,18 +55,18 @@ class Carried:
     def end(self) -> ca.SX:
         """v*."""
         t = self.inputs
-        return transported(t["v"], t["c"], t["c_next"], (t["u1"], t["u2"]), self.smooth)
+        return transported(t.v, t.c, t.c_next, (t.u1, t.u2), self.smooth)
 
     def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
         """The statement on the graph of `transported`.
 
         0 < u2 < u1, |x| and |x+| < u1, x = x+ where the target is held, theta by its entry.
         """
-        t = {**self.inputs, **self.free}
-        u1, share = t["u1"], t["share"]
+        t = self.inputs | self.free
+        u1, share = t.u1, t.share
         inside = [above(u1, way * t[x]) for way in (1, -1) for x in ("x", "x_next")]
-        held = when(ca.eq(t["c"], t["c_next"]), equal(t["x"], t["x_next"]))
-        known = (above(t["u2"]), above(u1, t["u2"]), *inside, held, at_least(share))
+        held = when(ca.eq(t.c, t.c_next), equal(t.x, t.x_next))
+        known = (above(t.u2), above(u1, t.u2), *inside, held, at_least(share))
         return Statement(t, goals, (*known, at_least(1, share), *given), self.cuts)
 
 
@@ -71,10 +80,10 @@ def transport_share(mutation: Mutation) -> Statement:
     How far the velocity is carried is chosen such that what V1 allows is not exceeded.
     """
     t = symbols("w level excess")
-    theta = level_share(t["w"], t["level"], t["excess"])
-    spent = 0.5 * (theta * t["w"]) ** 2 + theta * t["excess"]
-    room = mutation(t["level"], 0.9 * t["level"])
-    given = (at_least(t["level"], 0.5 * t["w"] ** 2), at_least(t["excess"]))
+    theta = level_share(t.w, t.level, t.excess)
+    spent = 0.5 * (theta * t.w) ** 2 + theta * t.excess
+    room = mutation(t.level, 0.9 * t.level)
+    given = (at_least(t.level, 0.5 * t.w**2), at_least(t.excess))
     return Statement(t, (at_least(theta), at_least(1, theta), at_least(room, spent)), given)
 
 
@@ -118,7 +127,7 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
         at_least(most, rise),
         when(nearer, at_least(0, rise)),
     )
-    return Statement({**t, **symbols("x x_next")}, goals, given, {"x": x, "x_next": x_next})
+    return Statement(t | symbols("x x_next"), goals, given, {"x": x, "x_next": x_next})
 
 
 @claim(
@@ -134,24 +143,24 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     Carrying the velocity along with its target raises neither V1 nor the distance.
     """
     g = Carried(smooth)
-    t = {**g.inputs, **g.free}
+    t = g.inputs | g.free
     v, x, x_next, share, after = (t[n] for n in ("v", "x", "x_next", "share", "after"))
     w, shift, left = v - x, x_next - x, g.end - x_next
-    within = ca.fabs(v) < t["u1"]
-    reaches = ca.logic_and(within, ca.fabs(x_next + w) < t["u1"])
+    within = ca.fabs(v) < t.u1
+    reaches = ca.logic_and(within, ca.fabs(x_next + w) < t.u1)
     on_chord = ca.logic_and(reaches, ca.eq(left, share * w))
     nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
     stays = ca.logic_and(within, ca.eq(g.end, v))
-    held = ca.eq(t["c"], t["c_next"])
-    spent = 0.5 * (share * w) ** 2 + share * t["excess"]
+    held = ca.eq(t.c, t.c_next)
+    spent = 0.5 * (share * w) ** 2 + share * t.excess
     given = (
-        when(reaches, at_least(t["level"], spent)),
-        when(within, at_least(t["level"], 0.5 * w**2)),
+        when(reaches, at_least(t.level, spent)),
+        when(within, at_least(t.level, 0.5 * w**2)),
         when(on_chord, at_least(spent, after)),
         when(ca.eq(left, 0), equal(after)),
-        when(ca.logic_and(stays, ca.logic_or(nearer, held)), at_least(t["level"], after)),
+        when(ca.logic_and(stays, ca.logic_or(nearer, held)), at_least(t.level, after)),
     )
-    lost = at_least(mutation(t["level"], 0.9 * t["level"]), after)
+    lost = at_least(mutation(t.level, 0.9 * t.level), after)
     return g.states((when(within, lost), at_least(w**2, left**2)), given)
 
 
@@ -164,13 +173,13 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     """
     g = Carried(smooth)
     t = g.inputs
-    u1, size = t["u1"], ca.fabs(g.end)
+    u1, size = t.u1, ca.fabs(g.end)
     goals = (
-        at_least(mutation(u1, t["u2"]), size),
-        above(ca.if_else(ca.fabs(t["v"]) < u1, u1, 1 + size), size),
-        when(ca.eq(t["c"], t["c_next"]), equal(g.end, t["v"])),
+        at_least(mutation(u1, t.u2), size),
+        above(ca.if_else(ca.fabs(t.v) < u1, u1, 1 + size), size),
+        when(ca.eq(t.c, t.c_next), equal(g.end, t.v)),
     )
-    return g.states(goals, (at_least(u1, ca.fabs(t["v"])),))
+    return g.states(goals, (at_least(u1, ca.fabs(t.v)),))
 
 
 @claim(
@@ -185,16 +194,17 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     Away from the limits the velocity is carried all the way.
     """
     g = Carried(smooth)
-    t, free = g.inputs, {name: x for name, x in g.free.items() if name not in ("share", "after")}
+    t = g.inputs
+    free = Symbols({name: g.free[name] for name in ("x", "x_next", "level", "excess")})
     v, c, c_next, u1, u2 = t.values()
     ahead = v + c_next - c
     given = (
         above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead)),
-        equal(free["x"], c), equal(free["x_next"], c_next),
-        equal(free["level"], 0.5 * (v - c) ** 2), equal(free["excess"]),
+        equal(free.x, c), equal(free.x_next, c_next),
+        equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess),
     )  # fmt: skip
     cuts = {name: g.cuts[name] for name in free}
-    return Statement({**t, **free}, (equal(g.end, mutation * ahead),), given, cuts)
+    return Statement(t | free, (equal(g.end, mutation * ahead),), given, cuts)
 
 
 @claim(
@@ -209,9 +219,9 @@ def root(mutation: Mutation) -> Statement:
     """
     t = symbols("before after S S_next w step")
     given = (
-        at_least(t["S"]), at_least(t["S_next"]), equal(t["S"] ** 2, 2 * t["before"]),
-        equal(t["S_next"] ** 2, 2 * t["after"]), at_least(2 * t["before"], t["w"] ** 2),
-        at_least(t["before"] - t["w"] * t["step"] + 0.5 * t["step"] ** 2, t["after"]),
+        at_least(t.S), at_least(t.S_next), equal(t.S ** 2, 2 * t.before),
+        equal(t.S_next ** 2, 2 * t.after), at_least(2 * t.before, t.w ** 2),
+        at_least(t.before - t.w * t.step + 0.5 * t.step ** 2, t.after),
     )  # fmt: skip
-    most = t["S"] + mutation(1, 0.9) * ca.fabs(t["step"])
-    return Statement(t, (at_least(most, t["S_next"]),), given)
+    most = t.S + mutation(1, 0.9) * ca.fabs(t.step)
+    return Statement(t, (at_least(most, t.S_next),), given)

@@ -13,7 +13,16 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, within
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    Symbols,
+    above,
+    at_least,
+    equal,
+    symbols,
+    within,
+)
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
@@ -72,7 +81,7 @@ class EffectGraph:
         more: Mapping[str, ca.SX] | None = None,
     ) -> Statement:
         """The statement about this effect, and ``more`` symbols."""
-        table = {**self.symbols, **(more or {})}
+        table = self.symbols | (more or {})
         return Statement(table, (*goals, *self.way), tuple(given), cuts or {})
 
     @cached_property
@@ -81,7 +90,7 @@ class EffectGraph:
         return self.effect.build(self.scenario)
 
     @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
+    def symbols(self) -> Symbols:
         """All ports' elements by name, and the numbers that the bound alone reads."""
         drawn = tuple(item.port for item in self.system.draws)
         ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
@@ -183,7 +192,7 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
     now = encoder.turned(scenario, g.parameters, g["path"], skidded)
     turn = symbols("old_right old_left")
-    old = ca.vertcat(turn["old_right"], turn["old_left"])
+    old = ca.vertcat(turn.old_right, turn.old_left)
     whole = g.column("wheel_counts_1")
     given = [
         item
@@ -218,14 +227,14 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     """
     numbers = (("encoder.counts", 64.0), *WHEELS)
     g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
-    turn = encoder.turned(g.scenario, g.parameters, t["v"], t["omega"])
+    turn = encoder.turned(g.scenario, g.parameters, t.v, t.omega)
     shown = encoder.velocity_of(turn, g.parameters)[axis]
     limits = g.column("limits.v_u1")
     counted = encoder.rounded_by(
         (g["robot.r"], g["robot.l"]), g["encoder.counts"], g["clock.control"]
     )
     most = g.bound("nbar")[axis] - counted[axis]
-    off = shown - (t["v"] if axis == 0 else t["omega"])
+    off = shown - (t.v if axis == 0 else t.omega)
     given = (
         *positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
