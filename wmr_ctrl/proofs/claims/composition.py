@@ -179,9 +179,8 @@ def lemma_piece(mutation: Mutation) -> Statement:
     v, end, edge = a["v"], t.end, a["f_speed"]
     above_edge = ca.logic_or(v > edge, end > edge)
     given = (
-        *a.sound(), at_least(a["mass"], a["M_min"]), at_least(a["t"]),
-        *within(t.push, a["dbar"]), at_least((v - edge) * (end - edge)),
-        when(above_edge, at_least(t.drag, a["f_min"])),
+        *a.sound(), at_least(a["mass"], a["M_min"]), at_least(a["t"]), *within(t.push, a["dbar"]),
+        at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a["f_min"])),
         equal(a["mass"] * (end - v), a["t"] * (a["asked"] - t.drag + t.push)),
     )  # fmt: skip
     most = (

@@ -124,11 +124,7 @@ def product(mutation: Mutation) -> Statement:
     """
     t = symbols("a b P Q ratio", "P Q ratio")
     sums = (t.a + t.ratio * t.b, t.a - t.ratio * t.b)
-    given = (
-        above(t.ratio),
-        at_least(t.P, ca.fabs(sums[0])),
-        at_least(t.Q, ca.fabs(sums[1])),
-    )
+    given = (above(t.ratio), at_least(t.P, ca.fabs(sums[0])), at_least(t.Q, ca.fabs(sums[1])))
     largest = ca.fmax(t.P * t.P, t.Q * t.Q)
     size = mutation(4, 5) * t.ratio * ca.fabs(t.a * t.b)
     return Statement(t, (at_least(largest, size),), given)

@@ -25,13 +25,7 @@ from wmr_ctrl.proofs.statement import (
     symbols,
     when,
 )
-from wmr_ctrl.world import (
-    command_dead_band,
-    command_ramp,
-    jitter,
-    speed_loop_pi,
-    wheel_speed_limit,
-)
+from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loop_pi, wheel_speed_limit
 from wmr_ctrl.world.pose_sensor import reckoned
 
 claim = Claims(by=Z3(effort=150))
@@ -222,10 +216,9 @@ def overtaken(mutation: Mutation) -> Statement:
     arrived = g["tau_right"]
     before = ca.if_else(t.phase <= 0, last, t.older)
     given = (
-        above(h), equal(width, t.most * h), at_least(t.drawn),
-        at_least(t.most, t.drawn), at_least(t.phase), at_least(t.steps, 1),
-        at_least(t.steps, t.phase + 1), at_least(t.steps, due), at_least(due),
-        when(t.phase > 0, equal(last, arrived)),
+        above(h), equal(width, t.most * h), at_least(t.drawn), at_least(t.most, t.drawn),
+        at_least(t.phase), at_least(t.steps, 1), at_least(t.steps, t.phase + 1),
+        at_least(t.steps, due), at_least(due), when(t.phase > 0, equal(last, arrived)),
         equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
         when(ca.logic_and(t.phase <= 0, due < t.steps), equal(acting, last)),
     )  # fmt: skip

@@ -45,9 +45,8 @@ def held(mutation: Mutation) -> Statement:
     )
     given = (
         at_least(z), at_least(p), above(h), above(growth), at_least(s, a), at_least(b, s),
-        equal(least * (1 + growth), 1), at_least(rises), at_least(least, rises),
-        at_least(e, least), at_least(falls, e), above(1, falls),
-        at_least(b * (1 - falls), h * falls),
+        equal(least * (1 + growth), 1), at_least(rises), at_least(least, rises), at_least(e, least),
+        at_least(falls, e), above(1, falls), at_least(b * (1 - falls), h * falls),
     )  # fmt: skip
     return Statement(t, goals, given)
 
@@ -96,9 +95,8 @@ def lag_bound(mutation: Mutation) -> Statement:
     tau = time * (1 + spread * x)
     given = (
         *positive(g, "clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread),
-        at_least(t.most_growth * time * (1 - spread), h),
-        at_least(500 * time * (1 - spread), h), *within(x, 1), above(t.growth),
-        at_least(t.most_growth, t.growth),
+        at_least(t.most_growth * time * (1 - spread), h), at_least(500 * time * (1 - spread), h),
+        *within(x, 1), above(t.growth), at_least(t.most_growth, t.growth),
     )  # fmt: skip
     least = lag.equivalent_lag(h, t.growth)
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])

@@ -41,10 +41,7 @@ def ball(_: Mutation) -> Statement:
     ball: with r = 0.5 the angle may still be 1.1 rad.
     """
     t = Tracking("r")
-    given = (
-        at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])),
-        above(t.r),
-    )
+    given = (at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])), above(t.r))
     return Statement(t.symbols, (at_least(t.r**2, ca.sumsqr(t.e)),), given)
 
 

@@ -85,14 +85,12 @@ class AssembledStep:
         timely = ca.logic_or(elapsed == 0, ca.fabs(elapsed - graph.T) <= NEAR * graph.T)
         return (
             above(b.V, b.dbar), at_least(b.dbar), at_least(b.V, v), at_least(b.V, -v),
-            at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min),
-            equal(f.kappa, kappa), equal(f.gone, most), above(f.kappa),
-            equal(-f.kappa * f.gone, 1 + f.gone),
-            above(-least), at_least(least, most), above(1 + most),
-            when(timely, at_least(up, v)), when(timely, at_least(down, -v)),
-            when(there, at_least(error, y - v)), when(there, at_least(error, v - y)),
-            at_least(f.E, 1 + most), at_least(ca.SX(1), f.E), above(graph.T),
-            at_least(target, f.mean),
+            at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min), equal(f.kappa, kappa),
+            equal(f.gone, most), above(f.kappa), equal(-f.kappa * f.gone, 1 + f.gone),
+            above(-least), at_least(least, most), above(1 + most), when(timely, at_least(up, v)),
+            when(timely, at_least(down, -v)), when(there, at_least(error, y - v)),
+            when(there, at_least(error, v - y)), at_least(f.E, 1 + most), at_least(ca.SX(1), f.E),
+            above(graph.T), at_least(target, f.mean),
         )  # fmt: skip
 
 

@@ -8,14 +8,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.filter.forecast import (
-    FLATTEST,
-    HELD,
-    PIECES,
-    Forecast,
-    ResponseTable,
-    inverse_slopes,
-)
+from wmr_ctrl.filter.forecast import FLATTEST, HELD, PIECES, Forecast, ResponseTable, inverse_slopes
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -96,10 +89,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     a = BandAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
     given = [*a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
-    given += [
-        at_least(s.S, mutation(1, 0.9) * a.table.low[0]),
-        at_least(a.table.high[0], s.S),
-    ]
+    given += [at_least(s.S, mutation(1, 0.9) * a.table.low[0]), at_least(a.table.high[0], s.S)]
     most = way * s.to + bound_of(changed, way)
     return Statement(s, (at_least(most, way * (s.v + (s.to - s.u) * s.S)),), given=tuple(given))
 

@@ -121,8 +121,7 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
         at_least(way * change), above(s.c), at_least(16 * inverse, ca.SX(1)),
         above(slope) if stops else at_least(slope),
         at_least(product, ca.SX(1)) if stops and way < 0 else at_least(ca.SX(1), product),
-        at_least(ca.SX(10), slope),
-        at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
+        at_least(ca.SX(10), slope), at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
         at_least(wider, a.most(not stops) * (1 + mutation(1, -1) * WIDER)),
     )  # fmt: skip
     goal = at_least(left, slope * change * (1 if up else -1))
@@ -169,8 +168,7 @@ def stays(mutation: Mutation) -> Statement:
     s = symbols("rate time g made")
     x = s.rate * s.time
     given = (
-        at_least(s.rate), at_least(s.time), at_least(s.g),
-        at_least(1, s.g * (1 + x + 0.5 * x * x)),
+        at_least(s.rate), at_least(s.time), at_least(s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)),
     )  # fmt: skip
     goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
     return Statement(s, (goal,), given, computed={"made": stays_of(s.rate, s.time)})
@@ -193,16 +191,12 @@ def fading(mutation: Mutation) -> Statement:
     after = Fading(s.reach, s.past, s.held).aged(came, s.u, s.stays, s.soonest)
     kept = s.g * (1 + mutation(2.0**-41, 0))
     given = (
-        at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s.g),
-        at_least(s.r), at_least(s.p), at_least(s.reach, s.r),
-        at_least(s.past, s.p), at_least(s.soonest, came * kept),
-        at_least(s.stays, (1 - came) * kept),
+        at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s.g), at_least(s.r),
+        at_least(s.p), at_least(s.reach, s.r), at_least(s.past, s.p),
+        at_least(s.soonest, came * kept), at_least(s.stays, (1 - came) * kept),
     )  # fmt: skip
     left = came * s.p + (1 - came) * s.r
-    goals = (
-        at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)),
-        at_least(s.made_past, left * s.g),
-    )
+    goals = (at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g))
     computed = {"made_reach": after.reach, "made_past": after.past}
     return Statement(s, goals, given, computed=computed)
 
@@ -223,8 +217,7 @@ def reached(mutation: Mutation) -> Statement:
     none = ca.SX(0)
     after = Fading(s.reach, none, none).changed(change, s.furthest)
     given = (
-        at_least(s.r), at_least(s.reached),
-        at_least(s.reach, s.r * (1 + 2.0**-42)),
+        at_least(s.r), at_least(s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)),
         at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41)),
     )  # fmt: skip
     goal = at_least(s.made, s.r + ca.fabs(change) * s.reached)
@@ -247,8 +240,7 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c, 1)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
     given = (
-        above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v),
-        at_least(most, way * s.v),
+        above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v),
     )  # fmt: skip
     goal = at_least(s.made, v)
     return Statement(s, (goal,), given, computed={"made": bounds[0 if way > 0 else 1]})

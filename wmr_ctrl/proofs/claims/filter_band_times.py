@@ -116,10 +116,7 @@ def fading(mutation: Mutation) -> Statement:
         at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p),
     )  # fmt: skip
     left = came * s.p + (1 - came) * s.r
-    goals = (
-        at_least(after.reach, mutation(1, 1.1) * s.r * s.g),
-        at_least(after.past, left * s.g),
-    )
+    goals = (at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g))
     return Statement(s, goals, given)
 
 

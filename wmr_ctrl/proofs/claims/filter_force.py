@@ -58,12 +58,7 @@ class ForceAxis:
         """low <= high, 0 < high; left and tail are not negative; f > 0."""
         s = self.symbols
         shares = at_least(s.fading), at_least(ca.SX(1), s.fading), at_least(s.left)
-        signs = (
-            above(s.above),
-            at_least(s.above, -s.below),
-            at_least(s.tail),
-            above(s.f),
-        )
+        signs = (above(s.above), at_least(s.above, -s.below), at_least(s.tail), above(s.f))
         return (*shares, *signs)
 
 
@@ -80,8 +75,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     a = ForceAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
     given = (
-        *a.stated, at_least(bound_of(a.forecast, way), way * s.F),
-        at_least(s.W, a.table.low[0]),
+        *a.stated, at_least(bound_of(a.forecast, way), way * s.F), at_least(s.W, a.table.low[0]),
         at_least(mutation(1, 1.1) * a.table.high[0], s.W),
     )  # fmt: skip
     goal = at_least(bound_of(changed, way), way * (s.F + (s.to - s.u) * s.W))
@@ -170,9 +164,7 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
 
 
 @claim(
-    "filter.band.drag-changed-{word}",
-    given="any tables, forecasts, command and drag",
-    over=WAYS,
+    "filter.band.drag-changed-{word}", given="any tables, forecasts, command and drag", over=WAYS
 )
 def drag_changed(mutation: Mutation, way: int) -> Statement:
     """{sign}drag to + {word} of force and friction = {sign}drag u + {word} before + what a change

@@ -236,10 +236,9 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     inverse = ca.vertcat(s.inverse, s.inverse_behind)
     steps = a.forecast.steps(c, inverse)
     given = [
-        *a.stated, at_least(5, a.table.high[0]), at_least(0.2, s.left),
-        at_least(4 * c, s.tail), *within(s.u, 2 * c),
-        *within(s.over1, 4 * c), *within(s.under1, 4 * c),
-        at_least(d), at_least(s.turn + ENDED * c, d),
+        *a.stated, at_least(5, a.table.high[0]), at_least(0.2, s.left), at_least(4 * c, s.tail),
+        *within(s.u, 2 * c), *within(s.over1, 4 * c), *within(s.under1, 4 * c), at_least(d),
+        at_least(s.turn + ENDED * c, d),
     ]  # fmt: skip
     for word in ("over", "under"):
         given += [at_least(4 * c, s[f"past_{word}"]), at_least(s[f"past_{word}"], -c)]

@@ -149,13 +149,11 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     least = relaxed(s.w, s.target, s[goes], s[goes])
     given = (
         above(V), at_least(s.least), at_least(most, s.least), at_least(ca.SX(1), most),
-        *_computed(s.most_as, most, s.off), *_computed(s.least_as, s.least, s.off),
-        at_least(s.off), at_least(OFF, s.off), *within(s.off * s.target, AIMED_OFF * V),
-        at_least(share, s.least), at_least(most, share), at_least(e),
-        at_least(s.w + e, s.v), *within(s.w, 2 * V), at_least(s.d),
-        at_least(MARGIN * V, most * s.d),
-        *within(most * s.target, 4 * V), at_least(s.target + s.d, s.mean),
-        at_least(sign * (s.target - s.w)),
+        *_computed(s.most_as, most, s.off), *_computed(s.least_as, s.least, s.off), at_least(s.off),
+        at_least(OFF, s.off), *within(s.off * s.target, AIMED_OFF * V), at_least(share, s.least),
+        at_least(most, share), at_least(e), at_least(s.w + e, s.v), *within(s.w, 2 * V),
+        at_least(s.d), at_least(MARGIN * V, most * s.d), *within(most * s.target, 4 * V),
+        at_least(s.target + s.d, s.mean), at_least(sign * (s.target - s.w)),
     )  # fmt: skip
     gained = (1 - s.least) * e + mutation(1, 2.0**-7) * PIECE * V
     reached = s.v + share * (s.mean - s.v)
@@ -182,9 +180,8 @@ def takeover(mutation: Mutation) -> Statement:
     known = s.w + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
     given = (
         *_stated(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
-        *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v),
-        at_least(V, s.w), at_least(s.w, -2 * V), at_least(s.d),
-        at_least(2.0**-45 * V, (1 - e) * s.d),
+        *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v), at_least(V, s.w),
+        at_least(s.w, -2 * V), at_least(s.d), at_least(2.0**-45 * V, (1 - e) * s.d),
     )  # fmt: skip
     each = 1 / b.K_max
     by_it = (V - b.dbar) * each + b.kappa * each * (V - s.w)
@@ -284,8 +281,7 @@ def agrees(mutation: Mutation) -> Statement:
     V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
     given = (
         above(V), at_least(ca.SX(2.0**16), s.n), at_least(s.n), at_least(V, s.above),
-        at_least(V, s.below), at_least(s.above + off, s.v),
-        at_least(s.below + off, -s.v),
+        at_least(V, s.below), at_least(s.above + off, s.v), at_least(s.below + off, -s.v),
     )  # fmt: skip
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
     return Statement(s, (at_least(s.sum, s.least),), given, computed=computed)

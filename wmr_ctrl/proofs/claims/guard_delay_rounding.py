@@ -68,10 +68,9 @@ class QueuedAxis(RoundedAxis):
         counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self["ahead"], self["back"])
         return (
             *positive, *(at_least(item) for item in counted), at_least(b.M_max, b.M_min),
-            at_least(1 + DOUBLE.quicker, b.alpha * b.period),
-            *self.sized,
-            at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
-            at_least(self.reach, self.net), at_least(self.reach, -self.net),
+            at_least(1 + DOUBLE.quicker, b.alpha * b.period), *self.sized,
+            at_least(less, 2 * b.nbar), at_least(less, b.f_speed), at_least(self.reach, self.net),
+            at_least(self.reach, -self.net),
         )  # fmt: skip
 
     @property

@@ -150,9 +150,8 @@ def unvaried(_: Mutation) -> Statement:
     p = ca.fmax(force + a.net, 0)
     end = a["arrived"] + waiting(z, p, b.period, t.rise) / b.M_min
     given = (
-        *a.stated, *a.seen(1), at_least(z),
-        equal(a["rest_ahead"], a["ahead"]), equal(a["rest_back"], a["back"]),
-        above(t.fast), above(t.slow, t.fast), above(t.rise),
+        *a.stated, *a.seen(1), at_least(z), equal(a["rest_ahead"], a["ahead"]),
+        equal(a["rest_back"], a["back"]), above(t.fast), above(t.slow, t.fast), above(t.rise),
         at_least(t.slow - t.fast, t.rise), at_least(a["ahead"] * b.M_min, t.slow * z),
         at_least(b.u1, a["arrived"]),
     )  # fmt: skip

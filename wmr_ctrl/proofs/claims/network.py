@@ -321,9 +321,5 @@ def end_bound(mutation: Mutation) -> Statement:
     """
     t = symbols("z1 z2 V C1 C2 rho2")
     square = t.z1**2 + t.z2**2
-    given = (
-        above(t.rho2),
-        at_least(2 * (t.C1 + t.C2), t.V * t.rho2),
-        at_least(2 * t.V, square),
-    )
+    given = (above(t.rho2), at_least(2 * (t.C1 + t.C2), t.V * t.rho2), at_least(2 * t.V, square))
     return Statement(t, (at_least(4 * (t.C1 + t.C2) * mutation(1, 0.5), square * t.rho2),), given)

@@ -337,10 +337,8 @@ def rises(mutation: Mutation) -> Statement:
     ]  # fmt: skip
     roots = [at_least(x) for x in (S, t.S_next, *root.values())]
     given = (
-        *squares, *roots, above(E), above(1, E), at_least(t.way),
-        at_least(t.before, t.carried),
-        at_least(root.S_carried + t.way, root.S_mid),
-        at_least(E**2 * t.mid, t.after),
+        *squares, *roots, above(E), above(1, E), at_least(t.way), at_least(t.before, t.carried),
+        at_least(root.S_carried + t.way, root.S_mid), at_least(E**2 * t.mid, t.after),
     )  # fmt: skip
     most = E * (S + mutation(1, 0.9) * t.way)
     level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
