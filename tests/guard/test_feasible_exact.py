@@ -12,7 +12,8 @@ import pytest
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.guard import MAPS
-from wmr_ctrl.proofs.statement import Statement, at_least
+from wmr_ctrl.proofs.relation import at_least
+from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.scenario import load_scenario
 
 point = pytest.importorskip("wmr_ctrl.proofs.methods.point")

@@ -15,7 +15,8 @@ import z3
 
 from wmr_ctrl.proofs.graph import ProvedGraph, UndecidedError, Walk, paths
 from wmr_ctrl.proofs.methods.smt import OUTSIDE, TermArithmetic, relation
-from wmr_ctrl.proofs.statement import EQUAL, Statement
+from wmr_ctrl.proofs.relation import EQUAL
+from wmr_ctrl.proofs.statement import Statement
 
 Ask = Callable[[Hashable], bool]
 MOST = 256

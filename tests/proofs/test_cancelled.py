@@ -17,7 +17,9 @@ from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import LEMMA, OPEN, PROVED, load
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 pytest.importorskip("z3")
 

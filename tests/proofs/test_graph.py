@@ -13,7 +13,7 @@ from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.proofs.claims.common import LawGraph, scalars
 from wmr_ctrl.proofs.graph import _NAMES, ProvedGraph, graph_of, is_parameter
-from wmr_ctrl.proofs.statement import symbols
+from wmr_ctrl.proofs.symbols import symbols
 
 
 def operations(graph: ProvedGraph) -> list[str]:

@@ -9,7 +9,9 @@ import pytest
 
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
 from wmr_ctrl.proofs.regions import POSITIVE, Case, at
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 
 def about(names: str, build) -> Statement:

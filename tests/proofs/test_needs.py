@@ -10,7 +10,9 @@ import pytest
 from tests.proofs import noticed
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, at_least, symbols
+from wmr_ctrl.proofs.relation import at_least
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 CLAIM = next(claim for claim in all_claims() if claim.id == "guard.anchor")
 

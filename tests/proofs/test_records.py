@@ -14,8 +14,10 @@ from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import LEMMA, OPEN, PROVED, REFUTED, Entry, Ledger, load
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
 from wmr_ctrl.proofs.regions import NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.relation import above, at_least
 from wmr_ctrl.proofs.runner import provenance
-from wmr_ctrl.proofs.statement import Statement, above, at_least, symbols
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 CLAIMED = {claim.id: claim for claim in all_claims()}
 

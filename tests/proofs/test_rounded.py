@@ -13,7 +13,9 @@ from wmr_ctrl.filter.channels import WAYS, scaled
 from wmr_ctrl.proofs.claims.filter_command_rounding import RIM, Limited
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import UNIT, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.statement import UNIT, Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.scenario import load_scenario, preset_names
 
 

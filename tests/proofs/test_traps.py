@@ -9,7 +9,9 @@ import pytest
 
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring, Table
 from wmr_ctrl.proofs.regions import NONNEGATIVE, Case, at
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 UNIT = {name: (Fraction(0), Fraction(1)) for name in ("x", "y")}
 NOT_NEGATIVE = Ring((Case("x, y >= 0", declared={"x": NONNEGATIVE, "y": NONNEGATIVE}),))

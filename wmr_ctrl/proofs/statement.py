@@ -15,6 +15,7 @@ from math import frexp
 import casadi as ca
 
 from wmr_ctrl.proofs.graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
+from wmr_ctrl.proofs.relation import ABOVE, AT_LEAST, EQUAL, Relation, when
 
 UNIT = 2.0**-53
 """Largest relative error of one operation in double precision."""
@@ -91,58 +92,6 @@ def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> Pro
     return ProvedGraph(tuple(nodes), (*(place[k] for k in graph.outputs), *parts.bounds))
 
 
-EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
-
-
-@dataclass(frozen=True)
-class Relation:
-    """``expr`` compared with 0: ``=``, ``>=`` or ``>``."""
-
-    expr: ca.SX
-    kind: str
-
-
-def equal(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
-    """left = right."""
-    return Relation(ca.SX(left) - right, EQUAL)
-
-
-def at_least(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
-    """left >= right."""
-    return Relation(ca.SX(left) - right, AT_LEAST)
-
-
-def above(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
-    """left > right."""
-    return Relation(ca.SX(left) - right, ABOVE)
-
-
-def positive(*exprs: ca.SX | float) -> tuple[Relation, ...]:
-    """Each of them > 0."""
-    return tuple(map(above, exprs))
-
-
-def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
-    """|value| <= bound, for each element of a column."""
-    most = ca.SX(bound) * ca.SX.ones(value.shape)
-    return tuple(
-        side
-        for part, end in zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)
-        for side in (at_least(end, part), at_least(part, -end))
-    )
-
-
-def when(condition: ca.SX, relation: Relation) -> Relation:
-    """``condition`` implies the relation, which must be one that 0 fulfils."""
-    return Relation(ca.if_else(condition, relation.expr, 0), relation.kind)
-
-
-def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:
-    """Element-wise equality of two columns."""
-    both = ca.vec(left - right)
-    return tuple(equal(both[i]) for i in range(both.numel()))
-
-
 @dataclass(frozen=True)
 class Statement:
     """For all ``symbols`` with ``given``: every goal holds.
@@ -207,48 +156,3 @@ def valued(
     old, exprs = [names[name] for name in values], [item.expr for item in relations]
     put = ca.substitute(exprs, old, [*values.values()])
     return tuple(Relation(e, item.kind) for e, item in zip(put, relations, strict=True))
-
-
-class Symbols(dict[str, ca.SX]):
-    """Scalar symbols by name, ``t["x"]`` or ``t.x``."""
-
-    def __getattr__(self, name: str) -> ca.SX:
-        try:
-            return self[name]
-        except KeyError:
-            raise AttributeError(name) from None
-
-    def __or__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
-        return Symbols({**self, **more})
-
-    def __ror__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
-        return Symbols({**more, **self})
-
-
-class Named:
-    """Base of a setting: its ``symbols`` are items and attributes of it, too."""
-
-    def __getitem__(self, name: str) -> ca.SX:
-        return getattr(self.symbols, name)
-
-    def __getattr__(self, name: str) -> ca.SX:
-        if name == "symbols":
-            raise AttributeError(name)
-        return self[name]
-
-
-def symbols(names: str, fixed: str = "") -> Symbols:
-    """Fresh scalar symbols by name; those in ``fixed`` are parameters to the compiler."""
-    known = set(fixed.split())
-    return Symbols({n: ca.SX.sym(f"p.{n}" if n in known else n) for n in names.split()})
-
-
-def column(name: str, size: int, fixed: bool = False) -> Symbols:
-    """Fresh scalar symbols name1 to name<size>; ``fixed`` makes them parameters."""
-    names = " ".join(f"{name}{i}" for i in range(1, size + 1))
-    return symbols(names, names if fixed else "")
-
-
-def stacked(table: Mapping[str, ca.SX], name: str, size: int) -> ca.SX:
-    """Column of name1 to name<size> out of a table."""
-    return ca.vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))

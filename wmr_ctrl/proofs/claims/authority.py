@@ -13,7 +13,9 @@ from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Ball, Ring, Table
 from wmr_ctrl.proofs.regions import at, axis_case, off_target_cases, open_cases
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 LIMIT_BOX = {"s": (Fraction("1e-300"), Fraction("0.99"))}
 LIMIT_CUTS = {"s": [Fraction(f"1e-{k}") for k in (120, 40, 12, 6, 4, 3, 2, 1)]}

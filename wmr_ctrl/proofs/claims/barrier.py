@@ -8,7 +8,8 @@ from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Refute, Ring
 from wmr_ctrl.proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal
+from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
 
 PAIRS = paired_cases()
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)

@@ -19,16 +19,9 @@ from wmr_ctrl.filter.governor import (
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Named,
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    equal,
-    symbols,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Named, Symbols, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
@@ -64,7 +57,7 @@ class FilterAxis(Named):
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
         e, E = self.e, self.E
         ratio = equal(self.kappa * (1 - e), e)
-        return above(e), above(ca.SX(1), e), at_least(E, e), at_least(ca.SX(1), E), ratio
+        return above(e), above(ca.SX(1), e), *between(e, E, 1), ratio
 
 
 @claim("filter.drive", given=INTERVALS)
@@ -75,7 +68,7 @@ def driven(mutation: Mutation) -> Statement:
     The speed towards which a command can drive the base, gain and push at their worst.
     """
     a = FilterAxis()
-    inside = at_least(a.K, a.K_min), at_least(a.K_max, a.K)
+    inside = between(a.K_min, a.K, a.K_max)
     given = (*a.intervals, *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
@@ -118,7 +111,7 @@ def clip(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, E = a.bounds, a.E
-    share = at_least(E), at_least(ca.SX(1), E), equal(a.kappa), at_least(b.V, a.v)
+    share = *between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
     sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
     return Statement(a.symbols, (goal,), (*a.intervals, *share, *sent))
@@ -167,8 +160,7 @@ def estimate(mutation: Mutation) -> Statement:
     t = symbols("v w mean target least share most")
     inside = (
         at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least),
-        at_least(t.share, mutation(1, 0.9) * t.least), at_least(t.most, t.share),
-        at_least(ca.SX(1), t.most),
+        *between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(ca.SX(1), t.most),
     )  # fmt: skip
     end = relaxed(t.w, t.target, t.most, t.least)
     goal = at_least(end, t.v + t.share * (t.mean - t.v))

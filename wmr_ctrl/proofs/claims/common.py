@@ -12,7 +12,9 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.system import Port, System
-from wmr_ctrl.proofs.statement import Relation, Statement, Symbols, above, symbols
+from wmr_ctrl.proofs.relation import Relation, above
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 PRESET = "paper-simulation"

@@ -32,7 +32,9 @@ from wmr_ctrl.proofs.regions import (
     tangent_case,
     target_cases,
 )
-from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import at_least, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 
 def _within(sign: int) -> Case:

@@ -20,16 +20,9 @@ from wmr_ctrl.proofs.claims.guard_axis import DELAYED, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import only
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case, target_cases
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    equal,
-    symbols,
-    when,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, when, within
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
 from wmr_ctrl.world.references import curves
 
@@ -126,8 +119,8 @@ def prediction_times(mutation: Mutation) -> Statement:
     total = reduce(ca.SX.__add__, times)
     goals = [equal(total, mutation * delay)]
     for time in times:
-        goals += [at_least(time), at_least(period, time)]
-    return Statement(t, tuple(goals), (at_least(delay), at_least(MOST * period, delay)))
+        goals += [*between(0, time, period)]
+    return Statement(t, tuple(goals), between(0, delay, MOST * period))
 
 
 @prediction_claim("prediction.order", given=f"delay >= 0, T > 0; j = 1 to {MOST - 1}")
@@ -206,8 +199,8 @@ def delay_step(mutation: Mutation) -> Statement:
         reached = ca.fmin(a["arrived"], most) + gained
         goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
     given = (
-        *a.sound(), at_least(a["mass"], a["M_min"]), at_least(a["since"]),
-        at_least(a["periods"] * a["period"], a["since"]),
+        *a.sound(), at_least(a["mass"], a["M_min"]),
+        *between(0, a["since"], a["periods"] * a["period"]),
     )  # fmt: skip
     return Statement(a.symbols, tuple(goals), given)
 
@@ -256,7 +249,7 @@ def convex(mutation: Mutation) -> Statement:
             push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)
         )
         goals.append(at_least(w * first + mutation(1 - w, w) * second, mixed))
-    return Statement(a.symbols | {"w": w}, tuple(goals), (at_least(w), at_least(1, w)))
+    return Statement(a.symbols | {"w": w}, tuple(goals), between(0, w, 1))
 
 
 def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relation:

@@ -15,7 +15,9 @@ from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
 from wmr_ctrl.proofs.claims.prox import Step
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal, nonnegative
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 claim = Claims(by=Z3(effort=150))
 
@@ -69,7 +71,7 @@ def kanayama(mutation: Mutation) -> Statement:
     values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
     left = cut(values, most)
     within = (at_least(mutation(1, 2) * most[i], ca.fabs(values[i])) for i in (0, 1))
-    plain = (at_least(t.A), at_least(t.B))
+    plain = nonnegative(t.A, t.B)
     return Statement(t, tuple(equal(left[i], values[i]) for i in (0, 1)), (*plain, *within))
 
 

@@ -13,18 +13,21 @@ from wmr_ctrl.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, clipped
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
-from wmr_ctrl.proofs.claims.world import EffectGraph, positive
+from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
+from wmr_ctrl.proofs.relation import (
     Relation,
-    Statement,
     above,
     at_least,
+    between,
     equal,
     every,
-    symbols,
+    nonnegative,
+    positive,
     when,
 )
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loop_pi, wheel_speed_limit
 from wmr_ctrl.world.pose_sensor import reckoned
 
@@ -110,7 +113,7 @@ def pi_loop(mutation: Mutation) -> Statement:
     following, torque = graph(own.u, own.x, own.p)
     most = g["actuator.tau_max"]
     given = [
-        *positive(g, "robot.r", "robot.l", "actuator.tau_max"),
+        *g.above_zero("robot.r", "robot.l", "actuator.tau_max"),
         *(above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1)),
     ]
     return g.states([*every(own.update, following), *every(own.y, torque)], given)
@@ -186,7 +189,7 @@ def late_sums(mutation: Mutation) -> Statement:
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
     given = (
-        above(t.M_min), above(t.period), at_least(t.t1), at_least(t.t2),
+        *positive(t.M_min, t.period), *nonnegative(t.t1, t.t2),
         at_least(t.N, b.net), *(at_least(t.N, ca.fabs(t[name])) for name in ("F1", "F2")),
     )  # fmt: skip
     return Statement(t, tuple(goals), given)
@@ -216,7 +219,7 @@ def overtaken(mutation: Mutation) -> Statement:
     arrived = g["tau_right"]
     before = ca.if_else(t.phase <= 0, last, t.older)
     given = (
-        above(h), equal(width, t.most * h), at_least(t.drawn), at_least(t.most, t.drawn),
+        above(h), equal(width, t.most * h), *between(0, t.drawn, t.most),
         at_least(t.phase), at_least(t.steps, 1), at_least(t.steps, t.phase + 1),
         at_least(t.steps, due), at_least(due), when(t.phase > 0, equal(last, arrived)),
         equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
@@ -249,7 +252,7 @@ def ramped(mutation: Mutation) -> Statement:
         goals.append(when(now * wanted >= 0, taken))
         goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
     goals += every(g.system.update, g.system.y)
-    return g.states(goals, [above(h), above(a["a"]), *given], None, a)
+    return g.states(goals, [*positive(h, a["a"]), *given], None, a)
 
 
 @claim("corridor.reckoning", given="two poses, the second off by (dx, dy, b); one velocity")

@@ -10,7 +10,9 @@ from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, equal, symbols
+from wmr_ctrl.proofs.relation import Relation, above, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 
 def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX | None, ca.SX | None]]:
@@ -91,7 +93,7 @@ def charted(mutation: Mutation) -> Statement:
         assert low is not None
         assert high is not None
         goals.append(equal(value(name, u2, b, n), low + mutation * y * (high - low)))
-    return Statement(t, tuple(goals), (above(y), above(1, y), above(u2), above(b)))
+    return Statement(t, tuple(goals), (above(y), above(1, y), *positive(u2, b)))
 
 
 @claim("cover.numbers", (15, 18))
@@ -151,4 +153,4 @@ def ordered(mutation: Mutation) -> Statement:
         ca.if_else(i < j, ca.fabs(j * less / (1 + less) - mutation * i), 0),
     )
     sign = ca.if_else(i > j, more, ca.if_else(i < j, less, 1))
-    return Statement(t, (equal(rest), above(sign)), (above(i), above(j)))
+    return Statement(t, (equal(rest), above(sign)), positive(i, j))

@@ -6,18 +6,21 @@ from wmr_ctrl.control.applied import followed
 from wmr_ctrl.guard.delay import integral, moved
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.world import EffectGraph, positive
+from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Statement,
+from wmr_ctrl.proofs.relation import (
     above,
     at_least,
+    between,
     equal,
     every,
-    symbols,
+    nonnegative,
+    positive,
     when,
     within,
 )
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world import delay, jitter, lag, motor
 
 claim = Claims(by=Z3(effort=150))
@@ -44,9 +47,9 @@ def held(mutation: Mutation) -> Statement:
         at_least(moved(z, p, (falls, rises)), after),
     )
     given = (
-        at_least(z), at_least(p), above(h), above(growth), at_least(s, a), at_least(b, s),
-        equal(least * (1 + growth), 1), at_least(rises), at_least(least, rises), at_least(e, least),
-        at_least(falls, e), above(1, falls), at_least(b * (1 - falls), h * falls),
+        *nonnegative(z, p), *positive(h, growth), *between(a, s, b), equal(least * (1 + growth), 1),
+        *between(0, rises, least), *between(least, e, falls), above(1, falls),
+        at_least(b * (1 - falls), h * falls),
     )  # fmt: skip
     return Statement(t, goals, given)
 
@@ -94,7 +97,7 @@ def lag_bound(mutation: Mutation) -> Statement:
     fast, slow = ca.vertsplit(g.bound("lag"))
     tau = time * (1 + spread * x)
     given = (
-        *positive(g, "clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread),
+        *g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread),
         at_least(t.most_growth * time * (1 - spread), h), at_least(500 * time * (1 - spread), h),
         *within(x, 1), above(t.growth), at_least(t.most_growth, t.growth),
     )  # fmt: skip
@@ -117,7 +120,10 @@ def constant_lag(mutation: Mutation) -> Statement:
     What drives of one time constant add to the guard's numbers.
     """
     g = EffectGraph(lag.LAG, (("actuator.lag", 0.02),), "clock")
-    time, given = g["actuator.lag"], (*positive(g, "actuator.lag"), equal(g["actuator.lag_spread"]))
+    time, given = (
+        g["actuator.lag"],
+        (*g.above_zero("actuator.lag"), equal(g["actuator.lag_spread"])),
+    )
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
@@ -163,9 +169,8 @@ def jitter_bound(mutation: Mutation) -> Statement:
     }  # fmt: skip
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
     given = (
-        above(h), equal(width, t.most * h), at_least(width), at_least(t.drawn),
-        at_least(t.most, t.drawn), at_least(t.most, g[jitter.DUE.name]),
-        at_least(t.phase), at_least(t.steps),
+        above(h), equal(width, t.most * h), at_least(width), *between(0, t.drawn, t.most),
+        at_least(t.most, g[jitter.DUE.name]), *nonnegative(t.phase, t.steps),
     )  # fmt: skip
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
@@ -246,7 +251,7 @@ def pair_ahead(mutation: Mutation, way: int = 1) -> Statement:
         return first + second
 
     given = (
-        above(t.stall), at_least(t.slowing), above(t.u1), above(t.edge),
+        above(t.stall), at_least(t.slowing), *positive(t.u1, t.edge),
         *within(t.v, t.u1), *within(t.turn, t.edge),
     )  # fmt: skip
     end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
@@ -279,7 +284,7 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
                 for side, way in zip(sides, (1, -1), strict=True)]  # fmt: skip
 
     signs = ("motor.dead_zone", "actuator.tau_max", "limits.v_u1[1]", "limits.v_u1[2]")
-    given = [*positive(g, "robot.r", "robot.l", "motor.free", "motor.stall", "motor.step", *signs)]
+    given = [*g.above_zero("robot.r", "robot.l", "motor.free", "motor.stall", "motor.step", *signs)]
     ends = (g["limits.v_u1[1]"], half * g["limits.v_u1[2]"])
     opposite = 1 if axis == 0 else -1
     for side in (1, -1):

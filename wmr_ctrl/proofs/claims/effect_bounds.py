@@ -7,19 +7,20 @@ import casadi as ca
 
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.world import EffectGraph, positive
+from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    UNIT,
+from wmr_ctrl.proofs.relation import (
     Relation,
-    Statement,
     above,
     at_least,
+    between,
     equal,
     every,
-    symbols,
+    nonnegative,
     within,
 )
+from wmr_ctrl.proofs.statement import UNIT, Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world import (
     command_delay,
     command_loss,
@@ -65,7 +66,7 @@ def world_slope(mutation: Mutation) -> Statement:
     along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
     given = (
-        *positive(g, "robot.m", "robot.g"), at_least(g["guard.M_max[1]"], g["robot.m"]),
+        *g.above_zero("robot.m", "robot.g"), at_least(g["guard.M_max[1]"], g["robot.m"]),
         at_least(sine), *within(ca.vertcat(along, across), 1),
     )  # fmt: skip
     return g.states(goals, given, {"along": along, "across": across, "sine": sine})
@@ -99,7 +100,7 @@ def resisted_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     moves = right + left if axis == 0 else right - left
     given = (
         *(at_least(item) for item in (*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)),
-        *positive(g, "robot.l", "robot.g", "robot.m"), heaviest,
+        *g.above_zero("robot.l", "robot.g", "robot.m"), heaviest,
         at_least(v if axis == 0 else omega), *within(ca.vertcat(right, left), 1),
     )  # fmt: skip
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
@@ -121,7 +122,7 @@ def noise_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
     drawn = within(g.column("torque"), most)
-    given = (*positive(g, "robot.r", "robot.l"), at_least(g["disturbance.std"]), *drawn)
+    given = (*g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), *drawn)
     return g.states(within(force, bound * mutation(1, 0.9)), given)
 
 
@@ -140,7 +141,7 @@ def world_gust(mutation: Mutation) -> Statement:
     drawn = ca.vertcat(g.column(gust.SHARE.name), g.column(gust.NUMBERS.name))
     pairs = zip(*map(ca.vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
     goals = [item for x, y, most in pairs for item in (*within(x, part), *within(y, most))]
-    sides = (at_least(keep), at_least(1, keep), *(at_least(size[i]) for i in (0, 1)))
+    sides = (*between(0, keep, 1), *(at_least(size[i]) for i in (0, 1)))
     return g.states(goals, (*within(drawn, 1), *sides), {"keep": keep})
 
 
@@ -188,7 +189,7 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
         window, age = (g.bound(told)[axis] for told in ("window", "age"))
         way = seen[0][axis] - mutation(seen[2], seen[1])[axis]
         goals += [equal(g.system.y[axis] * window, way), equal(age, T), equal(window, 2 * T)]
-    return g.states(goals, positive(g, "clock.control", "sample"))
+    return g.states(goals, g.above_zero("clock.control", "sample"))
 
 
 @claim.also(
@@ -217,8 +218,8 @@ def rounded_mean(mutation: Mutation, axis: int = 0) -> Statement:
     window = 2 * g["clock.control"]
     missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t.way
     given = (
-        *positive(g, "clock.plant", "sample"), above(u1), at_least(window, 2 * h),
-        at_least(lasts, window), at_least(lasts, 8 * h), *within(t.way, u1 * window),
+        *g.above_zero("clock.plant", "sample"), above(u1), *between(2 * h, window, lasts),
+        at_least(lasts, 8 * h), *within(t.way, u1 * window),
         *within(h * missed, UNIT * u1 * lasts * window),
     )  # fmt: skip
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
@@ -236,7 +237,7 @@ def world_push(mutation: Mutation) -> Statement:
     g = EffectGraph(push.PUSH, (("disturbance.push", [1.0, 1.0]),))
     size = g.bound("dbar")
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
-    sides = (*positive(g, "robot.r", "robot.l"), *(at_least(size[i]) for i in (0, 1)))
+    sides = (*g.above_zero("robot.r", "robot.l"), *(at_least(size[i]) for i in (0, 1)))
     return g.states(within(force, mutation(1, 0.9) * size), sides)
 
 
@@ -277,9 +278,9 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     missed, silent = g[command_loss.MISSED.name], g[command_loss.SILENT.name]
     given = (
         above(h), equal(T, t.steps * h), above(g["base.losses"]), at_least(t.steps, 1),
-        at_least(g["base.timeout"], (g["base.losses"] + 1) * T), at_least(missed),
-        at_least(most, missed), at_least((most - missed) * (most - missed - 1)),
-        at_least(t.before), at_least(t.steps, t.before + 1), at_least(silent),
+        at_least(g["base.timeout"], (g["base.losses"] + 1) * T), *between(0, missed, most),
+        *nonnegative((most - missed) * (most - missed - 1), t.before),
+        at_least(t.steps, t.before + 1), at_least(silent),
         equal(t.phase, ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1)),
         at_least((t.steps - t.before - 1) * (t.steps - t.before - 2)),
         at_least(missed * t.steps + t.before, silent),

@@ -9,7 +9,9 @@ from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import PAPER, Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute
 from wmr_ctrl.proofs.regions import at
-from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal, nonnegative, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import column, stacked, symbols
 
 BACKWARDS = ({**at(e1=0, e2=0, **PAPER), "e3": "1 pi"},)
 TURNED = (at(e1=0, e2=0, e3="11/10", k2=5, r="1/2"),)
@@ -29,7 +31,7 @@ def only_rest(_: Mutation) -> Statement:
     """
     t = Tracking()
     rate = error_rate(t.e, auxiliary_velocity(t.e, t.v_d, t.k), t.v_d)
-    return t.states(above(ca.sumsqr(rate)), given=(above(ca.sumsqr(t.e)), above(t.v_d[0])))
+    return t.states(above(ca.sumsqr(rate)), given=positive(ca.sumsqr(t.e), t.v_d[0]))
 
 
 @claim("eq61.ball", (39, 61), given="r > 0, k2 = 5", by=Refute(TURNED))
@@ -100,8 +102,7 @@ def one_rate(_: Mutation) -> Statement:
     paper = (
         equal(t.rho1, 15),
         equal(5 * t.rho2, 288),
-        at_least(t.V1),
-        at_least(t.V2),
+        *nonnegative(t.V1, t.V2),
         equal(t.rho, t.rho1),
     )
     return Statement(t, (equal(rate, -t.rho * total),), paper)
@@ -137,4 +138,4 @@ def forgetting_binds(mutation: Mutation) -> Statement:
     t = column("rho", 2) | column("M", 2)
     sigma, gamma = ca.SX([1, 1]), ca.SX([2, 0.08])
     rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), sigma, gamma)
-    return Statement(t, (at_least(mutation(0.081, 0.07), rate),), (above(t.M1), above(t.M2)))
+    return Statement(t, (at_least(mutation(0.081, 0.07), rate),), positive(t.M1, t.M2))

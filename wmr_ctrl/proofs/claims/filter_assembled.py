@@ -15,7 +15,9 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.command_filter import INTERVALS, highest
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, when
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, when
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=60))
@@ -89,7 +91,7 @@ class AssembledStep:
             equal(f.gone, most), above(f.kappa), equal(-f.kappa * f.gone, 1 + f.gone),
             above(-least), at_least(least, most), above(1 + most), when(timely, at_least(up, v)),
             when(timely, at_least(down, -v)), when(there, at_least(error, y - v)),
-            when(there, at_least(error, v - y)), at_least(f.E, 1 + most), at_least(ca.SX(1), f.E),
+            when(there, at_least(error, v - y)), *between(1 + most, f.E, 1),
             above(graph.T), at_least(target, f.mean),
         )  # fmt: skip
 
@@ -181,7 +183,7 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
     sent, b = step.way * step.graph.safe[axis], step.graph.bounds[axis]
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
-    within = at_least(step.limit, sent), at_least(share, -least), at_least(-most, share)
+    within = at_least(step.limit, sent), *between(-least, share, -most)
     given = (*step.given(mutation, target), *within, *step.slow, at_least(highest(sent, b), target))
     end = v + share * (step.free.mean - v)
     commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}

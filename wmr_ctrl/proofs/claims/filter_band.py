@@ -12,15 +12,9 @@ from wmr_ctrl.filter.forecast import FLATTEST, HELD, PIECES, Forecast, ResponseT
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    stacked,
-    symbols,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, stacked, symbols
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
 claim = Claims(by=Z3(effort=100))
@@ -63,9 +57,9 @@ class BandAxis:
         """0 <= low <= high; left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
         s, low, high = self.symbols, self.table.low, self.table.high
         order = [part for i in range(self.size)
-                 for part in (at_least(low[i]), at_least(high[i], low[i]))]  # fmt: skip
+                 for part in between(0, low[i], high[i])]  # fmt: skip
         shares = [part for name in ("left", "fading")
-                  for part in (at_least(s[name]), at_least(ca.SX(1), s[name]))]  # fmt: skip
+                  for part in between(0, s[name], 1)]  # fmt: skip
         return (*order, *shares, at_least(s.tail), above(s.c))
 
 
@@ -89,7 +83,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     a = BandAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
     given = [*a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
-    given += [at_least(s.S, mutation(1, 0.9) * a.table.low[0]), at_least(a.table.high[0], s.S)]
+    given += [*between(mutation(1, 0.9) * a.table.low[0], s.S, a.table.high[0])]
     most = way * s.to + bound_of(changed, way)
     return Statement(s, (at_least(most, way * (s.v + (s.to - s.u) * s.S)),), given=tuple(given))
 
@@ -205,7 +199,7 @@ def held(mutation: Mutation, rises: bool) -> Statement:
     s, (rise, fall) = a.symbols, a.steps
     to, u = s.to, s.u
     if rises:
-        turn = at_least(to, u), at_least(u + mutation(1, 1.2) * rise, to)
+        turn = between(u, to, u + mutation(1, 1.2) * rise)
     else:
         turn = at_least(u, to), at_least(to, u - mutation(1, 1.2) * fall)
     after = a.forecast.changed(to, a.table)

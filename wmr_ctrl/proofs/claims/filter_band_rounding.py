@@ -10,7 +10,9 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.filter_band import TABLES, WAYS, BandAxis, BandStep, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, nonnegative, within
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 STEP = 2.0**-46
 """Share of c by which a change of the command may leave a computed forecast too low."""
@@ -74,7 +76,7 @@ def tail(mutation: Mutation) -> Statement:
     after = a.forecast.changed(s.to, a.table).later(a.table)
     given = (
         above(s.f), at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f),
-        at_least(s.left), at_least(s.tail),
+        *nonnegative(s.left, s.tail),
     )  # fmt: skip
     stays = s.f * (s.tail + ca.fabs(s.to - s.u) * s.left)
     return Statement(s, (at_least(s.made, stays),), given, computed={"made": after.tail})
@@ -145,9 +147,9 @@ def beat(mutation: Mutation) -> Statement:
     T, off = s.T, s.since - s.T
     after = spread_of(ca.vertcat(s.before, s.behind), off)
     most, p = s.e + mutation(1, 2.0**-4) * 2.0**-51 * T, s.p - off
-    given = [above(T), at_least(s.since), at_least(2 * T, s.since), at_least(s.e)]
+    given = [above(T), *between(0, s.since, 2 * T), at_least(s.e)]
     for name in ("before", "behind"):
-        given += [at_least(s[name]), at_least(T, s[name])]
+        given += [*between(0, s[name], T)]
     given += [at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p)]
     goals = at_least(p + most, -s.made_before), at_least(s.made_behind + most, p)
     computed = {"made_before": after[0], "made_behind": after[1]}
@@ -168,7 +170,7 @@ def stays(mutation: Mutation) -> Statement:
     s = symbols("rate time g made")
     x = s.rate * s.time
     given = (
-        at_least(s.rate), at_least(s.time), at_least(s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)),
+        *nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)),
     )  # fmt: skip
     goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
     return Statement(s, (goal,), given, computed={"made": stays_of(s.rate, s.time)})
@@ -191,9 +193,9 @@ def fading(mutation: Mutation) -> Statement:
     after = Fading(s.reach, s.past, s.held).aged(came, s.u, s.stays, s.soonest)
     kept = s.g * (1 + mutation(2.0**-41, 0))
     given = (
-        at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s.g), at_least(s.r),
-        at_least(s.p), at_least(s.reach, s.r), at_least(s.past, s.p),
-        at_least(s.soonest, came * kept), at_least(s.stays, (1 - came) * kept),
+        *nonnegative(came * (came - 1), came * (1 - came), s.g, s.r, s.p), at_least(s.reach, s.r),
+        at_least(s.past, s.p), at_least(s.soonest, came * kept),
+        at_least(s.stays, (1 - came) * kept),
     )  # fmt: skip
     left = came * s.p + (1 - came) * s.r
     goals = (at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g))
@@ -217,7 +219,7 @@ def reached(mutation: Mutation) -> Statement:
     none = ca.SX(0)
     after = Fading(s.reach, none, none).changed(change, s.furthest)
     given = (
-        at_least(s.r), at_least(s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)),
+        *nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)),
         at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41)),
     )  # fmt: skip
     goal = at_least(s.made, s.r + ca.fabs(change) * s.reached)

@@ -9,7 +9,9 @@ from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, Symbols, at_least, equal, symbols, within
+from wmr_ctrl.proofs.relation import at_least, between, equal, nonnegative, within
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=100))
@@ -68,7 +70,7 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     """
     graph, named, cuts = _whole(axis)
     u = mutation(1, 1.1) * graph.sent[axis]
-    around = tuple(part for low, high in graph.ends for part in (at_least(high), at_least(-low)))
+    around = tuple(part for low, high in graph.ends for part in nonnegative(high, -low))
     stops = tuple(at_least(most) for most in graph.stopping)
     goals = (*within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
     return Statement(named, goals, (*around, *stops), cuts)
@@ -87,11 +89,11 @@ def beat(mutation: Mutation) -> Statement:
     s = symbols("before behind off p q")
     after = spread_of(ca.vertcat(s.before, s.behind), s.off)
     p, q = (s[name] - mutation(1, 0.9) * s.off for name in ("p", "q"))
-    given = [at_least(s.before), at_least(s.behind)]
-    goals = [at_least(after[0]), at_least(after[1]), at_least(ca.sum1(after), p - q)]
+    given = [*nonnegative(s.before, s.behind)]
+    goals = [*nonnegative(after[0], after[1]), at_least(ca.sum1(after), p - q)]
     for name, own in (("p", p), ("q", q)):
-        given += [at_least(s[name], -s.before), at_least(s.behind, s[name])]
-        goals += [at_least(own, -after[0]), at_least(after[1], own)]
+        given += [*between(-s.before, s[name], s.behind)]
+        goals += [*between(-after[0], own, after[1])]
     return Statement(s, tuple(goals), tuple(given))
 
 
@@ -111,9 +113,8 @@ def fading(mutation: Mutation) -> Statement:
     after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
     stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
     given = (
-        *stays, at_least(came * (came - 1)), at_least(came * (1 - came)), at_least(s.g),
-        at_least(s.rate), at_least(s.time), at_least(s.r), at_least(s.p),
-        at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p),
+        *stays, *nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time),
+        *nonnegative(s.r, s.p, s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p),
     )  # fmt: skip
     left = came * s.p + (1 - came) * s.r
     goals = (at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g))
@@ -137,8 +138,7 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     given = (
         at_least(s.past, mutation(1, 0.9) * v),
         at_least(PAST * s.c, way * s.v),
-        at_least(s.c),
-        at_least(v),
+        *nonnegative(s.c, v),
     )
     return Statement(s, (at_least(bound, v),), given)
 

@@ -17,7 +17,17 @@ from wmr_ctrl.filter.governor import FirstOrder, largest_command
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, Symbols, above, at_least, symbols, within
+from wmr_ctrl.proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    nonnegative,
+    positive,
+    within,
+)
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 BEYOND = 2.0**-50
 """Share of its limit by which roundings may carry v or omega beyond it."""
@@ -257,7 +267,7 @@ def slew_limit(mutation: Mutation) -> Statement:
     computed = {"direct": top, "inverse": (aimed - dbar) * (1 / K)}
     added = s.delta + s.slew * (1 + 2.0**-30) * s.reach
     goals = tuple(at_least(V, K * s[name] * (1 + OVER) + added) for name in computed)
-    signs = above(K), at_least(s.delta), at_least(s.slew), at_least(s.reach)
+    signs = above(K), *nonnegative(s.delta, s.slew, s.reach)
     return Statement(s, goals, (*signs, above(aimed, dbar)), computed=computed)
 
 
@@ -280,7 +290,7 @@ def slew_kept(mutation: Mutation) -> Statement:
     Rounding carries commands that change slowly no further beyond their limit with time.
     """
     s = symbols("hi last wanted share sent")
-    shares = at_least(s.share, mutation(2.0**-22, 0.0)), at_least(ca.SX(1), s.share)
+    shares = between(mutation(2.0**-22, 0.0), s.share, 1)
     goals = within(s.sent, s.hi * (1 + OVER))
     computed = {"sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, (*_slow(s), *shares), computed=computed)
@@ -300,7 +310,7 @@ def slew_step(mutation: Mutation) -> Statement:
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
     given = (
-        *_slow(s), above(s.slew), above(s.T), at_least(s.share),
+        *_slow(s), *positive(s.slew, s.T), at_least(s.share),
         at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share),
     )  # fmt: skip
     goals = (*within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))

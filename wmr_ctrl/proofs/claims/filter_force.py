@@ -24,7 +24,9 @@ from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, Symbols, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=100))
@@ -57,7 +59,7 @@ class ForceAxis:
     def stated(self) -> tuple[Relation, ...]:
         """low <= high, 0 < high; left and tail are not negative; f > 0."""
         s = self.symbols
-        shares = at_least(s.fading), at_least(ca.SX(1), s.fading), at_least(s.left)
+        shares = *between(0, s.fading, 1), at_least(s.left)
         signs = (above(s.above), at_least(s.above, -s.below), at_least(s.tail), above(s.f))
         return (*shares, *signs)
 
@@ -75,8 +77,8 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     a = ForceAxis()
     s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
     given = (
-        *a.stated, at_least(bound_of(a.forecast, way), way * s.F), at_least(s.W, a.table.low[0]),
-        at_least(mutation(1, 1.1) * a.table.high[0], s.W),
+        *a.stated, at_least(bound_of(a.forecast, way), way * s.F),
+        *between(a.table.low[0], s.W, mutation(1, 1.1) * a.table.high[0]),
     )  # fmt: skip
     goal = at_least(bound_of(changed, way), way * (s.F + (s.to - s.u) * s.W))
     return Statement(s, (goal,), given)
@@ -157,7 +159,7 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
     bounds = [bound_of(f, way) for f in (force, speed, both)]
     given = (
         at_least(bounds[0], way * s.F), at_least(bounds[1] + way * s.u, way * s["v of v"]),
-        at_least(s.friction), at_least(mutation(1, 1.1) * s.drag, s.friction),
+        *between(0, s.friction, mutation(1, 1.1) * s.drag),
     )  # fmt: skip
     most = ca.fmax(bounds[0], bounds[2] + way * both.u)
     return Statement(s, (at_least(most, way * (s.F + s.friction * s["v of v"])),), given)
@@ -182,7 +184,7 @@ def drag_changed(mutation: Mutation, way: int) -> Statement:
     for k, (old, new) in enumerate(zip(_bounds(before, way), _bounds(after, way), strict=True)):
         added = ahead * high[k] - back * low[k]
         changed = new + way * drag * to - (old + way * mutation(1, 1.1) * drag * u)
-        goals += [at_least(changed, added), at_least(added, changed)]
+        goals += [*between(added, changed, added)]
     return Statement(s, tuple(goals), a.stated)
 
 
@@ -215,9 +217,8 @@ def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> State
     rise, fall = force_steps(known, f, inverse_force_slopes(low, high), s.held)
     before = _bounds(known, way)[behind] + way * s.held
     given = (
-        above(s.high), above(f), at_least(high[behind], low[behind]), at_least(f, before),
-        at_least(change if rises else -change),
-        at_least(mutation(1, 1.2) * (rise if rises else fall), change if rises else -change),
+        *positive(s.high, f), at_least(high[behind], low[behind]), at_least(f, before),
+        *between(0, change if rises else -change, mutation(1, 1.2) * (rise if rises else fall)),
     )  # fmt: skip
     added = change * (high if (way > 0) == rises else low)[behind]
     return Statement(s, (at_least(f, before + way * added),), given)

@@ -21,16 +21,9 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    UNIT,
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    symbols,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, positive, within
+from wmr_ctrl.proofs.statement import UNIT, Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 STRONGEST = 2.0**8
 """Most of a step by c that a loop may ask for, over f."""
@@ -50,13 +43,13 @@ claim = Claims(by=Z3(effort=100))
 
 def _strong(s: Symbols, most: float = STRONGEST) -> tuple[Relation, ...]:
     """c, f > 0; A c <= 2^8 f."""
-    return above(s.f), above(s.c), at_least(most * s.f, s.A * s.c)
+    return *positive(s.f, s.c), at_least(most * s.f, s.A * s.c)
 
 
 def _moved(s: Symbols, most: ca.SX) -> tuple[Relation, ...]:
     """0 <= d <= 6 c, and at most what the text admits, but for the rounding of the sum with u."""
     d, c = s.d, s.c
-    return at_least(d), at_least(6 * c, d), at_least(ca.fmax(most, 0) + ENDED * c, d)
+    return *between(0, d, 6 * c), at_least(ca.fmax(most, 0) + ENDED * c, d)
 
 
 @claim(
@@ -177,7 +170,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     table = force_response(s.high, -s.low, ZERO, ZERO)
     known = Forecast(s.over, s.under, ZERO, s.u, ZERO, ZERO)
     changed = known.changed(s.to, table)
-    given = [*_strong(s), at_least(s.e), at_least(s.W, s.low), at_least(s.high, s.W)]
+    given = [*_strong(s), at_least(s.e), *between(s.low, s.W, s.high)]
     sizes = {"low": s.A, "high": s.A, "u": 2 * s.c, "to": 2 * s.c}
     for name, most in (sizes | dict.fromkeys(("over", "under"), 4 * s.f)).items():
         given += within(s[name], most)
@@ -237,8 +230,8 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     steps = a.forecast.steps(c, inverse)
     given = [
         *a.stated, at_least(5, a.table.high[0]), at_least(0.2, s.left), at_least(4 * c, s.tail),
-        *within(s.u, 2 * c), *within(s.over1, 4 * c), *within(s.under1, 4 * c), at_least(d),
-        at_least(s.turn + ENDED * c, d),
+        *within(s.u, 2 * c), *within(s.over1, 4 * c), *within(s.under1, 4 * c),
+        *between(0, d, s.turn + ENDED * c),
     ]  # fmt: skip
     for word in ("over", "under"):
         given += [at_least(4 * c, s[f"past_{word}"]), at_least(s[f"past_{word}"], -c)]

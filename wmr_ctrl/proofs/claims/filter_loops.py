@@ -12,7 +12,9 @@ from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_assembled import STATED
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, within
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, nonnegative, within
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.command_ramp import moved
 
@@ -57,7 +59,7 @@ def in_time(mutation: Mutation) -> Statement:
     since = named["since"]
     given = (
         at_least(since), equal(count.sym, ca.fmin(since, most)),
-        at_least(came * (came - 1)), at_least(came * (1 - came)),
+        *nonnegative(came * (came - 1), came * (1 - came)),
     )  # fmt: skip
     then = mutation(1, 2) * came * (since + 1)
     goals = (equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most))
@@ -96,8 +98,7 @@ def slew_sent(mutation: Mutation, axis: int) -> Statement:
     b, u, sound = clip.channels[axis].bounds, clip.sent[axis], equal(clip.sound, 1)
     goals = (
         at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar),
-        *within(u - before.sym[axis], steps[axis]), at_least(clip.time),
-        at_least(clip.T, clip.time),
+        *within(u - before.sym[axis], steps[axis]), *between(0, clip.time, clip.T),
     )  # fmt: skip
     return Statement(named, goals, (*given, sound), {"numbers are sound": clip.sound})
 
@@ -136,7 +137,7 @@ def ramp_rim(mutation: Mutation) -> Statement:
     v = moved(t.v, t.u, t.grow, t.shrink)
     omega = moved(t.omega, t.w, mutation(1, 1.5) * t.turn, t.turn_back)
     slower = at_least(l * t.turn_back, t.grow), at_least(t.shrink, l * t.turn)
-    given = [above(l), at_least(t.grow), at_least(t.turn), *slower]
+    given = [above(l), *nonnegative(t.grow, t.turn), *slower]
     given += [r for x, y in pairs for way in WAYS for r in within(x + way * l * y, t.W)]
     goals = tuple(r for way in WAYS for r in within(v + way * l * omega, t.W))
     return Statement(t, goals, tuple(given))

@@ -23,17 +23,9 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.command_filter import INTERVALS
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    UNIT,
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    symbols,
-    when,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, when, within
+from wmr_ctrl.proofs.statement import UNIT, Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 SLACK = 2.0**-28
 """Share of V by which the speed may be above its computed bound."""
@@ -62,7 +54,7 @@ def _stated(b: FirstOrder) -> tuple[Relation, ...]:
 
 def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> tuple[Relation, Relation]:
     """A computed exponential, of a time that is off by so much of it."""
-    return at_least(value, (1 - LIBM) * exact - off), at_least((1 + LIBM) * exact + off, value)
+    return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
 
 
 @claim(
@@ -116,8 +108,7 @@ def carried_on(mutation: Mutation) -> Statement:
     V, way = s.V, s.share * (s.target - s.w)
     made = relaxed(s.w, s.target, s.share, s.share)
     given = (
-        above(V), at_least(s.share), at_least(ca.SX(2), s.share), *within(s.w, 2 * V),
-        *within(way, 8 * V),
+        above(V), *between(0, s.share, 2), *within(s.w, 2 * V), *within(way, 8 * V),
     )  # fmt: skip
     most = mutation(1, 2.0**-6) * MARGIN * V
     goals = within(s.next - (s.w + way), most)
@@ -148,10 +139,10 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     following = relaxed(s.w, s.target, s.most_as, s.least_as)
     least = relaxed(s.w, s.target, s[goes], s[goes])
     given = (
-        above(V), at_least(s.least), at_least(most, s.least), at_least(ca.SX(1), most),
-        *_computed(s.most_as, most, s.off), *_computed(s.least_as, s.least, s.off), at_least(s.off),
-        at_least(OFF, s.off), *within(s.off * s.target, AIMED_OFF * V), at_least(share, s.least),
-        at_least(most, share), at_least(e), at_least(s.w + e, s.v), *within(s.w, 2 * V),
+        above(V), *between(0, s.least, most), at_least(ca.SX(1), most),
+        *_computed(s.most_as, most, s.off), *_computed(s.least_as, s.least, s.off),
+        *between(0, s.off, OFF), *within(s.off * s.target, AIMED_OFF * V),
+        *between(s.least, share, most), at_least(e), at_least(s.w + e, s.v), *within(s.w, 2 * V),
         at_least(s.d), at_least(MARGIN * V, most * s.d), *within(most * s.target, 4 * V),
         at_least(s.target + s.d, s.mean), at_least(sign * (s.target - s.w)),
     )  # fmt: skip
@@ -242,7 +233,7 @@ def rest(mutation: Mutation) -> Statement:
         goals += [when(part, item) for item in off]
         goals.append(when(over, at_least(spare, piece.end * T + age)))
         goals.append(when(whole, at_least(piece.start * T + age, -spare)))
-    given = above(T), at_least(age), at_least(LOOKED_BACK.age * T, age)
+    given = above(T), *between(0, age, LOOKED_BACK.age * T)
     computed = ends | starts | {"rest": left.rest(age, pieces)}
     return Statement(s, tuple(goals), given, computed=computed)
 

@@ -44,7 +44,9 @@ from wmr_ctrl.proofs.regions import (
     smooth_cases,
     target_value,
 )
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 
 def reach(delta: Any, B: Any) -> Any:
@@ -277,7 +279,7 @@ def gain_none(mutation: Mutation, form: str = "paper") -> Statement:
         nominal = acceleration(mass[axis], law.force[axis], friction[axis])
         rate = mutation(nominal, -0.5 * rho * A)
         goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
-        given += [*_premises(A, J, rho * mass[axis], D, inner), above(mass[axis]), above(rho)]
+        given += [*_premises(A, J, rho * mass[axis], D, inner), *positive(mass[axis], rho)]
         every |= t
     return Statement(every, tuple(goals), tuple(given), cuts)
 

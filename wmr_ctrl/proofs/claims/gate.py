@@ -19,7 +19,8 @@ from wmr_ctrl.filter.gate import (
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import Signal
 

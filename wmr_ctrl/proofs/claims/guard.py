@@ -13,7 +13,8 @@ import casadi as ca
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, above, at_least
+from wmr_ctrl.proofs.relation import above, at_least
+from wmr_ctrl.proofs.statement import Statement
 
 NUMBERS_FREE = (
     "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1, brake, f_min, f_speed that are "

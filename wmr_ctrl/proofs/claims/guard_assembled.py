@@ -11,7 +11,9 @@ from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.claims.guard import NUMBERS_FREE, solver
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, nonnegative, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=solver)
@@ -132,7 +134,7 @@ def quiet(mutation: Mutation) -> Statement:
     b, old = a.bounds, ca.SX.sym("old")
     least = least_push(a["y"], old, a["asked"], b)
     same = ca.fmax(ca.fmin(a["y"], old), -ca.fmax(a["y"], old)) - mutation(0, 1)
-    given = (above(b.period), above(b.M_min), at_least(b.nbar), at_least(b.nbar, same))
+    given = (*positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same))
     return Statement(a.symbols | {"old": old}, (equal(least),), given)
 
 
@@ -150,7 +152,7 @@ def sharp(mutation: Mutation) -> Statement:
     way = ca.if_else(t.way > 0, 1, -1)
     y = t.old + b.period * (a["asked"] + way * t.push) / b.M_min
     least = least_push(y, t.old, a["asked"], b)
-    exact = (equal(b.nbar), equal(b.M_max, b.M_min), above(b.M_min), above(b.period))
+    exact = (equal(b.nbar), equal(b.M_max, b.M_min), *positive(b.M_min, b.period))
     ahead = (above(ca.fmin(way * y, way * t.old)), at_least(t.push))
     return Statement(a.symbols | t, (equal(least, mutation * t.push),), (*exact, *ahead))
 
@@ -179,7 +181,7 @@ def late(mutation: Mutation) -> Statement:
     b, t = a.bounds, symbols("old D F1 F2 N1 N2")
     sent = [ca.vertcat(t[f"F{j}"], t[f"N{j}"]) for j in (1, 2)]
     motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t.old, t.D
-    goals, given = [], [above(b.M_min), above(b.period), at_least(b.nbar), at_least(D)]
+    goals, given = [], [*positive(b.M_min, b.period), *nonnegative(b.nbar, D)]
     for axis, name in enumerate("FN"):
         least = motion.least_push(axis, a["y"], old, b)
         goals.append(at_least(D, mutation(1, 1.01) * least))
@@ -231,7 +233,7 @@ class MappedWheels:
     def given(self) -> tuple[Relation, ...]:
         """The hypotheses."""
         t = self.symbols
-        sides = (above(t.half), above(t.phi), above(t.r))
+        sides = positive(t.half, t.phi, t.r)
         return (*sides, *self.within(self.pair("force")), self.reached(self.safe))
 
     def mapped(self, name: str, safe: ca.SX) -> ca.SX:
@@ -253,7 +255,7 @@ def torques(mutation: Mutation) -> Statement:
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
     size = ca.fabs(t.force1) + mutation * ca.fabs(t.force2) / t.half
-    return Statement(t, (equal(largest, t.r / 2 * size),), (above(t.half), above(t.r)))
+    return Statement(t, (equal(largest, t.r / 2 * size),), positive(t.half, t.r))
 
 
 @map_claim("wheels.necessary", given="F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0")
@@ -270,8 +272,8 @@ def necessary(mutation: Mutation) -> Statement:
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
     tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
     held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
-    positive = [at_least(t[f"dbar{i}"]) for i in (1, 2)] + [above(t.half), above(t.r)]
-    return Statement(t, (above(largest, t.phi * t.r / 2),), (*positive, *held, tight))
+    signs = (*nonnegative(t.dbar1, t.dbar2), *positive(t.half, t.r))
+    return Statement(t, (above(largest, t.phi * t.r / 2),), (*signs, *held, tight))
 
 
 @map_claim.also(

@@ -12,7 +12,8 @@ import casadi as ca
 
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor, room
-from wmr_ctrl.proofs.statement import Named, Relation, Symbols, above, at_least, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between
+from wmr_ctrl.proofs.symbols import Named, Symbols, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
@@ -194,7 +195,7 @@ class GuardAxis(Named):
     def capped(self) -> tuple[Relation, ...]:
         """Facts of guard.delay.caps on the caps, but for their sum."""
         brakes = self.bounds.braking
-        return at_least(brakes), at_least(brakes, self.net), at_least(self.largest, brakes)
+        return at_least(brakes), *between(self.net, brakes, self.largest)
 
     def shared(self, more: float = 1) -> Relation:
         """The caps' sum: both directions together keep what braking needs."""
@@ -249,11 +250,11 @@ class GuardAxis(Named):
     def during(self, longer: float = 1) -> tuple[Relation, ...]:
         """0 <= t <= T, M_min <= M <= M_max; of what is late 0 <= since <= J, t <= T + J - since."""
         b, mass, since, t = self.bounds, self["mass"], self["since"], self["t"]
-        masses = (at_least(mass, b.M_min), at_least(b.M_max, mass))
+        masses = between(b.M_min, mass, b.M_max)
         if self.lateness < LATE:
-            return at_least(t), at_least(b.period, t), *masses
+            return *between(0, t, b.period), *masses
         end = at_least(longer * (b.period + self.J) - since, t)
-        return at_least(since), at_least(self.J, since), at_least(t), end, *masses
+        return *between(0, since, self.J), at_least(t), end, *masses
 
     def reached(self, way: int) -> ca.SX:
         """v+ when the new command may first take over; ``v`` is measured, or its mean."""

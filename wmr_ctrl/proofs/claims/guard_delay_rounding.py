@@ -19,7 +19,8 @@ from wmr_ctrl.proofs.claims.guard_axis import DELAYED
 from wmr_ctrl.proofs.claims.guard_delay_sums import ROUNDS
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between
+from wmr_ctrl.proofs.statement import UNIT, Statement
 
 SPREAD = 16
 """Largest (G1 + G2/l)/K1 max(1, alpha delay), and the same for the second axis: the range."""
@@ -76,7 +77,7 @@ class QueuedAxis(RoundedAxis):
     @property
     def sized(self) -> tuple[Relation, Relation]:
         """kept is that of one command or more, and small."""
-        return at_least(self.held_back, 1024 * UNIT), at_least(2.0**-20, self.held_back)
+        return between(1024 * UNIT, self.held_back, 2.0**-20)
 
     @property
     def counts(self) -> Relation:

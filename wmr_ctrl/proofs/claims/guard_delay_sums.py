@@ -15,17 +15,9 @@ from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    UNIT,
-    Named,
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    column,
-    symbols,
-)
+from wmr_ctrl.proofs.relation import Relation, at_least, between, nonnegative, positive
+from wmr_ctrl.proofs.statement import UNIT, Statement
+from wmr_ctrl.proofs.symbols import Named, Symbols, column, symbols
 
 SENT = 5
 """Commands of the queue that is written out."""
@@ -85,7 +77,7 @@ class Queue(Named):
     def known(self, *names: str) -> tuple[Relation, ...]:
         """Signs of the sums before, and how far they have grown."""
         _, time = self.last
-        grown = (at_least(self.grown, 3 * UNIT), at_least(2.0**-24, self.grown))
+        grown = between(3 * UNIT, self.grown, 2.0**-24)
         return (at_least(time), *grown, *(at_least(self[name]) for name in names))
 
 
@@ -108,7 +100,7 @@ def read(mutation: Mutation) -> Statement:
         lost = mutation(5, 1) * UNIT * ca.fabs(exact[place])
         goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
     computed = {"thrust": exact[0], "moment": exact[1]}
-    return Statement(t, tuple(goals), (above(t.r), above(t.half)), computed=computed)
+    return Statement(t, tuple(goals), positive(t.r, t.half), computed=computed)
 
 
 @claim(
@@ -190,9 +182,9 @@ def scaled(mutation: Mutation) -> Statement:
         exact = t[before] * t.period / t.M_min
         lost = mutation(4, 1) * UNIT * exact
         goals += [at_least(lost, exact - t[after]), at_least(lost, t[after] - exact)]
-    positive = (above(t.period), above(t.M_min), at_least(t.front), at_least(t.rear))
+    signs = (*positive(t.period, t.M_min), *nonnegative(t.front, t.rear))
     cuts, computed = (
         {names[0]: sums.ahead, names[1]: sums.back}
         for names, sums in ((("front", "rear"), raw), (("ahead", "back"), whole))
     )
-    return Statement(t, tuple(goals), positive, cuts, computed=computed)
+    return Statement(t, tuple(goals), signs, cuts, computed=computed)

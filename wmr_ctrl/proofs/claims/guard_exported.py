@@ -20,20 +20,9 @@ from wmr_ctrl.proofs.claims.guard import anchor, solver, upper
 from wmr_ctrl.proofs.claims.guard import feasible as not_empty
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, NUMBERS, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import added, caps, room
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    equal,
-    every,
-    instance,
-    positive,
-    symbols,
-    valued,
-    when,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, when
+from wmr_ctrl.proofs.statement import Statement, instance, valued
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 from wmr_ctrl.scenario import load_scenario
 
 PERIOD = 0.01

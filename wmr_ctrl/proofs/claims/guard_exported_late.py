@@ -25,7 +25,8 @@ from wmr_ctrl.model.system import System
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard import solver
 from wmr_ctrl.proofs.claims.guard_exported import PERIOD, Assembled, exported, setup
-from wmr_ctrl.proofs.statement import Relation, Statement, every, positive
+from wmr_ctrl.proofs.relation import Relation, every, positive
+from wmr_ctrl.proofs.statement import Statement
 
 STEADY = {
     "sensor.velocity_window": PERIOD, "actuator.delay": 0.5 * PERIOD, "actuator.lag": 0.4 * PERIOD,

@@ -17,18 +17,9 @@ from wmr_ctrl.proofs.claims.guard import solver
 from wmr_ctrl.proofs.claims.guard_delay_rounding import QueuedAxis
 from wmr_ctrl.proofs.claims.guard_exported import PERIOD, Assembled, setup
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    equal,
-    every,
-    positive,
-    symbols,
-    valued,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, within
+from wmr_ctrl.proofs.statement import Statement, valued
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world.lag import ACTING, LAG
 
 NEAR = 2.0**-50

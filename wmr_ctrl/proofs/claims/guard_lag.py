@@ -13,7 +13,17 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard import HARD, left, on
 from wmr_ctrl.proofs.claims.guard_axis import LAGGING, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import larger, spares
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+)
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 EXPONENTIALS = (
     "0 <= a <= b, 0 <= exp(-J/a) <= exp(-J/b) <= 1, b (1 - exp(-J/b)) <= J, c(t) = (b - a)(1 - "
@@ -32,10 +42,9 @@ def exponentials(a: GuardAxis) -> tuple[Relation, ...]:
     fast, slow, rises, falls = a["fast"], a["slow"], a["rises_by"], a["falls"]
     same = () if a.varies else (equal(a["rise_late"], a["rise"]),)
     return (
-        at_least(fast), at_least(slow, fast), above(slow), at_least(rises),
-        at_least(falls, rises), at_least(ca.SX(1), falls), at_least(a.J, slow * (1 - falls)),
-        equal(a["rise_J"], (slow - fast) * (1 - rises)), at_least(a["rise"]),
-        at_least(a["rise_late"], a["rise"]), at_least(slow - fast, a["rise_late"]), *same,
+        *between(0, fast, slow), above(slow), *between(0, rises, falls), at_least(ca.SX(1), falls),
+        at_least(a.J, slow * (1 - falls)), equal(a["rise_J"], (slow - fast) * (1 - rises)),
+        *between(0, a["rise"], a["rise_late"]), at_least(slow - fast, a["rise_late"]), *same,
     )  # fmt: skip
 
 
@@ -53,15 +62,15 @@ def varying_moved(mutation: Mutation) -> Statement:
     Z falls slowest with the time constant b and rises fastest with a.
     """
     t = symbols("z p more_z more_p falls rises between")
-    z, p, more_z, more_p, falls, rises, between = t.values()
+    z, p, more_z, more_p, falls, rises, e = t.values()
     first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
     goals = (
-        at_least(mutation(1, 0.99) * second, first), at_least(first, p + between * (z - p)),
-        at_least(ca.fmax(z, p), first), at_least(first, ca.fmin(z, p)),
+        at_least(mutation(1, 0.99) * second, first),
+        *between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p)),
     )  # fmt: skip
     given = (
-        at_least(z), at_least(p), at_least(more_z, z), at_least(more_p, p), at_least(rises),
-        at_least(between, rises), at_least(falls, between), at_least(ca.SX(1), falls),
+        *nonnegative(z, p), at_least(more_z, z), at_least(more_p, p), *between(0, rises, e),
+        *between(e, falls, 1),
     )  # fmt: skip
     return Statement(t, goals, given)
 
@@ -114,14 +123,7 @@ def varying_more(mutation: Mutation) -> Statement:
         at_least(more * (b + a.J) * most, b * z + again + a["rise"] * (most - after)),
         at_least(b * most, b * z + a["rise_late"] * (most - z)), at_least(again),
     )  # fmt: skip
-    given = (
-        *exponentials(a),
-        above(a.J),
-        at_least(z),
-        at_least(most, z),
-        at_least(most, p),
-        above(most),
-    )
+    given = (*exponentials(a), above(a.J), *between(0, z, most), at_least(most, p), above(most))
     return Statement(a.symbols, goals, given)
 
 
@@ -163,10 +165,10 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
         mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha),
     )
     given = (
-        at_least(z), at_least(most, z), at_least(after), at_least(most, after), at_least(again),
+        *between(0, z, most), *between(0, after, most), at_least(again),
         above(most), at_least((lag + J) * most, lag * z + again + a["rise"] * (most - after)),
         at_least(lag * most, lag * z + a["rise_late"] * (most - z)), *exponentials(a),
-        above(b.M_min), above(b.alpha), *([above(J)] * a.varies),
+        *positive(b.M_min, b.alpha), *([above(J)] * a.varies),
     )  # fmt: skip
     return Statement(a.symbols, (goal,), given)
 
@@ -191,7 +193,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     ]
     given = (
         *lines, at_least(larger(*cores), need), at_least(a["most"], need * b.alpha),
-        above(b.M_min), above(b.alpha),
+        *positive(b.M_min, b.alpha),
     )  # fmt: skip
     goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
     return Statement(a.symbols | t, (goal,), given)
@@ -238,7 +240,7 @@ def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     ]
     given = (
         *a.sound(), *exponentials(a), at_least(b.braking, a.net), at_least(a.hi, a.lo),
-        *a.lines(way, a("room_", way), spare), at_least(z), at_least(after), at_least(again),
+        *a.lines(way, a("room_", way), spare), *nonnegative(z, after, again),
         at_least(a["mass"], b.M_min), above(b.M_min),
     )  # fmt: skip
     return Statement(a.symbols, tuple(goals), given, a.rooms)
@@ -270,7 +272,6 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     ]
     given = (
         *a.stated, *exponentials(a), at_least(D), a.withstands(D),
-        *a.lines(way, a("room_", way), b.u1 - a["arrived"]), at_least(z), at_least(after),
-        at_least(again),
+        *a.lines(way, a("room_", way), b.u1 - a["arrived"]), *nonnegative(z, after, again),
     )  # fmt: skip
     return Statement(a.symbols, tuple(goals), given, a.rooms)

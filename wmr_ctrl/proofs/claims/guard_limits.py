@@ -15,7 +15,9 @@ from wmr_ctrl.proofs.claims.guard import HARD, NUMBERS_FREE, upper
 from wmr_ctrl.proofs.claims.guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import FEASIBLE, only
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal, nonnegative
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 claim = Claims(by=Z3(effort=150))
 
@@ -81,8 +83,8 @@ def longer(_: Mutation) -> Statement:
     end = a["arrived"] + a["t"] * ca.fmax(force + a.net, 0) / a["mass"]
     time = 1.01 * a["periods"] * a["period"]
     given = (
-        *a.sound(), *a.capped, *a.measured, *a.during(), at_least(a["since"]),
-        at_least(a["periods"]), at_least(time, a["since"]), at_least(reached, a["arrived"]),
+        *a.sound(), *a.capped, *a.measured, *a.during(), *nonnegative(a["since"], a["periods"]),
+        at_least(time, a["since"]), at_least(reached, a["arrived"]),
         at_least(a["u1"], a["arrived"]), at_least(a["arrived"], b.f_speed),
         at_least(ceiling(a["y"], b, only(a)), floor(a["y"], b, only(a))),
     )  # fmt: skip

@@ -19,7 +19,9 @@ from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, Symbols, above, at_least, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, positive
+from wmr_ctrl.proofs.statement import UNIT, Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 
 @dataclass(frozen=True)
@@ -265,7 +267,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     The rounding of the torque limit does not undo the guard.
     """
     t = _wheels()
-    found, given = (t.thrust, t.moment), [above(t.half), above(t.phi)]
+    found, given = (t.thrust, t.moment), [*positive(t.half, t.phi)]
     for i in "12":
         given += [*_within(t[f"cap{i}"], t[f"safe{i}"]), *_within(t[f"size{i}"], t[f"force{i}"])]
         given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
@@ -304,7 +306,7 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     lost = mutation(5, 2) * precision.unit * (ca.fabs(asked[0]) + ca.fabs(asked[1]) / half)
     goals = (*_within(lost, reached[0] - asked[0]), *_within(lost * half, reached[1] - asked[1]))
     computed = {"right": torque[0], "left": torque[1]}
-    return Statement(t, goals, (above(half), above(t.r)), computed=computed, unit=precision.unit)
+    return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)
 
 
 @claim(

@@ -12,7 +12,17 @@ from wmr_ctrl.guard.lateness import AT_ONCE, Tail
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard import CAPS, HARD, on, solver
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, LATE, GuardAxis
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, column, equal, symbols
+from wmr_ctrl.proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+)
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import column, symbols
 
 FEASIBLE = (
     "2 net (1 + alpha late) <= M_min alpha (u1 - f_speed), net = dbar - f_min, 2 nbar <= u1, brake "
@@ -90,7 +100,7 @@ def command(mutation: Mutation, place: int) -> Statement:
         reached = start + a["since"] * ca.fmax(way * a["sent"] + a.net, 0) / a["mass"]
         goals.append(at_least(seen + coming, reached))
     sent = (at_least(a.largest, a["sent"]), at_least(a.largest, -a["sent"]))
-    during = (at_least(a["since"]), at_least(time, a["since"]), at_least(a["periods"]))
+    during = (*between(0, a["since"], time), at_least(a["periods"]))
     return Statement(a.symbols, tuple(goals), (*a.stated, *a.measured, *a.during(), *sent, *during))
 
 
@@ -138,7 +148,7 @@ def late_piece(mutation: Mutation) -> Statement:
     most = time * a.S / b.M_min
     goals += [at_least(most, piece.ahead), at_least(most, piece.back)]
     sent = [at_least(a.largest, way * force) for way in (1, -1) for force in (first, second)]
-    during = (at_least(a["since"]), at_least(time, a["since"]), at_least(a["periods"]))
+    during = (*between(0, a["since"], time), at_least(a["periods"]))
     return Statement(a.symbols, tuple(goals), (*a.stated, *a.during(), *sent, *during))
 
 
@@ -170,7 +180,7 @@ def late_tail(mutation: Mutation) -> Statement:
         joined = 0.25 * ca.fmax(old + b.net, 0) + 0.125 * ca.fmax(ca.fmax(old, new) + b.net, 0)
         wanted = 0.5 * now.ahead + mutation * b.period * joined / b.M_min
         goals.append(equal(after / b.M_min, wanted))
-    return Statement(table, tuple(goals), (above(b.M_min), above(b.period)))
+    return Statement(table, tuple(goals), positive(b.M_min, b.period))
 
 
 def added(a: GuardAxis) -> tuple[Relation, ...]:
@@ -225,7 +235,7 @@ def late_room(mutation: Mutation) -> Statement:
     b, t = a.bounds, symbols("spare_ahead spare_back again_ahead again_back")
     spared = (*spares(a), a.again.ahead, a.again.back)
     again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
-    signs = (at_least(t.again_ahead), at_least(t.again_back))
+    signs = nonnegative(t.again_ahead, t.again_back)
     positive = tuple(above(item) for item in (b.M_min, b.alpha, b.period, a.J))
     given = (*positive, *a.capped, *signs, again, _spared(a, t.spare_ahead, t.spare_back))
     cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
@@ -276,7 +286,6 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
     given = (
-        *a.sound(), above(window), at_least(share), at_least(1, share), at_least(t.V),
-        at_least(b.u1, t.V),
+        *a.sound(), above(window), *between(0, share, 1), *between(0, t.V, b.u1),
     )  # fmt: skip
     return Statement(a.symbols | t, (at_least(reached, mutation(1, 1.01) * v),), given)

@@ -16,7 +16,9 @@ from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.methods.spec import Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case
-from wmr_ctrl.proofs.statement import Statement, column, equal, every, stacked, symbols
+from wmr_ctrl.proofs.relation import equal, every
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import column, stacked, symbols
 from wmr_ctrl.scenario import load_scenario
 
 ANY = "any pose, velocity and parameters"

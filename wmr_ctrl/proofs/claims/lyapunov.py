@@ -19,7 +19,9 @@ from wmr_ctrl.proofs.regions import (
     paired_cases,
     target_cases,
 )
-from wmr_ctrl.proofs.statement import Statement, Symbols, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 
 class Moving(BarrierAxis):

@@ -20,16 +20,9 @@ from wmr_ctrl.proofs.claims.network_axis import (
 )
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
-from wmr_ctrl.proofs.statement import (
-    Statement,
-    above,
-    at_least,
-    column,
-    equal,
-    every,
-    stacked,
-    symbols,
-)
+from wmr_ctrl.proofs.relation import above, at_least, equal, every
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import column, stacked, symbols
 
 
 def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:

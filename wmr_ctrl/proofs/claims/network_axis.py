@@ -10,7 +10,8 @@ from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.laws import nn
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claims.common import LawGraph
-from wmr_ctrl.proofs.statement import Statement, Symbols, column, stacked, symbols
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, column, stacked, symbols
 
 
 class NetworkAxis:

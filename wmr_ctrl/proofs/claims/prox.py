@@ -13,17 +13,9 @@ from wmr_ctrl.laws.prox import mixture, prox_step
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    AT_LEAST,
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    equal,
-    symbols,
-    when,
-)
+from wmr_ctrl.proofs.relation import AT_LEAST, Relation, above, at_least, equal, nonnegative, when
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
 
@@ -67,7 +59,7 @@ def optimal(mutation: Mutation, smooth: bool = False) -> Statement:
     at_kink = ca.fmin(jump - rest, 0)
     miss = ca.if_else(size > t.u2, beyond, ca.if_else(size < t.u2, rest, at_kink))
     inside = above(t.u1, size)
-    return Statement(t, (equal(miss), at_least(rest), at_least(s * x), inside), _target(t))
+    return Statement(t, (equal(miss), *nonnegative(rest, s * x), inside), _target(t))
 
 
 @map_claim.also(

@@ -12,18 +12,9 @@ from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    above,
-    at_least,
-    equal,
-    every,
-    positive,
-    symbols,
-    when,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, when, within
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 AXES = ({"of": "", "where": "linear", "axis": 0}, {"of": "-angular", "where": "angular", "axis": 1})
 

@@ -11,7 +11,9 @@ from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES
 from wmr_ctrl.proofs.claims.prox_push import AXES, Sampled
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 
 def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
@@ -44,7 +46,7 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
     w, q = s.v - t.x, s.period * s.free.f / s.mass
     moves = s.period * t.mu * (s.force - s.force_cuts["friction"]) / s.mass
     goal = equal(w + moves, (1 - t.mu * t.a) * w + mutation * t.mu * q)
-    given = (above(s.period), above(s.mass), equal(s.free.next, s.v - t.a * w))
+    given = (*positive(s.period, s.mass), equal(s.free.next, s.v - t.a * w))
     return s.states((goal,), given, s.force_cuts, t)
 
 

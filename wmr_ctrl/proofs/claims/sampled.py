@@ -22,7 +22,9 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import NO_SERIES, VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_ctrl.proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, positive, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 
 @dataclass(frozen=True)
@@ -256,8 +258,8 @@ def side(mutation: Mutation, axis: int) -> Statement:
     s = NewtonStep(axis)
     w, fall = s.free.w, s.free.fall
     after, share = w * (w + s.moved), s.free.quotient * w
-    goals = (at_least(after, (1 + mutation * fall) * w**2), at_least(w**2, after))
-    return s.states(goals, (at_least(share), at_least(w**2, share)))
+    goals = between((1 + mutation * fall) * w**2, after, w**2)
+    return s.states(goals, between(0, share, w**2))
 
 
 @newton_claim(

@@ -12,7 +12,9 @@ from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case, at
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, positive, symbols
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 PAPER = (("v1d", 5, 1), ("v2d", 10, 1), ("k1", 1, 10), ("k2", 1, 5), ("k3", 1, 4), ("eps", 50, 1))
 """Numbers b/a of the paper and of eps, by name, as a and b."""

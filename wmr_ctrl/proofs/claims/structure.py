@@ -16,7 +16,9 @@ from wmr_ctrl.proofs.claims.common import (
 )
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import all_cases, target_cases
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.relation import above, at_least, between, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import symbols
 
 NO_CORNER = tuple(c for c in all_cases() if "middle" not in c.label and "edge" not in c.label)
 claim = Claims(by=Ring(all_cases(), log_lemma=True))
@@ -152,12 +154,9 @@ def bounded_command(mutation: Mutation) -> Statement:
         "friction": law.own(law.context.friction)[0],
     }
     given = (
-        above(rho),
-        above(mass),
-        at_least(t.q),
-        at_least(1, t.q),
-        at_least(t.quotient * t.w),
-        at_least(t.w**2, t.quotient * t.w),
+        *positive(rho, mass),
+        *between(0, t.q, 1),
+        *between(0, t.quotient * t.w, t.w**2),
         at_least(t.w**2, t.quotient**2),
     )
     bound = mutation * rho * ca.fabs(t.w) + ca.fabs(t.cdot)

@@ -8,7 +8,9 @@ from wmr_ctrl.proofs.claims.tracking import GAINS, Tracking
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import at
-from wmr_ctrl.proofs.statement import Statement, Symbols, above, at_least, equal, positive, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 
 def conditions(names: Symbols, printed: bool = False) -> ca.SX:

@@ -10,16 +10,9 @@ from wmr_ctrl.proofs.claims.theorem1 import conditions
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case, at
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    equal,
-    positive,
-    symbols,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 BARELY_PAST = tuple(
     at(e3=angle, z1=0, z2=0, k1=1, k2=1, k3=1, root="0.1", eps1="0.01", x="0.1")
@@ -110,8 +103,7 @@ def angle_speed(mutation: Mutation) -> Statement:
     six = conditions(t)
     given = (
         *positive(l, k2, k3, low, E, six[3], six[5]),
-        at_least(v1d, low),
-        at_least(high, v1d),
+        *between(low, v1d, high),
         at_least(analysis.angle_bound(l, k3, low, high, E), sine),
         at_least(sine),
     )

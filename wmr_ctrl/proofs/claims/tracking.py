@@ -9,17 +9,9 @@ from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case, at
-from wmr_ctrl.proofs.statement import (
-    Named,
-    Relation,
-    Statement,
-    above,
-    at_least,
-    column,
-    equal,
-    stacked,
-    symbols,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Named, column, stacked, symbols
 
 
 class Tracking(Named):

@@ -15,16 +15,9 @@ from wmr_ctrl.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    equal,
-    symbols,
-    when,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, nonnegative, when
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 
@@ -84,7 +77,7 @@ def transport_share(mutation: Mutation) -> Statement:
     spent = 0.5 * (theta * t.w) ** 2 + theta * t.excess
     room = mutation(t.level, 0.9 * t.level)
     given = (at_least(t.level, 0.5 * t.w**2), at_least(t.excess))
-    return Statement(t, (at_least(theta), at_least(1, theta), at_least(room, spent)), given)
+    return Statement(t, (*between(0, theta, 1), at_least(room, spent)), given)
 
 
 @claim(
@@ -122,8 +115,7 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
     goals = (
-        at_least(rise, -w * step + 0.5 * shift**2),
-        at_least(-w * step + step * shift - 0.5 * shift**2, rise),
+        *between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2),
         at_least(most, rise),
         when(nearer, at_least(0, rise)),
     )
@@ -219,7 +211,7 @@ def root(mutation: Mutation) -> Statement:
     """
     t = symbols("before after S S_next w step")
     given = (
-        at_least(t.S), at_least(t.S_next), equal(t.S ** 2, 2 * t.before),
+        *nonnegative(t.S, t.S_next), equal(t.S ** 2, 2 * t.before),
         equal(t.S_next ** 2, 2 * t.after), at_least(2 * t.before, t.w ** 2),
         at_least(t.before - t.w * t.step + 0.5 * t.step ** 2, t.after),
     )  # fmt: skip

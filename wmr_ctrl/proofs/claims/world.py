@@ -13,16 +13,9 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
-from wmr_ctrl.proofs.statement import (
-    Relation,
-    Statement,
-    Symbols,
-    above,
-    at_least,
-    equal,
-    symbols,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, positive, within
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
@@ -96,6 +89,10 @@ class EffectGraph:
         ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
         return self.trace.symbols | scalars(ports)
 
+    def above_zero(self, *names: str) -> tuple[Relation, ...]:
+        """Each of these numbers is positive."""
+        return tuple(above(self[name]) for name in names)
+
     @property
     def parameters(self) -> Parameters:
         """The graph's own symbols by their keys."""
@@ -103,11 +100,6 @@ class EffectGraph:
 
     def __getitem__(self, name: str) -> ca.SX:
         return self.symbols[name]
-
-
-def positive(g: EffectGraph, *names: str) -> tuple[Relation, ...]:
-    """Each is above 0."""
-    return tuple(above(g[name]) for name in names)
 
 
 SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
@@ -204,7 +196,7 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     bound = g.bound("nbar")[axis]
     off = g.system.outputs[axis].expr - exact[axis]
     most = mutation(bound, 0.9 * bound)
-    sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
+    sides = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
     cuts = {"turn_right": now[0], "turn_left": now[1]}
     cuts |= {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
     window = equal(g.bound("window")[axis], g["clock.control"])
@@ -236,9 +228,9 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     most = g.bound("nbar")[axis] - counted[axis]
     off = shown - (t.v if axis == 0 else t.omega)
     given = (
-        *positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control"),
+        *g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
-        *within(ca.vertcat(*t.values()), limits), above(limits[0]), above(limits[1]),
+        *within(ca.vertcat(*t.values()), limits), *positive(limits[0], limits[1]),
     )  # fmt: skip
     return g.states(within(off, most * mutation(1, 0.9)), given, None, t)
 
@@ -263,7 +255,7 @@ def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
     bound = g.bound("dbar")[axis]
     given = (
-        *positive(g, "robot.r", "robot.l"),
+        *g.above_zero("robot.r", "robot.l"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
         *within(told, most + 0.5 * g["motor.step"]),
     )

@@ -16,7 +16,8 @@ from wmr_ctrl.proofs.methods import interval as iv
 from wmr_ctrl.proofs.methods.interval import Interval
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.spec import Ball, Finding
-from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
+from wmr_ctrl.proofs.relation import ABOVE, EQUAL
+from wmr_ctrl.proofs.statement import Statement
 
 
 class EmptyWayError(Exception):

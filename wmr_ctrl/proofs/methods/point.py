@@ -13,7 +13,8 @@ from flint import arb, ctx, fmpq
 from wmr_ctrl.proofs.graph import ARITHMETIC, Arithmetic, UndecidedError, Walk
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Finding, Point, Refute, Table
-from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
+from wmr_ctrl.proofs.relation import ABOVE, EQUAL
+from wmr_ctrl.proofs.statement import Statement
 
 BITS = 300
 

@@ -15,7 +15,8 @@ from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.ring_arithmetic import RingArithmetic
 from wmr_ctrl.proofs.methods.spec import Finding, Point, Ring
 from wmr_ctrl.proofs.regions import Case
-from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
+from wmr_ctrl.proofs.relation import ABOVE, EQUAL
+from wmr_ctrl.proofs.statement import Statement
 
 SAMPLES = 8
 

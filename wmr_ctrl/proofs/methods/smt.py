@@ -21,7 +21,8 @@ from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
 from wmr_ctrl.proofs.methods.spec import Z3, Finding, Point
-from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement, behind
+from wmr_ctrl.proofs.relation import ABOVE, EQUAL
+from wmr_ctrl.proofs.statement import Statement, behind
 
 
 class TermArithmetic(Arithmetic):

@@ -1,0 +1,68 @@
+"""Relations of expressions: what a claim says is made of them."""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
+
+
+@dataclass(frozen=True)
+class Relation:
+    """``expr`` compared with 0: ``=``, ``>=`` or ``>``."""
+
+    expr: ca.SX
+    kind: str
+
+
+def equal(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
+    """left = right."""
+    return Relation(ca.SX(left) - right, EQUAL)
+
+
+def at_least(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
+    """left >= right."""
+    return Relation(ca.SX(left) - right, AT_LEAST)
+
+
+def above(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
+    """left > right."""
+    return Relation(ca.SX(left) - right, ABOVE)
+
+
+def positive(*exprs: ca.SX | float) -> tuple[Relation, ...]:
+    """Each of them > 0."""
+    return tuple(map(above, exprs))
+
+
+def nonnegative(*exprs: ca.SX | float) -> tuple[Relation, ...]:
+    """Each of them >= 0."""
+    return tuple(map(at_least, exprs))
+
+
+def between(
+    low: ca.SX | float, value: ca.SX | float, high: ca.SX | float
+) -> tuple[Relation, Relation]:
+    """low <= value <= high."""
+    return at_least(value, low), at_least(high, value)
+
+
+def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
+    """|value| <= bound, for each element of a column."""
+    most = ca.SX(bound) * ca.SX.ones(value.shape)
+    return tuple(
+        side
+        for part, end in zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)
+        for side in (at_least(end, part), at_least(part, -end))
+    )
+
+
+def when(condition: ca.SX, relation: Relation) -> Relation:
+    """``condition`` implies the relation, which must be one that 0 fulfils."""
+    return Relation(ca.if_else(condition, relation.expr, 0), relation.kind)
+
+
+def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:
+    """Element-wise equality of two columns."""
+    both = ca.vec(left - right)
+    return tuple(equal(both[i]) for i in range(both.numel()))
