@@ -81,6 +81,7 @@ class Claims:
     form: str = OURS
     given: str = ""
     meaning: str = ""
+    premises: str = ""
     listed: list[Claim] = field(default_factory=list)
 
     def __call__(
@@ -91,7 +92,7 @@ class Claims:
         given: str | None = None,
         by: Method | str | Callable[..., Method] | None = None,
         form: str = "",
-        premises: str = "",
+        premises: str | None = None,
         wording: str = "",
         over: Iterable[Mapping[str, Any]] = (),
         **values: Any,
@@ -118,7 +119,7 @@ class Claims:
                         text(self.given if given is None else given),
                         _asked(function, table) if engine else None,
                         engine, "" if engine else str(method),
-                        tuple(text(premises).split()),
+                        tuple(text(self.premises if premises is None else premises).split()),
                     )
                 )  # fmt: skip
             return function

@@ -21,7 +21,7 @@ WIDER = 2.0**-44
 LEVEL = PAST - 2.0**-47
 """Share of c within which a command that is held keeps the speed, whatever was rounded."""
 SIZES = f"{TABLES}, high <= 5; |u|, |to| <= 2 c, |over|, |under|, |past| <= 4 c"
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
 def _sizes(a: BandAxis) -> tuple[Relation, ...]:
@@ -38,7 +38,6 @@ def _sizes(a: BandAxis) -> tuple[Relation, ...]:
 @claim(
     "filter.rounding.band-{word}",
     given=f"{SIZES}; {{sign}}v <= {{sign}}u + {{word}} + e; low <= S <= high, the base's response",
-    premises="assumption.libm",
     over=WAYS,
 )
 def forecast(mutation: Mutation, word: str, way: int) -> Statement:
@@ -64,7 +63,6 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
 @claim(
     "filter.rounding.band-tail",
     given="left, tail >= 0; f > 0, the share that stays in a period; fading >= f (1 + 2^-41)",
-    premises="assumption.libm",
 )
 def tail(mutation: Mutation) -> Statement:
     """(tail + |to - u| left) f <= the tail that the text computes for the next sample.
@@ -95,7 +93,6 @@ LINES = (
     "filter.rounding.band-{id}",
     given=f"{SIZES}; {{told}}; 0 <= slope <= 10, inverse >= 1/16; to within what this condition "
     "admits, as the text computes it",
-    premises="assumption.libm",
     over=LINES,
 )
 def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
@@ -135,7 +132,6 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     given="-before - e <= p <= behind + e, the time at which a sample came, less whole periods, "
     "after the last one; 0 <= before, behind <= T; the next one comes 0 to 2 T after that; "
     "operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def beat(mutation: Mutation) -> Statement:
     """-before' - e - 2^-51 T <= p' <= behind' + e + 2^-51 T, the same after the next, as the text
@@ -160,7 +156,6 @@ def beat(mutation: Mutation) -> Statement:
     "filter.rounding.band-stays",
     given="g >= 0, g (1 + x + x^2/2) <= 1, x the rate times the time since the last sample; "
     "operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def stays(mutation: Mutation) -> Statement:
     """g (1 + 2^-41) <= the share that stays, as the text computes it.
@@ -207,7 +202,6 @@ def fading(mutation: Mutation) -> Statement:
     "filter.rounding.band-reached",
     given="r >= 0, r (1 + 2^-42) <= reach; reached >= 0, reached (1 + 2^-41) <= the number in the "
     "tables; operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def reached(mutation: Mutation) -> Statement:
     """r + |to - u| reached <= how far the base is from its command, as the text computes it.
@@ -230,7 +224,6 @@ def reached(mutation: Mutation) -> Statement:
     "filter.rounding.band-past-{word}",
     given="c > 0, |held| <= 2 c; {sign}v <= c (1 + 2^-29 - 2^-47) and {sign}(v - held) <= past, as "
     "long as the command stays held; operations rounded by at most 2^-53",
-    premises="assumption.libm",
     over=WAYS,
 )
 def past(mutation: Mutation, word: str, way: int) -> Statement:

@@ -37,7 +37,7 @@ OVER = 2.0**-29
 """Share of its limit by which rounding may carry a command that changes slowly beyond it."""
 SLOWEST = 2.0**-20
 """Least change in a period of a command that changes slowly, as a share of its limit."""
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,6 @@ ORDER = ({"scale": "turn", "how": "omega"}, {"scale": "drive", "how": "v"})
 @claim(
     "filter.rounding.wheels",
     given=f"{GIVEN} of the wheels, of at most M in size; both axes scaled by one factor; {ROUNDED}",
-    premises="assumption.libm",
 )
 def wheels(mutation: Mutation) -> Statement:
     """lo - 2^-49 M <= v + l omega, v - l omega <= hi + 2^-49 M, of the command that is computed.
@@ -140,7 +139,6 @@ def wheels(mutation: Mutation) -> Statement:
 @claim(
     "filter.rounding.wheels-{scale}",
     given=f"{GIVEN} of the wheels, of at most M in size; {{how}} first; {ROUNDED}",
-    premises="assumption.libm",
     over=ORDER,
 )
 def wheels_first(mutation: Mutation, scale: str) -> Statement:
@@ -157,7 +155,6 @@ def wheels_first(mutation: Mutation, scale: str) -> Statement:
 @claim(
     "filter.rounding.axes-{scale}",
     given=f"every command; limits lo < 0 < hi of v and omega; {{how}} first; {ROUNDED}",
-    premises="assumption.libm",
     over=ORDER,
 )
 def axes_first(mutation: Mutation, scale: str) -> Statement:
@@ -174,11 +171,7 @@ def axes_first(mutation: Mutation, scale: str) -> Statement:
 BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
 
 
-@claim(
-    "filter.rounding.beside",
-    given=f"{BESIDE}; both axes scaled by one factor; {ROUNDED}",
-    premises="assumption.libm",
-)
+@claim("filter.rounding.beside", given=f"{BESIDE}; both axes scaled by one factor; {ROUNDED}")
 def beside(mutation: Mutation) -> Statement:
     """v and omega before they are cut are within (1 + 2^-50) of their limits, the wheels' speeds
     within 2^-49 M of theirs.
@@ -214,10 +207,7 @@ def beside_cut(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "filter.rounding.beside-axes-{scale}",
-    given=f"{BESIDE}; {{how}} first; {ROUNDED}",
-    premises="assumption.libm",
-    over=ORDER,
+    "filter.rounding.beside-axes-{scale}", given=f"{BESIDE}; {{how}} first; {ROUNDED}", over=ORDER
 )
 def beside_axes(mutation: Mutation, scale: str) -> Statement:
     """lo <= v, omega <= hi, of the command that is computed.
@@ -227,12 +217,7 @@ def beside_axes(mutation: Mutation, scale: str) -> Statement:
     return _first(scale, True, mutation(0, -BEYOND))
 
 
-@claim(
-    "filter.rounding.beside-{scale}",
-    given=f"{BESIDE}; {{how}} first; {ROUNDED}",
-    premises="assumption.libm",
-    over=ORDER,
-)
+@claim("filter.rounding.beside-{scale}", given=f"{BESIDE}; {{how}} first; {ROUNDED}", over=ORDER)
 def beside_first(mutation: Mutation, scale: str) -> Statement:
     """lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the command that is computed.
 
@@ -252,7 +237,6 @@ def _first(scale: str, axes: bool, spare: float) -> Statement:
 @claim(
     "filter.rounding.slew-limit",
     given="K > 0, delta, a, reach >= 0; V the stated limit; operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def slew_limit(mutation: Mutation) -> Statement:
     """K hi (1 + 2^-29) + delta + a (1 + 2^-30) reach <= V for the hi that the text of the clip of
@@ -282,7 +266,6 @@ def _slow(s: Symbols) -> tuple[Relation, ...]:
     "filter.rounding.slew-kept",
     given="|wanted| <= hi (1 + 2^-50); the command before within hi (1 + 2^-29); 2^-22 <= share "
     "<= 1; operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def slew_kept(mutation: Mutation) -> Statement:
     """|u| <= hi (1 + 2^-29), u as the text computes it.
@@ -299,7 +282,6 @@ def slew_kept(mutation: Mutation) -> Statement:
 @claim(
     "filter.rounding.slew-step",
     given="as in filter.rounding.slew-kept; a T >= 2^-20 hi; 0 <= share <= the axis' own share",
-    premises="assumption.libm",
 )
 def slew_step(mutation: Mutation) -> Statement:
     """|u - u_before| <= a T (1 + 2^-30), the axis' own share >= 2^-22, as the text computes them.

@@ -38,7 +38,7 @@ SPEED = 2.0**-46
 ROUNDED = "operations rounded by at most 2^-53"
 TURNS = ({"turn": "rise", "rises": True}, {"turn": "fall", "rises": False})
 NONE, ZERO = ca.SX(0, 1), ca.SX(0)
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
 def _strong(s: Symbols, most: float = STRONGEST) -> tuple[Relation, ...]:
@@ -56,7 +56,6 @@ def _moved(s: Symbols, most: ca.SX) -> tuple[Relation, ...]:
     "filter.rounding.force-sum",
     given="force and drag speed of at most 4 f, drag u of at most 2 f in size, of what is past, "
     f"too; {ROUNDED}",
-    premises="assumption.libm",
 )
 def summed(mutation: Mutation) -> Statement:
     """force + drag speed, of what is past, too, and drag u, miss what the text computes for them by
@@ -107,7 +106,6 @@ def room(mutation: Mutation) -> Statement:
 @claim(
     "filter.rounding.force-slope",
     given=f"drag >= 0; |low|, |high| <= A of the force, at most 5 of the speed; {ROUNDED}",
-    premises="assumption.libm",
 )
 def slope(mutation: Mutation) -> Statement:
     """the computed sums of force and drag times speed are off by at most 2^-51 (A + 5 drag).
@@ -132,7 +130,6 @@ def slope(mutation: Mutation) -> Statement:
     "filter.rounding.force-line-{word}",
     given="|slope| <= A, A c <= 2^9 f; |room| <= 16 f; 0 <= d <= 6 c, d at most the line that the "
     f"text computes, or 0, and 2^-50 c; {ROUNDED}",
-    premises="assumption.libm",
     over=({"word": "up", "sign": 1}, {"word": "down", "sign": -1}),
 )
 def lined(mutation: Mutation, sign: int) -> Statement:
@@ -157,7 +154,6 @@ def lined(mutation: Mutation, sign: int) -> Statement:
     "filter.rounding.force-{word}",
     given="A c <= 2^8 f; |low|, |high| <= A; |u|, |to| <= 2 c; |over|, |under| <= 4 f; {sign}F <= "
     f"{{word}} + e; low <= W <= high, the force behind a step; {ROUNDED}",
-    premises="assumption.libm",
     over=WAYS,
 )
 def forecast(mutation: Mutation, word: str, way: int) -> Statement:
@@ -185,7 +181,6 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     "filter.rounding.force-end",
     given="|u| <= 2 c; rises and falls of at least 0, the first ones of at most 6 c; to between "
     f"the ends of the text; {ROUNDED}",
-    premises="assumption.libm",
 )
 def end(mutation: Mutation) -> Statement:
     """-(fall + 2^-50 c) <= to - u <= rise + 2^-50 c, for each of the three rises and falls.
@@ -213,7 +208,6 @@ def end(mutation: Mutation) -> Statement:
     given="0 <= low <= high <= 5 on the piece, 0 <= left <= 1/5; |over|, |under| <= 4 c, -c <= "
     "past <= 4 c, 0 <= tail <= 4 c, |u| <= 2 c; inverse high <= 1, inverse >= 1/16; 0 <= d <= the "
     f"{{turn}} of the text and 2^-50 c; {ROUNDED}",
-    premises="assumption.libm",
     over=TURNS,
 )
 def speed(mutation: Mutation, rises: bool) -> Statement:
@@ -248,6 +242,7 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     "filter.rounding.force-least-{turn}",
     given="any forecast, limit and lines, on a piece and behind",
     over=TURNS,
+    premises="",
 )
 def least(mutation: Mutation, rises: bool) -> Statement:
     """0 <= the {turn} <= the larger of 0 and each line, of the rooms above and below.

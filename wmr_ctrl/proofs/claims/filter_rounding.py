@@ -40,7 +40,7 @@ odometry divides, and by what share of V this may move it."""
 A_PIECE = 2.0**-14
 """Least share of the way that the base goes while a command may act, for each piece of the time."""
 NUMBERS = "V dbar nbar K_min K_max kappa"
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
 def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
@@ -60,7 +60,6 @@ def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> tuple[Rel
 @claim(
     "filter.rounding.clip",
     given=f"{INTERVALS}; V the stated limit; operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def clip(mutation: Mutation) -> Statement:
     """(K_max hi + dbar) (1 + 2^-46) <= V for the hi that the clip's text computes, by a quotient
@@ -76,11 +75,7 @@ def clip(mutation: Mutation) -> Statement:
     return Statement(s, goals, (*_stated(b), above(aimed, b.dbar)), computed=computed)
 
 
-@claim(
-    "filter.rounding.target",
-    given=f"{INTERVALS}; operations rounded by at most 2^-53",
-    premises="assumption.libm",
-)
+@claim("filter.rounding.target", given=f"{INTERVALS}; operations rounded by at most 2^-53")
 def target(mutation: Mutation) -> Statement:
     """the computed drive(u) misses K u + dbar by at most 2^-51 (|drive(u) - dbar| + dbar).
 
@@ -97,7 +92,6 @@ def target(mutation: Mutation) -> Statement:
     "filter.rounding.relaxed",
     given="|w| <= 2 V, 0 <= share <= 2, |share (target - w)| <= 8 V; operations rounded by at "
     "most 2^-53",
-    premises="assumption.libm",
 )
 def carried_on(mutation: Mutation) -> Statement:
     """the computed relaxed(w, target) misses w + share (target - w) by at most 2^-48 V.
@@ -158,7 +152,6 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     "-2 V to V; mean = K_max hi + dbar + d at most, (1 - e) d <= 2^-45 V; 1 <= n; "
     "e = exp(-H/tau_min) <= 1 - n 2^-14, kappa within 2^-49 of e/(1 - e); operations rounded "
     "by at most 2^-53",
-    premises="assumption.libm",
 )
 def takeover(mutation: Mutation) -> Statement:
     """e v + (1 - e) mean <= V (1 + 2^-28) for the hi that the governor's text computes, by
@@ -182,11 +175,7 @@ def takeover(mutation: Mutation) -> Statement:
     return Statement(s, goals, given, computed=computed)
 
 
-@claim(
-    "filter.rounding.rim",
-    given=f"{INTERVALS}; l > 0; operations rounded by at most 2^-53",
-    premises="assumption.libm",
-)
+@claim("filter.rounding.rim", given=f"{INTERVALS}; l > 0; operations rounded by at most 2^-53")
 def rim(mutation: Mutation) -> Statement:
     """the computed drive(v + l omega) misses its own by at most 2^-50 (K_max (|v| + l |omega|) +
     dbar).
@@ -209,7 +198,6 @@ LOOKED_BACK = Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
     "filter.rounding.rest",
     given="T > 0; 0 <= age <= 1.2 T, odometry's age; pieces of an example's schedule; operations "
     "rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def rest(mutation: Mutation) -> Statement:
     """of a piece from start to end, what is left at -age misses end + age by at most 2^-52 age, as
@@ -241,7 +229,6 @@ def rest(mutation: Mutation) -> Statement:
 @claim(
     "filter.rounding.odometry",
     given="v <= y + nbar, |v| <= V (1 + 2^-28); operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def odometry(mutation: Mutation) -> Statement:
     """v <= min(y + nbar, V) + 2^-28 V, the sum as computed.
@@ -260,7 +247,6 @@ def odometry(mutation: Mutation) -> Statement:
     "filter.rounding.agrees",
     given="v <= above + (2^-28 + n 2^-44) V, -v <= below + (2^-28 + n 2^-44) V, above and below as "
     "computed and at most V; n <= 2^16; operations rounded by at most 2^-53",
-    premises="assumption.libm",
 )
 def agrees(mutation: Mutation) -> Statement:
     """above + below >= -2^-15 V, as computed.

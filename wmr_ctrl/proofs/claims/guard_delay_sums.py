@@ -81,12 +81,10 @@ class Queue(Named):
         return (at_least(time), *grown, *(at_least(self[name]) for name in names))
 
 
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
-@claim(
-    "guard.delay.rounding.read", given=f"any torques, r, l > 0{ROUNDS}", premises="assumption.libm"
-)
+@claim("guard.delay.rounding.read", given=f"any torques, r, l > 0{ROUNDS}")
 def read(mutation: Mutation) -> Statement:
     """the force that the guard reads back from a sent command differs from the exact force of its
     torques by at most 5 2^-53 of it, on either axis.
@@ -106,7 +104,6 @@ def read(mutation: Mutation) -> Statement:
 @claim(
     "guard.delay.rounding.queue-{word}{suffix}",
     given=f"the same with g of the sum before, 3 2^-53 <= g <= 2^-24; any F_j; tau_j >= 0{ROUNDS}",
-    premises="assumption.libm",
     over=tuple(way | axis for way in WAYS for axis in ON_AXES),
 )
 def queue(mutation: Mutation, way: int, axis: int) -> Statement:
@@ -134,7 +131,6 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
 @claim(
     "guard.delay.rounding.both{suffix}",
     given=f"the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}",
-    premises="assumption.libm",
     over=ON_AXES,
 )
 def both(mutation: Mutation, axis: int) -> Statement:
@@ -158,11 +154,7 @@ def both(mutation: Mutation, axis: int) -> Statement:
     return Statement(q.symbols, (goal,), given, q.before, computed=computed)
 
 
-@claim(
-    "guard.delay.rounding.scaled",
-    given=f"sums >= 0, T, M_min > 0{ROUNDS}",
-    premises="assumption.libm",
-)
+@claim("guard.delay.rounding.scaled", given=f"sums >= 0, T, M_min > 0{ROUNDS}")
 def scaled(mutation: Mutation) -> Statement:
     """the sums in m/s or rad/s are those in N or N m, times T/M_min, to 4 2^-53 of that.
 

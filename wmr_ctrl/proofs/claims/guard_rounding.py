@@ -179,7 +179,7 @@ PRECISIONS = (
         "to 2^-24",
     ),
 )
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
 @claim(
@@ -226,7 +226,7 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     return Statement(a.symbols, (goal,), given, cuts, computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}.size", given="{stated}{rounds}", premises="assumption.libm", over=PRECISIONS)
+@claim("guard.{name}.size", given="{stated}{rounds}", over=PRECISIONS)
 def size(mutation: Mutation, precision: Precision) -> Statement:
     """|F^| <= (K + max(-net, 0)) (1 + {quicker}).
 
@@ -240,7 +240,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}.anchor", given="{stated}{rounds}", premises="assumption.libm", over=PRECISIONS)
+@claim("guard.{name}.anchor", given="{stated}{rounds}", over=PRECISIONS)
 def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """the computed safe point is at most the computed min(brake, cap).
 
@@ -257,7 +257,6 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     "guard.{name}.{kind}",
     given="any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi (1 + "
     "{reach}){rounds}",
-    premises="assumption.libm",
     over=tuple(precision | {"kind": kind} for precision in PRECISIONS for kind in MAPS),
 )
 def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
@@ -290,7 +289,6 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
 @claim(
     "guard.{name}.torques",
     given="any force, r, l > 0; r and l are the plant's{rounds}",
-    premises="assumption.libm",
     over=PRECISIONS,
 )
 def converted(mutation: Mutation, precision: Precision) -> Statement:
