@@ -18,7 +18,7 @@ from wmr_ctrl.proofs.alterations import altered
 from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims, drive_bounds
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
-from wmr_ctrl.proofs.claims.guard_exported import Assembled
+from wmr_ctrl.proofs.claims.guard_exported import Assembled, setup
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.graph import graph_of
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
@@ -160,7 +160,7 @@ def test_law_and_map_have_no_part_in_the_flag():
         graph_of(found.symbols, [found.told["feasible"]], found.cuts).digest
         for assemble in (controller.guard, controller.asking_controller)
         for kind in guard.MAPS
-        for found in [Assembled(assemble, kind, 0)]
+        for found in [Assembled(assemble, setup(kind, 0))]
     }
     assert len(graphs) == 1
 

@@ -4,8 +4,6 @@ One axis, all numbers symbols.  tau, K and d may vary while a command acts, so t
 E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
 """
 
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.filter.governor import (
@@ -21,7 +19,7 @@ from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Named, Symbols, symbols
+from wmr_ctrl.proofs.symbols import Named, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
@@ -29,17 +27,14 @@ claim = Claims(by=Z3(effort=60))
 
 
 class FilterAxis(Named):
-    """Symbols of one axis: the filter's numbers, a command, and what the base makes of it."""
+    """Symbols of one axis: the filter's numbers, a command, and what the base makes of it.
 
-    @cached_property
-    def symbols(self) -> Symbols:
-        """Every number by name; e is exp(-H/tau_min), E the share of the old speed that is left."""
-        return symbols(f"{NUMBERS} u v v_bar K d mean E e", NUMBERS)
+    e is exp(-H/tau_min), E the share of the old speed that is left.
+    """
 
-    @cached_property
-    def bounds(self) -> FirstOrder:
-        """Numbers as the filter's graph reads them."""
-        return FirstOrder(**{name: self[name] for name in NUMBERS.split()})
+    def __init__(self) -> None:
+        self.symbols = symbols(f"{NUMBERS} u v v_bar K d mean E e", NUMBERS)
+        self.bounds = FirstOrder(**{name: self[name] for name in NUMBERS.split()})
 
     @property
     def hi(self) -> ca.SX:

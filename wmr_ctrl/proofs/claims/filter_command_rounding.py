@@ -5,9 +5,6 @@ A computed number is whatever roundings of at most 2^-53 of each operation give 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.filter.channels import AXES, FIRST, ROUNDING, Channel, one_first, scaled, stretched
@@ -40,57 +37,29 @@ SLOWEST = 2.0**-20
 claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
-@dataclass(frozen=True)
 class Limited:
     """Symbols of v, omega and both wheels with their limits; ``on`` names those that are limited.
 
-    ``body``: v and omega; ``wheels``; ``both``.
+    ``body``: v and omega; ``wheels``; ``both``.  M is the largest limit of a wheel, in size;
+    ``asked`` is the command of both axes, ``sent`` what is computed of it, ``ends`` are lo and hi
+    of all channels.
     """
 
-    on: str
-
-    @cached_property
-    def symbols(self) -> Symbols:
-        """Every number by name; M is the largest limit of a wheel, in size."""
-        limits = " ".join(
-            f"{end}{i + 1}" for i in range(len(self.channels)) for end in ("hi", "lo")
-        )
-        return {"l": self.arm} | symbols(f"r0 r1 M v omega {limits}")
-
-    @cached_property
-    def arm(self) -> ca.SX:
-        """Half the distance between the wheels."""
-        return ca.SX.sym("p.l")
-
-    @cached_property
-    def channels(self) -> list[Channel]:
-        """Speeds that are limited."""
-        ones = FirstOrder(*[ca.SX(1)] * 6)
+    def __init__(self, on: str) -> None:
+        arm, ones = ca.SX.sym("p.l"), FirstOrder(*[ca.SX(1)] * 6)
         axes = [Channel((1 - i, i), ca.SX(1), ones, 1.0) for i in AXES]
-        sides = [Channel((1, way), self.arm, ones, 1.0) for way in SIDES]
-        return {"body": axes, "wheels": sides, "both": [*axes, *sides]}[self.on]
-
-    @property
-    def ends(self) -> tuple[list[ca.SX], list[ca.SX]]:
-        """lo and hi of all channels."""
-        low, high = ([self.symbols[f"{end}{i + 1}"] for i in range(len(self.channels))]
-                     for end in ("lo", "hi"))  # fmt: skip
-        return low, high
-
-    @property
-    def asked(self) -> list[ca.SX]:
-        """Command of both axes."""
-        return [self.symbols[f"r{i}"] for i in AXES]
-
-    @property
-    def sent(self) -> list[ca.SX]:
-        """v and omega as computed."""
-        return [self.symbols.v, self.symbols.omega]
+        sides = [Channel((1, way), arm, ones, 1.0) for way in SIDES]
+        self.channels = {"body": axes, "wheels": sides, "both": [*axes, *sides]}[on]
+        numbers = range(1, len(self.channels) + 1)
+        limits = " ".join(f"hi{i} lo{i}" for i in numbers)
+        self.symbols = s = {"l": arm} | symbols(f"r0 r1 M v omega {limits}")
+        self.ends = [s[f"lo{i}"] for i in numbers], [s[f"hi{i}"] for i in numbers]
+        self.asked, self.sent = [s.r0, s.r1], [s.v, s.omega]
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """l > 0; the limits on their sides of 0, those of the wheels of at most M in size."""
-        given = [above(self.arm)]
+        given = [above(self.symbols.l)]
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             for size in (high, -low):
                 given.append(above(size))

@@ -203,19 +203,18 @@ BOX = (
 
 
 class MappedWheels:
-    """A guard's box, a force in it, and wheels with reach phi [N]; half is l, r the radius [m]."""
+    """A guard's box, a force in it, the ``safe`` one of least effort; wheels with reach phi [N].
+
+    half is l, r the radius [m].
+    """
 
     def __init__(self) -> None:
         self.symbols = symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r", "phi half r")
+        self.safe = ca.fmin(ca.fmax(0, self.pair("lo")), self.pair("hi"))
 
     def pair(self, name: str) -> ca.SX:
         """Both axes of one quantity."""
         return ca.vertcat(self.symbols[f"{name}1"], self.symbols[f"{name}2"])
-
-    @property
-    def safe(self) -> ca.SX:
-        """Force of least effort in the box."""
-        return ca.fmin(ca.fmax(0, self.pair("lo")), self.pair("hi"))
 
     def within(self, force: ca.SX) -> tuple[Relation, ...]:
         """``force`` is in the box."""

@@ -4,8 +4,6 @@ What is computed before the last command is cut off and stands for any number, s
 one command more holds for any queue.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -17,7 +15,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, at_least, between, nonnegative, positive
 from wmr_ctrl.proofs.statement import UNIT, Statement
-from wmr_ctrl.proofs.symbols import Named, Symbols, column, symbols
+from wmr_ctrl.proofs.symbols import Named, column, symbols
 
 SENT = 5
 """Commands of the queue that is written out."""
@@ -32,23 +30,22 @@ WAYS: tuple[dict[str, Any], ...] = (
 )
 
 
-@dataclass(frozen=True)
 class Queue(Named):
     """Commands under way on one axis, their sums without the factor T/M_min.
 
-    What is computed before the last command is cut off: any number, so any queue, none as well.
+    What is computed before the last command is cut off (``before``): any number, so any queue, none
+    as well.  ``last``: force and time of the last command.
     """
 
-    axis: int
-    length: int = SENT
-
-    @cached_property
-    def symbols(self) -> Symbols:
-        """Forces, moments, times; the sums before the last command, and what is said of them."""
-        n = self.length
+    def __init__(self, axis: int) -> None:
+        self.axis = axis
         sums = "front rear exact off grown lost ahead back counted most"
-        listed = column("F", n) | column("N", n) | column("time", n)
-        return listed | symbols(f"dbar f_min {sums}", "dbar f_min")
+        listed = column("F", SENT) | column("N", SENT) | column("time", SENT)
+        self.symbols = listed | symbols(f"dbar f_min {sums}", "dbar f_min")
+        self.net = self.dbar - self.f_min
+        self.last = self[f"{'FN'[axis]}{SENT}"], self[f"time{SENT}"]
+        sums_before = self.sums(SENT - 1)
+        self.before = {"front": sums_before.ahead, "rear": sums_before.back}
 
     def sums(self, count: int) -> InFlight:
         """Sums over the first ``count`` commands."""
@@ -57,22 +54,6 @@ class Queue(Named):
         listed = range(1, count + 1)
         sent = [(ca.vertcat(self[f"F{j}"], self[f"N{j}"]), self[f"time{j}"]) for j in listed]
         return in_flight(sent, self.axis, b)
-
-    @property
-    def last(self) -> tuple[ca.SX, ca.SX]:
-        """Force and time of the last command."""
-        return self[f"{'FN'[self.axis]}{self.length}"], self[f"time{self.length}"]
-
-    @property
-    def net(self) -> ca.SX:
-        """dbar - f_min."""
-        return self.dbar - self.f_min
-
-    @property
-    def before(self) -> dict[str, ca.SX]:
-        """The sums before the last command, as computed: whatever they are."""
-        sums = self.sums(self.length - 1)
-        return {"front": sums.ahead, "rear": sums.back}
 
     def known(self, *names: str) -> tuple[Relation, ...]:
         """Signs of the sums before, and how far they have grown."""

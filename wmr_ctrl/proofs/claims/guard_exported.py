@@ -1,7 +1,7 @@
 """The guard as it is exported: what its graphs are put together of, and that the flag is enough."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import accumulate
 
@@ -22,7 +22,7 @@ from wmr_ctrl.proofs.claims.guard_axis import DELAYED, NUMBERS, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import added, caps, room
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, when
 from wmr_ctrl.proofs.statement import Statement, instance, valued
-from wmr_ctrl.proofs.symbols import Symbols, symbols
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.scenario import load_scenario
 
 PERIOD = 0.01
@@ -44,60 +44,26 @@ def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
     return settle(load_scenario(PRESET, stated), "pid")
 
 
-@dataclass(frozen=True)
 class Assembled:
-    """A graph that is exported, and the numbers of its two axes as the claims' axes have them."""
+    """A graph that is exported, and the numbers of its two axes as the claims' axes have them.
 
-    assemble: Callable[[Setup], System]
-    kind: str
-    delay: int
-    guarded: bool = True
+    ``p``: inputs, state and parameters by name; ``told``: published values besides the torques;
+    ``asked``: the force that is asked for; ``wheels``: radius and half track; ``phi``: the wheels'
+    reach; ``sent``: torques that are remembered, the last one first.
+    """
 
-    @cached_property
-    def setup(self) -> Setup:
-        """The loop that it belongs to."""
-        return setup(self.kind, self.delay, self.guarded)
-
-    @cached_property
-    def system(self) -> System:
-        """The exported graph."""
-        return self.assemble(self.setup)
-
-    @cached_property
-    def p(self) -> dict[str, ca.SX]:
-        """Inputs, state and parameters by name."""
+    def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
+        self.setup, self.system = loop, assemble(loop)
         ports = (*self.system.inputs, *self.system.state, *self.system.params)
-        return {port.signal.name: port.sym for port in ports}
-
-    @cached_property
-    def told(self) -> dict[str, ca.SX]:
-        """Published values besides the torques."""
-        return {output.signal.name: output.expr for output in self.system.diagnostics}
-
-    @property
-    def asked(self) -> ca.SX:
-        """The force that is asked for."""
-        return self.p["force"] if "force" in self.p else self.told["force"]
-
-    @property
-    def torque(self) -> ca.SX:
-        """The torques."""
-        return ca.vertcat(*(output.expr for output in self.system.outputs))
-
-    @property
-    def wheels(self) -> tuple[ca.SX, ca.SX]:
-        """Radius and half track."""
-        return self.p["robot.r"], self.p["robot.l"]
-
-    @property
-    def phi(self) -> ca.SX:
-        """The wheels' reach, 2 tau_max/r."""
-        return 2 * self.p["actuator.tau_max"] / self.wheels[0]
-
-    @property
-    def sent(self) -> list[ca.SX]:
-        """Torques under way, the last one first."""
-        return [self.p[f"tau_sent{k}"] for k in range(1, self.delay + 1)]
+        self.symbols = scalars(ports)
+        self.p = p = {port.signal.name: port.sym for port in ports}
+        self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
+        self.torque = ca.vertcat(*(output.expr for output in self.system.outputs))
+        self.asked = p["force"] if "force" in p else self.told["force"]
+        self.wheels = p["robot.r"], p["robot.l"]
+        self.phi = 2 * p["actuator.tau_max"] / self.wheels[0]
+        kept = [name for name in p if name.startswith("tau_sent")]
+        self.sent = [p[f"tau_sent{age}"] for age in range(1, len(kept) + 1)]
 
     @cached_property
     def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
@@ -106,11 +72,11 @@ class Assembled:
         u1 is v_u1 less (1 + n) 2^-44 of it.
         """
         names = ("M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
-        p, T, found = self.p, self.p["clock.control"], []
-        late = {"delay": T * self.delay} if self.delay else {}
+        p, T, found, delay = self.p, self.p["clock.control"], [], len(self.sent)
+        late = {"delay": T * delay} if delay else {}
         before = [(wheel_to_force(*self.wheels, tau), 1) for tau in self.sent]
         for axis, y in enumerate((p["v1"], p["omega"])):
-            u1 = p["limits.v_u1"][axis] * (1 - (1 + self.delay) * 2.0**-44)
+            u1 = p["limits.v_u1"][axis] * (1 - (1 + delay) * 2.0**-44)
             numbers = {name: p[f"guard.{name}"][axis] for name in names}
             b = Bounds(u1=u1, period=T, alpha=p["guard.alpha"], **numbers, **late)
             found.append((y, b, in_flight(before, axis, b) if before else None))
@@ -143,13 +109,13 @@ class Assembled:
 
     def slow_drives(self) -> list[ca.SX]:
         """Conditions for the drives to be no slower than is counted on."""
-        if not self.delay:
+        if not self.sent:
             return []
-        return [self.p["actuator.delay"] <= self.delay * self.p["clock.control"]]
+        return [self.p["actuator.delay"] <= len(self.sent) * self.p["clock.control"]]
 
     def kept(self) -> Iterator[Relation]:
         """Memory beside the commands under way."""
-        yield from every(self.later["tau_applied"], (self.torque, *self.sent)[self.delay])
+        yield from every(self.later["tau_applied"], (self.torque, *self.sent)[-1])
 
     def least_pushes(self) -> Iterator[ca.SX]:
         """The monitor's figure of each axis."""
@@ -164,11 +130,6 @@ class Assembled:
         bounds = [b for _, b, _ in self.axes]
         masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
         return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
-
-    @property
-    def symbols(self) -> Symbols:
-        """Every scalar of the graph by name."""
-        return scalars((*self.system.inputs, *self.system.state, *self.system.params))
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
@@ -207,17 +168,17 @@ def assembled(
 
     The exported guard is composed of the parts that the other entries are about.
     """
-    return exported(mutation, Assembled(assemble, kind, delay))
+    return exported(mutation, kind, Assembled(assemble, setup(kind, delay)))
 
 
-def exported(mutation: Mutation, e: Assembled) -> Statement:
+def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
     """It consists of the torques of its map on both axes' clips and safe points."""
     r, half = e.wheels
     force, safe = (
         ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
         for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
     )
-    return e.consists(mutation * force_to_wheel(r, half, MAPS[e.kind](force, e.phi, half, safe)))
+    return e.consists(mutation * force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe)))
 
 
 def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
@@ -304,7 +265,7 @@ def keeps(
     From the published flag to the motion in one step, on the graph that is exported: nothing but
     feasible = 1 is asked of the guard's numbers.
     """
-    e = Assembled(assemble, kind, delay)
+    e = Assembled(assemble, setup(kind, delay))
     r, half = e.wheels
     force = wheel_to_force(r, half, e.torque)
     goals: list[Relation] = []

@@ -6,7 +6,7 @@ what it weighs, are the scenario's numbers.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from math import ceil, inf, nextafter
 
@@ -36,16 +36,8 @@ JITTER = {"actuator.jitter": 0.5 * PERIOD}
 claim = Claims(by=solver)
 
 
-@dataclass(frozen=True)
 class LateAssembled(Assembled):
     """An exported graph whose velocities are means and whose drives are slow."""
-
-    stated: Mapping[str, float] = field(default_factory=dict)
-
-    @cached_property
-    def setup(self) -> Setup:
-        """The loop that it belongs to."""
-        return setup(self.kind, 0, True, **self.stated)
 
     @property
     def counted(self) -> Counting:
@@ -53,12 +45,6 @@ class LateAssembled(Assembled):
         first, second = self.setup.guard.lateness(self.setup.scenario.clock)
         assert first == second
         return first
-
-    @property
-    def sent(self) -> list[ca.SX]:
-        """Torques that are remembered, the last one first."""
-        kept = [name for name in self.p if name.startswith("tau_sent")]
-        return [self.p[f"tau_sent{age}"] for age in range(1, len(kept) + 1)]
 
     @property
     def forces(self) -> list[ca.SX]:
@@ -253,4 +239,4 @@ def assembled(
     The exported guard is composed of the parts that the entries about late velocities, jitter and
     lags are about.
     """
-    return exported(mutation, LateAssembled(assemble, kind, 0, True, stated))
+    return exported(mutation, kind, LateAssembled(assemble, setup(kind, 0, True, **stated)))

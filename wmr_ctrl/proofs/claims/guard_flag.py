@@ -32,15 +32,11 @@ claim = Claims(by=solver, given=SIGNS)
 
 
 class Flag(Assembled):
-    """The exported flag, and what its numbers have to be."""
+    """The exported flag, exact bounds of ``both`` axes, and what its numbers have to be."""
 
     def __init__(self, delay: int) -> None:
-        super().__init__(guard, "linear-first", delay)
-
-    @property
-    def both(self) -> list[Bounds]:
-        """Exact bounds of the axes."""
-        return [b for _, b, _ in self.axes]
+        super().__init__(guard, setup("linear-first", delay))
+        self.both = [b for _, b, _ in self.axes]
 
     @property
     def signs(self) -> tuple[Relation, ...]:
@@ -54,7 +50,7 @@ class Flag(Assembled):
     def authority(self, b: Bounds, share: float = 2) -> Relation:
         """The theorem's first condition, to within the flag's rounding."""
         late = 1 if b.delay is None else 1 + b.alpha * b.delay
-        room = b.u1 - b.f_speed + (1 + self.delay) * NEAR * b.u1
+        room = b.u1 - b.f_speed + (1 + len(self.sent)) * NEAR * b.u1
         return at_least(b.M_min * b.alpha * room, share * b.net * late)
 
     def states(
@@ -165,7 +161,7 @@ def watched(mutation: Mutation) -> Statement:
 
     A run without the guard is monitored with the bounds that the guard would use.
     """
-    e = Assembled(asking_controller, "linear-first", 0, guarded=False)
+    e = Assembled(asking_controller, setup("linear-first", 0, guarded=False))
     (r, half), asked = e.wheels, mutation(1, 0.9) * e.asked
     return e.consists(force_to_wheel(r, half, MAPS["linear-first"](asked, e.phi, half)))
 
@@ -187,7 +183,7 @@ def applied(mutation: Mutation) -> Statement:
     steps, part, h = 4, 3, PERIOD / 4
     late = {"clock.plant": h, "actuator.delay": PERIOD + part * h, "actuator.lag": 0.02}
     drives = setup("linear-first", 0, True, **late)
-    e, lag = Assembled(lambda _: guard(drives), "linear-first", 0), LAG.build(drives.scenario)
+    e, lag = Assembled(guard, drives), LAG.build(drives.scenario)
     commands = [e.torque, e.p["tau_sent1"], e.p["tau_sent2"]]
     held = {port.signal.name: port.sym for port in (*lag.inputs, *lag.state, *lag.params)}
     acting, total = e.p["tau_acting"], ca.SX.zeros(2)

@@ -23,7 +23,8 @@ class Sampled:
     """One axis of the law's graph, with v+, friction and exp(-wo T) - 1 as free numbers.
 
     ``free``: v+, friction there, the observer's force, exp(-wo T) - 1, friction between samples;
-    ``old``, ``f_old``: the previous measurement and the observer's previous force.
+    ``old``, ``f_old``: the previous measurement and the observer's previous force; ``mass`` is the
+    believed one, ``force`` the law's, ``numbers`` that T and M are positive.
     """
 
     def __init__(self, axis: int) -> None:
@@ -32,16 +33,8 @@ class Sampled:
         self.free = symbols("next friction f fall drag")
         self.period, self.v = t["clock.control"], t[VELOCITY_NAMES[axis]]
         self.old, self.f_old = t[f"v_previous[{axis + 1}]"], t[f"f_hat[{axis + 1}]"]
-
-    @property
-    def mass(self) -> ca.SX:
-        """Believed mass."""
-        return self.law.own(self.law.context.mass)[self.axis]
-
-    @property
-    def force(self) -> ca.SX:
-        """Force of the law."""
-        return self.law.force[self.axis]
+        self.mass = self.law.own(self.law.context.mass)[axis]
+        self.force, self.numbers = self.law.force[axis], positive(self.period, self.mass)
 
     @cached_property
     def force_cuts(self) -> dict[str, ca.SX]:
@@ -53,11 +46,6 @@ class Sampled:
             "friction": both[2 + self.axis],
             "f": law.system.update[self.axis],
         }
-
-    @property
-    def numbers(self) -> tuple[Relation, ...]:
-        """T, M > 0."""
-        return positive(self.period, self.mass)
 
     def moved(self, push: ca.SX) -> ca.SX:
         """v + T (F - F1(v+) + push)/M."""

@@ -177,6 +177,7 @@ class NewtonStep:
     def __init__(self, axis: int) -> None:
         self.axis, self.law = axis, LawGraph("mb", (("gains.mb.decay", "exact"),))
         self.free = symbols("quotient q cdot fall w before after slope slope_after")
+        self.mass = self.law.own(self.law.context.mass)
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
@@ -191,11 +192,6 @@ class NewtonStep:
             "fall": ca.expm1(-rate),
             "friction": law.own(law.context.friction)[k],
         }
-
-    @property
-    def mass(self) -> ca.SX:
-        """Diagonal of M1."""
-        return self.law.own(self.law.context.mass)
 
     @property
     def moved(self) -> ca.SX:
