@@ -44,7 +44,8 @@ ASSEMBLED = (
 class AssembledStep:
     """One axis and direction of the filter's own graph, as it is compiled and exported.
 
-    Its exponentials are free numbers between 0 and 1.
+    Its exponentials are free numbers between 0 and 1.  ``limit``: the largest command that it
+    admits; ``slow``: 0 < tau_min <= tau_max.
     """
 
     def __init__(self, side: int, axis: int) -> None:
@@ -55,23 +56,14 @@ class AssembledStep:
         system = self.graph.system
         ports = (*system.inputs, *system.state, *system.params)
         self.symbols = self.free | elements_of(*ports)
+        self.limit = self.graph.limits[side][axis]
         T, tau = self.graph.T, self.graph.motions[axis].tau
+        self.slow = above(tau[0]), at_least(tau[1], tau[0])
         self.cuts = {
             "1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / tau[0]),
             "-most": ca.expm1(-T / tau[0]),
             "-least": ca.expm1(-T / tau[1]),
         }
-
-    @property
-    def slow(self) -> tuple[Relation, ...]:
-        """0 < tau_min <= tau_max."""
-        least, most = self.graph.motions[self.axis].tau
-        return above(least), at_least(most, least)
-
-    @property
-    def limit(self) -> ca.SX:
-        """Largest command that the step admits in this direction."""
-        return self.graph.limits[self.side][self.axis]
 
     def given(self, mutation: Mutation, target: ca.SX) -> tuple[Relation, ...]:
         """Hypotheses on base, speed, odometry and exponentials; the mean under a command.

@@ -3,9 +3,6 @@
 Tables of a few pieces and the tail: every piece of longer ones is reckoned alike.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.filter.forecast import FLATTEST, HELD, PIECES, Forecast, ResponseTable, inverse_slopes
@@ -14,53 +11,36 @@ from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, stacked, symbols
+from wmr_ctrl.proofs.symbols import Named, stacked, symbols
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
 claim = Claims(by=Z3(effort=100))
 WAYS = ({"word": "over", "sign": "", "way": 1}, {"word": "under", "sign": "-", "way": -1})
 
 
-@dataclass(frozen=True)
-class BandAxis:
-    """Symbols of one axis: tables, forecast, the new command ``to`` and the base's own response."""
+class BandAxis(Named):
+    """Symbols of one axis: tables, forecast, the new command ``to`` and the base's own response.
 
-    size: int = 1
+    ``table`` and ``forecast`` at the sample are as the filter's graph reads them.
+    """
 
-    @cached_property
-    def symbols(self) -> Symbols:
-        """Every number by name."""
-        numbers, parts = range(1, self.size + 1), ("above", "below", "over", "under")
+    def __init__(self, size: int = 1) -> None:
+        self.size, numbers, parts = size, range(1, size + 1), ("above", "below", "over", "under")
         names = " ".join(f"{part}{i}" for part in parts for i in numbers)
-        names += "".join(f" after{i}" for i in range(1, self.size + 2 - PIECES))
-        return symbols(f"{names} left fading tail past_over past_under u to c v S")
-
-    def column(self, name: str) -> ca.SX:
-        """Numbers of all pieces."""
-        return stacked(self.symbols, name, self.size)
-
-    @cached_property
-    def table(self) -> ResponseTable:
-        """Tables as the filter's graph reads them."""
-        s, after = self.symbols, stacked(self.symbols, "after", self.size + 1 - PIECES)
-        return ResponseTable(self.column("above"), self.column("below"), after, s.left, s.fading)
-
-    @cached_property
-    def forecast(self) -> Forecast:
-        """Forecast at the sample."""
-        s = self.symbols
-        past = s.past_over, s.past_under
-        return Forecast(self.column("over"), self.column("under"), s.tail, s.u, *past)
+        names += "".join(f" after{i}" for i in range(1, size + 2 - PIECES))
+        self.symbols = s = symbols(f"{names} left fading tail past_over past_under u to c v S")
+        high, low, over, under = (stacked(s, part, size) for part in parts)
+        after = stacked(s, "after", size + 1 - PIECES)
+        self.table = ResponseTable(high, low, after, s.left, s.fading)
+        self.forecast = Forecast(over, under, s.tail, s.u, s.past_over, s.past_under)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """0 <= low <= high; left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
-        s, low, high = self.symbols, self.table.low, self.table.high
-        order = [part for i in range(self.size)
-                 for part in between(0, low[i], high[i])]  # fmt: skip
-        shares = [part for name in ("left", "fading")
-                  for part in between(0, s[name], 1)]  # fmt: skip
-        return (*order, *shares, at_least(s.tail), above(s.c))
+        low, high = self.table.low, self.table.high
+        order = [part for i in range(self.size) for part in between(0, low[i], high[i])]
+        shares = *between(0, self.left, 1), *between(0, self.fading, 1)
+        return (*order, *shares, at_least(self.tail), above(self.c))
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
@@ -81,7 +61,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     After a change of the command the forecast still bounds every member of the family.
     """
     a = BandAxis()
-    s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
+    s, changed = a.symbols, a.forecast.changed(a.to, a.table)
     given = [*a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
     given += [*between(mutation(1, 0.9) * a.table.low[0], s.S, a.table.high[0])]
     most = way * s.to + bound_of(changed, way)
@@ -110,21 +90,20 @@ WITHIN = "u + over, -u + under <= c'', c'' = c (1 + 2^-30 + 2^-46)"
 INSIDE = f"before it {WITHIN}, and under <= c' = c (1 + 2^-30) once 0 is sent"
 
 
-@dataclass(frozen=True)
 class BandStep(BandAxis):
-    """A step of the band on tables of a period and one piece, and the conditions it is held to."""
+    """A step of the band on tables of a period and one piece, and the conditions it is held to.
 
-    size: int = PIECES + 1
+    ``everywhere``: all pieces and what is behind them; ``inverse``: 1 over the slopes of all
+    conditions, for a command held, and where 0 follows; ``steps``: the largest rise and fall of a
+    command that is held; ``stopped``: the largest change of each condition where 0 follows.
+    """
 
-    @property
-    def everywhere(self) -> tuple[int, ...]:
-        """All pieces and what is behind them."""
-        return (*range(self.size), -1)
-
-    @cached_property
-    def inverse(self) -> list[ca.SX]:
-        """1 over the slopes of all conditions, for a command held, and where 0 follows."""
-        return inverse_slopes(self.table)
+    def __init__(self) -> None:
+        super().__init__(PIECES + 1)
+        self.everywhere = (*range(self.size), -1)
+        self.inverse = inverse_slopes(self.table)
+        self.steps = self.forecast.steps(self.most(True), self.inverse[0])
+        self.stopped = self.forecast.stopped(self.c, self.table, self.inverse[1:])
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -137,19 +116,9 @@ class BandStep(BandAxis):
         steep = [at_least(item * (item - FLATTEST)) for item in over]
         return (*super().stated, *younger, *steep)
 
-    @cached_property
-    def steps(self) -> tuple[ca.SX, ca.SX]:
-        """Largest rise and fall of a command that is held, as the filter's graph reckons them."""
-        return self.forecast.steps(self.most(True), self.inverse[0])
-
-    @cached_property
-    def stopped(self) -> ca.SX:
-        """Largest change of each condition where 0 follows, as the filter's graph reckons it."""
-        return self.forecast.stopped(self.symbols.c, self.table, self.inverse[1:])
-
     def most(self, held: bool) -> ca.SX:
         """c'' where a command is held, c' where 0 follows."""
-        return self.symbols.c * (HELD if held else 1 + FLATTEST)
+        return self.c * (HELD if held else 1 + FLATTEST)
 
     def within(self, forecast: Forecast, part: int, way: int, *, held: bool = True) -> Relation:
         """The forecast keeps v (or -v) within `most` on one part: a piece, or -1 for the tail."""
@@ -174,10 +143,9 @@ def least(mutation: Mutation) -> Statement:
     a = BandStep()
     lines = a.stopped
     cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
-    largest = a.forecast.largest(a.symbols.c, a.table, a.inverse[1:])
+    largest = a.forecast.largest(a.c, a.table, a.inverse[1:])
     goals = tuple(
-        at_least(ca.fmax(a.symbols.u + line, 0), mutation(1, 1.1) * largest)
-        for line in cuts.values()
+        at_least(ca.fmax(a.u + line, 0), mutation(1, 1.1) * largest) for line in cuts.values()
     )
     return Statement(a.symbols, goals, (), cuts)
 
@@ -218,12 +186,10 @@ def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
     A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
     """
     a = BandStep()
-    line, to = (-1 if part == "tail" else 0), a.symbols.to
+    line, to = (-1 if part == "tail" else 0), a.to
     known = a.forecast.changed(to, a.table)
     behind = -1 if part == "tail" else PIECES
-    admitted = (
-        (a.within(known, behind, 1),) if way > 0 else (at_least(a.symbols.u + a.stopped[line], to),)
-    )
+    admitted = (a.within(known, behind, 1),) if way > 0 else (at_least(a.u + a.stopped[line], to),)
     after = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
     after = after.changed(ca.SX(0), a.table)
     parts = (*range(1, a.size), -1) if part == "tail" else (0,)
@@ -239,14 +205,14 @@ def zero(mutation: Mutation) -> Statement:
     """
     a = BandStep()
     now = a.forecast.changed(ca.SX(0), a.table)
-    after = now.later(a.table).changed(mutation(0, 1) * a.symbols.c, a.table)
+    after = now.later(a.table).changed(mutation(0, 1) * a.c, a.table)
     goals = [
         a.within(f, part, way, held=way > 0)
         for f in (now, after)
         for part in a.everywhere
         for way in (1, -1)
     ]
-    given = (*a.stated, at_least(a.symbols.u), *a.inside(*a.everywhere))
+    given = (*a.stated, at_least(a.u), *a.inside(*a.everywhere))
     return Statement(a.symbols, tuple(goals), given)
 
 

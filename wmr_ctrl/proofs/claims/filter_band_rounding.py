@@ -26,8 +26,8 @@ claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 def _sizes(a: BandAxis) -> tuple[Relation, ...]:
     """Bounds of what is known, and of both commands, in sizes of c."""
-    s, c, numbers = a.symbols, a.symbols.c, range(a.size)
-    columns = (a.column(word)[i] for word in ("over", "under") for i in numbers)
+    s, c, numbers = a.symbols, a.c, range(a.size)
+    columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
     sizes = (*columns, s.past_over, s.past_under)
     return (
         *(at_least(ca.SX(5), a.table.high[i]) for i in numbers), *within(s.u, 2 * c),
@@ -47,7 +47,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
     """
     a = BandAxis()
-    s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.symbols.to, a.table)
+    s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.to, a.table)
     known = bound_of(a.forecast, way)
     given = (
         *a.stated, *_sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]),

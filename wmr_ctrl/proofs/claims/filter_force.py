@@ -3,10 +3,7 @@
 Tables of one piece and the tail: every piece of longer ones is reckoned alike.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import casadi as ca
 
@@ -18,7 +15,7 @@ from wmr_ctrl.filter.force_band import (
     inverse_force_slopes,
     with_drag,
 )
-from wmr_ctrl.filter.forecast import Forecast, ResponseTable
+from wmr_ctrl.filter.forecast import Forecast
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
@@ -26,42 +23,31 @@ from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, positive
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, symbols
+from wmr_ctrl.proofs.symbols import Named, symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=100))
 FORCES = "low <= high on every piece, 0 < high on the first, left >= 0, fading in [0, 1]"
 
 
-@dataclass(frozen=True)
-class ForceAxis:
-    """Symbols of one axis' force: tables, forecast, the new command ``to``, the base's response."""
+class ForceAxis(Named):
+    """Symbols of one axis' force: tables, forecast, the new command ``to``, the base's response.
 
-    @cached_property
-    def symbols(self) -> Symbols:
-        """Every number by name; f is the force that is left to change the speed."""
-        return symbols("above below over under past_over past_under left fading tail u to f F W")
+    f is the force that is left to change the speed.
+    """
 
-    @cached_property
-    def table(self) -> ResponseTable:
-        """Tables as the filter's graph reads them."""
-        s = self.symbols
-        return force_response(s.above, s.below, s.left, s.fading)
-
-    @cached_property
-    def forecast(self) -> Forecast:
-        """Forecast at the sample."""
-        s = self.symbols
-        past = s.past_over, s.past_under
-        return Forecast(s.over, s.under, s.tail, s.u, *past)
+    def __init__(self) -> None:
+        names = "above below over under past_over past_under left fading tail u to f F W"
+        self.symbols = s = symbols(names)
+        self.table = force_response(s.above, s.below, s.left, s.fading)
+        self.forecast = Forecast(s.over, s.under, s.tail, s.u, s.past_over, s.past_under)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """low <= high, 0 < high; left and tail are not negative; f > 0."""
         s = self.symbols
-        shares = *between(0, s.fading, 1), at_least(s.left)
         signs = (above(s.above), at_least(s.above, -s.below), at_least(s.tail), above(s.f))
-        return (*shares, *signs)
+        return (*between(0, s.fading, 1), at_least(s.left), *signs)
 
 
 @claim(
@@ -75,7 +61,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     After a change of the command the forecast still bounds the force of every member.
     """
     a = ForceAxis()
-    s, changed = a.symbols, a.forecast.changed(a.symbols.to, a.table)
+    s, changed = a.symbols, a.forecast.changed(a.to, a.table)
     given = (
         *a.stated, at_least(bound_of(a.forecast, way), way * s.F),
         *between(a.table.low[0], s.W, mutation(1, 1.1) * a.table.high[0]),
@@ -95,7 +81,7 @@ def ramped_force(mutation: Mutation) -> Statement:
     A command that is admitted and held keeps the force within what the motors have left.
     """
     a = ForceAxis()
-    s, f, to, u = a.symbols, a.symbols.f, a.symbols.to, a.symbols.u
+    s, f, to, u = a.symbols, a.f, a.to, a.u
     rise, fall = force_steps(a.forecast, f, inverse_force_slopes(a.table.low, a.table.high))
     before, after = (_parts(item) for item in (a.forecast, a.forecast.changed(to, a.table)))
     given = (
@@ -105,40 +91,28 @@ def ramped_force(mutation: Mutation) -> Statement:
     return Statement(s, tuple(at_least(f, part) for part, _ in after), given)
 
 
-@dataclass(frozen=True)
-class DraggedAxis:
-    """Symbols of one axis' force and speed together, with the largest friction over speed."""
+class DraggedAxis(Named):
+    """Symbols of one axis' force and speed together, with the largest friction over speed.
 
-    force: ForceAxis
-    speed: BandAxis
+    Those of the speed have a v behind; ``forecasts`` are of both, under one command u.
+    """
 
-    @classmethod
-    def fresh(cls) -> DraggedAxis:
-        """Both with symbols of their own but for the commands, and the drag."""
-        return cls(ForceAxis(), BandAxis())
-
-    @cached_property
-    def symbols(self) -> Symbols:
-        """Every number by name: of the speed with a v behind, but for its command and limit."""
+    def __init__(self) -> None:
+        self.force, self.speed = ForceAxis(), BandAxis()
         own = {f"{name} of v": item for name, item in self.speed.symbols.items()}
-        return self.force.symbols | own | symbols("drag friction")
-
-    @property
-    def forecasts(self) -> tuple[Forecast, Forecast]:
-        """Of force and speed, under one command u."""
-        u = self.force.symbols.u
-        return self.force.forecast, replace(self.speed.forecast, u=u)
+        self.symbols = self.force.symbols | own | symbols("drag friction")
+        self.forecasts = self.force.forecast, replace(self.speed.forecast, u=self.u)
 
     def after(self, to: ca.SX) -> Forecast:
         """Forecast of the force with friction after a change of the command."""
         force, speed = self.forecasts
         changed = force.changed(to, self.force.table), speed.changed(to, self.speed.table)
-        return with_drag(*changed, self.symbols.drag)
+        return with_drag(*changed, self.drag)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """Hypotheses about both, with a drag that is not negative."""
-        return (*self.force.stated, *self.speed.stated, at_least(self.symbols.drag))
+        return (*self.force.stated, *self.speed.stated, at_least(self.drag))
 
 
 @claim(
@@ -153,9 +127,9 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
 
     Friction is counted at the speed that the base can have, not at its limit.
     """
-    a = DraggedAxis.fresh()
+    a = DraggedAxis()
     force, speed = a.forecasts
-    s, both = a.symbols, with_drag(force, speed, a.symbols.drag)
+    s, both = a.symbols, with_drag(force, speed, a.drag)
     bounds = [bound_of(f, way) for f in (force, speed, both)]
     given = (
         at_least(bounds[0], way * s.F), at_least(bounds[1] + way * s.u, way * s["v of v"]),
@@ -174,7 +148,7 @@ def drag_changed(mutation: Mutation, way: int) -> Statement:
 
     A command changes force plus friction as it would change one force with the sum of both tables.
     """
-    a = DraggedAxis.fresh()
+    a = DraggedAxis()
     s, (force, speed) = a.symbols, a.forecasts
     drag, to, u = s.drag, s.to, s.u
     before, after = with_drag(force, speed, drag), a.after(to)

@@ -217,7 +217,7 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     A command that is admitted by roundings keeps the speed's forecast within c but for roundings.
     """
     a = BandAxis()
-    s, c = a.symbols | symbols("d turn inverse inverse_behind"), a.symbols.c
+    s, c = a.symbols | symbols("d turn inverse inverse_behind"), a.c
     way = 1 if rises else -1
     d = s.d
     inverse = ca.vertcat(s.inverse, s.inverse_behind)

@@ -1,7 +1,5 @@
 """The gate before a base: what leaves it, whatever comes in, on the graph that is compiled."""
 
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.filter.channels import AXES, WAYS
@@ -33,7 +31,7 @@ claim = Claims(by=Z3(effort=60))
 
 
 class GateStep:
-    """Symbols of a step of the gate before a clip, and what leaves it."""
+    """Symbols of a step of the gate before a clip, and the command that leaves it (``sent``)."""
 
     def __init__(self) -> None:
         """Read the graph."""
@@ -41,7 +39,7 @@ class GateStep:
         self.system, self.period = gate_system(scenario, SETTINGS), scenario.clock.control
         ports = (*self.system.inputs, *self.system.state, *self.system.params)
         self.ports = {item.signal: item.sym for item in ports}
-        self.symbols = elements_of(*ports)
+        self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
         clip = Clip(scenario)
         known = {item.signal: item.sym for item in self.system.params}
         own = ca.vertcat(*(item.sym for item in clip.p.ports))
@@ -53,11 +51,6 @@ class GateStep:
         ]
         *numbers, hi1, hi2 = ca.substitute([*bounds, *clip.limits], [own], [same])
         self.limits, self.bounds = (hi1, hi2), [numbers[:4], numbers[4:]]
-
-    @cached_property
-    def sent(self) -> ca.SX:
-        """The command that leaves the gate."""
-        return self.system.outputs[0].expr
 
     def __getitem__(self, signal: Signal) -> ca.SX:
         """The symbol of a port."""

@@ -147,32 +147,19 @@ HARD = Z3(effort=150)
 
 
 class Step:
-    """`prox_step` with v*, v+ and the proximal maps at c_m and c+ as free numbers."""
+    """`prox_step` with v*, v+ and the proximal maps at c_m and c+ as free numbers.
+
+    ``start`` is v* and ``end`` v+ as the law computes them, ``argument`` that of the last map.
+    """
 
     def __init__(self, smooth: bool) -> None:
         self.smooth = smooth
         self.inputs = t = symbols("v c followed target E u1 u2", "E u1 u2")
         self.free = symbols("carried end x_followed x_target")
-        self.limits = t.u1, t.u2
-        self.shares = t.E, 1 - t.E
-
-    @property
-    def start(self) -> ca.SX:
-        """v* as the law computes it."""
-        t = self.inputs
-        return transported(t.v, t.c, t.followed, self.limits, self.smooth)
-
-    @property
-    def argument(self) -> ca.SX:
-        """Argument of the last proximal map."""
-        return mixture(self.start, self.inputs.target, self.shares)
-
-    @property
-    def end(self) -> ca.SX:
-        """v+ as the law computes it."""
-        t = self.inputs
-        way = (t.c, t.followed, t.target)
-        return prox_step(t.v, way, self.shares, self.limits, self.smooth)
+        self.limits, self.shares, way = (t.u1, t.u2), (t.E, 1 - t.E), (t.c, t.followed, t.target)
+        self.start = transported(t.v, t.c, t.followed, self.limits, smooth)
+        self.argument = mixture(self.start, t.target, self.shares)
+        self.end = prox_step(t.v, way, self.shares, self.limits, smooth)
 
     def states(
         self,

@@ -4,8 +4,6 @@ V1 enters by values at a few points, which stand as free numbers with what is kn
 V1(.; c) lies above its chords and, by w^2/2, above its minimum at v_c1.
 """
 
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.barrier.lyapunov import smooth_f, smooth_lyapunov
@@ -23,32 +21,23 @@ ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 
 
 class Carried:
-    """`transported` with its targets, V0, D1 and theta as free numbers; V1(v*; c+) is ``after``."""
+    """`transported` with its targets, V0, D1 and theta as free numbers; V1(v*; c+) is ``after``.
+
+    ``cuts`` are the expressions of the first five, ``end`` is v*.
+    """
 
     def __init__(self, smooth: bool) -> None:
-        self.smooth = smooth
-        self.inputs = symbols("v c c_next u1 u2", "u1 u2")
+        self.inputs = t = symbols("v c c_next u1 u2", "u1 u2")
         self.free = symbols("x x_next level excess share after")
-
-    @property
-    def cuts(self) -> dict[str, ca.SX]:
-        """Expressions of the first five."""
-        t = self.inputs
-        v, limits = t.v, (t.u1, t.u2)
-        form = smooth_barrier if self.smooth else stable_barrier
-        x, x_next = (resolvent(t[c], ca.SX(1), *limits, self.smooth) for c in ("c", "c_next"))
+        v, limits, form = t.v, (t.u1, t.u2), smooth_barrier if smooth else stable_barrier
+        x, x_next = (resolvent(c, ca.SX(1), *limits, smooth) for c in (t.c, t.c_next))
         ahead = x_next + (v - x)
         level = form(t.c, ca.if_else(ca.fabs(v) < t.u1, v, 0), *limits).V1
         reached = ca.if_else(ca.fabs(ahead) < t.u1, ahead, 0)
         excess = form(t.c_next, reached, *limits).D
         share = level_share(v - x, level, excess)
-        return {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
-
-    @cached_property
-    def end(self) -> ca.SX:
-        """v*."""
-        t = self.inputs
-        return transported(t.v, t.c, t.c_next, (t.u1, t.u2), self.smooth)
+        self.cuts = {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
+        self.end = transported(v, t.c, t.c_next, limits, smooth)
 
     def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
         """The statement on the graph of `transported`.
