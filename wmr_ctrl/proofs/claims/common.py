@@ -1,7 +1,6 @@
 """Common to the claims: one axis of the barrier, and a law's System with free inner quantities."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -11,11 +10,11 @@ from wmr_ctrl.barrier.stable import SERIES_BELOW, Barrier, stable_barrier
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.model.system import Port
 from wmr_ctrl.proofs.relation import Relation, above
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import Symbols, symbols
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.scenario import load_scenario
 
 PRESET = "paper-simulation"
 VELOCITY_NAMES = ("v1", "omega")
@@ -48,39 +47,19 @@ def elements_of(*ports: Port) -> Symbols:
     return Symbols({f"{item.signal.name}.{k + 1}": item.sym[k] for item, k in sizes})
 
 
-@dataclass(frozen=True)
 class BarrierAxis:
-    """Symbols v, c, u1, u2 of one axis with the paper's functions of them."""
+    """Symbols v, c, u1, u2 of one axis with the paper's functions of them.
 
-    suffix: str = ""
+    ``all`` are these four, ``x`` is v_c1 of Eq. (18), ``w`` is v - v_c1.
+    """
 
-    @cached_property
-    def symbols(self) -> Symbols:
-        """v, c, u1, u2 with the suffix."""
-        s = self.suffix
-        return symbols(f"v{s} c{s} u1{s} u2{s}", f"u1{s} u2{s}")
-
-    @property
-    def names(self) -> Symbols:
-        """Symbols of a statement about the axis."""
-        return self.symbols
-
-    @property
-    def all(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        """(v, c, u1, u2)."""
+    def __init__(self, suffix: str = "") -> None:
+        s = self.suffix = suffix
+        self.symbols = symbols(f"v{s} c{s} u1{s} u2{s}", f"u1{s} u2{s}")
         v, c, u1, u2 = self.symbols.values()
-        return v, c, u1, u2
-
-    @cached_property
-    def x(self) -> ca.SX:
-        """v_c1, Eq. (18)."""
-        _, c, u1, u2 = self.all
-        return barrier.minimiser(c, u1, u2)
-
-    @property
-    def w(self) -> ca.SX:
-        """v - v_c1."""
-        return self.all[0] - self.x
+        self.all = (v, c, u1, u2)
+        self.x = barrier.minimiser(c, u1, u2)
+        self.w = v - self.x
 
     @cached_property
     def A(self) -> ca.SX:
@@ -105,7 +84,7 @@ class BarrierAxis:
         cuts: Mapping[str, ca.SX] | None = None,
     ) -> Statement:
         """The statement about this axis alone."""
-        return Statement(self.names, goals, tuple(given), cuts or {})
+        return Statement(self.symbols, goals, tuple(given), cuts or {})
 
     @property
     def inside(self) -> tuple[Relation, ...]:
@@ -126,40 +105,19 @@ def scalars(ports: Iterable[Port]) -> Symbols:
     return Symbols(named)
 
 
-@dataclass(frozen=True)
 class LawGraph:
     """A law's System and, in the same symbols, the inner quantities that all laws share.
 
-    ``options`` are the law's own choices of form, such as ("gains.mb.decay", "exact").
+    ``options`` are the law's own choices of form, such as ("gains.mb.decay", "exact"), in a preset
+    whose numbers stay symbols; ``force`` is the generalised force, and ``context`` has the shared
+    quantities in symbols of their own (see `own`).
     """
 
-    name: str
-    options: tuple[tuple[str, str], ...] = ()
-
-    @cached_property
-    def scenario(self) -> Scenario:
-        """The preset whose structure the graph has; its numbers stay symbols."""
-        return load_scenario(PRESET, dict(self.options))
-
-    @cached_property
-    def system(self) -> System:
-        """The System that code generation is given."""
-        return law_graph(settle(self.scenario, self.name))
-
-    @cached_property
-    def symbols(self) -> Symbols:
-        """All ports' elements by name."""
-        return scalars((*self.system.inputs, *self.system.state, *self.system.params))
-
-    @cached_property
-    def context(self) -> LawContext:
-        """The shared quantities, in symbols of their own (see `own`)."""
-        return LawContext(settle(self.scenario, self.name))
-
-    @property
-    def force(self) -> ca.SX:
-        """Generalised force, (2,)."""
-        return self.system.outputs[0].expr
+    def __init__(self, name: str, *options: tuple[str, str]) -> None:
+        law = settle(load_scenario(PRESET, dict(options)), name)
+        self.system, self.context = law_graph(law), LawContext(law)
+        self.symbols = scalars((*self.system.inputs, *self.system.state, *self.system.params))
+        self.force = self.system.outputs[0].expr
 
     def own(self, expr: ca.SX) -> ca.SX:
         """An expression of `context` in the System's symbols."""

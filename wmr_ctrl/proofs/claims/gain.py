@@ -266,7 +266,7 @@ def gain_none(mutation: Mutation, form: str = "paper") -> Statement:
     From v* on, law (9) lets a constant force D > 0 drive the robot outwards all the way, however
     small D is. The gradient law in its place does not (the altered claim).
     """
-    law = LawGraph("mb", (("gains.mb.barrier", form),))
+    law = LawGraph("mb", ("gains.mb.barrier", form))
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
     every, cuts = dict(law.symbols), dict[str, ca.SX]()
     goals, given = list[Relation](), list[Relation]()

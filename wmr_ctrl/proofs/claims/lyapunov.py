@@ -1,7 +1,5 @@
 """The barrier function in time: Eqs. (9), (21)-(30), on the functions and on the law's graph."""
 
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
@@ -21,21 +19,16 @@ from wmr_ctrl.proofs.regions import (
 )
 from wmr_ctrl.proofs.relation import above, at_least, equal
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, symbols
+from wmr_ctrl.proofs.symbols import symbols
 
 
 class Moving(BarrierAxis):
-    """One axis with the rates of v and v_c0."""
+    """One axis with the ``rates`` of v and v_c0."""
 
-    @cached_property
-    def rates(self) -> Symbols:
-        """v' and v_c0'."""
-        return symbols(f"vdot{self.suffix} cdot{self.suffix}")
-
-    @property
-    def names(self) -> Symbols:
-        """All symbols."""
-        return self.symbols | self.rates
+    def __init__(self, suffix: str = "") -> None:
+        super().__init__(suffix)
+        self.rates = symbols(f"vdot{suffix} cdot{suffix}")
+        self.symbols |= self.rates
 
     def along(self, expr: ca.SX) -> ca.SX:
         """Time derivative of an expression of v and v_c0."""
@@ -158,7 +151,7 @@ def both_axes(mutation: Mutation) -> Statement:
     """
     m, n, rate = two_axes()
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
-    return Statement(m.names | n.names, (equal(rate, terms[0] + mutation * terms[1]),))
+    return Statement(m.symbols | n.symbols, (equal(rate, terms[0] + mutation * terms[1]),))
 
 
 @claim("eq27", (27,), given=OFF_EDGES, by=PAIRS)
@@ -168,7 +161,7 @@ def split(mutation: Mutation) -> Statement:
     The axes do not interfere.
     """
     m, n, rate = two_axes()
-    return Statement(m.names | n.names, (equal(rate, m.along(m.V) + mutation * n.along(n.V)),))
+    return Statement(m.symbols | n.symbols, (equal(rate, m.along(m.V) + mutation * n.along(n.V)),))
 
 
 @claim("eq28", (28,), given=OFF_EDGES)
@@ -232,7 +225,7 @@ def literal_decay(mutation: Mutation) -> Statement:
     rho, c_dot = ca.SX.sym("rho"), m.rates.cdot
     command = (-rho * m.V + m.w * c_dot) / m.A
     rate = ca.jtimes(m.V, ca.vertcat(v, c), ca.vertcat(command, c_dot))
-    return Statement(m.names | {"rho": rho}, (equal(rate, -mutation * rho * m.V),))
+    return Statement(m.symbols | {"rho": rho}, (equal(rate, -mutation * rho * m.V),))
 
 
 @claim.also(
@@ -275,7 +268,7 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     # The change of V1i over a short time h from v = v_u2, with the command at the start held.
     m = Moving()
     v, c, u1, u2 = m.all
-    t = m.names | symbols("rho h")
+    t = m.symbols | symbols("rho h")
     command = (-t.rho * m.V + mutation * m.w * t.cdot) / m.A
     later = barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2)
     change = (later - m.V) / t.h

@@ -276,7 +276,7 @@ def decay(mutation: Mutation) -> Statement:
     f = n.free
     leftover = analysis.leftover(n.residual, n.gain("sigma"), n.best, f.mass)
     total = analysis.network_lyapunov(f.V, f.mass, n.gain("Gamma"), n.error)
-    names = n.names | symbols("rho2")
+    names = n.symbols | symbols("rho2")
     least = mutation(names.rho2, 1e6 * names.rho2)
     return Statement(names, (at_least(-least * total + leftover, n.rate),), (), n.inner)
 

@@ -1,100 +1,66 @@
 """One axis of the adaptive network's law with its inner quantities free, and charts of these."""
 
 from collections.abc import Mapping
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.laws import nn
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claims.common import LawGraph
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, column, stacked, symbols
+from wmr_ctrl.proofs.symbols import column, stacked, symbols
 
 
 class NetworkAxis:
     """The network law's graph on one axis, with the barrier's quotients, w and S free.
 
-    ``free``: V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*; S(Z) is
-    ``basis``, W* ``best``.
+    ``free``: V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*, and
+    ``inner`` their expressions in the graph; S(Z) is ``basis``, W* ``best``, W^ ``weights``, W~ =
+    W^ - W* ``error``.  ``weight_rate`` is (W^(k+1) - W^(k))/T, which the explicit step integrates;
+    ``residual`` eps2 of Eq. (59), taken as its definition: what W*'S misses of the target.  Under
+    the law's force ``barrier_rate`` is V1i' of Eq. (28), ``rate`` V3i', differentiated from (62).
     """
 
     def __init__(self, axis: int) -> None:
         self.axis, self.law = axis, LawGraph("nn")
-        names = "quotient q w A V cdot friction mass"
-        self.free = symbols(names) | column("S", NODES) | column("best", NODES)
-        self.basis, self.best = (stacked(self.free, name, NODES) for name in ("S", "best"))
+        law, t = self.law, self.law.symbols
+        names = symbols("quotient q w A V cdot friction mass")
+        self.free = f = names | column("S", NODES) | column("best", NODES)
+        self.symbols = t | f
+        self.basis, self.best = (stacked(f, name, NODES) for name in ("S", "best"))
+        self.weights = ca.vertcat(*(t[f"W_hat{axis + 1}[{j + 1}]"] for j in range(NODES)))
+        self.error = self.weights - self.best
+        self.inner = self._inner(law.context)
+        rows = slice(axis * NODES, (axis + 1) * NODES)
+        self.weight_rate = (law.system.update[rows] - self.weights) / t["clock.control"]
+        target = analysis.network_target(f.mass, f.cdot, f.A / f.w, f.friction)
+        self.residual = ca.dot(self.best, self.basis) - target
+        v_dot = acceleration(f.mass, law.force[axis], f.friction)  # of the true robot, Eq. (4)
+        self.barrier_rate = f.A * v_dot - f.w * f.cdot
+        value, weights = ca.SX.sym("V1i"), ca.SX.sym("W", NODES)
+        total = analysis.network_lyapunov(value, f.mass, self.gain("Gamma"), weights)
+        state = ca.vertcat(value, weights)
+        rate = ca.jtimes(total, state, ca.vertcat(self.barrier_rate, self.weight_rate))
+        self.rate = ca.substitute(rate, state, ca.vertcat(f.V, self.error))
 
-    @property
-    def names(self) -> Symbols:
-        """Everything, the law's own ports included."""
-        return self.law.symbols | self.free
-
-    @cached_property
-    def weights(self) -> ca.SX:
-        """W^ of this axis."""
-        names = (f"W_hat{self.axis + 1}[{j + 1}]" for j in range(NODES))
-        return ca.vertcat(*(self.law.symbols[name] for name in names))
-
-    @property
-    def error(self) -> ca.SX:
-        """W~ = W^ - W*."""
-        return self.weights - self.best
-
-    @cached_property
-    def inner(self) -> dict[str, ca.SX]:
-        """Expressions of the free symbols in the graph."""
-        law, context = self.law, self.law.context
+    def _inner(self, context: LawContext) -> dict[str, ca.SX]:
         axis = context.barrier[self.axis]
         basis = nn.corner_basis(nn.regressor(context), context.gain("eta"), context.gain("node"))
         found = {"quotient": axis.V1_over_A, "q": axis.q, "w": axis.w}
         found |= {f"S{j + 1}": basis[j] for j in range(NODES)}
-        return {name: law.own(expr) for name, expr in found.items()}
+        return {name: self.law.own(expr) for name, expr in found.items()}
 
     def gain(self, name: str) -> ca.SX:
         """A gain of this axis."""
         return self.law.symbols[f"gains.nn.{name}[{self.axis + 1}]"]
 
-    @property
-    def weight_rate(self) -> ca.SX:
-        """(W^(k+1) - W^(k))/T: the rate that the explicit step integrates."""
-        rows = slice(self.axis * NODES, (self.axis + 1) * NODES)
-        return (self.law.system.update[rows] - self.weights) / self.law.symbols["clock.control"]
-
-    @cached_property
-    def v_dot(self) -> ca.SX:
-        """Acceleration of the true robot under the law's force, Eq. (4)."""
-        return acceleration(self.free.mass, self.law.force[self.axis], self.free.friction)
-
-    @cached_property
-    def residual(self) -> ca.SX:
-        """eps2 of Eq. (59), taken as its definition: what W*'S misses of the target."""
-        f = self.free
-        target = analysis.network_target(f.mass, f.cdot, f.A / f.w, f.friction)
-        return ca.dot(self.best, self.basis) - target
-
-    @cached_property
-    def barrier_rate(self) -> ca.SX:
-        """V1i' of Eq. (28)."""
-        return self.free.A * self.v_dot - self.free.w * self.free.cdot
-
-    @cached_property
-    def rate(self) -> ca.SX:
-        """V3i' by differentiation of Eq. (62)."""
-        value, weights = ca.SX.sym("V1i"), ca.SX.sym("W", NODES)
-        total = analysis.network_lyapunov(value, self.free.mass, self.gain("Gamma"), weights)
-        arguments, direction = (
-            ca.vertcat(value, weights),
-            ca.vertcat(self.barrier_rate, self.weight_rate),
-        )
-        rate = ca.jtimes(total, arguments, direction)
-        return ca.substitute(rate, arguments, ca.vertcat(self.free.V, self.error))
-
     def statement(self, *goals: Any) -> Statement:
         """Goals with the graph's inner quantities free."""
-        return Statement(self.names, goals, (), self.inner)
+        return Statement(self.symbols, goals, (), self.inner)
 
 
 @lru_cache(maxsize=2)

@@ -109,7 +109,7 @@ def assembled(mutation: Mutation, part: str) -> Statement:
     The step that the law takes is the one that the entries prox.* are about, with rates and targets
     as they are there.
     """
-    law = LawGraph("prox", (("gains.prox.transport", "level"),) if part else ())
+    law = LawGraph("prox", *((("gains.prox.transport", "level"),) if part else ()))
     t, context = law.symbols, law.context
     inner = context.v_c0, context.v_c0_dot, context.v_c0_dot_reference
     T, steps = t["clock.control"], []

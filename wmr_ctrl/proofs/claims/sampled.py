@@ -175,7 +175,7 @@ class NewtonStep:
     """
 
     def __init__(self, axis: int) -> None:
-        self.axis, self.law = axis, LawGraph("mb", (("gains.mb.decay", "exact"),))
+        self.axis, self.law = axis, LawGraph("mb", ("gains.mb.decay", "exact"))
         self.free = symbols("quotient q cdot fall w before after slope slope_after")
         self.mass = self.law.own(self.law.context.mass)
 

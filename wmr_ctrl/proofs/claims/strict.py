@@ -21,25 +21,16 @@ PAPER = (("v1d", 5, 1), ("v2d", 10, 1), ("k1", 1, 10), ("k2", 1, 5), ("k3", 1, 4
 
 
 class Strict(Tracking):
-    """Tracking with the weight eps of the strict Lyapunov function W = V2 + eps e2 sin e3."""
+    """Tracking with the weight eps of the strict Lyapunov function W = V2 + eps e2 sin e3.
+
+    ``W_rate`` is W' for v = v_c0, ``size`` is e1^2 + e2^2 + sin^2 e3.
+    """
 
     def __init__(self) -> None:
         super().__init__("eps value rate")
-
-    @property
-    def W(self) -> ca.SX:
-        """W."""
-        return analysis.strict_lyapunov(self.e, self.k[1], self.eps)
-
-    @property
-    def W_rate(self) -> ca.SX:
-        """W' for v = v_c0."""
-        return analysis.strict_rate(self.e, self.v_d, self.k, self.eps)
-
-    @property
-    def size(self) -> ca.SX:
-        """e1^2 + e2^2 + sin^2 e3."""
-        return self.e[0] ** 2 + self.e[1] ** 2 + ca.sin(self.e[2]) ** 2
+        self.W = analysis.strict_lyapunov(self.e, self.k[1], self.eps)
+        self.W_rate = analysis.strict_rate(self.e, self.v_d, self.k, self.eps)
+        self.size = self.e[0] ** 2 + self.e[1] ** 2 + ca.sin(self.e[2]) ** 2
 
     @property
     def near(self) -> tuple[Relation, ...]:

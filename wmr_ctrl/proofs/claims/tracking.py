@@ -15,9 +15,10 @@ from wmr_ctrl.proofs.symbols import Named, column, stacked, symbols
 
 
 class Tracking(Named):
-    """e, z = v - v_c0, a free velocity v, the desired one and gains, with the rates that follow.
+    """e, z = v - v_c0, a free velocity v, the desired one and gains; ``more``: further symbols.
 
-    ``more``: names of further symbols.
+    Of v = v_c0 + z with Eq. (7), which is ``followed``: ``rate`` is e' of Eqs. (33)-(35), ``fall``
+    is V2'.
     """
 
     def __init__(self, more: str = "") -> None:
@@ -26,25 +27,13 @@ class Tracking(Named):
         self.e, self.k = (stacked(self.symbols, name, 3) for name in "ek")
         self.z, self.v = (stacked(self.symbols, name, 2) for name in "zv")
         self.v_d = ca.vertcat(self.v1d, self.v2d)
+        self.followed = auxiliary_velocity(self.e, self.v_d, self.k) + self.z
+        self.rate = error_rate(self.e, self.followed, self.v_d)
+        self.fall = analysis.position_rate(self.e, self.followed, self.v_d, self.k[1])
 
     def states(self, *goals: Relation, given: Iterable[Relation] = ()) -> Statement:
         """The statement about these symbols alone."""
         return Statement(self.symbols, goals, tuple(given))
-
-    @property
-    def followed(self) -> ca.SX:
-        """v = v_c0 + z with Eq. (7)."""
-        return auxiliary_velocity(self.e, self.v_d, self.k) + self.z
-
-    @property
-    def rate(self) -> ca.SX:
-        """e' of Eqs. (33)-(35) for v = v_c0 + z."""
-        return error_rate(self.e, self.followed, self.v_d)
-
-    @property
-    def fall(self) -> ca.SX:
-        """V2' for v = v_c0 + z."""
-        return analysis.position_rate(self.e, self.followed, self.v_d, self.k[1])
 
 
 SIGNED = Case(

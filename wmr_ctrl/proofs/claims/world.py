@@ -1,21 +1,20 @@
 """Bounds that sensors, drives and ground add to the guard's assumptions, on their graphs."""
 
 from collections.abc import Iterable, Mapping
-from functools import cached_property
 from itertools import product
 from typing import Any
 
 import casadi as ca
 
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.model.system import Parameters, System
+from wmr_ctrl.model.system import Parameters
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, positive, within
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, symbols
+from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
@@ -26,15 +25,24 @@ WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 
 
 class EffectGraph:
-    """An effect's System for a scenario with some numbers, which stay symbols."""
+    """An effect's System for a scenario with some numbers, which stay symbols.
+
+    ``symbols``: all ports' elements by name, and the numbers that the bound alone reads;
+    ``parameters``: the graph's own by their keys.
+    """
 
     def __init__(
         self, effect: Effect, numbers: Iterable[tuple[str, object]], tables: str = ""
     ) -> None:
         """The bound's numbers of ``tables`` are symbols, beside those of its own section."""
         self.effect, self.scenario = effect, load_scenario("paper-simulation", dict(numbers))
+        self.system = effect.build(self.scenario)
+        self.parameters = Parameters(self.scenario, self.system.params)
         self.tables = tuple(dict.fromkeys((effect.section.KEY, *tables.split())))
         self.told, self.trace = self._bounded(1.0)
+        drawn = (item.port for item in self.system.draws)
+        ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
+        self.symbols = self.trace.symbols | scalars(ports)
         self.way: tuple[Relation, ...] = ()
 
     def _bounded(self, share: float) -> tuple[Bound, Tracing]:
@@ -77,26 +85,9 @@ class EffectGraph:
         table = self.symbols | (more or {})
         return Statement(table, (*goals, *self.way), tuple(given), cuts or {})
 
-    @cached_property
-    def system(self) -> System:
-        """The System that code generation is given."""
-        return self.effect.build(self.scenario)
-
-    @cached_property
-    def symbols(self) -> Symbols:
-        """All ports' elements by name, and the numbers that the bound alone reads."""
-        drawn = tuple(item.port for item in self.system.draws)
-        ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
-        return self.trace.symbols | scalars(ports)
-
     def above_zero(self, *names: str) -> tuple[Relation, ...]:
         """Each of these numbers is positive."""
         return tuple(above(self[name]) for name in names)
-
-    @property
-    def parameters(self) -> Parameters:
-        """The graph's own symbols by their keys."""
-        return Parameters(self.scenario, self.system.params)
 
     def __getitem__(self, name: str) -> ca.SX:
         return self.symbols[name]
