@@ -169,16 +169,14 @@ def lemma_piece(mutation: Mutation) -> Statement:
     guard.lemma for motions in pieces; its integrals are the limit of these.
     """
     a, t = GuardAxis(), symbols("end drag push")
-    v, end, edge = a["v"], t.end, a["f_speed"]
+    v, end, edge = a.v, t.end, a.f_speed
     above_edge = ca.logic_or(v > edge, end > edge)
     given = (
-        *a.sound(), at_least(a["mass"], a["M_min"]), at_least(a["t"]), *within(t.push, a["dbar"]),
-        at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a["f_min"])),
-        equal(a["mass"] * (end - v), a["t"] * (a["asked"] - t.drag + t.push)),
+        *a.sound(), at_least(a.mass, a.M_min), at_least(a.t), *within(t.push, a.dbar),
+        at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min)),
+        equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push)),
     )  # fmt: skip
-    most = (
-        ca.fmax(v, edge) + mutation(1, 0.9) * a["t"] * push([a["asked"]], a.bounds, 1) / a["M_min"]
-    )
+    most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
     return Statement(a.symbols | t, (at_least(most, ca.fmax(end, edge)),), given)
 
 
@@ -194,13 +192,12 @@ def delay_step(mutation: Mutation) -> Statement:
     a = GuardAxis(DELAYED)
     more, goals = only(a), []
     for way, sum_of in ((1, more.ahead), (-1, more.back)):
-        most = ca.fmax(way * a["y"] + a["nbar"], a["f_speed"]) + a("", way)
-        gained = a["since"] * ca.fmax(way * a["sent"] + a.net, 0) / a["mass"]
-        reached = ca.fmin(a["arrived"], most) + gained
+        most = ca.fmax(way * a.y + a.nbar, a.f_speed) + a("", way)
+        gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
+        reached = ca.fmin(a.arrived, most) + gained
         goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
     given = (
-        *a.sound(), at_least(a["mass"], a["M_min"]),
-        *between(0, a["since"], a["periods"] * a["period"]),
+        *a.sound(), at_least(a.mass, a.M_min), *between(0, a.since, a.periods * a.period),
     )  # fmt: skip
     return Statement(a.symbols, tuple(goals), given)
 
@@ -224,13 +221,13 @@ def mean_piece(mutation: Mutation) -> Statement:
     assert coming is not None
     goals, given = [], [*a.sound()]
     mean = (v[0] + mutation(2, 1.5) * v[1] + v[2]) / 4
-    given += within(a["y"] - mean, b.nbar)
+    given += within(a.y - mean, b.nbar)
     for way, seen in ((1, coming), (-1, coming.mirrored)):
         speeds = [ca.fmax(way * item, b.f_speed) for item in v]
         for k, name in enumerate(("other", "sent")):
             gain = b.period * ca.fmax(way * a[name] + a.net, 0) / b.M_min
             given.append(at_least(speeds[k] + gain, speeds[k + 1]))
-        reached = seen.reached(ca.fmax(way * a["y"] + b.nbar, b.f_speed), b)
+        reached = seen.reached(ca.fmax(way * a.y + b.nbar, b.f_speed), b)
         goals.append(at_least(reached, speeds[2]))
     return Statement(a.symbols | t, tuple(goals), tuple(given))
 
@@ -243,7 +240,7 @@ def convex(mutation: Mutation) -> Statement:
     Jensen's inequality of two forces, and so of any weights on finitely many.
     """
     a, w = GuardAxis(DELAYED), ca.SX.sym("w")
-    forces, goals = (a["sent"], a["other"]), []
+    forces, goals = (a.sent, a.other), []
     for way in (1, -1):
         mixed, first, second = (
             push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)

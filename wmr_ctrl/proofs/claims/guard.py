@@ -107,7 +107,7 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
 
     Commands stay as small as those before them were assumed to be.
     """
-    most, force = mutation(1, 0.99) * a.largest, a.force(a["asked"])
+    most, force = mutation(1, 0.99) * a.largest, a.force(a.asked)
     goals = (at_least(most, force), at_least(most, -force))
     return Statement(a.symbols, goals, a.stated, a.rooms)
 
@@ -135,7 +135,7 @@ def upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     A robot within its limit stays within it, {face}.
     """
     given = a.kept(way, mutation(1, 1.01))
-    return Statement(a.symbols, (at_least(a["u1"], a.then(way)),), given, a.rooms)
+    return Statement(a.symbols, (at_least(a.u1, a.then(way)),), given, a.rooms)
 
 
 @claim(
@@ -167,10 +167,10 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     Back within the limit once late commands have ended, after ceil(({v} - u1) M/(T (brakes - net)))
     samples, {v} being the speed then and M at worst M_max.
     """
-    b, mass, start = a.bounds, a["mass"], a.start(way)
+    b, mass, start = a.bounds, a.mass, a.start(way)
     step = b.period * (b.braking - a.net) / mass
     end = start + b.period * a.push(way) / mass
-    goal = at_least(ca.fmax(a["u1"], start - mutation(1, 1.01) * step), end)
+    goal = at_least(ca.fmax(a.u1, start - mutation(1, 1.01) * step), end)
     return Statement(a.symbols, (goal,), a.outside(way, *a.during()), a.cuts)
 
 
@@ -181,9 +181,9 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
     Braking from outside never throws the robot through the other limit.
     """
     a = GuardAxis()
-    fallen = a["f_speed"] + a["t"] * ca.fmax(a.net - way * a.force(a["asked"]), 0) / a["mass"]
-    limit = mutation(a["u1"], 0.99 * a["u1"])
-    given = (*a.feasible(), *a.during(), above(way * a["v"], a["u1"]), *a.measured)
+    fallen = a.f_speed + a.t * ca.fmax(a.net - way * a.force(a.asked), 0) / a.mass
+    limit = mutation(a.u1, 0.99 * a.u1)
+    given = (*a.feasible(), *a.during(), above(way * a.v, a.u1), *a.measured)
     return Statement(a.symbols, (at_least(limit, fallen),), given)
 
 
@@ -197,7 +197,7 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
-    b, D = a.bounds, a["extra"]
+    b, D = a.bounds, a.extra
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     given = (
         *a.stated, *a.seen(way, D * a.late / b.M_min, *a.during()), at_least(D), a.withstands(D),
@@ -219,14 +219,14 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
     # t at its end, as v is linear.
-    b, D, left = a.bounds, a["extra"], a["room"]
+    b, D, left = a.bounds, a.extra, a.room
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     over, most = a.start(way, D), a.hi if way > 0 else -a.lo
-    last = b.period + a.J - a["since"]
-    end = over + last * ca.fmax(most + a.net + D, 0) / a["mass"]
-    free = a["arrived"] - D * (a.late - a.J) / b.M_min - b.u1
+    last = b.period + a.J - a.since
+    end = over + last * ca.fmax(most + a.net + D, 0) / a.mass
+    free = a.arrived - D * (a.late - a.J) / b.M_min - b.u1
     given = (
-        *a.sound(), *a.capped, *a.during(), at_least(a["arrived"], b.f_speed),
+        *a.sound(), *a.capped, *a.during(), at_least(a.arrived, b.f_speed),
         *a.lines(way, left, -free), at_least(D), a.withstands(D), at_least(limit, over),
     )  # fmt: skip
     cuts = {**a.cuts, "room": a.left[0 if way > 0 else 1]}
@@ -243,6 +243,6 @@ def left(mutation: Mutation, a: GuardAxis) -> Statement:
     goals = [
         goal
         for left, way in zip(a.left, (1, -1), strict=True)
-        for goal in a.lines(way, left, a["u1"] - mutation(1, 1.01) * a.reached(way))
+        for goal in a.lines(way, left, a.u1 - mutation(1, 1.01) * a.reached(way))
     ]
     return Statement(a.symbols, tuple(goals), (*a.sound(), *a.measured, *a.moving))

@@ -29,16 +29,16 @@ def axes(mutation: Mutation) -> Statement:
     one, two = GuardAxis(), GuardAxis()
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
     both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
-    result = guarded(ca.vertcat(one["asked"], two["asked"]), ca.vertcat(one["y"], two["y"]), both)
+    result = guarded(ca.vertcat(one.asked, two.asked), ca.vertcat(one.y, two.y), both)
     goals = [
         goal
         for i, a in enumerate((one, two))
         for goal in (
-            equal(result.force[i], clipped(mutation * a["asked"], a["y"], a.bounds)),
-            equal(result.safe[i], clipped(ca.SX(0), a["y"], a.bounds)),
+            equal(result.force[i], clipped(mutation * a.asked, a.y, a.bounds)),
+            equal(result.safe[i], clipped(ca.SX(0), a.y, a.bounds)),
         )
     ]
-    positive = tuple(above(a["period"]) for a in (one, two))
+    positive = tuple(above(a.period) for a in (one, two))
     return Statement(table, tuple(goals), positive)
 
 
@@ -114,12 +114,12 @@ def not_blamed(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b, t = a.bounds, symbols("old push drag e_new e_old way")
     way = ca.if_else(t.way > 0, 1, -1)
-    mean = (a["asked"] + way * (t.push - mutation * t.drag)) / a["mass"]
+    mean = (a.asked + way * (t.push - mutation * t.drag)) / a.mass
     new = t.old + b.period * mean
     y, before = new + t.e_new, t.old + t.e_old
     errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
     ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t.drag))
-    least = least_push(y, before, a["asked"], b)
+    least = least_push(y, before, a.asked, b)
     given = (*a.feasible(), *a.during(), *errors, *ahead)
     return Statement(a.symbols | t, (at_least(ca.fmax(t.push, 0), least),), given)
 
@@ -132,8 +132,8 @@ def quiet(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b, old = a.bounds, ca.SX.sym("old")
-    least = least_push(a["y"], old, a["asked"], b)
-    same = ca.fmax(ca.fmin(a["y"], old), -ca.fmax(a["y"], old)) - mutation(0, 1)
+    least = least_push(a.y, old, a.asked, b)
+    same = ca.fmax(ca.fmin(a.y, old), -ca.fmax(a.y, old)) - mutation(0, 1)
     given = (*positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same))
     return Statement(a.symbols | {"old": old}, (equal(least),), given)
 
@@ -150,8 +150,8 @@ def sharp(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b, t = a.bounds, symbols("old push way")
     way = ca.if_else(t.way > 0, 1, -1)
-    y = t.old + b.period * (a["asked"] + way * t.push) / b.M_min
-    least = least_push(y, t.old, a["asked"], b)
+    y = t.old + b.period * (a.asked + way * t.push) / b.M_min
+    least = least_push(y, t.old, a.asked, b)
     exact = (equal(b.nbar), equal(b.M_max, b.M_min), *positive(b.M_min, b.period))
     ahead = (above(ca.fmin(way * y, way * t.old)), at_least(t.push))
     return Statement(a.symbols | t, (equal(least, mutation * t.push),), (*exact, *ahead))
@@ -183,15 +183,15 @@ def late(mutation: Mutation) -> Statement:
     motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t.old, t.D
     goals, given = [], [*positive(b.M_min, b.period), *nonnegative(b.nbar, D)]
     for axis, name in enumerate("FN"):
-        least = motion.least_push(axis, a["y"], old, b)
+        least = motion.least_push(axis, a.y, old, b)
         goals.append(at_least(D, mutation(1, 1.01) * least))
         for way in (1, -1):
             newer, older = (ca.fmax(way * t[f"{name}{j}"], 0) for j in (1, 2))
             either = ca.fmax(newer, older)
             mean = 0.5 * either + 0.25 * older + 0.75 * D
             rest = 0.5 * newer + 0.75 * either + 1.25 * D
-            moved = b.M_min * (way * (a["y"] - old) - 2 * b.nbar) / b.period
-            begun = b.M_min * (way * a["y"] - b.nbar) / b.period
+            moved = b.M_min * (way * (a.y - old) - 2 * b.nbar) / b.period
+            begun = b.M_min * (way * a.y - b.nbar) / b.period
             given.append(at_least(ca.fmax(mean - moved, rest - begun)))
     return Statement(a.symbols | t, tuple(goals), tuple(given))
 

@@ -31,7 +31,7 @@ FAR = 15 / 32
 """Share of ``kept`` by which both sums together may be more than the caps allow."""
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class QueuedAxis(RoundedAxis):
     """One axis; ``arrived`` bounds v (or -v) where the new command starts to act.
 
@@ -44,12 +44,12 @@ class QueuedAxis(RoundedAxis):
     @property
     def held_back(self) -> ca.SX:
         """Margin kept back, as a share of u1."""
-        return 1 - self["share"]
+        return 1 - self.share
 
     @cached_property
     def aimed(self) -> Bounds:
         """Bounds in the text: u1 is shrunk."""
-        return replace(self.bounds, u1=self["u1"] * self["share"])
+        return replace(self.bounds, u1=self.u1 * self.share)
 
     @property
     def caps(self) -> dict[str, ca.SX]:
@@ -59,14 +59,14 @@ class QueuedAxis(RoundedAxis):
     @property
     def waits(self) -> ca.SX:
         """alpha delay."""
-        return self["alpha"] * self["delay"]
+        return self.alpha * self.delay
 
     @property
     def stated(self) -> tuple[Relation, ...]:
         """The theorem's hypotheses with room for the rounding, but for those of the caps."""
-        b, less = self.bounds, self["u1"] * (1 - 4 * self.held_back)
-        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, self["delay"])]
-        counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self["ahead"], self["back"])
+        b, less = self.bounds, self.u1 * (1 - 4 * self.held_back)
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, self.delay)]
+        counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self.ahead, self.back)
         return (
             *positive, *(at_least(item) for item in counted), at_least(b.M_max, b.M_min),
             at_least(1 + DOUBLE.quicker, b.alpha * b.period), *self.sized,
@@ -89,19 +89,19 @@ class QueuedAxis(RoundedAxis):
         """The conditions of the caps."""
         room = self.held_back * self.reach
         need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
-        have = self.slope * (self["u1"] - self["f_speed"])
-        brakes = at_least(self["brake"], ca.fabs(self.net) + 5 * room)
+        have = self.slope * (self.u1 - self.f_speed)
+        brakes = at_least(self.brake, ca.fabs(self.net) + 5 * room)
         return (at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts)
 
     @property
     def aim(self) -> ca.SX:
         """M_min alpha (u1 (1 - kept) - f_speed)."""
-        return self.slope * (self["u1"] * self["share"] - self["f_speed"])
+        return self.slope * (self.u1 * self.share - self.f_speed)
 
     @property
     def bounded(self) -> tuple[Relation, ...]:
         """Bounds on the brakes and the largest command."""
-        room, brakes, largest = 2 * self.held_back * self.reach, self["brakes"], self["largest"]
+        room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
         return (
             at_least(brakes), at_least(brakes, ca.fabs(self.net) + room), at_least(largest),
             at_least(largest, self.net + room),
@@ -114,20 +114,20 @@ class QueuedAxis(RoundedAxis):
 
     def arrives(self, way: int) -> tuple[Relation, ...]:
         """arrived <= max(way v, f_speed) + what was computed to be under way, and <= u1."""
-        fastest = ca.fmax(way * self["v"], self["f_speed"])
-        most = fastest + self("", way) * (1 + self.held_back / 64) + self["u1"] * self.held_back / 8
-        return at_least(most, self["arrived"]), at_least(self["u1"], self["arrived"])
+        fastest = ca.fmax(way * self.v, self.f_speed)
+        most = fastest + self("", way) * (1 + self.held_back / 64) + self.u1 * self.held_back / 8
+        return at_least(most, self.arrived), at_least(self.u1, self.arrived)
 
     def leaves(self, brakes: ca.SX) -> Relation:
         """Braking room beside both sums."""
-        u1 = self["u1"] * (1 - self.held_back * (1 - FAR))
-        left = self.slope * (u1 - self["f_speed"] - self["ahead"] - self["back"])
+        u1 = self.u1 * (1 - self.held_back * (1 - FAR))
+        left = self.slope * (u1 - self.f_speed - self.ahead - self.back)
         return at_least(left, ca.fmax(brakes + self.net, 0))
 
 
 def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
     """Sum of braking and the largest command, and the rounding in it."""
-    both = a.waits * (a["largest"] + a.net) + ca.fmax(a["brakes"] + a.net, 0)
+    both = a.waits * (a["largest"] + a.net) + ca.fmax(a.brakes + a.net, 0)
     return both, (8 + 4 * a.waits) * UNIT * a.reach
 
 
@@ -159,8 +159,8 @@ def brakes(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     least = ca.fabs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
-    share = (a["brakes"] + a.net) * (1 + a.waits)
-    goals = (at_least(a["brakes"], least), at_least(a.aim + a.over, share))
+    share = (a.brakes + a.net) * (1 + a.waits)
+    goals = (at_least(a.brakes, least), at_least(a.aim + a.over, share))
     computed = {"brakes": a.aimed.braking}
     return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
 
@@ -198,10 +198,10 @@ def caps(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     both, off = _sum(a)
-    braked = at_least(a["brakes"], ca.fabs(a.net) + 5 * a.held_back * a.reach)
-    part = at_least(a.aim + a.over, (a["brakes"] + a.net) * (1 + a.waits))
+    braked = at_least(a.brakes, ca.fabs(a.net) + 5 * a.held_back * a.reach)
+    part = at_least(a.aim + a.over, (a.brakes + a.net) * (1 + a.waits))
     more = (a.over + off) * mutation(1, 0.1)
-    goals = (*a.bounded, at_least(more, a.waits * (a["brakes"] - a["largest"])))
+    goals = (*a.bounded, at_least(more, a.waits * (a.brakes - a["largest"])))
     given = (*a.stated, *a.met, braked, part, at_least(both, a.aim - off))
     return Statement(a.symbols, goals, given)
 
@@ -221,13 +221,13 @@ def room(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     both, off = _sum(a)
     extra = (WHEELS + READ + 32 + 20 * a.waits) * UNIT * a.reach
-    counted = a["delay"] * (a["largest"] + a.net + a["more"])
+    counted = a.delay * (a["largest"] + a.net + a.more)
     given = (
         *a.stated, a.counts, *a.bounded, at_least(a.aim + off, both),
-        at_least(a["more"]), at_least(extra * mutation(1, 100), a.waits * a["more"]),
-        at_least((1 + a.held_back / 64) * counted, a["M_min"] * (a["ahead"] + a["back"])),
+        at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more),
+        at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back)),
     )  # fmt: skip
-    return Statement(a.symbols, (a.leaves(a["brakes"]),), given)
+    return Statement(a.symbols, (a.leaves(a.brakes),), given)
 
 
 @claim(
@@ -242,10 +242,10 @@ def size(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
-    caps = ca.fmax(a["largest"], a["brakes"])
-    given = (*a.stated, *a.bounded, at_least(reach, a["brakes"]))
-    goals = tuple(at_least(most, way * a["hat"]) for most in (reach, caps) for way in (1, -1))
-    return Statement(a.symbols, goals, given, a.caps, computed=a.text(a["asked"]))
+    caps = ca.fmax(a["largest"], a.brakes)
+    given = (*a.stated, *a.bounded, at_least(reach, a.brakes))
+    goals = tuple(at_least(most, way * a.hat) for most in (reach, caps) for way in (1, -1))
+    return Statement(a.symbols, goals, given, a.caps, computed=a.text(a.asked))
 
 
 @claim(
@@ -259,8 +259,8 @@ def anchor(mutation: Mutation) -> Statement:
     What the wheels must keep in reserve is what the computed force keeps in reserve.
     """
     a = QueuedAxis()
-    most = mutation(1, 0.99) * a["brakes"]
-    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
+    most = mutation(1, 0.99) * a.brakes
+    goals = (at_least(most, a.hat), at_least(most, -a.hat))
     given = (*a.stated, *a.bounded)
     return Statement(a.symbols, goals, given, a.caps, computed=a.text(ca.SX(0)))
 
@@ -288,14 +288,14 @@ def force(mutation: Mutation, way: int) -> Statement:
     # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
     a = QueuedAxis()
     b = a.aimed if mutation > 0 or way < 0 else a.bounds
-    cuts = {"brakes": b.braking, "largest": largest_force(b), "lo": floor(a["y"], b, a.coming)}
+    cuts = {"brakes": b.braking, "largest": largest_force(b), "lo": floor(a.y, b, a.coming)}
     given = [*a.stated, *a.measured]
     if way > 0:
-        given += [*a.arrives(way), at_least(a["brakes"], a.net + 2 * a.held_back * a.reach)]
+        given += [*a.arrives(way), at_least(a.brakes, a.net + 2 * a.held_back * a.reach)]
     else:
-        left = a.leaves(mutation * a["brakes"])
+        left = a.leaves(mutation * a.brakes)
         given += [*a.bounded, *a.arrives(way), a.safe(way, a["lo"]), left]
-    goal, text = a.safe(way, a["hat"]), a.text(a["asked"], b)
+    goal, text = a.safe(way, a.hat), a.text(a.asked, b)
     return Statement(a.symbols, (goal,), tuple(given), cuts, computed=text)
 
 
@@ -319,11 +319,9 @@ def together(mutation: Mutation) -> Statement:
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
     a = QueuedAxis()
     lost = mutation(1, 2) * a.on_wheels
-    end = a["arrived"] + a["t"] * ca.fmax(a["hat"] + a.net, 0) / a["mass"]
+    end = a.arrived + a.t * ca.fmax(a.hat + a.net, 0) / a.mass
     given = (
-        *a.stated, *a.during(), at_least(a["u1"], a["arrived"]),
-        at_least(a["arrived"], a["f_speed"]),
-        at_least(ca.fmax(a["asked"], a["most"]) + lost, a["hat"]),
-        a.safe(1, a["asked"]), a.safe(1, a["most"]),
+        *a.stated, *a.during(), at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed),
+        at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most),
     )  # fmt: skip
-    return Statement(a.symbols, (at_least(a["u1"], end),), given)
+    return Statement(a.symbols, (at_least(a.u1, end),), given)

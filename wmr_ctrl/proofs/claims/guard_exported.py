@@ -184,13 +184,13 @@ def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
 def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
     """Speed where the new command takes over or f_speed where that is more, ahead and back."""
     if a.lateness:
-        return a["arrived_ahead"], a["arrived_back"]
-    return ca.fmax(a["v"], a["f_speed"]), ca.fmax(-a["v"], a["f_speed"])
+        return a.arrived_ahead, a.arrived_back
+    return ca.fmax(a.v, a.f_speed), ca.fmax(-a.v, a.f_speed)
 
 
 def physical(a: GuardAxis) -> tuple[Relation, ...]:
     """Signs and a sample that begins inside, at once or behind a delay; nothing of the theorem."""
-    b, late = a.bounds, [a["delay"]] if a.lateness else []
+    b, late = a.bounds, [a.delay] if a.lateness else []
     not_negative = map(at_least, (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed))
     signs = (*positive(b.u1, b.period, b.M_min, b.alpha, *late), *not_negative)
     known = (*signs, *a.measured, *a.during())
@@ -198,15 +198,15 @@ def physical(a: GuardAxis) -> tuple[Relation, ...]:
         return (*known, *a.inside)
     limits: list[Relation] = []
     for way, start in zip((1, -1), begun(a), strict=True):
-        limits += at_least(a["u1"], start), at_least(a.reached(way), start)
-        limits.append(at_least(start, a["f_speed"]))
+        limits += at_least(a.u1, start), at_least(a.reached(way), start)
+        limits.append(at_least(start, a.f_speed))
     return (*known, *a.moving, *limits, *added(a))
 
 
 def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
     """Either way it stays inside with this force."""
     for way, start in zip((1, -1), begun(a), strict=True):
-        yield at_least(a["u1"], start + a["t"] * ca.fmax(way * force + a.net, 0) / a["mass"])
+        yield at_least(a.u1, start + a.t * ca.fmax(way * force + a.net, 0) / a.mass)
 
 
 @claim(
@@ -236,8 +236,8 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
         known += [caps(CLAIMED, a), room(CLAIMED, a)]
     taken = [goal for item in known for goal in instance(item, {})]
     for way, start in zip((1, -1), ("arrived_ahead", "arrived_back"), strict=True):
-        taken += instance(upper(CLAIMED, way, a), {"arrived": a[start], "asked": a["chosen"]})
-    safe, chosen = a.force(ca.SX(0)), a["chosen"]
+        taken += instance(upper(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
+    safe, chosen = a.force(ca.SX(0)), a.chosen
     within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
     goals = (
         at_least(a.hi, a.lo), at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe),
@@ -284,7 +284,7 @@ def keeps(
         known = physical(a)
         alone = replace(kept(CLAIMED, a), given=(*known, above(feasible(a.bounds))))
         given += [*valued(known, a.symbols, values), *instance(alone, values)]
-        goals += valued([*stays(a, mutation * a["chosen"])], a.symbols, values)
+        goals += valued([*stays(a, mutation * a.chosen)], a.symbols, values)
         back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
         parts = {"back": back, "hi": hi, "brakes": b.braking}
         parts |= {f"sum {name}": total for name, total in sums.items()}

@@ -39,19 +39,19 @@ claim = Claims(by=HARD)
 
 def exponentials(a: GuardAxis) -> tuple[Relation, ...]:
     """Their relations; without jitter T and T + J are the same time."""
-    fast, slow, rises, falls = a["fast"], a["slow"], a["rises_by"], a["falls"]
-    same = () if a.varies else (equal(a["rise_late"], a["rise"]),)
+    fast, slow, rises, falls = a.fast, a.slow, a.rises_by, a.falls
+    same = () if a.varies else (equal(a.rise_late, a.rise),)
     return (
         *between(0, fast, slow), above(slow), *between(0, rises, falls), at_least(ca.SX(1), falls),
-        at_least(a.J, slow * (1 - falls)), equal(a["rise_J"], (slow - fast) * (1 - rises)),
-        *between(0, a["rise"], a["rise_late"]), at_least(slow - fast, a["rise_late"]), *same,
+        at_least(a.J, slow * (1 - falls)), equal(a.rise_J, (slow - fast) * (1 - rises)),
+        *between(0, a.rise, a.rise_late), at_least(slow - fast, a.rise_late), *same,
     )  # fmt: skip
 
 
 def _core(a: GuardAxis, way: int, room: ca.SX, most: ca.SX) -> ca.SX:
     """M_min room less all that the last and the new command, of at most ``most``, may do."""
-    spare = a["M_min"] * room + a["slow"] * a.lasts(way)[0]
-    return spare - (a["slow"] + a.J) * most
+    spare = a.M_min * room + a.slow * a.lasts(way)[0]
+    return spare - (a.slow + a.J) * most
 
 
 @claim("guard.varying.moved", given="0 <= exp(-h/a) <= exp(-h/b) <= 1, Z0, p >= 0")
@@ -115,13 +115,13 @@ def varying_more(mutation: Mutation) -> Statement:
     The last command and the new one together count for no more than b + J of the largest.
     """
     a = GuardAxis(LAGGING)
-    z, most, p = a["z_ahead"], a["most"], push([a["sent"]], a.bounds, 1)
-    again = waiting(z, p, a.J, a["rise_J"])
-    after = moved(z, p, (a["falls"], a["rises_by"]))
-    b, more = a["slow"], mutation(1, 0.99)
+    z, most, p = a.z_ahead, a.most, push([a.sent], a.bounds, 1)
+    again = waiting(z, p, a.J, a.rise_J)
+    after = moved(z, p, (a.falls, a.rises_by))
+    b, more = a.slow, mutation(1, 0.99)
     goals = (
-        at_least(more * (b + a.J) * most, b * z + again + a["rise"] * (most - after)),
-        at_least(b * most, b * z + a["rise_late"] * (most - z)), at_least(again),
+        at_least(more * (b + a.J) * most, b * z + again + a.rise * (most - after)),
+        at_least(b * most, b * z + a.rise_late * (most - z)), at_least(again),
     )  # fmt: skip
     given = (*exponentials(a), above(a.J), *between(0, z, most), at_least(most, p), above(most))
     return Statement(a.symbols, goals, given)
@@ -140,10 +140,10 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
 
     The caps leave what braking needs, also where both directions are full.
     """
-    b, lag, S = a.bounds, a["slow"], a.S
-    given = [at_least(a["usual"], a.J + lag), equal(a.mixed, a["usual"]), at_least(lag)]
+    b, lag, S = a.bounds, a.slow, a.S
+    given = [at_least(a.usual, a.J + lag), equal(a.both_act, a.usual), at_least(lag)]
     for way, name in ((1, "ahead"), (-1, "back")):
-        for sums, time in ((a[name], a["usual"]), (a[f"rest_{name}"], a.late)):
+        for sums, time in ((a[name], a.usual), (a[f"rest_{name}"], a.late)):
             given.append(at_least((time - a.J - lag) * S + lag * a.lasts(way)[0], b.M_min * sums))
     cores = [_core(a, way, left, S) for way, left in zip((1, -1), spares(a), strict=True)]
     need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
@@ -157,17 +157,17 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
 
     Every line is a mean of core and S/alpha.
     """
-    b, room, most = a.bounds, a["room"], a["most"]
+    b, room, most = a.bounds, a.room, a.most
     z, after, again = a.lasts(1)
-    lag, J = a["slow"], a.J
+    lag, J = a.slow, a.J
     goal = at_least(
         b.M_min * a.sums.left(room, b),
         mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha),
     )
     given = (
         *between(0, z, most), *between(0, after, most), at_least(again),
-        above(most), at_least((lag + J) * most, lag * z + again + a["rise"] * (most - after)),
-        at_least(lag * most, lag * z + a["rise_late"] * (most - z)), *exponentials(a),
+        above(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
+        at_least(lag * most, lag * z + a.rise_late * (most - z)), *exponentials(a),
         *positive(b.M_min, b.alpha), *([above(J)] * a.varies),
     )  # fmt: skip
     return Statement(a.symbols, (goal,), given)
@@ -188,11 +188,11 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     rooms, cores = (t.room_ahead, t.room_back), (t.core_ahead, t.core_back)
     need = ca.fmax(t.brakes + a.net, 0) / b.alpha
     lines = [
-        at_least(b.M_min * room, ca.fmin(core, a["most"] / b.alpha))
+        at_least(b.M_min * room, ca.fmin(core, a.most / b.alpha))
         for room, core in zip(rooms, cores, strict=True)
     ]
     given = (
-        *lines, at_least(larger(*cores), need), at_least(a["most"], need * b.alpha),
+        *lines, at_least(larger(*cores), need), at_least(a.most, need * b.alpha),
         *positive(b.M_min, b.alpha),
     )  # fmt: skip
     goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
@@ -230,18 +230,16 @@ def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     comes early, a smaller one where it comes late.
     """
     # A command of larger p than the last is worst early, another one late; both to their end.
-    b, spare = a.bounds, a["u1"] - a["arrived"]
+    b, spare = a.bounds, a.u1 - a.arrived
     z, after, again = a.lasts(way)
     p, period = ca.fmax(a.push(way), 0), mutation(1, 1.01) * b.period
-    early = waiting(z, p, period + a.J, a["rise_late"]) / a["mass"]
-    late = (waiting(after, p, period, a["rise"]) + again) / a["mass"]
-    goals = [
-        at_least(b.u1, a["arrived"] + ca.if_else(p > 0, more, spare)) for more in (early, late)
-    ]
+    early = waiting(z, p, period + a.J, a.rise_late) / a.mass
+    late = (waiting(after, p, period, a.rise) + again) / a.mass
+    goals = [at_least(b.u1, a.arrived + ca.if_else(p > 0, more, spare)) for more in (early, late)]
     given = (
         *a.sound(), *exponentials(a), at_least(b.braking, a.net), at_least(a.hi, a.lo),
         *a.lines(way, a("room_", way), spare), *nonnegative(z, after, again),
-        at_least(a["mass"], b.M_min), above(b.M_min),
+        at_least(a.mass, b.M_min), above(b.M_min),
     )  # fmt: skip
     return Statement(a.symbols, tuple(goals), given, a.rooms)
 
@@ -260,18 +258,18 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
     """
     # Pushes, and Z with them, are larger by at most D; worst for F = hi.
-    b, D = a.bounds, a["extra"]
+    b, D = a.bounds, a.extra
     z, after, again = a.lasts(way)
     p = ca.fmax((a.hi if way > 0 else -a.lo) + a.net + D, 0)
-    early = waiting(z + D, p, b.period + a.J, a["rise_late"]) - D * a.J
-    late = waiting(after + D, p, b.period, a["rise"]) + again
+    early = waiting(z + D, p, b.period + a.J, a.rise_late) - D * a.J
+    late = waiting(after + D, p, b.period, a.rise) + again
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
-    start = a["arrived"] + D * a.late / b.M_min
+    start = a.arrived + D * a.late / b.M_min
     goals = [
         at_least(limit, ca.if_else(p > 0, start + more / b.M_min, b.u1)) for more in (early, late)
     ]
     given = (
         *a.stated, *exponentials(a), at_least(D), a.withstands(D),
-        *a.lines(way, a("room_", way), b.u1 - a["arrived"]), *nonnegative(z, after, again),
+        *a.lines(way, a("room_", way), b.u1 - a.arrived), *nonnegative(z, after, again),
     )  # fmt: skip
     return Statement(a.symbols, tuple(goals), given, a.rooms)

@@ -40,10 +40,10 @@ def maximal(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b = a.bounds
     exact = (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period)
-    given = (*a.feasible(), *(equal(item) for item in exact), at_least(a["v"]), *a.inside)
-    more = a["asked"] - ceiling(a["v"], b)
-    end = a["v"] + b.period * (a["asked"] + b.dbar) / mutation(b.M_min, b.M_max)
-    return Statement(a.symbols, (above(end, a["u1"]),), (*given, above(more)))
+    given = (*a.feasible(), *(equal(item) for item in exact), at_least(a.v), *a.inside)
+    more = a.asked - ceiling(a.v, b)
+    end = a.v + b.period * (a.asked + b.dbar) / mutation(b.M_min, b.M_max)
+    return Statement(a.symbols, (above(end, a.u1),), (*given, above(more)))
 
 
 @claim(
@@ -78,17 +78,16 @@ def longer(_: Mutation) -> Statement:
     """
     a = GuardAxis(DELAYED)
     b = a.bounds
-    reached = ca.fmax(a["v"], b.f_speed) + a["since"] * ca.fmax(a["sent"] + a.net, 0) / a["mass"]
-    force = clipped(a["asked"], a["y"], b, only(a))
-    end = a["arrived"] + a["t"] * ca.fmax(force + a.net, 0) / a["mass"]
-    time = 1.01 * a["periods"] * a["period"]
+    reached = ca.fmax(a.v, b.f_speed) + a.since * ca.fmax(a.sent + a.net, 0) / a.mass
+    force = clipped(a.asked, a.y, b, only(a))
+    end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
+    time = 1.01 * a.periods * a.period
     given = (
-        *a.sound(), *a.capped, *a.measured, *a.during(), *nonnegative(a["since"], a["periods"]),
-        at_least(time, a["since"]), at_least(reached, a["arrived"]),
-        at_least(a["u1"], a["arrived"]), at_least(a["arrived"], b.f_speed),
-        at_least(ceiling(a["y"], b, only(a)), floor(a["y"], b, only(a))),
+        *a.sound(), *a.capped, *a.measured, *a.during(), *nonnegative(a.since, a.periods),
+        at_least(time, a.since), at_least(reached, a.arrived), at_least(a.u1, a.arrived),
+        at_least(a.arrived, b.f_speed), at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a))),
     )  # fmt: skip
-    return Statement(a.symbols, (at_least(a["u1"], end),), given, a.cuts)
+    return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)
 
 
 @claim("guard.delay.ignored", given="ahead > 0")
@@ -99,11 +98,11 @@ def ignored(_: Mutation) -> Statement:
     """
     a = GuardAxis(DELAYED)
     given = (
-        *a.stated, *a.seen(1, 0, *a.during()), at_least(a["u1"], a["arrived"]), above(a["ahead"]),
+        *a.stated, *a.seen(1, 0, *a.during()), at_least(a.u1, a.arrived), above(a.ahead),
     )  # fmt: skip
-    force = clipped(a["asked"], a["y"], a.bounds)
-    end = a["arrived"] + a["t"] * ca.fmax(force + a.net, 0) / a["mass"]
-    return Statement(a.symbols, (at_least(a["u1"], end),), given, a.cuts)
+    force = clipped(a.asked, a.y, a.bounds)
+    end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
+    return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)
 
 
 @claim("guard.delay.uncapped", given=FEASIBLE)
@@ -115,10 +114,10 @@ def uncapped(_: Mutation) -> Statement:
     a = GuardAxis(DELAYED)
     b = a.bounds
     most = b.M_min * b.alpha * (b.u1 - b.f_speed) - a.net
-    sent = (at_least(most, a["sent"]), at_least(most, -a["sent"]))
-    whole = at_least(a["delay"], a["periods"] * a["period"])
-    goal = at_least(ceiling(a["y"], b, only(a)), floor(a["y"], b, only(a)))
-    return Statement(a.symbols, (goal,), (*a.feasible(), *sent, whole, at_least(a["periods"])))
+    sent = (at_least(most, a.sent), at_least(most, -a.sent))
+    whole = at_least(a.delay, a.periods * a.period)
+    goal = at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a)))
+    return Statement(a.symbols, (goal,), (*a.feasible(), *sent, whole, at_least(a.periods)))
 
 
 @claim("guard.late.unmixed", given="0 < J <= T", by=HARD)
@@ -129,13 +128,13 @@ def unmixed(_: Mutation) -> Statement:
     """
     a = GuardAxis(LATE)
     over, again = a.start(1), a.again
-    coming = InFlight(a["ahead"] + again.ahead, a["back"] + again.back)
-    force = clipped(a["asked"], a["y"], replace(a.bounds, jitter=None, mixed=None), coming)
-    end = over + a["t"] * ca.fmax(force + a.net, 0) / a["mass"]
+    coming = InFlight(a.ahead + again.ahead, a.back + again.back)
+    force = clipped(a.asked, a.y, replace(a.bounds, jitter=None, mixed=None), coming)
+    end = over + a.t * ca.fmax(force + a.net, 0) / a.mass
     exact = (equal(a.bounds.nbar), equal(a.bounds.f_speed), equal(a.bounds.f_min))
-    sums = (equal(a["rest_ahead"], a["ahead"]), equal(a["rest_back"], a["back"]))
-    given = (*a.stated, *a.seen(1), *exact, *sums, *a.during(), at_least(a["u1"], over))
-    return Statement(a.symbols, (at_least(a["u1"], end),), given, a.cuts)
+    sums = (equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back))
+    given = (*a.stated, *a.seen(1), *exact, *sums, *a.during(), at_least(a.u1, over))
+    return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)
 
 
 @claim("guard.varying.unvaried", given="0 < a < b", by=HARD)
@@ -148,13 +147,13 @@ def unvaried(_: Mutation) -> Statement:
     a = GuardAxis(LATE, varies=False)
     t = symbols("z rise fast slow")
     b, z = a.bounds, t.z
-    force = clipped(a["asked"], a["y"], b, InFlight(a["ahead"], a["back"]))
+    force = clipped(a.asked, a.y, b, InFlight(a.ahead, a.back))
     p = ca.fmax(force + a.net, 0)
-    end = a["arrived"] + waiting(z, p, b.period, t.rise) / b.M_min
+    end = a.arrived + waiting(z, p, b.period, t.rise) / b.M_min
     given = (
-        *a.stated, *a.seen(1), at_least(z), equal(a["rest_ahead"], a["ahead"]),
-        equal(a["rest_back"], a["back"]), above(t.fast), above(t.slow, t.fast), above(t.rise),
-        at_least(t.slow - t.fast, t.rise), at_least(a["ahead"] * b.M_min, t.slow * z),
-        at_least(b.u1, a["arrived"]),
+        *a.stated, *a.seen(1), at_least(z), equal(a.rest_ahead, a.ahead),
+        equal(a.rest_back, a.back), above(t.fast), above(t.slow, t.fast), above(t.rise),
+        at_least(t.slow - t.fast, t.rise), at_least(a.ahead * b.M_min, t.slow * z),
+        at_least(b.u1, a.arrived),
     )  # fmt: skip
     return Statement(a.symbols | t, (at_least(b.u1, end),), given, a.cuts)

@@ -52,7 +52,7 @@ ON_WHEELS = 18
 """Units of rounding of |F| + |N|/l: 12 of the map, 5 of the conversion, 1 for their product."""
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class RoundedAxis(GuardAxis):
     """One axis of the guard whose formula is computed in doubles: ``hat`` is what comes out.
 
@@ -70,27 +70,27 @@ class RoundedAxis(GuardAxis):
     @cached_property
     def aimed(self) -> Bounds:
         """Bounds in the text: u1 is shrunk."""
-        return replace(self.bounds, u1=self["u1"] * (1 - self.held_back))
+        return replace(self.bounds, u1=self.u1 * (1 - self.held_back))
 
     def text(self, asked: ca.SX, b: Bounds | None = None) -> dict[str, ca.SX]:
         """Clipped force, as computed."""
-        return {"hat": clipped(asked, self["y"], b or self.aimed, self.coming)}
+        return {"hat": clipped(asked, self.y, b or self.aimed, self.coming)}
 
     @property
     def measured(self) -> tuple[Relation, ...]:
         """|y - v| <= nbar + unit |v|: the measured velocity is a rounded number, too."""
-        gap, most = self["y"] - self["v"], self["nbar"] + self.precision.unit * ca.fabs(self["v"])
+        gap, most = self.y - self.v, self.nbar + self.precision.unit * ca.fabs(self.v)
         return at_least(most, gap), at_least(most, -gap)
 
     @property
     def slope(self) -> ca.SX:
         """M_min alpha."""
-        return self["M_min"] * self["alpha"]
+        return self.M_min * self.alpha
 
     @property
     def reach(self) -> ca.SX:
         """K = M_min alpha u1 [N or N m]: what stops the robot from its limit in 1/alpha."""
-        return self.slope * self["u1"]
+        return self.slope * self.u1
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -109,8 +109,8 @@ class RoundedAxis(GuardAxis):
 
     def safe(self, way: int, force: ca.SX) -> Relation:
         """The force leaves what the wheels' rounding and the motion need."""
-        fastest = self["arrived"] if self.lateness else ca.fmax(way * self["v"], self["f_speed"])
-        left = self.slope * (self["u1"] * (1 - self.held_back / 32) - fastest)
+        fastest = self.arrived if self.lateness else ca.fmax(way * self.v, self.f_speed)
+        left = self.slope * (self.u1 * (1 - self.held_back / 32) - fastest)
         return at_least(ca.fmax(left, 0), way * force + self.net + self.on_wheels)
 
     @property
@@ -218,11 +218,11 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
     a = RoundedAxis(precision=precision)
     b = mutation(a.aimed, a.bounds)
-    cuts = {"lo": floor(a["y"], b)}
+    cuts = {"lo": floor(a.y, b)}
     known = () if way > 0 else (a.safe(way, a["lo"]),)
     given = (*a.stated, *a.measured, *a.inside, *known)
-    goal = a.safe(way, a["hat"])
-    computed = a.text(a["asked"], b)
+    goal = a.safe(way, a.hat)
+    computed = a.text(a.asked, b)
     return Statement(a.symbols, (goal,), given, cuts, computed=computed, unit=precision.unit)
 
 
@@ -235,8 +235,8 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     # Of what may be asked, and of the safe point.
     a = RoundedAxis(precision=precision)
     most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
-    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
-    computed = a.text(a["asked"])
+    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    computed = a.text(a.asked)
     return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
 
 
@@ -247,8 +247,8 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     What the wheels must keep in reserve is what the computed force keeps in reserve.
     """
     a = RoundedAxis(precision=precision)
-    most = mutation(1, 0.99) * a["most"]
-    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
+    most = mutation(1, 0.99) * a.most
+    goals = (at_least(most, a.hat), at_least(most, -a.hat))
     computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
     return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
 
@@ -326,10 +326,10 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     b, lost = a.bounds, mutation(1, 2) * a.on_wheels
     goals, given = [], [*a.stated, *a.inside, *a.during()]
     for way in (1, -1):
-        fastest = ca.fmax(way * a["v"], b.f_speed)
-        end = fastest + a["t"] * ca.fmax(way * a["hat"] + a.net, 0) / a["mass"]
+        fastest = ca.fmax(way * a.v, b.f_speed)
+        end = fastest + a.t * ca.fmax(way * a.hat + a.net, 0) / a.mass
         goals.append(at_least(b.u1, end))
-        asked, safe = way * a["asked"], way * a["most"]
-        given.append(at_least(ca.fmax(asked, safe) + lost, way * a["hat"]))
+        asked, safe = way * a.asked, way * a.most
+        given.append(at_least(ca.fmax(asked, safe) + lost, way * a.hat))
         given += [a.safe(way, a[name]) for name in ("asked", "most")]
     return Statement(a.symbols, tuple(goals), tuple(given))

@@ -40,9 +40,9 @@ claim = Claims(by=HARD)
 
 def only(a: GuardAxis, place: int = 0) -> InFlight:
     """Push in flight of a single command ``sent``; ``place``: its axis of the two."""
-    pair = [a["other"], a["other"]]
-    pair[place] = a["sent"]
-    return in_flight([(ca.vertcat(*pair), a["periods"])], place, a.bounds)
+    pair = [a.other, a.other]
+    pair[place] = a.sent
+    return in_flight([(ca.vertcat(*pair), a.periods)], place, a.bounds)
 
 
 def larger(one: ca.SX, other: ca.SX) -> ca.SX:
@@ -69,7 +69,7 @@ def caps(mutation: Mutation, a: GuardAxis, shared: float = 1, mixed: float = 1) 
 
     The caps divide the room between rest and the limit among late commands, braking and jitter.
     """
-    spread = [] if a.mixed.is_zero() else [a.apart(mutation(1, mixed))]
+    spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, mixed))]
     goals = (*a.capped, a.shared(mutation(1, shared)), *spread)
     return Statement(a.symbols, goals, a.feasible())
 
@@ -91,16 +91,16 @@ def command(mutation: Mutation, place: int) -> Statement:
     The guard counts the most that a command under way can do, even if it acts for a shorter time.
     """
     a = GuardAxis(DELAYED)
-    one, b, time = only(a, place), a.bounds, a["periods"] * a["period"]
+    one, b, time = only(a, place), a.bounds, a.periods * a.period
     most = mutation(1, 0.99) * time * a.S / b.M_min
     goals = [at_least(most, one.ahead + one.back)]
     for way, coming in ((1, one.ahead), (-1, one.back)):
-        start = ca.fmax(way * a["v"], b.f_speed)
-        seen = ca.fmax(way * a["y"] + b.nbar, b.f_speed)
-        reached = start + a["since"] * ca.fmax(way * a["sent"] + a.net, 0) / a["mass"]
+        start = ca.fmax(way * a.v, b.f_speed)
+        seen = ca.fmax(way * a.y + b.nbar, b.f_speed)
+        reached = start + a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
         goals.append(at_least(seen + coming, reached))
-    sent = (at_least(a.largest, a["sent"]), at_least(a.largest, -a["sent"]))
-    during = (*between(0, a["since"], time), at_least(a["periods"]))
+    sent = (at_least(a.largest, a.sent), at_least(a.largest, -a.sent))
+    during = (*between(0, a.since, time), at_least(a.periods))
     return Statement(a.symbols, tuple(goals), (*a.stated, *a.measured, *a.during(), *sent, *during))
 
 
@@ -136,19 +136,19 @@ def late_piece(mutation: Mutation) -> Statement:
     Jitter: the guard counts the worse of the two, forwards and backwards.
     """
     a = GuardAxis(DELAYED)
-    b, time = a.bounds, a["periods"] * a["period"]
-    first, second = a["sent"], a["asked"]
-    both = ca.horzcat(ca.vertcat(first, a["other"]), ca.vertcat(second, a["other"]))
-    piece = in_flight([(both, a["periods"])], 0, b)
+    b, time = a.bounds, a.periods * a.period
+    first, second = a.sent, a.asked
+    both = ca.horzcat(ca.vertcat(first, a.other), ca.vertcat(second, a.other))
+    piece = in_flight([(both, a.periods)], 0, b)
     goals = []
     for force in (first, second):
         for way, counted in ((1, piece.ahead), (-1, piece.back)):
-            reached = a["since"] * ca.fmax(way * force + a.net, 0) / a["mass"]
+            reached = a.since * ca.fmax(way * force + a.net, 0) / a.mass
             goals.append(at_least(counted, mutation(1, 1.01) * reached))
     most = time * a.S / b.M_min
     goals += [at_least(most, piece.ahead), at_least(most, piece.back)]
     sent = [at_least(a.largest, way * force) for way in (1, -1) for force in (first, second)]
-    during = (*between(0, a["since"], time), at_least(a["periods"]))
+    during = (*between(0, a.since, time), at_least(a.periods))
     return Statement(a.symbols, tuple(goals), (*a.stated, *a.during(), *sent, *during))
 
 
@@ -187,21 +187,21 @@ def added(a: GuardAxis) -> tuple[Relation, ...]:
     """Bounds on sums of commands that keep to ``largest``."""
     b, most = a.bounds, a.S / a.bounds.M_min
     if a.lateness < LATE:
-        return (at_least(a.late * most, a["ahead"] + a["back"]),)
+        return (at_least(a.late * most, a.ahead + a.back),)
     rest, again = (a.late - a.J) * most, a.again
     return (
-        at_least(rest, a["rest_ahead"]), at_least(rest, a["rest_back"]),
-        at_least((a["usual"] + a.mixed - 2 * a.J) * most, a["ahead"] + a["back"]),
+        at_least(rest, a.rest_ahead), at_least(rest, a.rest_back),
+        at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back),
         at_least(a.J * most, again.ahead + again.back), above(b.M_min),
-        at_least(a["rest_ahead"], a["ahead"]), at_least(a["rest_back"], a["back"]),
+        at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back),
     )  # fmt: skip
 
 
 def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
     """Room left when the new command may first take over, either way."""
     b, coming = a.bounds, a.sums
-    ahead = b.u1 - coming.reached(ca.fmax(a["y"] + b.nbar, b.f_speed), b)
-    return ahead, b.u1 - coming.mirrored.reached(ca.fmax(-a["y"] + b.nbar, b.f_speed), b)
+    ahead = b.u1 - coming.reached(ca.fmax(a.y + b.nbar, b.f_speed), b)
+    return ahead, b.u1 - coming.mirrored.reached(ca.fmax(-a.y + b.nbar, b.f_speed), b)
 
 
 def _spared(a: GuardAxis, ahead: ca.SX, back: ca.SX, more: float = 1) -> Relation:
@@ -278,10 +278,10 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     """
     a = GuardAxis(DELAYED)
     b, t = a.bounds, symbols("V share window")
-    p, window, share = ca.fmax(a["sent"] + a.net, 0), t.window, t.share
+    p, window, share = ca.fmax(a.sent + a.net, 0), t.window, t.share
     v = share * window * p / b.M_min
     y = share * v / 2 - (1 - share) * t.V
-    pair, periods = ca.vertcat(a["sent"], 0), window / b.period
+    pair, periods = ca.vertcat(a.sent, 0), window / b.period
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
