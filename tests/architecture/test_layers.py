@@ -207,7 +207,7 @@ def test_report_reads_proofs_through_the_ledger_only():
 
 def test_methods_of_proof_stand_alone():
     """They know graphs, not robots: what they decide cannot lean on the code that they judge."""
-    parts = ("methods", "graph", "statement", "ledger", "regions")
+    parts = ("methods", "graph", "relation", "statement", "ledger", "regions")
 
     def ours(module: Module) -> list[str]:
         top = module.name.removeprefix("wmr_ctrl.proofs.").split(".")[0]
