@@ -20,7 +20,7 @@ from tests.control.bases import GOVERNED, VELOCITY, based
 from wmr_ctrl.checks import filter_facts
 from wmr_ctrl.checks.loop import loop_of
 from wmr_ctrl.checks.velocity_base import rise_times, usable_speed, velocity_base
-from wmr_ctrl.cli.check_sentences import filter_lines
+from wmr_ctrl.cli.check_sentences import filter_lines, promise
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
@@ -373,6 +373,21 @@ def test_check_says_where_noise_keeps_a_limit_with_a_probability_only(
     noisy = {"disturbance": {"std": 0.5, **noise}, "filter": clip}
     warnings = velocity_base(loop_of(settle(based({**VELOCITY, **noisy}), "kanayama")))
     assert ("disturbance.truncate" in [item.key for item in warnings]) == told
+
+
+@pytest.mark.parametrize(("changes", "said"), [
+    ({}, "stated bounds$"), ({"base.w_max": 3.0}, "but for what base.w_max takes$"),
+    ({"resistance.viscous": [5.0, 0.0], "base.w_max": 3.0}, r"w_max and \[resistance\] take$"),
+])  # fmt: skip
+def test_check_names_what_else_slows_a_base_behind_a_clip(changes: Any, said: str) -> None:
+    first, *_ = filter_lines(settle(based({**CLIPPED, **changes}), "kanayama"))
+    assert re.search(said, first)
+
+
+def test_check_promises_no_limit_that_a_start_breaks() -> None:
+    text = promise(settle(based({**CLIPPED, "initial.velocity": [1.1, 0.0]}), "kanayama"))
+    assert "guaranteed for starts within them alone" in text
+    assert "alone" not in promise(settle(based(CLIPPED), "kanayama"))
 
 
 def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:

@@ -1,5 +1,6 @@
 """Sentences of ``wmr-ctrl check``: promise, guard, filter, stability, one run."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from wmr_ctrl.checks import Stability, filter_advice, filter_facts
@@ -18,6 +19,7 @@ from wmr_ctrl.scenario.command_filter import Filter
 from wmr_ctrl.scenario.sections import Guard
 from wmr_ctrl.scenario.toml_io import InheritedValue, stated_keys
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.resistance import against
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
@@ -94,9 +96,10 @@ def promise(setup: Setup) -> str:
             return f"No filter: {limits} are not guaranteed. {filter_advice(setup)}"
         if facts.broken:
             return f"Filtered, but nothing is guaranteed: {facts.broken[0]}"
+        late = any(abs(v) > V for v, V in zip(case.initial.velocity, case.limits.v_u1, strict=True))
         return (
-            f"Filtered: {limits} are guaranteed while the base is within its stated bounds (--only "
-            f"filter); {NOT_THE_PATH}."
+            f"Filtered: {limits} are guaranteed{' for starts within them alone,' * late} while the "
+            f"base is within its stated bounds (--only filter); {NOT_THE_PATH}."
         )
     if not case.guard.enabled:
         try:
@@ -159,7 +162,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     yield (
         f"the filter ({facts.statement}) {held} {limits}; at rest it leaves at least {v} "
         f"m/s, {omega} rad/s on any base inside the stated bounds"
-        f"{', with odometry in every step' if hears(setup.scenario) else ''}"
+        f"{', with odometry in every step' if hears(setup.scenario) else ''}{_slowed(setup)}"
     )
     gain = "gain" if stated.loop == "first-order" else "peak gain"
     if facts.kind == "band":
@@ -186,6 +189,18 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     texts = [f"one more {name} costs {speeds(cost)}" for name, cost in costs.items() if cost]
     if texts:
         yield "; ".join(texts)
+
+
+def _slowed(setup: Setup) -> str:
+    """What else slows the base at rest, of which a clip need not know."""
+    case = setup.scenario
+    slows = {
+        "base.w_max": case.base.w_max < math.inf,
+        "base.deadband": any(case.base.deadband),
+        "[resistance]": case.filter.loop == "first-order" and any(against(case)),
+    }
+    named = [name for name, acts in slows.items() if acts and case.filter.kind == "clip"]
+    return f", but for what {' and '.join(named)} take" + "s" * (len(named) == 1) if named else ""
 
 
 def inherited_robot(taken: Sequence[InheritedValue]) -> str:
