@@ -160,7 +160,8 @@ def _cause(outside: bool, guard: bool) -> str:
 
 
 _UNGUARDED = (
-    "the guard on (on a base that takes velocities: the filter), or ask for a slower reference."
+    "the guard on (on a base that takes velocities: the filter, without filter.trust), or ask for "
+    "a slower reference."
 )
 _NOT_COVERED = (
     "its guarantee does not cover this run. Widen guard.dbar, or guard.M_min and guard.M_max, "
