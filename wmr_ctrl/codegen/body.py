@@ -19,10 +19,10 @@ from wmr_ctrl.codegen.items import (
     Two,
     branched,
     computed,
+    in_step,
     replaced,
     statements,
 )
-from wmr_ctrl.codegen.order import in_step
 from wmr_ctrl.codegen.pairs import CHOSEN, COMPARED, PAIRED, Paired, PairStore, in_pairs
 from wmr_ctrl.codegen.reroll import Place, fused, reroll, shared_rooms
 from wmr_ctrl.model.graph import SELECT, Graph

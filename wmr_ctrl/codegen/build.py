@@ -19,7 +19,7 @@ from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
 from wmr_ctrl.codegen.emit import Kernel
-from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
 from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout, elements
@@ -138,8 +138,7 @@ class Program:
     def lanes(self) -> Path:
         """The library for lanes."""
         toolchain = find_toolchain()
-        dispatch = (runtime_dir() / _DISPATCH).read_text(encoding="utf-8")
-        files = {**unity(self.generated_lanes, LOOP), _DISPATCH: dispatch}
+        files = unity(self.generated_lanes, LOOP) | c_texts(_DISPATCH)
         chosen = (BASELINE,) if toolchain.misaligns_vectors else vector_sets()
         units = [
             Unit(item.name, LOOP[0], tuple(flags_of(item, toolchain)), item is not BASELINE)
@@ -152,8 +151,7 @@ def lanes_library(driver: str, sizes: Mapping[str, int], several: Sequence[Kerne
     """A library of ``several`` kernels in lanes, with the runtime's ``driver``."""
     generated = sources(sizes, several, LANES)
     generated.pop("exports.h")
-    names = ("arithmetic.h", "export.h", "lanes.h", driver)
-    runtime = {name: (runtime_dir() / name).read_text("utf-8") for name in names}
+    runtime = c_texts("arithmetic.h", "export.h", "lanes.h", driver)
     texts = {name.replace(".c", ".inc"): text for name, text in generated.items()}
     return _for_this_processor({**texts, **runtime})
 
@@ -261,8 +259,7 @@ def flags_of(vectors: Instructions, toolchain: Toolchain) -> Iterator[str]:
 
 def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[str, str | bytes]:
     """Generated and hand-written sources; the first of ``files`` is the only unit to compile."""
-    runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files}
-    every = {_as_header(name): text for name, text in {**runtime, **generated}.items()}
+    every = {_as_header(name): text for name, text in (c_texts(*files) | generated).items()}
     included = {name: text.replace('.c"\n', '.inc"\n') for name, text in every.items()}
     unit = included.pop(_as_header(files[0]))
     return {**included, files[0]: unit}
@@ -270,8 +267,7 @@ def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[st
 
 def one_text(files: Sequence[str], generated: Mapping[str, str]) -> str:
     """Generated and hand-written sources as one text that includes nothing, the first file's."""
-    runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files}
-    left = {**runtime, **generated}
+    left = {**c_texts(*files), **generated}
 
     def included(match: re.Match[str]) -> str:
         own = match[1] == '"'

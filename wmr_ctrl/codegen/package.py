@@ -15,7 +15,7 @@ from wmr_ctrl.codegen import single_precision
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, split
 from wmr_ctrl.codegen.kernels import controller_kernel
-from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import cached_definition
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
@@ -107,8 +107,7 @@ def files_of(
     files = {
         name: engine.get_template(f"{source}.j2").render(context) for name, source in names.items()
     }
-    header = {} if float32 else {HEADER: (runtime_dir() / HEADER).read_text(encoding="utf-8")}
-    return files | header
+    return files | ({} if float32 else c_texts(HEADER))
 
 
 def packaged(setup: Setup) -> System:

@@ -24,3 +24,8 @@ def fmu_dir() -> Path:
 def runtime_dir() -> Path:
     """Return the folder of the C runtime (stepper, closed loop, noise): ``fmu/runtime``."""
     return fmu_dir() / "runtime"
+
+
+def c_texts(*names: str, folder: str = "runtime") -> dict[str, str]:
+    """Texts of files of a folder of ``fmu/``, by name."""
+    return {name: (fmu_dir() / folder / name).read_text(encoding="utf-8") for name in names}

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 from wmr_ctrl.codegen.package import text_engine
+from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.filter.gate import GATE_FLAGS, GateSettings
 from wmr_ctrl.results import write_all
 from wmr_ctrl.ros2.diagnosis import ERRORS, WARNINGS
 from wmr_ctrl.ros2.filter_core import core_files
-from wmr_ctrl.ros2.native import HAPPENINGS, c_text, in_ns
+from wmr_ctrl.ros2.native import HAPPENINGS, in_ns
 from wmr_ctrl.ros2.parameters import FILTER, TRIGGERS, Default
 from wmr_ctrl.scenario import Scenario
 
@@ -117,7 +118,7 @@ def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
     written = ("CMakeLists.txt", "package.xml", "README.md")
     return {
         **core_files(scenario, settings.gate),
-        **{name: c_text(name) for name in SOURCES},
+        **c_texts(*SOURCES, folder="ros2"),
         "node_settings.h": _header(scenario, settings),
         **{name: engine.get_template(f"{name}.j2").render(context) for name in written},
     }

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.kernels import controller_kernel
-from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
 from wmr_ctrl.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
@@ -28,8 +28,8 @@ class CompiledSystem:
     def __init__(self, system: System, name: str) -> None:
         """Compile the graph, unless it is in the cache.  Raises CompilerError."""
         kernel = controller_kernel(system, name)
-        header = {HEADER: (runtime_dir() / HEADER).read_text(encoding="utf-8")}
-        path = build_library(plain_sources([kernel], name) | header, name=name, flags=VISIBLE)
+        sources = plain_sources([kernel], name) | c_texts(HEADER)
+        path = build_library(sources, name=name, flags=VISIBLE)
         self._step = ctypes.CDLL(str(path))[f"wmr_{name}"]
         self._step.restype = None
         self.start_values: NDArray[np.float64] = np.array(system.x0)

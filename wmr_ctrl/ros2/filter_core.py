@@ -10,7 +10,7 @@ from ctypes import byref, c_double, c_int64
 
 from wmr_ctrl.codegen.dialect import HEADER, SCALAR
 from wmr_ctrl.codegen.kernels import controller_kernel
-from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
 from wmr_ctrl.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
@@ -22,7 +22,6 @@ from wmr_ctrl.ros2.native import (
     NODE_CORE,
     ClocksStruct,
     IntakeStruct,
-    c_text,
     functions_of,
     in_ns,
     reason_words,
@@ -61,8 +60,8 @@ def core_files(scenario: Scenario, settings: GateSettings) -> dict[str, str]:
     return {
         **plain_sources([controller_kernel(gate, "gate")], "gate"),
         "gate_numbers.h": "\n".join([head, *lines]) + "\n",
-        HEADER: (runtime_dir() / HEADER).read_text(encoding="utf-8"),
-        **{name: c_text(name) for name in FILTER_CORE},
+        **c_texts(HEADER),
+        **c_texts(*FILTER_CORE, folder="ros2"),
     }
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import TypeAlias
 
-from wmr_ctrl.codegen.resources import fmu_dir
+from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.toolchain import build_library
 from wmr_ctrl.ros2.compiled_system import VISIBLE
 
@@ -16,11 +16,6 @@ HAPPENINGS = ("time-back", "time-forth", "frozen")
 REASONS = 9
 """Number of words of ``wmr_reason``."""
 NODE_CORE = ("node_core.h", "node_core.c")
-
-
-def c_text(name: str) -> str:
-    """Text of a file of `fmu/ros2`."""
-    return (fmu_dir() / "ros2" / name).read_text(encoding="utf-8")
 
 
 def in_ns(seconds: float) -> int:
@@ -71,7 +66,7 @@ _RETURNS: dict[str, type | None] = {
 @cache
 def node_functions() -> Functions:
     """Functions that both nodes share, by their names without wmr_.  Raises CompilerError."""
-    files = {name: c_text(name) for name in NODE_CORE}
+    files = c_texts(*NODE_CORE, folder="ros2")
     path = build_library(files, name="node_core", flags=VISIBLE)
     return functions_of(ctypes.CDLL(str(path)), _RETURNS)
 
