@@ -26,7 +26,7 @@ from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.toml_io import naming_file
 from wmr_ctrl.sim.many import checked_seeds, checked_starts
-from wmr_ctrl.sim.runnable import versions
+from wmr_ctrl.sim.runnable import RunnableLoop, versions
 
 if TYPE_CHECKING:
     from wmr_ctrl.linear import LinearReport
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from wmr_ctrl.report.write import Verdicts
     from wmr_ctrl.results.table import RunTable
     from wmr_ctrl.sim.compiled_law import CompiledLaw
-    from wmr_ctrl.sim.runnable import RunnableLoop
 
 ENGINES = ("native", "numpy", "fmu")
 

@@ -5,13 +5,10 @@ whether torques are large or restless is judged by what the motion needs.  Judge
 scenario, law and plant, when a run's remarks are first asked for; making runs costs nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,16 +18,12 @@ from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.results import OBJECTED
+from wmr_ctrl.results import OBJECTED, FloatArray, Run
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.phases import needed_torque
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor
-
-if TYPE_CHECKING:
-    from wmr_ctrl.results import FloatArray, Run
-
 
 TEXT = "scenario_toml"
 """Provenance key of a run's scenario."""

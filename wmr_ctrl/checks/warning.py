@@ -1,7 +1,5 @@
 """Warning: one thing that theory has to say against a run; and words that several checks share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 

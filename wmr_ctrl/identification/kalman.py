@@ -7,8 +7,6 @@ all parameters along (forward), so that one pass gives the likelihood, its gradi
 information.
 """
 
-from __future__ import annotations
-
 import ctypes as ct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """``python -m wmr_ctrl.ros2 filter --ros-args -p scenario:=mine.toml``."""
 
-from __future__ import annotations
-
 import signal
 import sys
 
