@@ -22,6 +22,7 @@ from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import load_map
+from wmr_ctrl.fmi.cosim.run import IN_ORDER, TELL, _assumed, _cosim_setup
 from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile, Slave
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.results import ise, load_run, summary
@@ -311,6 +312,10 @@ def test_a_delay_that_the_master_adds_is_told_apart_where_it_is_too_long():
     """The remedy was a delay and jitter of 8 ms in all, of which the master takes 10."""
     with pytest.raises(ScenarioError, match=r"counts 0 s of the scenario and .* 0\.01 s, by which"):
         cosimulate("robot-10ms", "kanayama", master="jacobi", delay_known=True)
+    files = dict.fromkeys(("reference", "controller", "plant"))
+    for preset, remedy in (("robot-10ms", IN_ORDER), ("safe-simulation", TELL)):
+        case = _cosim_setup(preset, "kanayama", files, None, delay_known=False, at_once=True)
+        assert _assumed(case).void.endswith(remedy)
 
 
 def test_a_controller_of_ours_tells_its_law(exported):

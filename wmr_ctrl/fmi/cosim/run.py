@@ -13,7 +13,7 @@ from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.blocks import guard_model, parallel
 from wmr_ctrl.fmi.cosim import fitting
 from wmr_ctrl.fmi.cosim.mapping import (
@@ -55,9 +55,10 @@ from wmr_ctrl.sim.runnable import assemble_run
 
 UNTOLD = (
     "Under the master jacobi each torque acts one control period later than the guard is told, and "
-    "the least disturbance counts that as a push. Build the controller for it: --know-delay, or "
-    "delay_known=True."
+    "the least disturbance counts that as a push."
 )
+TELL = "Build the controller for it: --know-delay, or delay_known=True."
+IN_ORDER = "No such delay is possible here: step the parts in order (the master gauss-seidel)."
 STAND_IN = "nn"
 """The law of a setup where none is named: sensors, drives and guard do not ask which it is."""
 
@@ -266,7 +267,12 @@ def _assumed(case: CosimSetup) -> Assumptions:
     assumed = case.own.assumptions
     if not case.at_once or case.own is not case.setup:
         return assumed
-    return replace(assumed, void=" ".join(filter(None, (assumed.void, UNTOLD))))
+    remedy = TELL
+    try:
+        one_period_later(case.setup)
+    except ScenarioError:
+        remedy = IN_ORDER
+    return replace(assumed, void=" ".join(filter(None, (assumed.void, UNTOLD, remedy))))
 
 
 def _controller(case: CosimSetup, slaves: Mapping[str, Slave]) -> Part | GuardedController:
