@@ -76,6 +76,10 @@ def instants(reference, count=400, seed=0):
     return np.sort(np.random.default_rng(seed).uniform(0, 3 * cycle, count))
 
 
+def test_at_no_time_there_are_no_samples():
+    assert sample_scenario(Scenario(), np.empty(0)).shape == (0, 7)
+
+
 @pytest.mark.parametrize("reference", ALL, ids=name_of)
 def test_has_seven_finite_outputs_and_matching_parameters(reference):
     found = sample(reference, instants(reference))

@@ -148,6 +148,8 @@ def sample(scenario: Scenario, times: Floats) -> Floats:
     A reference with state is held from sample to sample; its times must not fall.
     """
     system = reference(scenario)
+    if not np.size(times):
+        return np.empty((0, len(REFERENCE)))
     if system.x.numel():
         return _stepped(system, scenario.clock.control, np.asarray(times, dtype=float))
     graph = system.function("reference", [ca.densify(system.y)])
