@@ -53,6 +53,7 @@ def test_a_run_saves_draws_and_sums_itself_up(make_run, tmp_path):
     assert (tmp_path / "run.png").stat().st_size > 10_000
     assert figure.get_size_inches()[0] > 5
     assert run.summary() == summary(run)
+    assert summary(run)["watched_every"] == run.settings.plant
     assert run.law in run._repr_html_()
 
 

@@ -53,6 +53,7 @@ def summary(run: Run) -> dict[str, object]:
         "seed": run.seed,
         "engine": run.engine,
         "plant": known.plant_kind,
+        "watched_every": known.plant,
         "outcome": run.outcome.value,
         **{key: of(run) for key, of in READINGS.items()},
         "figures": values_of(run, (item for item in FIGURES if not item.key)),
