@@ -205,6 +205,13 @@ def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(end, 
     assert 90 < max(item.gain for item in peak_gains(better)) <= 100
 
 
+def test_both_axes_that_hardly_damp_are_refused_in_one_sentence():
+    with pytest.raises(ScenarioError, match=r"drive v to \S+ and omega to \S+, the") as error:
+        command_filter(scenario(kp=(1e-3, 165.0)))
+    assert str(error.value).count("is required") == 1
+    assert str(error.value).count("kp[1] of at least") == 2
+
+
 def test_a_push_that_only_rounding_stops_is_told_with_digits_that_differ():
     told = {"filter.kind": "clip", "filter.d": (0.999999999999, 0.0), "limits.v_u1": (1.0, 2.0)}
     case = load_scenario("paper-simulation", told)

@@ -18,7 +18,7 @@ from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.fields.units import meant, rounded
-from wmr_ctrl.filter.band import BandGovernor, check_beat
+from wmr_ctrl.filter.band import NAMES, BandGovernor, check_beat
 from wmr_ctrl.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
 from wmr_ctrl.filter.enclosure import Floats
@@ -41,7 +41,7 @@ def _damped(scenario: Scenario, axis: int) -> str:
     """
     fades, stated = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi, scenario.filter
     if stated.loop == "second-order":
-        return f"State filter.damping[1] of at least {rounded(fades, 3)}"
+        return f"filter.damping[1] of at least {rounded(fades, 3)}"
     loop = pi_loop(scenario, axis)
     (least, most), (soft, stiff), (light, heavy) = loop.kp, loop.ki, loop.M
     firm, bound = 2 * fades * math.sqrt(stiff * heavy), (least / (2 * fades)) ** 2
@@ -53,7 +53,7 @@ def _damped(scenario: Scenario, axis: int) -> str:
         f"{('mass', 'inertia')[axis]}[2] of at most {heaviest}": bound / stiff >= light,
     }
     fit = [f"filter.{text}" for text, fits in ends.items() if fits or not any(ends.values())]
-    return f"State {' or '.join(fit)}"
+    return " or ".join(fit)
 
 
 def _which(reached: float, limit: float, of: str) -> tuple[str, str, float, float]:
@@ -80,16 +80,19 @@ def check_filter(scenario: Scenario) -> None:
     pi = settings.loop == "pi"
     pushes = pi and any(settings.push)
     name, stated = ("push", settings.push) if pushes else ("d", settings.d)
+    high = [i for i in AXES if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]]
     faults = []
+    if peaks and high:
+        driven = " and ".join(f"{NAMES[i]} to {peaks[i].gain:.3g}" for i in high)
+        most = f"{LARGEST_PEAK:g}{'' if pi else ' filter.gain[2]'}"
+        advice = " and ".join(dict.fromkeys(_damped(scenario, i) for i in high))
+        faults.append(
+            f"filter.loop: commands of at most 1 can drive {driven}, the peak gain N. N <= {most} "
+            "is required: a loop with hardly any damping leaves no useful limit. State "
+            f"{advice}, if that holds for the base."
+        )
     for i in AXES:
-        if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]:
-            most = f"{LARGEST_PEAK:g}{'' if pi else ' filter.gain[2]'}"
-            faults.append(
-                f"filter.loop: commands of at most 1 can drive the base to {peaks[i].gain:.3g}, "
-                f"its peak gain N. N <= {most} is required: a loop with hardly any damping leaves "
-                f"no useful limit. {_damped(scenario, i)}, if that holds for the base."
-            )
-        elif reached[i] >= limits[i] * (1 - ROUNDING):
+        if i not in high and reached[i] >= limits[i] * (1 - ROUNDING):
             far, bound, less, more = _which(reached[i], limits[i], f"limits.v_u1[{i + 1}]")
             faults.append(
                 f"filter.{name}[{i + 1}] = {stated[i]:.12g} alone drives the base to {far}, "
