@@ -25,6 +25,7 @@ FINITE = "; |v_c0| < 1e100"
 NO_SERIES = (
     "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
 )
+AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
 BARRIERS = (
     {
         "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",

@@ -5,7 +5,7 @@ import casadi as ca
 from wmr_ctrl.filter.band import BandGovernor
 from wmr_ctrl.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import elements_of
+from wmr_ctrl.proofs.claims.common import AXES, elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -20,9 +20,6 @@ BANDED = {
     "filter.frequency": (4.0, 5.0), "clock.control": 0.1,
 }  # fmt: skip
 """Settings for the structure of the band's graph; its numbers are symbols."""
-
-
-AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
 
 
 def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:

@@ -17,7 +17,7 @@ from wmr_ctrl.filter.force_band import (
 )
 from wmr_ctrl.filter.forecast import Forecast
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import elements_of
+from wmr_ctrl.proofs.claims.common import AXES, elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -220,7 +220,7 @@ WEAK = {
     "filter.band.ramp-sent-{id}",
     given="every command (NaN included), parameters that are sound; 0 <= what a fall and a rise "
     "are admitted",
-    over=({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1}),
+    over=AXES,
 )
 def sent(mutation: Mutation, axis: int) -> Statement:
     """u_before - fall <= u <= u_before + rise, u what the whole band sends on the {id} axis.

@@ -8,7 +8,7 @@ from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import elements_of
+from wmr_ctrl.proofs.claims.common import AXES, elements_of
 from wmr_ctrl.proofs.claims.filter_assembled import STATED
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -67,7 +67,6 @@ def in_time(mutation: Mutation) -> Statement:
 
 
 SLOW = LINEAR | {"filter.frequency": (4.0, 5.0), "filter.slew": (0.1, 0.1), "filter.scale": "axes"}
-AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
 
 
 def inside(clip: Clip) -> Iterator[Relation]:

@@ -7,12 +7,11 @@ command after the other; what one of them adds is shown for any sum before it.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import largest_force
-from wmr_ctrl.guard.guard import Bounds, floor
+from wmr_ctrl.guard.guard import floor
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims import guard_delay_sums as sums
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED
@@ -35,31 +34,25 @@ FAR = 15 / 32
 class QueuedAxis(RoundedAxis):
     """One axis; ``arrived`` bounds v (or -v) where the new command starts to act.
 
-    ``share`` is what is left of u1, ``brakes`` and ``largest`` the computed caps.
+    ``share`` is what is left of u1, ``brakes`` and ``largest`` the computed caps.  ``waits`` is
+    alpha delay, ``aim`` M_min alpha (u1 (1 - kept) - f_speed), ``over`` the error of the computed
+    brakes' part of the sum, times 1 + alpha delay.
     """
 
     lateness: int = DELAYED
     widest: int = SPREAD
 
-    @property
-    def held_back(self) -> ca.SX:
-        """Margin kept back, as a share of u1."""
-        return 1 - self.share
-
-    @cached_property
-    def aimed(self) -> Bounds:
-        """Bounds in the text: u1 is shrunk."""
-        return replace(self.bounds, u1=self.u1 * self.share)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.held_back, self.waits = 1 - self.share, self.alpha * self.delay
+        self.aimed = replace(self.bounds, u1=self.u1 * self.share)
+        self.aim = self.slope * (self.u1 * self.share - self.f_speed)
+        self.over = (16 + 8 * (1 + self.waits)) * UNIT * self.reach
 
     @property
     def caps(self) -> dict[str, ca.SX]:
         """The computed caps, which stand for any numbers with what `bounded` says of them."""
         return {"brakes": self.aimed.braking, "largest": largest_force(self.aimed)}
-
-    @property
-    def waits(self) -> ca.SX:
-        """alpha delay."""
-        return self.alpha * self.delay
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -94,11 +87,6 @@ class QueuedAxis(RoundedAxis):
         return (at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts)
 
     @property
-    def aim(self) -> ca.SX:
-        """M_min alpha (u1 (1 - kept) - f_speed)."""
-        return self.slope * (self.u1 * self.share - self.f_speed)
-
-    @property
     def bounded(self) -> tuple[Relation, ...]:
         """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
@@ -106,11 +94,6 @@ class QueuedAxis(RoundedAxis):
             at_least(brakes), at_least(brakes, ca.fabs(self.net) + room), at_least(largest),
             at_least(largest, self.net + room),
         )  # fmt: skip
-
-    @property
-    def over(self) -> ca.SX:
-        """Error of the computed brakes' part of the sum, times 1 + alpha delay."""
-        return (16 + 8 * (1 + self.waits)) * UNIT * self.reach
 
     def arrives(self, way: int) -> tuple[Relation, ...]:
         """arrived <= max(way v, f_speed) + what was computed to be under way, and <= u1."""

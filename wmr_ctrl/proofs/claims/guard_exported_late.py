@@ -17,7 +17,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.guard.bounds import pair_of
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, integral, moved, push, waiting
 from wmr_ctrl.guard.guard import MAPS, Bounds
-from wmr_ctrl.guard.lateness import Counting, Piece
+from wmr_ctrl.guard.lateness import Piece
 from wmr_ctrl.guard.monitor import LateMotion
 from wmr_ctrl.guard.varying import Passage
 from wmr_ctrl.model.dynamics import wheel_to_force
@@ -37,19 +37,16 @@ claim = Claims(by=solver)
 
 
 class LateAssembled(Assembled):
-    """An exported graph whose velocities are means and whose drives are slow."""
+    """An exported graph whose velocities are means and whose drives are slow.
 
-    @property
-    def counted(self) -> Counting:
-        """Weights of what was sent: both axes' are the same."""
-        first, second = self.setup.guard.lateness(self.setup.scenario.clock)
-        assert first == second
-        return first
+    ``counted``: weights of what was sent, the same on both axes; ``forces``: of what is remembered.
+    """
 
-    @property
-    def forces(self) -> list[ca.SX]:
-        """Of the torques that are remembered."""
-        return [wheel_to_force(*self.wheels, tau) for tau in self.sent]
+    def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
+        super().__init__(assemble, loop)
+        self.counted, second = loop.guard.lateness(loop.scenario.clock)
+        assert self.counted == second
+        self.forces = [wheel_to_force(*self.wheels, tau) for tau in self.sent]
 
     @cached_property
     def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:

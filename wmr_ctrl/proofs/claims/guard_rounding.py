@@ -6,7 +6,6 @@ wheels, the conversion to torques and the motion, and `guard.rounding` puts them
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from math import log2
 from typing import Any
 
@@ -57,20 +56,23 @@ class RoundedAxis(GuardAxis):
     """One axis of the guard whose formula is computed in doubles: ``hat`` is what comes out.
 
     ``widest`` is the largest G/(M_min alpha u1), G of both axes: the promise's range.
+
+    ``held_back`` is the margin kept back, as a share of u1, and ``aimed`` the bounds in the text,
+    with u1 less that; ``slope`` is M_min alpha, ``reach`` K = M_min alpha u1 [N or N m], which
+    stops the robot from its limit in 1/alpha; ``on_wheels`` is the most of this axis that is lost
+    to the wheels' rounding.
     """
 
     precision: Precision = DOUBLE
     widest: int = 24
 
-    @property
-    def held_back(self) -> float | ca.SX:
-        """Margin kept back, as a share of u1."""
-        return self.precision.kept
-
-    @cached_property
-    def aimed(self) -> Bounds:
-        """Bounds in the text: u1 is shrunk."""
-        return replace(self.bounds, u1=self.u1 * (1 - self.held_back))
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.held_back: float | ca.SX = self.precision.kept
+        self.aimed = replace(self.bounds, u1=self.u1 * (1 - self.held_back))
+        self.slope = self.M_min * self.alpha
+        self.reach = self.slope * self.u1
+        self.on_wheels = ON_WHEELS * self.widest * self.precision.unit * self.reach
 
     def text(self, asked: ca.SX, b: Bounds | None = None) -> dict[str, ca.SX]:
         """Clipped force, as computed."""
@@ -81,16 +83,6 @@ class RoundedAxis(GuardAxis):
         """|y - v| <= nbar + unit |v|: the measured velocity is a rounded number, too."""
         gap, most = self.y - self.v, self.nbar + self.precision.unit * ca.fabs(self.v)
         return at_least(most, gap), at_least(most, -gap)
-
-    @property
-    def slope(self) -> ca.SX:
-        """M_min alpha."""
-        return self.M_min * self.alpha
-
-    @property
-    def reach(self) -> ca.SX:
-        """K = M_min alpha u1 [N or N m]: what stops the robot from its limit in 1/alpha."""
-        return self.slope * self.u1
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -112,11 +104,6 @@ class RoundedAxis(GuardAxis):
         fastest = self.arrived if self.lateness else ca.fmax(way * self.v, self.f_speed)
         left = self.slope * (self.u1 * (1 - self.held_back / 32) - fastest)
         return at_least(ca.fmax(left, 0), way * force + self.net + self.on_wheels)
-
-    @property
-    def on_wheels(self) -> ca.SX:
-        """Most of this axis lost to wheels' rounding."""
-        return ON_WHEELS * self.widest * self.precision.unit * self.reach
 
 
 def _wheels() -> Symbols:
