@@ -16,7 +16,7 @@ for the period that ends it), the second what it means for a robot:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from inspect import signature
 from typing import Any, TypeVar
@@ -102,7 +102,8 @@ class Claims:
         ``given`` are the hypotheses in words, ``by`` a method or a verdict that is given,
         ``premises`` ids, ``wording`` the claim where the docstring's is another one's.
         ``values`` stand in every text where their name is in braces, and are handed to the function
-        (and to ``by``) where it asks for them; ``over``: one claim for each of these tables.
+        (and to ``by``) where it asks for them; ``over``: one claim for each of these tables, which
+        may have ``equations`` of their own.
         """
         way = by or self.by
 
@@ -114,7 +115,7 @@ class Claims:
                 engine = method if isinstance(method, Method) else None
                 self.listed.append(
                     Claim(
-                        text(id), equations, form or self.form,
+                        text(id), table.get("equations", equations), form or self.form,
                         text(wording or claimed).removesuffix("."), text(meaning or self.meaning),
                         text(self.given if given is None else given),
                         _asked(function, table) if engine else None,
@@ -122,38 +123,6 @@ class Claims:
                         tuple(text(self.premises if premises is None else premises).split()),
                     )
                 )  # fmt: skip
-            return function
-
-        return enter
-
-    def also(
-        self,
-        id: str,
-        wording: str,
-        meaning: str,
-        *,
-        equations: tuple[int, ...] | None = None,
-        given: str = "",
-        by: Method | None = None,
-        premises: str = "",
-        **values: Any,
-    ) -> Callable[[Written], Written]:
-        """Enter the function once more, with other ``values``: what is not said is as before."""
-
-        def enter(function: Written) -> Written:
-            before = self.listed[-1]
-            again = replace(
-                before,
-                id=id,
-                equations=before.equations if equations is None else equations,
-                claim=wording,
-                meaning=meaning,
-                hypotheses=given or before.hypotheses,
-                statement=_asked(function, values),
-                method=by or before.method,
-                premises=tuple(premises.split()) or before.premises,
-            )
-            self.listed.append(again)
             return function
 
         return enter

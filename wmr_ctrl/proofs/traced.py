@@ -102,8 +102,9 @@ def _kept(name: str) -> Callable[[float], float]:
     return call
 
 
-def _least(*values: float) -> float:
-    """The least number; of traced ones the expression holds all, whichever is the least now."""
+def _least(*values: Any) -> float:
+    """The least number, as ``min``; of traced ones the expression holds all of them."""
+    values = values if len(values) > 1 else tuple(values[0])
     given = [item for item in values if not isinf(item)]
     known = [item.trace for item in given if isinstance(item, Traced)]
     if not known:

@@ -26,6 +26,15 @@ NO_SERIES = (
     "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
 )
 AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
+
+
+def named_axes(angular: str = "-angular") -> tuple[dict[str, object], ...]:
+    """Both axes for entries of which the angular one's id ends so."""
+    return (
+        {"of": "", "where": "linear", "axis": 0}, {"of": angular, "where": "angular", "axis": 1},
+    )  # fmt: skip
+
+
 BARRIERS = (
     {
         "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",

@@ -231,17 +231,18 @@ def line(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
-@claim.also(
-    "world.motor.moment",
-    "and there too where they drive opposite ways",
-    "What motors add to dbar, moment.",
-    way=-1,
+@claim(
+    "world.motor.{name}",
+    given="|v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0",
+    over=(
+        {"name": "thrust", "way": 1, "drive": "one way"},
+        {"name": "moment", "way": -1, "drive": "opposite ways"},
+    ),
 )
-@claim("world.motor.thrust", given="|v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0")
-def pair_ahead(mutation: Mutation, way: int = 1) -> Statement:
-    """d(s) of both wheels together is largest at v1 = u1, |omega| = u2 where they drive one way.
+def pair_ahead(mutation: Mutation, way: int) -> Statement:
+    """d(s) of both wheels together is largest at v1 = u1, |omega| = u2 where they drive {drive}.
 
-    What motors add to dbar, thrust.
+    What motors add to dbar, {name}.
     """
     t = symbols("v turn u1 edge stall slowing most", "stall slowing")
 

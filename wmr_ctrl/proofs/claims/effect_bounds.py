@@ -72,20 +72,18 @@ def world_slope(mutation: Mutation) -> Statement:
     return g.states(goals, given, {"along": along, "across": across, "sine": sine})
 
 
-@claim.also(
-    "world.resistance.moment",
-    "and turns it on with at most l times that",
-    "The same for the turn.",
-    given=f"{HEAVY}; omega >= 0; |tanh| <= 1, their difference >= 0 as omega >= 0 has it",
-    axis=1,
-)
 @claim(
-    "world.resistance.thrust",
-    given=f"{HEAVY}; v1 >= 0; |tanh| <= 1, and as v1 >= 0 has it tanh((v1 + l omega)/v_s) + "
-    "tanh((v1 - l omega)/v_s) >= 0",
-)
-def resisted_thrust(mutation: Mutation, axis: int = 0) -> Statement:
-    """rolling resistance drives the robot on with at most the difference of the wheels'.
+    "world.resistance.{name}",
+    given=f"{HEAVY}; {{sign}} >= 0; |tanh| <= 1, and as {{sign}} >= 0 has it tanh((v1 + l "
+    "omega)/v_s) {pair} tanh((v1 - l omega)/v_s) >= 0",
+    over=(
+        {"name": "thrust", "axis": 0, "sign": "v1", "pair": "+", "does": "drives", "times": ""},
+        {"name": "moment", "axis": 1, "sign": "omega", "pair": "-", "does": "turns",
+         "times": "l times "},
+    ),
+)  # fmt: skip
+def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
+    """rolling resistance {does} the robot on with at most {times}the difference of the wheels'.
 
     Equal wheels only brake; what one has more may push. Backwards by symmetry.
     """
@@ -107,12 +105,16 @@ def resisted_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     return g.states((goal,), given, {"right": right, "left": left})
 
 
-@claim.also(
-    "world.noise.moment", "and a moment of at most l times that", "The same for the moment.", axis=1
+@claim(
+    "world.noise.{name}",
+    given="r, l > 0, std >= 0; |each normal number| <= n",
+    over=(
+        {"name": "thrust", "axis": 0, "most": "2 n std/r"},
+        {"name": "moment", "axis": 1, "most": "2 l n std/r"},
+    ),
 )
-@claim("world.noise.thrust", given="r, l > 0, std >= 0; |each normal number| <= n")
-def noise_thrust(mutation: Mutation, axis: int = 0) -> Statement:
-    """torque noise within n std on each wheel makes a thrust of at most 2 n std/r.
+def noise_thrust(mutation: Mutation, axis: int) -> Statement:
+    """torque noise within n std on each wheel makes a {name} of at most {most}.
 
     What torque noise adds to dbar.
     """
@@ -192,21 +194,17 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
     return g.states(goals, g.above_zero("clock.control", "sample"))
 
 
-@claim.also(
-    "world.velocity-mean.rounding-angular",
-    "and the mean angular velocity likewise",
-    "The same for the turn.",
-    axis=1,
-)
 @claim(
-    "world.velocity-mean.rounding",
+    "world.velocity-mean.rounding{of}",
     given="u1, h > 0; a window of two periods T, T at least h, ended one period ago, after the "
     "first sample; its way is at most u1 times the window, and the duration no shorter and eight h "
     "or more; |path|, |theta| <= u1 duration, so that rounding in each h of the window makes "
     "2^-53 u1 duration/h times the window at most",
-)
-def rounded_mean(mutation: Mutation, axis: int = 0) -> Statement:
-    """the mean velocity as computed is off that of the exact way by no more than the error that its
+    over=({"of": "", "what": "velocity", "axis": 0},
+          {"of": "-angular", "what": "angular velocity", "axis": 1}),
+)  # fmt: skip
+def rounded_mean(mutation: Mutation, axis: int) -> Statement:
+    """the mean {what} as computed is off that of the exact way by no more than the error that its
     bound tells.
 
     What a mean adds to nbar: the rounding of ways.

@@ -205,22 +205,19 @@ def fades(mutation: Mutation) -> Statement:
     )
 
 
-@claim.also(
-    "gain.closed-smooth",
-    "the same for the smooth barrier",
-    "The same for the smooth barrier.",
-    equations=(),
-    by=Ring(tuple(map(charted, SMOOTH_TARGETS))),
-    form=SmoothAxis,
-)
 @claim(
-    "gain.closed",
-    (15,),
-    by=Ring(tuple(map(charted, TARGETS + TARGET_EDGES))),
+    "gain.closed{key}",
+    by=lambda targets: Ring(tuple(map(charted, targets))),
     premises="gain.cover",
-)
-def gain_closed(mutation: Mutation, form: type[Axis] = Axis) -> Statement:
-    """on [v*, v_u1) the compiled barrier evaluates phi at Y > 1/2, in closed form.
+    over=(
+        {"key": "", "equations": (15,), "words": "paper's", "form": Axis,
+         "targets": TARGETS + TARGET_EDGES},
+        {"key": "-smooth", "equations": (), "words": "smooth", "form": SmoothAxis,
+         "targets": SMOOTH_TARGETS},
+    ),
+)  # fmt: skip
+def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:
+    """on [v*, v_u1) the {words} barrier as compiled evaluates phi at Y > 1/2, in closed form.
 
     There the logarithm itself is evaluated, not its series.
     """
@@ -246,22 +243,20 @@ def covered(mutation: Mutation) -> Statement:
     return Statement(a.symbols | {"k": k}, goals, given)
 
 
-@claim.also(
-    "gain.none-smooth",
-    'the same for barrier = "smooth"',
-    "A continuous slope does not change that.",
-    equations=(),
-    premises="gain.fades gain.ceiling-smooth gain.closed-smooth smooth.quotient",
-    form="smooth",
-)
 @claim(
-    "gain.none",
-    (9,),
+    "gain.none{key}",
     given=f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
-    premises="gain.fades gain.ceiling gain.closed forms.quotient",
-)
-def gain_none(mutation: Mutation, form: str = "paper") -> Statement:
-    """on the model-based law's graph v' >= D/(2 M) for every v in [v*, v_u1), both axes.
+    premises="gain.fades {parts}",
+    over=(
+        {"key": "", "equations": (9,), "words": "paper's", "form": "paper",
+         "parts": "gain.ceiling gain.closed forms.quotient"},
+        {"key": "-smooth", "equations": (), "words": "smooth", "form": "smooth",
+         "parts": "gain.ceiling-smooth gain.closed-smooth smooth.quotient"},
+    ),
+)  # fmt: skip
+def gain_none(mutation: Mutation, form: str) -> Statement:
+    """on the graph of the model-based law with the {words} barrier v' >= D/(2 M) for every v in
+    [v*, v_u1), both axes.
 
     From v* on, law (9) lets a constant force D > 0 drive the robot outwards all the way, however
     small D is. The gradient law in its place does not (the altered claim).

@@ -275,15 +275,9 @@ def necessary(mutation: Mutation) -> Statement:
     return Statement(t, (above(largest, t.phi * t.r / 2),), (*signs, *held, tight))
 
 
-@map_claim.also(
-    "wheels.rotation-first",
-    "rotation-first ends in the guard's box and within reach",
-    "The same when rotation is served first.",
-    name="rotation-first",
-)
-@map_claim("wheels.linear-first", given=BOX)
-def linear(mutation: Mutation, name: str = "linear-first") -> Statement:
-    """linear-first ends in the guard's box and within reach.
+@map_claim("wheels.{name}", given=BOX, over=tuple({"name": name} for name in MAPS))
+def mapped(mutation: Mutation, name: str) -> Statement:
+    """{name} ends in the guard's box and within reach.
 
     The torque limit does not undo the guard.
     """

@@ -6,7 +6,14 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import target_rate, total_barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES, BarrierAxis, LawGraph
+from wmr_ctrl.proofs.claims.common import (
+    CLOSED_FORM,
+    NO_SERIES,
+    OFF_EDGES,
+    BarrierAxis,
+    LawGraph,
+    named_axes,
+)
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
 from wmr_ctrl.proofs.regions import (
@@ -175,16 +182,9 @@ def per_axis(mutation: Mutation) -> Statement:
     return m.states(equal(m.along(m.V), m.A * v_dot - mutation * m.w * c_dot))
 
 
-@claim.also(
-    "eq09.angular",
-    "the same on the angular axis",
-    "The compiled law is the paper's.",
-    by=LAW[1],
-    axis=1,
-)
-@claim("eq09", (9,), given=NOMINAL, by=LAW[0])
-def command(mutation: Mutation, axis: int = 0) -> Statement:
-    """A (F - F1) = M1 (-rho V1i + (v - v_c1) v_c0') for the model-based law's own graph, linear
+@claim("eq09{of}", (9,), given=NOMINAL, by=lambda axis: LAW[axis], over=named_axes(".angular"))
+def command(mutation: Mutation, axis: int) -> Statement:
+    """A (F - F1) = M1 (-rho V1i + (v - v_c1) v_c0') for the model-based law's own graph, {where}
     axis.
 
     The compiled law is the paper's, only evaluated without dividing by A.
@@ -228,12 +228,11 @@ def literal_decay(mutation: Mutation) -> Statement:
     return Statement(m.symbols | {"rho": rho}, (equal(rate, -mutation * rho * m.V),))
 
 
-@claim.also(
-    "eq30.law-angular", "the same on the angular axis", "As on the linear axis.", by=LAW[1], axis=1
+@claim(
+    "eq30.law{of}", (29, 30), form=OURS, given=NOMINAL, by=lambda axis: LAW[axis], over=named_axes()
 )
-@claim("eq30.law", (29, 30), form=OURS, given=NOMINAL, by=LAW[0])
-def decay(mutation: Mutation, axis: int = 0) -> Statement:
-    """V1i' = -rho_i V1i for the compiled model-based law, linear axis, A = 0 included.
+def decay(mutation: Mutation, axis: int) -> Statement:
+    """V1i' = -rho_i V1i for the compiled model-based law, {where} axis, A = 0 included.
 
     The law that runs on the robot has the property of the theorem, not just the formula on paper.
     """

@@ -7,7 +7,7 @@ import casadi as ca
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.laws import nn
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.claims.common import barrier_axis
+from wmr_ctrl.proofs.claims.common import barrier_axis, named_axes
 from wmr_ctrl.proofs.claims.network_axis import (
     DIMENSIONS,
     NODES,
@@ -82,10 +82,9 @@ def law(mutation: Mutation) -> Statement:
     return n.statement(equal(n.law.force[0], written))
 
 
-@claim.also("eq58.angular", "the same on the angular axis", "As on the linear axis.", axis=1)
-@claim("eq58", (58,), given="any weights and basis")
-def adaptation(mutation: Mutation, axis: int = 0) -> Statement:
-    """W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), linear axis, all 64 weights: the compiled Euler
+@claim("eq58{of}", (58,), given="any weights and basis", over=named_axes(".angular"))
+def adaptation(mutation: Mutation, axis: int) -> Statement:
+    """W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), {where} axis, all 64 weights: the compiled Euler
     step integrates it.
 
     The weights learn from the distance to the target velocity and slowly forget.
@@ -214,19 +213,23 @@ def with_adaptation(mutation: Mutation) -> Statement:
     return n.statement(equal(n.rate, written))
 
 
-@claim.also(
-    "eq73",
-    "the same with -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2; what is left over is sigma |W^|^2/(2 M1) "
-    "more",
-    "Forgetting pulls the weights back.",
-    equations=(73,),
-    combined=True,
-)
-@claim("eq72", (72,), given=OFF_TARGET, by=BOUND)
-def eq72(mutation: Mutation, combined: bool = False) -> Statement:
-    """V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2; what is left over is (w - eps2)^2/(2 M1).
+@claim(
+    "eq{number}",
+    given=OFF_TARGET,
+    by=BOUND,
+    over=(
+        {"number": 72, "equations": (72,), "combined": False, "more": "",
+         "left": "(w - eps2)^2/(2 M1)", "so": "The worst that eps2 can do."},
+        {"number": 73, "equations": (73,), "combined": True,
+         "more": " and -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2",
+         "left": "(w - eps2)^2/(2 M1) + sigma |W^|^2/(2 M1)",
+         "so": "Forgetting pulls the weights back."},
+    ),
+)  # fmt: skip
+def eq72(mutation: Mutation, combined: bool) -> Statement:
+    """V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2{more}; what is left over is {left}.
 
-    The worst that eps2 can do.
+    {so}
     """
     n = network_axis(0)
     f, mass, sigma = n.free, n.free.mass, n.gain("sigma")

@@ -37,16 +37,15 @@ def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
 map_claim = Claims(by=Z3(effort=150))
 
 
-@map_claim.also(
-    "prox.optimal-smooth",
-    "the same for the smooth barrier",
-    "Also where the barrier has no corner.",
-    equations=(),
-    smooth=True,
-)
-@map_claim("prox.optimal", (14, 15, 18), given=ANY)
-def optimal(mutation: Mutation, smooth: bool = False) -> Statement:
-    """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1.
+def smooth_or_not(*equations: int) -> tuple[dict[str, object], ...]:
+    """Both barriers; the paper's equations are about its own."""
+    paper, smooth = BARRIERS
+    return paper | {"equations": equations}, smooth
+
+
+@map_claim("prox.optimal{key}", given=ANY, over=smooth_or_not(14, 15, 18))
+def optimal(mutation: Mutation, smooth: bool) -> Statement:
+    """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1 ({words}).
 
     The closed form is the nearest velocity inside the limit.
     """
@@ -62,16 +61,11 @@ def optimal(mutation: Mutation, smooth: bool = False) -> Statement:
     return Statement(t, (equal(miss), *nonnegative(rest, s * x), inside), _target(t))
 
 
-@map_claim.also(
-    "prox.monotone-smooth",
-    "the same for the smooth barrier",
-    "So is the smooth one.",
-    equations=(),
-    smooth=True,
+@map_claim(
+    "prox.monotone{key}", given="every 0 < v_u2 < v_u1, |x| < v_u1", over=smooth_or_not(14, 15)
 )
-@map_claim("prox.monotone", (14, 15), given="every 0 < v_u2 < v_u1, |x| < v_u1")
-def monotone(mutation: Mutation, smooth: bool = False) -> Statement:
-    """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included.
+def monotone(mutation: Mutation, smooth: bool) -> Statement:
+    """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included ({words}).
 
     The barrier is convex.
     """

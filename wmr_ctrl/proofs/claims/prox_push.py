@@ -10,13 +10,13 @@ import casadi as ca
 from wmr_ctrl.laws.prox import next_velocity, prox_step
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
+from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph, named_axes
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, when, within
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 
-AXES = ({"of": "", "where": "linear", "axis": 0}, {"of": "-angular", "where": "angular", "axis": 1})
+AXES = named_axes()
 
 
 class Sampled:

@@ -108,15 +108,18 @@ def window_value(mutation: Mutation) -> Statement:
     return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
 
 
-@claim.also("eq44", "|e1| < 1.1 |e2(t0)|", "", equations=(44,), index=0)
-@claim("eq43", (43,), given="V2 < 0.594 e2(t0)^2")
-def side_bound(mutation: Mutation, index: int = 1) -> Statement:
-    """|e2| < 1.1 |e2(t0)|."""
+@claim(
+    "eq4{k}",
+    given="V2 < 0.594 e2(t0)^2",
+    over=({"k": 3, "equations": (43,), "side": 2}, {"k": 4, "equations": (44,), "side": 1}),
+)
+def side_bound(mutation: Mutation, side: int) -> Statement:
+    """|e{side}| < 1.1 |e2(t0)|."""
     t = Tracking("E")
     value = analysis.position_lyapunov(t.e, t.k[1])
     given = (*positive(t.k[1], t.E), above(594 * t.E**2, 1000 * value))
     limit = mutation(1.21, 1.0)
-    return Statement(t.symbols, (above(121 * t.E**2 * limit, 121 * t.e[index] ** 2),), given)
+    return Statement(t.symbols, (above(121 * t.E**2 * limit, 121 * t.e[side - 1] ** 2),), given)
 
 
 @claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))

@@ -153,21 +153,20 @@ def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
 
 
 HARD = Z3(effort=150)
-MISREAD = [Both(HARD, Ring(wheel_cases(axis, True))) for axis in (0, 1)]
-TORQUES = [Both(HARD, Ring(wheel_cases(axis, False))) for axis in (0, 1)]
 claim = Claims(by=HARD)
 
 
-@claim.also(
-    "world.encoder.omega",
-    "and an omega with an error below 2 pi r/(N w l)",
-    "The same for the turn.",
-    axis=1,
+@claim(
+    "world.encoder.{name}",
+    given=WHOLE,
+    over=(
+        {"name": "v1", "axis": 0, "error": "2 pi r/(N w)"},
+        {"name": "omega", "axis": 1, "error": "2 pi r/(N w l)"},
+    ),
 )
-@claim("world.encoder.v1", given=WHOLE)
-def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
-    """differences of counts over w, the window that the bound gives, give a v1 with an error below
-    2 pi r/(N w).
+def counted_speed(mutation: Mutation, axis: int) -> Statement:
+    """differences of counts over w, the window that the bound gives, give {name} with an error
+    below {error}.
 
     What the guard counts as window, and what an encoder adds to nbar besides it.
     """
@@ -194,17 +193,18 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     return g.states((above(most, off), above(off, -most), window), (*sides, *given), cuts, turn)
 
 
-@claim.also(
-    "world.wheels.misread-omega",
-    "and omega off by at most |c l'/l - 1| u2 + |d| u1/l",
-    "The same for the turn.",
-    by=MISREAD[1],
-    axis=1,
+@claim(
+    "world.wheels.misread-{name}",
+    given=INSIDE,
+    by=lambda axis: Both(HARD, Ring(wheel_cases(axis, True))),
+    over=(
+        {"name": "v1", "axis": 0, "off": "|c - 1| u1 + |d| l' u2"},
+        {"name": "omega", "axis": 1, "off": "|c l'/l - 1| u2 + |d| u1/l"},
+    ),
 )
-@claim("world.wheels.misread-v1", given=INSIDE, by=MISREAD[0])
-def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
-    """with wheels other than believed, their turns give a v1 that is off by at most |c - 1| u1 +
-    |d| l' u2, c and d the mean and half the difference of 1/(1 + radius_i).
+def misread_speed(mutation: Mutation, axis: int) -> Statement:
+    """with wheels other than believed, their turns give {name} off by at most {off}, c
+    and d the mean and half the difference of 1/(1 + radius_i).
 
     What wrong radii add to nbar of an encoder.
     """
@@ -226,18 +226,19 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     return g.states(within(off, most * mutation(1, 0.9)), given, None, t)
 
 
-@claim.also(
-    "world.wheels.moment",
-    "and a moment off by at most l tau sum |(1 + track)/(1 + radius_i) - 1|/r",
-    "The same for the moment, with the track.",
-    by=TORQUES[1],
-    axis=1,
+@claim(
+    "world.wheels.{name}",
+    given=SIZES,
+    by=lambda axis: Both(HARD, Ring(wheel_cases(axis, False))),
+    over=(
+        {"name": "thrust", "axis": 0, "off": "tau sum |1/(1 + radius_i) - 1|/r"},
+        {"name": "moment", "axis": 1, "off": "l tau sum |(1 + track)/(1 + radius_i) - 1|/r"},
+    ),
 )
-@claim("world.wheels.thrust", given=SIZES, by=TORQUES[0])
-def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
-    """torques of at most tau make a thrust that is off by at most tau sum |1/(1 + radius_i) - 1|/r.
+def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
+    """torques of at most tau make a {name} that is off by at most {off}.
 
-    What wrong radii add to dbar.
+    What wrong radii, and for the moment a wrong track, add to dbar.
     """
     limited = (*WHEELS, ("actuator.tau_max", 5.0))
     g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
