@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import flint
 import numpy as np
 import pytest
@@ -207,9 +209,9 @@ def test_a_loop_that_hardly_damps_is_refused_and_what_is_advised_is_enough(end, 
 
 def test_both_axes_that_hardly_damp_are_refused_in_one_sentence():
     with pytest.raises(ScenarioError, match=r"drive v to \S+ and omega to \S+, the") as error:
-        command_filter(scenario(kp=(1e-3, 165.0)))
+        command_filter(scenario(kp=(1e-3, 165.0), inertia=(4.0, 6.0)))
     assert str(error.value).count("is required") == 1
-    assert str(error.value).count("kp[1] of at least") == 2
+    assert len(set(re.findall(r"kp\[1\] of at least (\S+)", str(error.value)))) == 2
 
 
 def test_a_push_that_only_rounding_stops_is_told_with_digits_that_differ():
