@@ -92,7 +92,7 @@ def setup(app: Sphinx) -> None:
     """Arrays by the name that the code has for their type."""
 
     def by_name(*given: object) -> tuple[str | None, str | None]:
-        signature, result = (text and ARRAY.sub("FloatArray", str(text)) for text in given[-2:])
+        signature, result = (text and ARRAY.sub("Floats", str(text)) for text in given[-2:])
         return signature, result
 
     app.connect("autodoc-process-signature", by_name)

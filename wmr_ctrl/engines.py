@@ -1,6 +1,6 @@
 """Engines: from a checked scenario and a law to a Run, compiled or by NumPy, or to many."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 from wmr_ctrl.codegen.build import build_batch, build_gpu, build_loop, build_plantless
@@ -13,14 +13,12 @@ from wmr_ctrl.physics.run import rigid_table, run_rigid_each
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.batch import Progress
 from wmr_ctrl.sim.gpu import processor
 from wmr_ctrl.sim.interpreted import run_interpreted
 from wmr_ctrl.sim.many import each_task, later, planned_tasks, run_each, tabulated
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run, settings_of
-
-Progress = Callable[[float], None]
-
 
 DEVICES = ("cpu", "gpu")
 """Where many runs are made: in vectors on this processor's cores, or on a graphics processor."""

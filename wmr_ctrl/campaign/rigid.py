@@ -9,18 +9,15 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.engine import Campaign, PhaseProgress, run_campaign
 from wmr_ctrl.campaign.plan import Overrides, Study
-from wmr_ctrl.results import PLANTS
+from wmr_ctrl.results import PLANTS, Floats
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
-Floats: TypeAlias = NDArray[np.float64]
 RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
 """Seeds with which nothing about the body was chosen."""
 

@@ -18,7 +18,7 @@ from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.results import OBJECTED, FloatArray, Run
+from wmr_ctrl.results import OBJECTED, Floats, Run
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.phases import needed_torque
@@ -78,7 +78,7 @@ def outlook_of(run: Run) -> Outlook | None:
     return _outlook(scenario, run.law, run.settings.plant_kind)
 
 
-def needed_by(run: Run) -> FloatArray | None:
+def needed_by(run: Run) -> Floats | None:
     """Wheel torques (rows, 2) [N m] that the desired motion needs; None as `outlook_of`."""
     scenario = scenario_of_run(run)
     if scenario is None:

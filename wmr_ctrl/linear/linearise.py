@@ -10,12 +10,13 @@ from dataclasses import replace
 import casadi as ca
 import control as ct
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from wmr_ctrl.checks.loop import Loop, loop_of
 from wmr_ctrl.checks.sampled_plant import Point as Point
 from wmr_ctrl.checks.surroundings import surroundings
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.outside import check_takes_torques
@@ -27,7 +28,6 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS, TRACKING_ERROR, VELOCITY, Signal
 from wmr_ctrl.world.references import sample
 
-Floats = NDArray[np.float64]
 MARGINAL = 1e-7
 """Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
 

@@ -10,17 +10,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, WmrError
-from wmr_ctrl.results import Run, drive
+from wmr_ctrl.results import Floats, Run, drive
 from wmr_ctrl.results.bag import is_bag
 from wmr_ctrl.results.bag_topics import load_source
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.signals import POSE, TIME, VELOCITY
 from wmr_ctrl.world.encoder import COUNTS
 
-Floats = NDArray[np.float64]
 MOST_BYTES = 2**31
 WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
 COMMAND, TORQUES = drive.COMMANDS, drive.TORQUES

@@ -16,13 +16,12 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import TypeAlias
 
 import jinja2
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError
+from wmr_ctrl.results import Floats
 from wmr_ctrl.scenario import Change, Robot, Scenario
 from wmr_ctrl.world.slope import Slope
 
@@ -112,7 +111,6 @@ def description(scenario: Scenario) -> str:
     )  # fmt: skip
 
 
-Floats: TypeAlias = NDArray[np.float64]
 _SETTLING = 0.5
 """Time [s] that the robot is given to sink into its tyres before a run."""
 

@@ -18,10 +18,9 @@ from typing import TypeAlias, TypeVar
 
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.physics.rigid import mujoco
-from wmr_ctrl.sim.batch import check_jobs, cores
+from wmr_ctrl.sim.batch import Progress, check_jobs, cores
 from wmr_ctrl.sim.runnable import RunnableLoop
 
-Progress: TypeAlias = Callable[[float], None]
 T = TypeVar("T")
 _BEGIN = f"from {__name__} import serve; serve()"
 _ROOT = str(Path(__file__).parents[2])

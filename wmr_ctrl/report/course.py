@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Polygon
 from wmr_ctrl.corridor import corridor_course, is_covered
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report.style import GRID, INK, LIMIT, MUTED
-from wmr_ctrl.results import FloatArray, Run
+from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.scenario import Scenario, loads_scenario, override
 from wmr_ctrl.world.references import Waypoints
@@ -86,7 +86,7 @@ FAINT = 0.25
 """Opacity of a band."""
 
 
-def course_of_tube(run: Run) -> FloatArray | None:
+def course_of_tube(run: Run) -> Floats | None:
     """Certified distance [m] and heading [rad] (2, rows) over the run's time; None without.
 
     None on the rigid body and on somebody else's plant too: the certificate is about the plane
@@ -95,7 +95,7 @@ def course_of_tube(run: Run) -> FloatArray | None:
     return course_behind(run) if is_covered(run) else None
 
 
-def course_behind(run: Run) -> FloatArray | None:
+def course_behind(run: Run) -> Floats | None:
     """The same, whichever plant the run had; nan from where on nothing is certified.
 
     Where one corridor does not hold for all of the run, as past a change of the robot, each sample
@@ -113,7 +113,7 @@ def course_behind(run: Run) -> FloatArray | None:
     return course
 
 
-def band(path: FloatArray, width: FloatArray) -> FloatArray:
+def band(path: Floats, width: Floats) -> Floats:
     """Corners (2, 2m) of the band within ``width`` [m] (n) of a path (2, n), as far as that is one.
 
     Where the path stands still, its widest counts.

@@ -15,7 +15,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
-from wmr_ctrl.results import FloatArray, atomic_path, check_writable
+from wmr_ctrl.results import Floats, atomic_path, check_writable
 
 SUFFIXES = (".svg", ".png")
 Place: TypeAlias = Figure | SubFigure
@@ -166,7 +166,7 @@ def law_marks(laws: Iterable[str]) -> list[Line2D]:
     return [dot_handle(one.label, one.colour, one.colour, one.marker) for one in seen]
 
 
-def plot_reference(axes: Axes, x: FloatArray, y: FloatArray) -> None:
+def plot_reference(axes: Axes, x: Floats, y: Floats) -> None:
     """Points of the reference's path (N,) [m]: dots with a rim, to be seen on any law's line."""
     axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
 
@@ -213,7 +213,7 @@ FAR = 4.0
 """A velocity is drawn up to so many times its limit."""
 
 
-def view_limits(axes: Axes, limit: float, traces: Mapping[str, FloatArray]) -> None:
+def view_limits(axes: Axes, limit: float, traces: Mapping[str, Floats]) -> None:
     """View named velocities with their limits, up to FAR times these; what leaves the view is said.
 
     The far side of the limits is shaded.
@@ -249,7 +249,7 @@ def mark_switch(axes: Axes, time: float | None) -> None:
 
 
 def dots(
-    axes: Axes, values: FloatArray, y: float, law: str, high: float = 0.4, *, filled: bool = True
+    axes: Axes, values: Floats, y: float, law: str, high: float = 0.4, *, filled: bool = True
 ) -> None:
     """A dot per value around height ``y``, spread within ``high`` so that none hides another.
 
@@ -289,7 +289,7 @@ def law_rows(axes: Axes, laws: Iterable[str]) -> None:
     rows_of(axes, [look(law).label for law in laws])
 
 
-def thin(t: FloatArray, y: FloatArray, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
+def thin(t: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
     """At most ``points`` samples of y(t): the least and the greatest of each stretch, in order.
 
     ``t`` and ``y`` have the shape (N,); short traces and their NaN pass unchanged.
@@ -310,7 +310,7 @@ def thin(t: FloatArray, y: FloatArray, points: int = POINTS) -> tuple[FloatArray
     return t[rows], y[rows]
 
 
-def running_mean(values: FloatArray, width: int) -> FloatArray:
+def running_mean(values: Floats, width: int) -> Floats:
     """Centred mean over ``width`` values, fewer at the ends, shape (N,)."""
     total = np.concatenate(([0.0], np.cumsum(values)))
     index = np.arange(len(values))
@@ -319,12 +319,12 @@ def running_mean(values: FloatArray, width: int) -> FloatArray:
     return np.asarray((total[high] - total[low]) / (high - low))
 
 
-def running_rms(values: FloatArray, width: int) -> FloatArray:
+def running_rms(values: Floats, width: int) -> Floats:
     """Centred RMS over ``width`` values, fewer at the ends, shape (N,)."""
     return np.asarray(np.sqrt(np.maximum(running_mean(values**2, width), 0.0)))
 
 
-def thin_path(x: FloatArray, y: FloatArray, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
+def thin_path(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
     """At most ``points`` points of a path in the plane, denser where it moves fast.
 
     Points are spread evenly over path length and sample number together; the ends are kept.

@@ -13,7 +13,7 @@ from wmr_ctrl.campaign import Campaign
 from wmr_ctrl.report import drawing
 from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
-from wmr_ctrl.results import FloatArray, Run
+from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import LATE, named, seconds
 from wmr_ctrl.scenario import load_scenario
@@ -116,7 +116,7 @@ def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
     )
 
 
-def _running_error(run: Run) -> tuple[FloatArray, FloatArray]:
+def _running_error(run: Run) -> tuple[Floats, Floats]:
     """Running RMS of e1 [mm] over time."""
     rows = slice(run.settings.index(_FROM), None)
     rms = drawing.running_rms(run["e[1]"], max(1, round(_MEAN / run.settings.control)))
@@ -215,7 +215,7 @@ class _StressCase:
     end: float = 15.0
     error: bool = False
 
-    def values(self, run: Run) -> FloatArray:
+    def values(self, run: Run) -> Floats:
         """The share of the limit in use, or e1 [m]."""
         return run["e[1]"] if self.error else 1.0 - run["margin"]
 

@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle
 from wmr_ctrl.report import drawing
 from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.style import INK, MUTED, look
-from wmr_ctrl.results import FloatArray, Run, distance
+from wmr_ctrl.results import Floats, Run, distance
 
 Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""
@@ -58,7 +58,7 @@ class Trace:
     """
 
     label: str
-    value: Callable[[Run], FloatArray]
+    value: Callable[[Run], Floats]
     early: float = 2.0
     limit_axis: int | None = None
     smooth: float = 0.0
@@ -103,7 +103,7 @@ class WholeTrace:
     """
 
     label: str
-    value: Callable[[Run], FloatArray]
+    value: Callable[[Run], Floats]
     floor: float = 0.0
     mean: float = 0.5
 
@@ -145,7 +145,7 @@ def draw_trajectory(place: drawing.Place, group: Group, padding: drawing.Padding
 
 def _draw_paths(
     axes: Axes, group: Group, points: int, dots: int, end: float | None = None
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Floats, Floats]:
     """Each law's path, the reference as dots on top of them, and a ring where the robot starts.
 
     ``end`` [s]: nothing after it is drawn.  Returns the least and greatest x, y [m].
@@ -164,11 +164,11 @@ def _draw_paths(
     return places.min(axis=0), places.max(axis=0)
 
 
-def _column(name: str) -> Callable[[Run], FloatArray]:
+def _column(name: str) -> Callable[[Run], Floats]:
     return lambda run: run[name]
 
 
-def _error(name: str) -> Callable[[Run], FloatArray]:
+def _error(name: str) -> Callable[[Run], Floats]:
     """True pose less reference, unlike the body-frame errors of Eq. (8)."""
     return lambda run: run[name] - run[f"{name}_d"]
 

@@ -31,7 +31,7 @@ from wmr_ctrl.report.style import (
     shown,
     verbatim,
 )
-from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
+from wmr_ctrl.results import Floats, Run, e_rms, ise, tau_peak, tau_rms
 from wmr_ctrl.results.measures import heading_error, heading_rms
 
 _SIZE = (8.3, 11.0)
@@ -102,7 +102,7 @@ BAND = 800
 """Most points of a band."""
 
 
-def _path(part: SubFigure, run: Run, tube: FloatArray | None) -> None:
+def _path(part: SubFigure, run: Run, tube: Floats | None) -> None:
     """The robot's path on top of the desired one, with start, waypoints and goal."""
     axes = drawing.one_axes(part, MARGINS)
     if tube is not None:
@@ -113,7 +113,7 @@ def _path(part: SubFigure, run: Run, tube: FloatArray | None) -> None:
     drawing.finish_path(axes, ["dots: reference, ring: start", *course_of(run).draw(axes)])
 
 
-def _draw_tube(axes: Axes, run: Run, tube: FloatArray) -> None:
+def _draw_tube(axes: Axes, run: Run, tube: Floats) -> None:
     """Band about the desired path, as wide as the corridor is there, as long as there is one."""
     rows = np.unique(np.linspace(0, run.rows - 1, BAND).astype(int))
     edges = band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
@@ -171,7 +171,7 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
 
 
 def _errors(
-    part: SubFigure, run: Run, title: str, errors: dict[str, FloatArray], tube: FloatArray | None
+    part: SubFigure, run: Run, title: str, errors: dict[str, Floats], tube: Floats | None
 ) -> None:
     """Errors over time, so that the start and what is left at the end are seen.
 
@@ -196,7 +196,7 @@ def _errors(
         drawing.say_below(axes, f"logarithmic beyond ±{narrow:g} {unit}")
 
 
-def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float = 1.0) -> None:
+def _plot_pair(axes: Axes, run: Run, rows: dict[str, Floats], alpha: float = 1.0) -> None:
     """One or two rows over time, the first in the law's colour and on top."""
     colours = (look(run.law).colour, MUTED)
     for (label, row), colour, zorder in zip(rows.items(), colours, (2.2, 2.1), strict=False):
@@ -225,7 +225,7 @@ def _torques(part: SubFigure, run: Run) -> None:
         _focus(axes, run, list(rows.values()), unit)
 
 
-def _focus(axes: Axes, run: Run, columns: list[FloatArray], unit: str) -> None:
+def _focus(axes: Axes, run: Run, columns: list[Floats], unit: str) -> None:
     """Zoom to the samples after the start, unless they fill most of the view."""
     tail = np.concatenate([column[run.settings.index(START) :] for column in columns])
     if not tail.size or not np.isfinite(tail).all():

@@ -20,7 +20,7 @@ from wmr_ctrl.report.course import course_of, switch_time
 from wmr_ctrl.report.plot_run import MARGINS, time_axes
 from wmr_ctrl.report.scene import names_of, scene_of
 from wmr_ctrl.report.style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
-from wmr_ctrl.results import FloatArray, Run, distance
+from wmr_ctrl.results import Floats, Run, distance
 from wmr_ctrl.results.drive import (
     COMMANDS,
     NEVER,
@@ -123,7 +123,7 @@ PANELS: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
     ("Wheel angles [rad]; right, dotted: left", WHEEL_ANGLE, ()),
 )
 """Title, columns and commands of each picture over time; one that no drive has is left out."""
-NOTHING: FloatArray = np.zeros(0)
+NOTHING: Floats = np.zeros(0)
 
 
 def plot_drives(
@@ -214,6 +214,6 @@ def _panel(
             axes.step(*_trace(drive, name), where="post", color=said, ls=DASHED, lw=0.9, zorder=2.4)
 
 
-def _trace(drive: RecordedDrive, name: str) -> tuple[FloatArray, FloatArray]:
+def _trace(drive: RecordedDrive, name: str) -> tuple[Floats, Floats]:
     """Times and values of a column, none where the drive has it not."""
     return drawing.thin(drive.times.get(name, NOTHING), drive.columns.get(name, NOTHING))

@@ -12,7 +12,7 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.report.course import Course, band, course_of, course_of_tube
 from wmr_ctrl.report.style import colours_of, driver
-from wmr_ctrl.results import FloatArray, Run
+from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
 
 BODY = (0.8, 0.5)
@@ -41,9 +41,9 @@ class Actor:
 
     label: str
     colour: str
-    pose: FloatArray
-    velocity: FloatArray
-    tube: FloatArray | None = None
+    pose: Floats
+    velocity: Floats
+    tube: Floats | None = None
     certified: float = math.inf
     widest: float = 0.0
 
@@ -61,7 +61,7 @@ class Gauge:
     """
 
     words: str
-    shares: FloatArray
+    shares: Floats
     edges: tuple[float, ...]
     limited: bool
 
@@ -78,8 +78,8 @@ class Scene:
 
     title: str
     actors: tuple[Actor, ...]
-    t: FloatArray
-    target: FloatArray | None
+    t: Floats
+    target: Floats | None
     scales: tuple[float, float]
     view: tuple[float, float, float, float]
     limited: bool = True
@@ -111,7 +111,7 @@ class Scene:
         return any(one.tube is not None for one in self.actors)
 
     @property
-    def off_path(self) -> FloatArray:
+    def off_path(self) -> Floats:
         """Distance of each robot from its place on the path over its corridor, nan without."""
         return np.column_stack([self._off(one) for one in self.actors])
 
@@ -125,13 +125,13 @@ class Scene:
             f"off its place,\n{f'certified {widths.pop()}' if same else 'over what is certified'}"
         )
 
-    def band(self, one: Actor) -> FloatArray:
+    def band(self, one: Actor) -> Floats:
         """Corners (2, m) of a robot's corridor about the path; none without one."""
         if self.target is None or one.tube is None:
             return np.empty((2, 0))
         return band(self.target[:, :2].T, one.tube)
 
-    def _off(self, one: Actor) -> FloatArray:
+    def _off(self, one: Actor) -> Floats:
         if self.target is None or one.tube is None:
             return np.full(len(self.t), math.nan)
         return np.hypot(*(one.pose - self.target)[:, :2].T) / np.maximum(one.tube, _LEAST)
@@ -169,7 +169,7 @@ def scene_of(runs: Sequence[Run], frames: int) -> Scene:
     return Scene(title, tuple(actors), t, target, limits, view, course=course)
 
 
-def _held(run: Run, t: FloatArray) -> NDArray[np.intp]:
+def _held(run: Run, t: Floats) -> NDArray[np.intp]:
     """Rows that a run shows at times [s]."""
     return np.searchsorted(run.time, t + 1e-9, side="right") - 1
 
@@ -217,7 +217,7 @@ def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
     return Scene(title, tuple(actors), t, None, (v, omega), view, limited=False)
 
 
-def _view(poses: Sequence[FloatArray], course: Course) -> tuple[float, float, float, float]:
+def _view(poses: Sequence[Floats], course: Course) -> tuple[float, float, float, float]:
     """A square with all poses and waypoints, and room for the robot's body."""
     points = np.concatenate([part[:, :2] for part in poses])
     points = np.concatenate([points, np.reshape(course.waypoints, (-1, 2))])
@@ -227,7 +227,7 @@ def _view(poses: Sequence[FloatArray], course: Course) -> tuple[float, float, fl
     return x - half, x + half, y - half, y + half
 
 
-def _columns(run: Run, rows: NDArray[np.intp], *names: str) -> FloatArray:
+def _columns(run: Run, rows: NDArray[np.intp], *names: str) -> Floats:
     frames = run.settings.frames
     columns = (run[name] for name in names)
     return np.column_stack(
@@ -247,7 +247,7 @@ def names_of(runs: Sequence[Run]) -> list[str]:
     ]
 
 
-def outline(pose: FloatArray, length: float, width: float, aside: float = 0.0) -> FloatArray:
+def outline(pose: Floats, length: float, width: float, aside: float = 0.0) -> Floats:
     """Corners of a rectangle that moves with the robot, shape (4, 2) [m].
 
     ``pose`` is x, y, theta with theta = 0 along +Y; ``aside`` [m] moves it to the right.

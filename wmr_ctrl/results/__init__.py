@@ -28,7 +28,7 @@ from wmr_ctrl.results.outcomes import outcome_of as outcome_of
 from wmr_ctrl.results.remarks import OBJECTED as OBJECTED
 from wmr_ctrl.results.remarks import percent as percent
 from wmr_ctrl.results.remarks import speeds as speeds
-from wmr_ctrl.results.run import FloatArray as FloatArray
+from wmr_ctrl.results.run import Floats as Floats
 from wmr_ctrl.results.run import Run as Run
 from wmr_ctrl.results.run import split_columns as split_columns
 from wmr_ctrl.results.settings import PLANTS as PLANTS

@@ -31,7 +31,7 @@ from wmr_ctrl.results.drive import (
     drive_of,
 )
 from wmr_ctrl.results.frames import library
-from wmr_ctrl.results.run import FloatArray, Run
+from wmr_ctrl.results.run import Floats, Run
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -148,7 +148,7 @@ def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iter
 
 
 def _odometry(
-    pose: Sequence[FloatArray], headers: Iterator[Msg], twists: Iterator[Msg]
+    pose: Sequence[Floats], headers: Iterator[Msg], twists: Iterator[Msg]
 ) -> Iterator[Msg]:
     types = message_types().types
     point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
@@ -169,11 +169,11 @@ def _odometry(
         )
 
 
-def _joint_states(columns: Mapping[str, FloatArray], headers: Iterator[Msg]) -> Iterator[Msg]:
+def _joint_states(columns: Mapping[str, Floats], headers: Iterator[Msg]) -> Iterator[Msg]:
     """Commanded torques as efforts; angles and speeds where wheels have their own."""
     rows = len(columns[TORQUES[0]])
 
-    def pairs(names: Sequence[str]) -> FloatArray:
+    def pairs(names: Sequence[str]) -> Floats:
         there = names[0] in columns
         return np.column_stack([columns[k] for k in names]) if there else np.zeros((rows, 0))
 
@@ -185,7 +185,7 @@ def _joint_states(columns: Mapping[str, FloatArray], headers: Iterator[Msg]) -> 
         )  # fmt: skip
 
 
-def rows_of_mcap(data: bytes) -> tuple[str, FloatArray]:
+def rows_of_mcap(data: bytes) -> tuple[str, Floats]:
     """Description and rows (N, numbers) of a run; raises ValueError where a bag has none."""
     if not data.endswith(MAGIC):
         raise ValueError("its end is missing")  # rosbags would read what is there

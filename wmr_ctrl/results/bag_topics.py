@@ -36,7 +36,7 @@ from wmr_ctrl.results.drive import (
     drive_of,
 )
 from wmr_ctrl.results.formats import load_run
-from wmr_ctrl.results.run import FloatArray, Run
+from wmr_ctrl.results.run import Floats, Run
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -70,7 +70,7 @@ class Topic(NamedTuple):
     name: str
     stamps: Integers
     receipt: Integers
-    values: FloatArray
+    values: Floats
     frame: str
 
 
@@ -271,7 +271,7 @@ def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
     return clock
 
 
-def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
+def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
     """Velocities, and poses where they are of the robot's motion; theta = yaw - pi/2."""
     columns = _named(SPEEDS, topic.values[:, :2])
     x, y, *turn = topic.values[:, 2:].T
@@ -289,9 +289,9 @@ def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
     return columns | _named(POSES, pose)
 
 
-def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, FloatArray]:
+def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, Floats]:
     """Angles, speeds and efforts of the joints, those that every message has."""
-    wanted: list[tuple[Sequence[str], FloatArray]] = [
+    wanted: list[tuple[Sequence[str], Floats]] = [
         (WHEEL_ANGLE, topic.values[:, :2]),
         (WHEEL_SPEEDS, topic.values[:, 2:4]),
     ]
@@ -310,11 +310,11 @@ def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, 
     }
 
 
-def _named(names: Sequence[str], values: FloatArray) -> dict[str, FloatArray]:
+def _named(names: Sequence[str], values: Floats) -> dict[str, Floats]:
     return dict(zip(names, values.T, strict=True))
 
 
-def _columns(role: str, topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, FloatArray]:
+def _columns(role: str, topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, Floats]:
     if role == "odom":
         return _odometry(topic, remarks)
     if role == "joints":

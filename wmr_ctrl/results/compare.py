@@ -13,7 +13,7 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.results.drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive, drive_of
-from wmr_ctrl.results.run import FloatArray, Run
+from wmr_ctrl.results.run import Floats, Run
 
 Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
 
@@ -144,7 +144,7 @@ def _compare_drives(drive_a: RecordedDrive, drive_b: RecordedDrive, tolerance: f
     return Comparison(columns, compared, (), tuple(notes), tolerance, verdict)
 
 
-def _within(t: FloatArray, other: FloatArray) -> NDArray[np.bool_]:
+def _within(t: Floats, other: Floats) -> NDArray[np.bool_]:
     """Mask of ``t`` (N,) at a time of ``other``, or between two without a gap."""
     before = np.searchsorted(other, t + _AT_ONCE, side="right") - 1
     after = np.searchsorted(other, t - _AT_ONCE, side="left")
@@ -185,9 +185,7 @@ def _difference(
     return _largest_gap(name, run_a.signal(name).unit, run_a.time[rows_a], a, b)
 
 
-def _largest_gap(
-    name: str, unit: str, t: FloatArray, a: FloatArray, b: FloatArray
-) -> ColumnDifference:
+def _largest_gap(name: str, unit: str, t: Floats, a: Floats, b: Floats) -> ColumnDifference:
     gaps = _gaps(a, b)
     row = int(np.argmax(gaps))
     largest = relative = float(gaps[row])
@@ -198,7 +196,7 @@ def _largest_gap(
     return ColumnDifference(name, unit, largest, float(t[row]), relative)
 
 
-def _gaps(a: FloatArray, b: FloatArray) -> FloatArray:
+def _gaps(a: Floats, b: Floats) -> Floats:
     """|a - b| by element: 0 for equal values (NaN equals NaN), inf for one finite, one not."""
     same = (a == b) | (np.isnan(a) & np.isnan(b))
     comparable = np.isfinite(a) & np.isfinite(b) & ~same

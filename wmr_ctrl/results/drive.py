@@ -19,7 +19,7 @@ from wmr_ctrl.fields.orientation import inward
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.files import atomic_write
-from wmr_ctrl.results.run import FloatArray, Run
+from wmr_ctrl.results.run import Floats, Run
 from wmr_ctrl.signals import (
     COMMAND,
     MEASURED_POSE,
@@ -86,8 +86,8 @@ class RecordedDrive:
     """
 
     name: str
-    times: Mapping[str, FloatArray]
-    columns: Mapping[str, FloatArray]
+    times: Mapping[str, Floats]
+    columns: Mapping[str, Floats]
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -109,7 +109,7 @@ class RecordedDrive:
         return name in self.columns
 
     @checks_arguments
-    def __getitem__(self, name: str) -> FloatArray:
+    def __getitem__(self, name: str) -> Floats:
         """A column, shape (N,).  Raises UnknownNameError, which names those that there are."""
         if name not in self.columns:
             raise UnknownNameError("column of this drive", name, self.columns)
@@ -216,7 +216,7 @@ def drive_of(run: Run, name: str = "") -> RecordedDrive:
     return RecordedDrive(name or run.scenario, dict.fromkeys(columns, run.time), columns, remarks)
 
 
-def _told(run: Run) -> Iterator[tuple[str, FloatArray]]:
+def _told(run: Run) -> Iterator[tuple[str, Floats]]:
     for seen, true in ((POSES, names_of(POSE)), (SPEEDS, names_of(VELOCITY))):
         own = seen if seen[0] in run else true
         for name, source in zip(seen, own, strict=True):

@@ -27,7 +27,7 @@ from wmr_ctrl.results.drive import NEVER
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.outcomes import Monitor, Outcome
-from wmr_ctrl.results.run import FloatArray, Run, split_columns
+from wmr_ctrl.results.run import Floats, Run, split_columns
 from wmr_ctrl.results.settings import Settings
 from wmr_ctrl.signals import Signal
 
@@ -153,7 +153,7 @@ def _signals_in(metadata: Mapping[str, Any]) -> tuple[Signal, ...]:
     return tuple(Signal(**entry) for entry in metadata["signals"])
 
 
-def _run_from(metadata: Mapping[str, Any], columns: Mapping[str, FloatArray]) -> Run:
+def _run_from(metadata: Mapping[str, Any], columns: Mapping[str, Floats]) -> Run:
     """The run that a file holds; raises ValueError where rows are missing, or as Run does."""
     run = Run(
         **{name: metadata[name] for name in _LABELS},
@@ -192,7 +192,7 @@ def _run_in_npz(data: bytes) -> Run:
     return _run_from(metadata, columns)
 
 
-def _array(data: bytes) -> FloatArray:
+def _array(data: bytes) -> Floats:
     array = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
     if array.dtype != np.float64:
         raise ValueError(f"a column holds {array.dtype}, not double precision")
@@ -225,7 +225,7 @@ def _run_in_csv(data: bytes) -> Run:
     return _run_from(metadata, split_columns(signals, _numbers(rows, len(header))))
 
 
-def _numbers(rows: Iterable[Sequence[str]], width: int) -> FloatArray:
+def _numbers(rows: Iterable[Sequence[str]], width: int) -> Floats:
     """The numbers of rows of text, shape (N, width)."""
     numbers = []
     for count, row in enumerate(rows, start=1):

@@ -24,7 +24,7 @@ from wmr_ctrl.results.windows import (
 )
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import FloatArray, Run
+    from wmr_ctrl.results.run import Floats, Run
 
 Pair = tuple[float, float]
 
@@ -41,12 +41,12 @@ class Rises:
     largest: float
 
 
-def distance(run: Run) -> FloatArray:
+def distance(run: Run) -> Floats:
     """Distance of the robot from its reference point [m] at each sample, shape (N,)."""
     return np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])
 
 
-def torques(run: Run) -> FloatArray:
+def torques(run: Run) -> Floats:
     """Both wheels' commanded torques [N m], shape (rows, 2)."""
     return np.stack([run["tau_right"], run["tau_left"]], axis=1)
 
@@ -117,9 +117,9 @@ def e_rms(run: Run, start: float, end: float) -> tuple[float, float, float] | No
     return ahead, aside, angle
 
 
-def heading_error(run: Run) -> FloatArray:
+def heading_error(run: Run) -> Floats:
     """e3 of Eq. (8) as the robot looks [rad], in (-pi, pi]: Eq. (8) itself counts whole turns."""
-    e3: FloatArray = run["e"][:, 2]
+    e3: Floats = run["e"][:, 2]
     return np.where(np.abs(e3) > np.pi, np.arctan2(np.sin(e3), np.cos(e3)), e3)
 
 
@@ -205,7 +205,7 @@ def settling_time(run: Run, within: float) -> float | None:
     return _stays(run, distance(run), within)
 
 
-def _stays(run: Run, gap: FloatArray, within: float) -> float | None:
+def _stays(run: Run, gap: Floats, within: float) -> float | None:
     """First sample time [s] from which ``gap`` stays <= ``within``; None if the last is not."""
     outside = np.flatnonzero(~(gap <= within))
     first = int(outside[-1]) + 1 if outside.size else 0
@@ -259,7 +259,7 @@ def torque_change_rms(run: Run) -> float | None:
     return None if rows is None else change_rms(torques(run), rows)
 
 
-def change_rms(torque: FloatArray, rows: slice) -> float:
+def change_rms(torque: Floats, rows: slice) -> float:
     """RMS over rows and wheels of a torque's (N, 2) change since the row before [N m]."""
     steps = torque[rows] - torque[rows.start - 1 : rows.stop - 1]
     return float(np.sqrt(np.mean(steps**2)))

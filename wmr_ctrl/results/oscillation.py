@@ -22,7 +22,7 @@ from wmr_ctrl.results.measures import torques
 from wmr_ctrl.results.windows import rows_of, working
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import FloatArray, Run
+    from wmr_ctrl.results.run import Floats, Run
 
 LINE = 1 / 3
 """Share of the fast swing's power that has to be in one line."""
@@ -92,7 +92,7 @@ def _velocity_cycles(run: Run, rows: slice) -> list[Oscillation]:
     return swings
 
 
-def fast_swing_rms(signal: FloatArray, period: float) -> float:
+def fast_swing_rms(signal: Floats, period: float) -> float:
     """RMS over rows and columns of a signal's (N, n) content above `SLOWEST` [its unit]."""
     power = np.abs(np.fft.rfft(signal, axis=0)) ** 2
     power[np.fft.rfftfreq(len(signal), period) < SLOWEST] = 0.0
@@ -100,7 +100,7 @@ def fast_swing_rms(signal: FloatArray, period: float) -> float:
     return float(np.sqrt(np.sum(power) / len(signal) ** 2 / signal.shape[1]))
 
 
-def _line(signal: FloatArray, period: float, slowest: float) -> Oscillation | None:
+def _line(signal: Floats, period: float, slowest: float) -> Oscillation | None:
     """The strongest line from ``slowest`` [Hz] on of a signal without its trend, if it is one."""
     k, shape = np.arange(len(signal)), np.hanning(len(signal))
     swinging = signal - np.polyval(np.polyfit(k, signal, 1), k)
@@ -118,7 +118,7 @@ def _line(signal: FloatArray, period: float, slowest: float) -> Oscillation | No
     return Oscillation(swing, float(frequency[peak]))
 
 
-def _falls(swinging: FloatArray, band: slice) -> bool:
+def _falls(swinging: Floats, band: slice) -> bool:
     """True if a band of frequencies decays from quarter to quarter of the window."""
     whole = np.fft.rfft(swinging)
     within = np.zeros_like(whole)

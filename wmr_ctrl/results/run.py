@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.corridor.answer import CorridorLeft
     from wmr_ctrl.results.remarks import Remark
 
-FloatArray: TypeAlias = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,7 +51,7 @@ class Run:
     engine: str
     settings: Settings
     signals: tuple[Signal, ...]
-    columns: Mapping[str, FloatArray]
+    columns: Mapping[str, Floats]
     monitor: Monitor
     outcome: Outcome
     provenance: Mapping[str, str]
@@ -163,7 +163,7 @@ class Run:
         return len(self.columns[TIME.name])
 
     @property
-    def time(self) -> FloatArray:
+    def time(self) -> Floats:
         """Sample times t_k [s], shape (N,)."""
         return self.columns[TIME.name]
 
@@ -191,9 +191,9 @@ class Run:
         return cast("Outlook | None", late_bound("outlook_of")(self))
 
     @cached_property
-    def needed(self) -> FloatArray | None:
+    def needed(self) -> Floats | None:
         """Wheel torques [N m] that the desired motion needs, (N, 2); None as `outlook`."""
-        return cast("FloatArray | None", late_bound("needed_by")(self))
+        return cast("Floats | None", late_bound("needed_by")(self))
 
     @cached_property
     def corridor_left(self) -> CorridorLeft | None:
@@ -242,7 +242,7 @@ class Run:
         return name in self.columns or any(name in signal.elements for signal in self.signals)
 
     @checks_arguments
-    def __getitem__(self, name: str) -> FloatArray:
+    def __getitem__(self, name: str) -> Floats:
         """A column, shape (N,) or (N, size), or one element of it, shape (N,), by its name.
 
         Raises UnknownNameError for any other name.
@@ -270,7 +270,7 @@ class Run:
         raise UnknownNameError("column", name, (signal.name for signal in self.signals))
 
 
-def split_columns(signals: Sequence[Signal], rows: FloatArray) -> dict[str, FloatArray]:
+def split_columns(signals: Sequence[Signal], rows: Floats) -> dict[str, Floats]:
     """Rows of a log (N, numbers) as one array per signal, (N,) or (N, size)."""
     parts = {name: rows[:, place] for name, place in places(signals).items()}
     return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in parts.items()}
@@ -281,7 +281,7 @@ def _scalars(signal: Signal) -> tuple[Signal, ...]:
     return tuple(Signal(name, unit, signal.meaning) for name, unit in pairs)
 
 
-def _frozen(values: object) -> FloatArray:
+def _frozen(values: object) -> Floats:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array

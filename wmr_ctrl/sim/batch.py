@@ -14,19 +14,15 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.values import MOST_JOBS
-from wmr_ctrl.results import Monitor
+from wmr_ctrl.results import Floats, Monitor
 from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put
 from wmr_ctrl.sim.gpu import LAUNCHES, is_for_gpu, launched, robots_of
 from wmr_ctrl.sim.memory import Results, Task, laid_out, vector_set
 
-Floats = NDArray[np.float64]
 Progress = Callable[[float], None]
 T = TypeVar("T")
 

@@ -5,15 +5,14 @@ import timeit
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.paper import EVALUATIONS
+from wmr_ctrl.results import Floats
 from wmr_ctrl.signals import LARGEST
 from wmr_ctrl.sim.memory import opened
 
-Floats = NDArray[np.float64]
 START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
 """A sample near the paper's start: reference, pose, velocity."""
 ROUNDS = 9

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wmr_ctrl.results import Monitor, Settings, split_columns
+from wmr_ctrl.results import Floats, Monitor, Settings, split_columns
 from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS, Event
 from wmr_ctrl.signals import PLANT_STATE, VELOCITY
 from wmr_ctrl.sim.memory import noise_key
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 
     from wmr_ctrl.codegen.functions import LoopFunctions, StreamNumbers
 
-Floats = NDArray[np.float64]
 _ATTEMPTS = 64
 _BLOCK = 1024  # samples or steps for which random numbers are drawn at a time
 _ROWS_PER_REPORT = 100

@@ -12,13 +12,12 @@ from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.laws.law import Law
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.results import atomic_text
+from wmr_ctrl.results import Floats, atomic_text
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.scenario import Scenario
 
@@ -86,8 +85,6 @@ def tunable(law: Law) -> tuple[str, ...]:
     own = tuple(f"gains.{law.name}.{name}" for name in law.tuned)
     return (*own, "gains.kinematics.k") if own and law.traits.auxiliary else own
 
-
-Floats = NDArray[np.float64]
 
 SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
 """First step and bound of the search in logarithms; digits of a gain."""

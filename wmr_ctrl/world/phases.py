@@ -14,17 +14,14 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.model.dynamics import NAMES, force_to_wheel, friction, reduced_mass
-from wmr_ctrl.model.evaluate import evaluated
+from wmr_ctrl.model.evaluate import Floats, evaluated
 from wmr_ctrl.symbolic import ca
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Robot, Scenario
 
-
-Floats = NDArray[np.float64]
 
 FAST = 1e6
 """Speed [m/s] at which nothing is missing of friction's full size."""

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.fields.section import Section, number_of, quantities, quantity
-from wmr_ctrl.model.evaluate import evaluated
+from wmr_ctrl.model.evaluate import Floats, evaluated
 from wmr_ctrl.model.system import Parameters, System, outputs, port
 from wmr_ctrl.signals import REFERENCE, SAMPLE, TIME, Signal
 from wmr_ctrl.symbolic import ca
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
 GRID = 2001
 MOST_SAMPLES = 20_000
-Floats = NDArray[np.float64]
 Numbers: TypeAlias = tuple[tuple[Signal, tuple[float, ...]], ...]
 """Signals of a reference's parameters, each with its values; their names begin with ``ref_``."""
 Raw: TypeAlias = dict[str, object]
