@@ -79,6 +79,11 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
 
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
+    return gate_and_goal(scenario, settings)[0]
+
+
+def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, ca.SX]:
+    """`gate_system`, and the command and flags of its filter to which its ramp leads."""
     slow = {"slew": scenario.filter.slew, "force": scenario.filter.force}
     for name in (name for name, value in slow.items() if value is not None):
         raise ScenarioError(
@@ -124,12 +129,13 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
             (ca.logic_not(_same(offered, goal)), RAMPED))  # fmt: skip
     flags = reduce(lambda total, bit: total + ca.if_else(bit[0], bit[1], 0), bits, goal[2])
     inputs = (asked, age, odometry, odometry_age, elapsed, stop, reset)
-    return System(
+    gate = System(
         "gate", f"gate before a base: {inner.title}", inputs=inputs,
         state=(*inner.state, latched, last), params=inner.params,
         update=ca.vertcat(update, ca.if_else(stays, 1, 0), sent),
         outputs=(Output(SENT, sent), Output(FLAGS, flags)), period=inner.period,
     )  # fmt: skip
+    return gate, goal
 
 
 def ramp(last: ca.SX, wanted: ca.SX, rates: tuple[float, float], time: ca.SX) -> ca.SX:

@@ -36,11 +36,16 @@ class BandAxis(Named):
 
     @property
     def stated(self) -> tuple[Relation, ...]:
-        """0 <= low <= high; left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
+        """0 <= low <= high, and `faded`."""
         low, high = self.table.low, self.table.high
-        order = [part for i in range(self.size) for part in between(0, low[i], high[i])]
+        order = (part for i in range(self.size) for part in between(0, low[i], high[i]))
+        return (*order, *self.faded)
+
+    @property
+    def faded(self) -> tuple[Relation, ...]:
+        """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
         shares = *between(0, self.left, 1), *between(0, self.fading, 1)
-        return (*order, *shares, at_least(self.tail), above(self.c))
+        return (*shares, at_least(self.tail), above(self.c))
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:

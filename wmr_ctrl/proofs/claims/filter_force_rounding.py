@@ -205,7 +205,7 @@ def end(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.force-speed-{turn}",
-    given="0 <= low <= high <= 5 on the piece, 0 <= left <= 1/5; |over|, |under| <= 4 c, -c <= "
+    given="|high| <= 5 on the piece, 0 <= left <= 1/5; |over|, |under| <= 4 c, -c <= "
     "past <= 4 c, 0 <= tail <= 4 c, |u| <= 2 c; inverse high <= 1, inverse >= 1/16; 0 <= d <= the "
     f"{{turn}} of the text and 2^-50 c; {ROUNDED}",
     over=TURNS,
@@ -223,7 +223,7 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     inverse = ca.vertcat(s.inverse, s.inverse_behind)
     steps = a.forecast.steps(c, inverse)
     given = [
-        *a.stated, at_least(5, a.table.high[0]), at_least(0.2, s.left), at_least(4 * c, s.tail),
+        *a.faded, *within(a.table.high[0], 5), at_least(0.2, s.left), at_least(4 * c, s.tail),
         *within(s.u, 2 * c), *within(s.over1, 4 * c), *within(s.under1, 4 * c),
         *between(0, d, s.turn + ENDED * c),
     ]  # fmt: skip

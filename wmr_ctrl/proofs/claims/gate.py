@@ -12,7 +12,7 @@ from wmr_ctrl.filter.gate import (
     RESET,
     STOP,
     GateSettings,
-    gate_system,
+    gate_and_goal,
 )
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of
@@ -36,7 +36,8 @@ class GateStep:
     def __init__(self) -> None:
         """Read the graph."""
         scenario = load_scenario("paper-simulation", STATED)
-        self.system, self.period = gate_system(scenario, SETTINGS), scenario.clock.control
+        self.system, self.goal = gate_and_goal(scenario, SETTINGS)
+        self.period = scenario.clock.control
         ports = (*self.system.inputs, *self.system.state, *self.system.params)
         self.ports = {item.signal: item.sym for item in ports}
         self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
@@ -120,7 +121,7 @@ def latched(mutation: Mutation) -> Statement:
     return Statement(g.symbols, (*g.falling(mutation), equal(after, ca.SX(1))), given)
 
 
-@claim("gate.rise", given=SOUND)
+@claim("gate.rise", given=f"{SOUND}; whatever command the ramp leads to")
 def rise(mutation: Mutation) -> Statement:
     """|sent_i| <= |last_i| + rise_i T.
 
@@ -128,4 +129,8 @@ def rise(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.period for i in AXES]
-    return Statement(g.symbols, g.below([ca.fabs(g[LAST][i]) + step[i] for i in AXES]), g.sound)
+    most, goal = (
+        [ca.fabs(g[LAST][i]) + step[i] for i in AXES],
+        {f"goal{i}": g.goal[i] for i in AXES},
+    )
+    return Statement(g.symbols, g.below(most), g.sound, cuts=goal)
