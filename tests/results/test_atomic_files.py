@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import Run, atomic_path, atomic_text, check_writable
+from wmr_ctrl.results import Run, atomic_path, atomic_text, check_writable, write_all
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.formats import save_run
 
@@ -93,8 +93,11 @@ def test_a_failing_last_step_leaves_nothing(
     monkeypatch.setattr(os, "replace", denied)
     with pytest.raises(ResultFileError, match="may write to"):
         save_run(make_run(), tmp_path / "run.npz")
+    with pytest.raises(ResultFileError, match="may write to"):
+        write_all({"a.c": "int a;"}, tmp_path / "new" / "package")
 
     assert contents(tmp_path) == {}
+    assert not (tmp_path / "new").exists()
 
 
 FILL = """

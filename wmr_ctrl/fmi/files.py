@@ -20,7 +20,7 @@ from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.source import sources as kernel_sources
 from wmr_ctrl.fmi.model import KINDS, RUNTIME, FmuModel, Variable, orders
-from wmr_ctrl.results import atomic_path, make_folder
+from wmr_ctrl.results import atomic_path, new_folder
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 LEVEL = 4
@@ -53,8 +53,11 @@ def write_archive(path: Path, files: Mapping[str, bytes], *, level: int = LEVEL)
     ``level``: of compression, 0 for a file that is read at once and deleted.  Its bytes depend
     on the content alone.
     """
-    make_folder(path.parent)
-    with atomic_path(path) as partial, zipfile.ZipFile(partial, "w") as archive:
+    with (
+        new_folder(path.parent),
+        atomic_path(path) as partial,
+        zipfile.ZipFile(partial, "w") as archive,
+    ):
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED

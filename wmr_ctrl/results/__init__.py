@@ -8,6 +8,7 @@ from wmr_ctrl.results.files import atomic_path as atomic_path
 from wmr_ctrl.results.files import atomic_text as atomic_text
 from wmr_ctrl.results.files import check_writable as check_writable
 from wmr_ctrl.results.files import make_folder as make_folder
+from wmr_ctrl.results.files import new_folder as new_folder
 from wmr_ctrl.results.files import write_all as write_all
 from wmr_ctrl.results.formats import load_run as load_run
 from wmr_ctrl.results.frames import json_safe as json_safe

@@ -66,13 +66,26 @@ def make_folder(folder: Path) -> None:
         raise _refusal(folder, error) from error
 
 
+@contextmanager
+def new_folder(folder: Path) -> Iterator[None]:
+    """The same for what is written inside; where that fails, those that it made go again."""
+    missing = [item for item in (folder, *folder.parents) if not item.exists()]
+    make_folder(folder)
+    try:
+        yield
+    except BaseException:
+        for item in missing:
+            with suppress(OSError):  # not empty: somebody else's file
+                item.rmdir()
+        raise
+
+
 def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
     """Write texts by name into a folder, made if need be, all or none; returns their paths.
 
     Raises ResultFileError.
     """
-    make_folder(folder)
-    with ExitStack() as together:
+    with new_folder(folder), ExitStack() as together:
         for name, text in files.items():
             file = together.enter_context(atomic_text(folder / name))
             file.write(text)
