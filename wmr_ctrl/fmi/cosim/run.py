@@ -213,7 +213,7 @@ def _slaves(case: CosimSetup, fmi: int, folder: Path) -> dict[str, Slave]:
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
             write_fmu(case.models[name], fmi, targets_of("host"), path, result=False, level=0)
-        slaves[name] = Slave(path, name, folder / name, tried=given is None)
+        slaves[name] = Slave(path, name, folder / name, ours=given is None)
     return slaves
 
 

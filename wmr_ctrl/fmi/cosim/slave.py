@@ -177,14 +177,14 @@ class Slave(FmuFile):
     """
 
     def __init__(
-        self, path: str | Path, name: str, folder: str | Path, *, tried: bool = False
+        self, path: str | Path, name: str, folder: str | Path, *, ours: bool = False
     ) -> None:
         """Unpack ``path`` below ``folder`` and create one instance.
 
-        ``tried``: its library was loaded before, or it is written by this process; it is then not
-        compared with FMI's schema.
+        ``ours``: this process wrote it, so that it is neither compared with FMI's schema nor loaded
+        by another process first.
         """
-        super().__init__(path, name, checked=not tried)
+        super().__init__(path, name, checked=not ours)
         self.time = 0.0
         self.messages: list[str] = []
         self._warned, self._first = 0, ""
@@ -198,7 +198,7 @@ class Slave(FmuFile):
                 raise ArgumentError(text)
             model = interface.modelIdentifier
             _fmpy.extract(self.path, str(folder))
-            if not tried and sys.executable:
+            if not ours and sys.executable:
                 _try_to_load(Path(folder), self.version, model)
             self._fmu = (_fmi2.FMU2Slave if self.version == 2 else _fmi3.FMU3Slave)(
                 guid=self.description.guid,
