@@ -23,11 +23,16 @@ PROGRAM = Path(__file__).with_name("bits.c")
 SHORT = ("clip", "governor", "governor, delay of 0 to 30 ms", "band of 50 commands")
 
 
+@cache
+def written(name: str, float32: bool) -> dict[str, str]:
+    scenario = load_scenario("paper-simulation", FILTERS[name])
+    return package_files("filter", scenario, float32=float32)
+
+
 def shown(platform: Platform, name: str, folder: Path, float32: bool = False) -> str:
     """Digest of all that the filter sends and remembers."""
     runner = check_tools(platform)
-    scenario = load_scenario("paper-simulation", FILTERS[name])
-    for file, text in package_files("filter", scenario, float32=float32).items():
+    for file, text in written(name, float32).items():
         (folder / file).write_text(text, encoding="utf-8")
     governs = ["-DGOVERNS"] if FILTERS[name]["filter.kind"] == "governor" else []
     command = [*platform.command, *FLAGS, *governs, f"-I{folder}", f"-I{BESIDE}"]

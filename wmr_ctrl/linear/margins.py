@@ -7,6 +7,7 @@ its reference.  Margins are statements about that point: they do not see the bar
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
+from functools import partial
 from itertools import pairwise, product
 from typing import Any
 
@@ -95,26 +96,36 @@ def margins_at(
     loop = open_loop(scenario, law, axis, point, period)
     if not is_stable(ct.feedback(loop, 1).poles(), bool(loop.dt)):
         return None
-    limits = crossings(loop, frequencies(loop))
-    alpha, disk_gain, disk_phase = disk(loop)
+    limits, alpha = crossings(loop, frequencies(loop)), disk(loop)
+    disk_gain = (2 + alpha) / (2 - alpha) if alpha < 2 else math.inf
     up, down = limits.gains[limits.gains > 1], limits.gains[limits.gains < 1]
     return Margins(
         _finite(up.min(initial=math.inf)), _finite(down.max(initial=-math.inf)),
         _finite(np.abs(limits.phases).min(initial=math.inf)),
         _finite(limits.delays.min(initial=math.inf)),
-        _finite(alpha), _finite(10 ** (disk_gain / 20)), _finite(disk_phase),
+        _finite(alpha), _finite(disk_gain), math.degrees(2 * math.atan(alpha / 2)),
     )  # fmt: skip
 
 
-def disk(loop: ct.StateSpace) -> tuple[float, float, float]:
-    """python-control's balanced disk margin alpha, and its gain [dB] and phase [degrees].
+def disk(loop: ct.StateSpace) -> float:
+    """Balanced disk margin alpha: the least 1 / |S - 1/2| of the sensitivity S = 1 / (1 + L).
 
     The worst frequency is looked for on a grid, then near the best of the grid.
     """
+
+    def alphas(at: Floats) -> Floats:
+        return 1 / np.abs(1 / (1 + response(loop, at)) - 0.5)
+
     grid = frequencies(loop)
-    alphas = ct.disk_margins(loop, grid, skew=0.0, returnall=True)[0]
-    near = grid[int(np.argmin(alphas))] * np.geomspace(0.97, 1.03, 400)
-    return ct.disk_margins(loop, near[near <= grid[-1]], skew=0.0)
+    near = grid[int(np.argmin(alphas(grid)))] * np.geomspace(0.97, 1.03, 400)
+    return float(alphas(near[near <= grid[-1]]).min())
+
+
+def response(loop: ct.StateSpace, w: float | Floats) -> Any:
+    """Frequency response of a single loop at w [rad/s], all frequencies at once."""
+    at = np.atleast_1d(np.exp(1j * w * loop.dt) if loop.dt else 1j * np.asarray(w))[:, None, None]
+    states = np.linalg.solve(at * np.eye(len(loop.A)) - loop.A, loop.B + 0j)
+    return np.squeeze(loop.C @ states + loop.D)[()]
 
 
 def frequencies(loop: ct.StateSpace) -> Floats:
@@ -159,17 +170,13 @@ class Crossings:
 
 def crossings(loop: ct.StateSpace, frequencies: Floats) -> Crossings:
     """All crossings of a single loop L within the range of ``frequencies`` [rad/s]."""
-
-    def response(w: float | Floats) -> Any:
-        return np.squeeze(loop(np.exp(1j * w * loop.dt) if loop.dt else 1j * w))[()]
-
-    values = np.asarray(response(frequencies))
-    unit = _roots(lambda w: math.log(abs(response(w))), frequencies, np.log(np.abs(values)))
-    real = _roots(lambda w: response(w).imag, frequencies, values.imag)
-    ahead = np.array([np.angle(-response(w)) for w in unit])
+    at, values = partial(response, loop), response(loop, frequencies)
+    unit = _roots(lambda w: math.log(abs(at(w))), frequencies, np.log(np.abs(values)))
+    real = _roots(lambda w: at(w).imag, frequencies, values.imag)
+    ahead = np.array([np.angle(-at(w)) for w in unit])
     # A sampled loop is real at z = -1, where its response ends.
     nyquist = [complex(np.squeeze(loop(-1.0 + 0j))).real] if loop.dt else []
-    axis = np.array([response(w).real for w in real] + nyquist)
+    axis = np.array([at(w).real for w in real] + nyquist)
     return Crossings(
         -1 / axis[axis < 0],
         np.degrees(ahead),
