@@ -238,17 +238,19 @@ class Loop:
 
         ``v_c0`` (2) is that velocity; both in m/s, rad/s.  With the clock's period unless given.
         """
-        return np.asarray(self._near(v, v_c0, period)[0])
+        return self._near(v, v_c0, period)[0]
 
     def slope_towards(self, v: Floats, v_c0: Floats, period: float | None = None) -> Floats:
         """Its derivative (2) by each axis' own velocity at ``v`` (2) [N s/m, N m s/rad]."""
-        return np.asarray(self._near(v, v_c0, period)[1]).ravel()
+        return self._near(v, v_c0, period)[1].ravel()
 
-    def _near(self, v: Floats, v_c0: Floats, period: float | None) -> tuple[ca.DM, ca.DM]:
+    def _near(self, v: Floats, v_c0: Floats, period: float | None) -> list[Floats]:
         law = self.over(0)
         numbers = law.parameters(self.scenario.clock.control if period is None else period)
-        force, slope = law._towards(v, v_c0, law.core.x0, numbers)
-        return force, slope
+        given = (v, v_c0, law.core.x0, numbers)
+        if np.size(v) == COMMAND:
+            return evaluated(law._towards, *given)
+        return [np.asarray(item) for item in law._towards(*given)]
 
     @cached_property
     def act(self) -> ca.Function:
@@ -294,7 +296,7 @@ class Loop:
         rate = -kinematics.auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
         forces = ca.SX.zeros(2 * len(self.remembered))
         force, _ = self.act(ca.vertcat(e, v), v_c0, rate, core.x, forces, core.p)
-        slope = ca.diag(ca.jacobian(force, v))
+        slope = ca.densify(ca.diag(ca.jacobian(force, v)))
         return ca.Function("towards", [v, v_c0, core.x, core.p], [force, slope])
 
     def parameters(self, period: float) -> list[float]:

@@ -7,12 +7,11 @@ its reference.  Margins are statements about that point: they do not see the bar
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
-from functools import partial
 from itertools import pairwise, product
-from typing import Any
 
 import control as ct
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from wmr_ctrl.checks.sample_time import largest_stable_period
@@ -121,11 +120,11 @@ def disk(loop: ct.StateSpace) -> float:
     return float(alphas(near[near <= grid[-1]]).min())
 
 
-def response(loop: ct.StateSpace, w: float | Floats) -> Any:
-    """Frequency response of a single loop at w [rad/s], all frequencies at once."""
-    at = np.atleast_1d(np.exp(1j * w * loop.dt) if loop.dt else 1j * np.asarray(w))[:, None, None]
-    states = np.linalg.solve(at * np.eye(len(loop.A)) - loop.A, loop.B + 0j)
-    return np.squeeze(loop.C @ states + loop.D)[()]
+def response(loop: ct.StateSpace, frequencies: Floats) -> NDArray[np.complex128]:
+    """Frequency response of a single loop at ``frequencies`` [rad/s], at all of them at once."""
+    on = (np.exp(1j * frequencies * loop.dt) if loop.dt else 1j * frequencies)[:, None, None]
+    states = np.linalg.solve(on * np.eye(len(loop.A)) - loop.A, loop.B + 0j)
+    return np.asarray((loop.C @ states + loop.D)[:, 0, 0])
 
 
 def frequencies(loop: ct.StateSpace) -> Floats:
@@ -170,7 +169,11 @@ class Crossings:
 
 def crossings(loop: ct.StateSpace, frequencies: Floats) -> Crossings:
     """All crossings of a single loop L within the range of ``frequencies`` [rad/s]."""
-    at, values = partial(response, loop), response(loop, frequencies)
+
+    def at(w: float) -> complex:
+        return complex(response(loop, np.array([w]))[0])
+
+    values = response(loop, frequencies)
     unit = _roots(lambda w: math.log(abs(at(w))), frequencies, np.log(np.abs(values)))
     real = _roots(lambda w: at(w).imag, frequencies, values.imag)
     ahead = np.array([np.angle(-at(w)) for w in unit])
