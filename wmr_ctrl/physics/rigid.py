@@ -17,7 +17,6 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
-import jinja2
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError
@@ -97,6 +96,8 @@ def description(scenario: Scenario) -> str:
             f"clock.plant = {scenario.clock.plant:g} s is too long for tyres on the ground; "
             f"MuJoCo takes at most {_STEP_MAX:g} s here, and 0.001 s is usual."
         )
+    import jinja2  # slow to import, and runs in the plane need none
+
     spin, across = wheel_inertia(scenario)
     text = Path(__file__).with_name("robot.xml.j2").read_text(encoding="utf-8")
     template = jinja2.Template(
