@@ -101,9 +101,9 @@ class Claims:
 
         ``given`` are the hypotheses in words, ``by`` a method or a verdict that is given,
         ``premises`` ids, ``wording`` the claim where the docstring's is another one's.
-        ``values`` stand in every text where their name is in braces, and are handed to the function
-        (and to ``by``) where it asks for them; ``over``: one claim for each of these tables, which
-        may have ``equations`` of their own.
+        ``values`` stand in every text, and in each other, where their name is in braces, and are
+        handed to the function (and to ``by``) where it asks for them; ``over``: one claim for each
+        of these tables, which may have ``equations`` of their own.
         """
         way = by or self.by
 
@@ -129,9 +129,11 @@ class Claims:
 
 
 def _filled(text: str, values: Mapping[str, Any]) -> str:
-    """The text in one line, with the values that it names."""
+    """The text in one line, with the values that it names, and those that they name."""
     line = " ".join(text.split())
-    return line.format(**values) if values else line
+    while values and "{" in line:
+        line = line.format(**values)
+    return line
 
 
 def _asked(function: Callable[..., Any], values: Mapping[str, Any]) -> Callable[..., Any]:

@@ -74,14 +74,8 @@ _BACKWARDS = {
 
 def on(*kinds: str, back: bool = False) -> list[dict[str, Any]]:
     """Tables of a claim about these axes, forwards and, with ``back``, backwards."""
-    rows = [
-        {**KINDS[kind], **way, "at": kind}
-        for way in ((_FORWARDS, _BACKWARDS) if back else (_FORWARDS,))
-        for kind in kinds
-    ]
-    for row in rows * 2:  # words of words
-        row |= {key: text.format(**row) for key, text in row.items() if isinstance(text, str)}
-    return rows
+    ways = (_FORWARDS, _BACKWARDS) if back else (_FORWARDS,)
+    return [KINDS[kind] | way | {"at": kind} for way in ways for kind in kinds]
 
 
 def solver(effort: int = 150) -> Z3:

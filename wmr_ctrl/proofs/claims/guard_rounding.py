@@ -116,34 +116,26 @@ def _within(most: ca.SX, value: ca.SX) -> tuple[Relation, Relation]:
     return at_least(most, value), at_least(most, -value)
 
 
-def _stated(precision: Precision) -> str:
-    spare, quicker = _two(precision.spare), _two(precision.quicker)
-    return (
-        f"every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1 + {quicker}, brake, f_min, "
-        f"f_speed with room for the rounding: 2 net + {spare} K <= M_min alpha (u1 - f_speed), "
-        f"K = M_min alpha u1, -K <= net = dbar - f_min; brake >= net + {_two(precision.spare / 2)} "
-        f"K; 2 nbar, f_speed <= u1 (1 - {spare})"
-    )
-
-
-def _two(power: float) -> str:
-    return f"2^{int(log2(power))}"
-
-
-PARTS = "force-ahead force-back size anchor linear-first rotation-first torques"
+STATED = (
+    "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1 + {quicker}, brake, f_min, f_speed "
+    "with room for the rounding: 2 net + {spare} K <= M_min alpha (u1 - f_speed), K = M_min alpha "
+    "u1, -K <= net = dbar - f_min; brake >= net + {half_spare} K; 2 nbar, f_speed <= u1 (1 - "
+    "{spare})"
+)
+PARTS = ("force-ahead", "force-back", "size", "anchor", "linear-first", "rotation-first", "torques")
 
 
 def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[str, Any]:
     """Values in the texts for a precision."""
+    unit, spare = precision.unit, precision.spare
     shares = {
-        "unit": precision.unit, "left": precision.kept / 32, "quicker": precision.quicker,
-        "reach": 4 * precision.unit,
+        "unit": unit, "left": precision.kept / 32, "quicker": precision.quicker, "reach": 4 * unit,
+        "spare": spare, "half_spare": spare / 2,
     }  # fmt: skip
-    return {
+    return {key: f"2^{int(log2(share))}" for key, share in shares.items()} | {
         "precision": precision, "name": name, "meaning": meaning, "numbers": numbers,
-        "stated": _stated(precision), **{key: _two(share) for key, share in shares.items()},
-        "rounds": f"; operations rounded by at most {_two(precision.unit)}",
-        "parts": " ".join(f"guard.{name}.{part}" for part in PARTS.split()),
+        "stated": STATED, "rounds": "; operations rounded by at most {unit}",
+        "parts": " ".join(f"guard.{name}.{part}" for part in PARTS),
     }  # fmt: skip
 
 
@@ -166,6 +158,11 @@ PRECISIONS = (
         "to 2^-24",
     ),
 )
+FORCE_WAYS: tuple[dict[str, Any], ...] = (
+    {"word": "ahead", "way": 1, "sign": "", "known": "", "premises": ""},
+    {"word": "back", "way": -1, "sign": "-", "premises": " guard.{name}.force-ahead",
+     "known": "; lo(y) = -hi(-y) by guard.{name}.force-ahead"},
+)  # fmt: skip
 claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
@@ -173,27 +170,7 @@ claim = Claims(by=Z3(effort=100), premises="assumption.libm")
     "guard.{name}.force-{word}",
     given="{stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}{known}",
     premises="assumption.libm{premises}",
-    over=tuple(
-        precision
-        | {
-            "word": word,
-            "way": way,
-            "sign": sign,
-            "known": known.format(**precision),
-            "premises": premises.format(**precision),
-        }
-        for precision in PRECISIONS
-        for word, way, sign, known, premises in (
-            ("ahead", 1, "", "", ""),
-            (
-                "back",
-                -1,
-                "-",
-                "; lo(y) = -hi(-y) by guard.{name}.force-ahead",
-                " guard.{name}.force-ahead",
-            ),
-        )
-    ),
+    over=[precision | way for precision in PRECISIONS for way in FORCE_WAYS],
 )
 def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     """the computed force F^ has {sign}F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -

@@ -148,8 +148,8 @@ def light_model(mutation: Mutation) -> Statement:
     over=BELIEFS,
 )
 def wrong_mass(mutation: Mutation, numbers: Mapping[str, str], corners: bool = True) -> Statement:
-    """w^2 + 2 p w q + s q^2 falls by g^2 in a sample at the four corners mu in {{5/8, 5/3}}, a in
-    {{{numbers[least]}, 1}}: L = {numbers[L]}, p = {numbers[p]}, s = {numbers[s]}, g = {numbers[g]}.
+    """w^2 + 2 p w q + s q^2 falls by g^2 in a sample at the four corners mu = 5/8 or 5/3, a =
+    {numbers[least]} or 1: L = {numbers[L]}, p = {numbers[p]}, s = {numbers[s]}, g = {numbers[g]}.
 
     With a believed mass that is wrong by that much, nothing grows.
     """
