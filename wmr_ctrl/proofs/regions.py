@@ -137,35 +137,31 @@ def open_cases(suffix: str = "") -> tuple[Case, ...]:
     return tuple(axis_case(suffix, t, s) for t in TARGETS for s in SIDES)
 
 
-def all_cases() -> tuple[Case, ...]:
-    """All regions with their boundaries, and the order of |v| and |v_c1| where they share one."""
+def _ordered_cases(
+    targets: Iterable[str], sides: Iterable[str], orders: tuple[str, ...], *more: tuple[str, str]
+) -> tuple[Case, ...]:
+    """Regions; with each order of |v| and |v_c1| where they share one, or are ``more`` pairs."""
     return tuple(
         axis_case("", t, s, order)
-        for t in (*TARGETS, *TARGET_EDGES)
-        for s in (*SIDES, *SIDE_EDGES)
-        for order in (("<", "=", ">") if _shared(t, s) else ("",))
+        for t, s in product(targets, sides)
+        for order in (orders if _shared(t, s) or (t[:-1], s[:-1]) in more else ("",))
     )
+
+
+def all_cases() -> tuple[Case, ...]:
+    """All regions with their boundaries, and the order of |v| and |v_c1| where they share one."""
+    return _ordered_cases((*TARGETS, *TARGET_EDGES), (*SIDES, *SIDE_EDGES), ("<", "=", ">"))
 
 
 def off_target_cases() -> tuple[Case, ...]:
     """The open regions without v = v_c1, where A is 0."""
-    return tuple(
-        axis_case("", t, s, order)
-        for t in TARGETS
-        for s in SIDES
-        for order in (("<", ">") if _shared(t, s) else ("",))
-        if (t, s) != ("zero", "zero")
-    )
+    cases = _ordered_cases(TARGETS, SIDES, ("<", ">"))
+    return tuple(case for case in cases if case.label != "v_c0 zero, v zero")
 
 
 def smooth_cases(sides: Iterable[str] = SIDES + SIDE_EDGES) -> tuple[Case, ...]:
     """All regions of the smooth barrier; ordered also where v and v_c1 have opposite signs."""
-    cases = []
-    for t, s in product(SMOOTH_TARGETS, sides):
-        ordered = _shared(t, s) or (t[:-1], s[:-1]) == ("beyond", "out")
-        orders = ("<", "=", ">") if ordered else ("",)
-        cases += [axis_case("", t, s, order) for order in orders]
-    return tuple(cases)
+    return _ordered_cases(SMOOTH_TARGETS, sides, ("<", "=", ">"), ("beyond", "out"))
 
 
 def target_cases(edges: bool = True) -> tuple[Case, ...]:

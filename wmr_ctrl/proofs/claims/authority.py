@@ -1,5 +1,6 @@
 """Ours: the constant disturbance that the paper's barrier withstands, d_max = rho max V1i/A_i."""
 
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 
@@ -11,7 +12,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims import authority_table as table
 from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.ledger import HAND
-from wmr_ctrl.proofs.methods.spec import Ball, Ring, Table
+from wmr_ctrl.proofs.methods.spec import Ball, Point, Ring, Table
 from wmr_ctrl.proofs.regions import at, axis_case, off_target_cases, open_cases
 from wmr_ctrl.proofs.relation import above, at_least, equal
 from wmr_ctrl.proofs.statement import Statement
@@ -26,6 +27,11 @@ AXES = (
 )
 
 claim = Claims(given=PAPER)
+
+
+def of_axis(points: Callable[[int], Sequence[Point]]) -> Callable[[int], Table]:
+    """Method of a claim: these points of its axis."""
+    return lambda axis: Table(points=partial(points, axis))
 
 
 @claim(
@@ -56,12 +62,7 @@ def rises(mutation: Mutation) -> Statement:
     return a.states(equal(ca.gradient(a.V, v), a.A), at_least(rise, mutation(1, 2)))
 
 
-@claim(
-    "authority.lower-{name}",
-    (9,),
-    by=lambda axis: Table(points=partial(table.low_points, axis)),
-    over=AXES,
-)
+@claim("authority.lower-{name}", (9,), by=of_axis(table.low_points), over=AXES)
 def low(mutation: Mutation) -> Statement:
     """on the {name} axis rho V1/A reaches the tabulated lower bounds of d_max, v_c0 at each of the
     tabulated values from 0 to 20.
@@ -78,7 +79,7 @@ def low(mutation: Mutation) -> Statement:
     "authority.upper-{name}",
     (9,),
     given=PAPER + "; below v_c1 + bound/rho by P5; no gap by authority.links",
-    by=lambda axis: Table(points=partial(table.high_points, axis)),
+    by=of_axis(table.high_points),
     premises="authority.rises authority.links-{name} P5",
     over=AXES,
 )
@@ -99,12 +100,7 @@ def high(mutation: Mutation) -> Statement:
     )
 
 
-@claim(
-    "authority.links-{name}",
-    (9,),
-    by=lambda axis: Table(points=partial(table.link_points, axis)),
-    over=AXES,
-)
+@claim("authority.links-{name}", (9,), by=of_axis(table.link_points), over=AXES)
 def links(mutation: Mutation) -> Statement:
     """on the {name} axis each row's intervals leave no gap: the first begins at most bound/rho
     beyond v_c1, each further one where the one before ends, the last ends at the clip.
@@ -119,13 +115,7 @@ def links(mutation: Mutation) -> Statement:
     return Statement(t, (at_least(begin, v), at_least(0, short), above(longer)))
 
 
-@claim(
-    "authority.rows-{name}",
-    (9,),
-    given="",
-    by=lambda axis: Table(points=partial(table.row_points, axis)),
-    over=AXES,
-)
+@claim("authority.rows-{name}", (9,), given="", by=of_axis(table.row_points), over=AXES)
 def rows_cover(mutation: Mutation) -> Statement:
     """on the {name} axis the rows' v_c0 rise from 0 to 20.
 
@@ -142,7 +132,7 @@ def rows_cover(mutation: Mutation) -> Statement:
     "authority.98-{name}",
     (9,),
     given="V1/A falls with v_c0, so rows bracket what is between them",
-    by=lambda axis: Table(points=partial(table.ratio_points, axis)),
+    by=of_axis(table.ratio_points),
     premises="authority.falls authority.rows-{name} authority.lower-{name} authority.upper-{name}",
     over=AXES,
 )

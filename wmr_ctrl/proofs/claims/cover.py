@@ -1,6 +1,6 @@
 """The regions of `proofs.regions` cover everything, and each chart reaches all of its region."""
 
-from collections.abc import Callable
+from functools import reduce
 
 import casadi as ca
 
@@ -8,7 +8,7 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.stable import SmoothAxis
 from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import BarrierAxis, barrier_axis
+from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, equal, positive
 from wmr_ctrl.proofs.statement import Statement
@@ -45,35 +45,24 @@ def _member(value: ca.SX, name: str, u2: ca.SX, b: ca.SX) -> ca.SX:
     return _inside(size, name[:-1], u2, b)
 
 
-def _cover(names: tuple[str, ...], index: int) -> Callable[[Mutation], Statement]:
-    def statement(mutation: Mutation) -> Statement:
-        a = BarrierAxis()
-        _, _, u1, u2 = a.all
-        listed = mutation(names, names[1:])
-        hit = _member(a.all[index], listed[0], u2, u1 - u2)
-        for name in listed[1:]:
-            hit = ca.logic_or(hit, _member(a.all[index], name, u2, u1 - u2))
-        return a.states(above(ca.if_else(hit, 1, 0)), given=a.inside)
-
-    return statement
-
-
-TARGET_NAMES = (*regions.TARGETS, *regions.TARGET_EDGES)
-SIDE_NAMES = (*regions.SIDES, *regions.SIDE_EDGES)
+LISTS = (
+    {"key": "targets", "equations": (18,), "index": 1, "number": 11, "of": "v_c0",
+     "all": "the real line", "names": (*regions.TARGETS, *regions.TARGET_EDGES)},
+    {"key": "sides", "equations": (15,), "index": 0, "number": 7, "of": "v", "all": "|v| < v_u1",
+     "names": (*regions.SIDES, *regions.SIDE_EDGES)},
+    {"key": "smooth-targets", "index": 1, "number": 7, "of": "v_c0 for the smooth barrier",
+     "all": "the real line", "names": regions.SMOOTH_TARGETS},
+)  # fmt: skip
 WHY = "The claims are shown region by region, and no region is left out."
 claim = Claims(by=Z3(), meaning=WHY)
 
 
-@claim("cover.targets", (18,), given="0 < v_u2 < v_u1")
-def cover_targets(mutation: Mutation) -> Statement:
-    """the 11 regions and boundaries of v_c0 together cover the real line."""
-    return _cover(TARGET_NAMES, 1)(mutation)
-
-
-@claim("cover.sides", (15,), given="0 < v_u2 < v_u1")
-def cover_sides(mutation: Mutation) -> Statement:
-    """the 7 regions and boundaries of v together cover |v| < v_u1."""
-    return _cover(SIDE_NAMES, 0)(mutation)
+@claim("cover.{key}", given="0 < v_u2 < v_u1", over=LISTS)
+def covered(mutation: Mutation, names: tuple[str, ...], index: int) -> Statement:
+    """the {number} regions and boundaries of {of} together cover {all}."""
+    a, _, _, u1, u2 = barrier_axis()
+    hits = (_member(a.all[index], name, u2, u1 - u2) for name in mutation(names, names[1:]))
+    return a.states(above(ca.if_else(reduce(ca.logic_or, hits), 1, 0)), given=a.inside)
 
 
 @claim("cover.charts", (15, 18), given="v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y)")
@@ -119,12 +108,6 @@ def far_reached(mutation: Mutation) -> Statement:
     d = u1 - barrier.minimiser(c, u1, u2)
     goals = (above(d), above(b, d), equal(u1 - d + mutation / d, c))
     return a.states(*goals, given=(*a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
-
-
-@claim("cover.smooth-targets", given="0 < v_u2 < v_u1")
-def cover_smooth_targets(mutation: Mutation) -> Statement:
-    """the 7 regions and boundaries of v_c0 for the smooth barrier together cover the real line."""
-    return _cover(regions.SMOOTH_TARGETS, 1)(mutation)
 
 
 @claim(

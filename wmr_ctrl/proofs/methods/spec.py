@@ -6,6 +6,7 @@ from fractions import Fraction
 from functools import cache
 from importlib import import_module
 from importlib.metadata import packages_distributions, version
+from itertools import chain
 from typing import Any, ClassVar
 
 from wmr_ctrl.proofs.ledger import OPEN, REFUTED
@@ -177,24 +178,34 @@ def _version(package: str) -> str:
     return version(packages_distributions()[package][0])
 
 
+def _parts(method: Method) -> tuple[Method, ...]:
+    return (
+        (*_parts(method.first), *_parts(method.second)) if isinstance(method, Both) else (method,)
+    )
+
+
+def uses_z3(method: Method | None) -> bool:
+    """True if a verdict of this method rests on z3."""
+    return method is not None and any(isinstance(part, Z3) for part in _parts(method))
+
+
+def rounds(method: Method) -> bool:
+    """True if it encloses what doubles compute, by the C library's accuracy."""
+    return isinstance(method, Ball) and method.float_mode
+
+
 def named(method: Method) -> str:
     """Name of a method in the ledger."""
-    if isinstance(method, Both):
-        return f"{named(method.first)} and {named(method.second)}"
-    return method.NAME + (
-        ", rounding included" if isinstance(method, Ball) and method.float_mode else ""
-    )
+    parts = ((part.NAME, ", rounding included" * rounds(part)) for part in _parts(method))
+    return " and ".join(map("".join, parts))
 
 
 def trusted(method: Method) -> tuple[str, ...]:
     """Packages whose correctness a verdict of this method rests on."""
-    if isinstance(method, Both):
-        return tuple(dict.fromkeys(trusted(method.first) + trusted(method.second)))
-    return (*method.TRUSTED, *(("libm",) if isinstance(method, Ball) and method.float_mode else ()))
+    every = ((*part.TRUSTED, *["libm"] * rounds(part)) for part in _parts(method))
+    return tuple(dict.fromkeys(chain.from_iterable(every)))
 
 
 def needs(method: Method) -> tuple[str, ...]:
     """Packages that a method imports."""
-    if isinstance(method, Both):
-        return tuple(dict.fromkeys(needs(method.first) + needs(method.second)))
-    return method.NEEDS
+    return tuple(dict.fromkeys(chain.from_iterable(part.NEEDS for part in _parts(method))))
