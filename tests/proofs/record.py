@@ -22,7 +22,7 @@ from wmr_ctrl.proofs.check import graph_hash
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import COMMITTED, OPEN, Entry, Ledger, load, stale
-from wmr_ctrl.proofs.methods.spec import uses_z3
+from wmr_ctrl.proofs.methods.obligations import uses_z3
 from wmr_ctrl.proofs.runner import prove, selected
 
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"

@@ -216,8 +216,7 @@ def run_export(folder: Path, only: Iterable[str] = ()) -> None:
     """
     from wmr_ctrl.proofs.claim import CLAIMED
     from wmr_ctrl.proofs.claims import all_claims
-    from wmr_ctrl.proofs.methods.obligations import obligations
-    from wmr_ctrl.proofs.methods.spec import uses_z3
+    from wmr_ctrl.proofs.methods.obligations import obligations, uses_z3
 
     readme = files("wmr_ctrl.proofs").joinpath("obligations.md").read_text(encoding="utf-8")
     write_all({"README.md": readme}, folder)

@@ -7,6 +7,7 @@ from typing import Any
 import z3
 
 from wmr_ctrl.proofs.methods.smt import Problem, posed
+from wmr_ctrl.proofs.methods.spec import Z3, Both, Method
 from wmr_ctrl.proofs.statement import Statement
 
 COMMANDS = frozenset({"assert", "echo", "exit", "pop", "push", "reset"})
@@ -49,3 +50,10 @@ def _text(problem: Problem, term: Any) -> str:
     solver = z3.Solver(ctx=context)
     solver.add(*(z3.substitute(known, *renamed) for known in (*problem.base, term)))
     return f"(set-logic QF_NRA)\n{solver.to_smt2()}"
+
+
+def uses_z3(method: Method | None) -> bool:
+    """True if a verdict of this method rests on z3."""
+    return isinstance(method, Z3) or (
+        isinstance(method, Both) and (uses_z3(method.first) or uses_z3(method.second))
+    )

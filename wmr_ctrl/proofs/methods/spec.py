@@ -178,15 +178,9 @@ def _version(package: str) -> str:
     return version(packages_distributions()[package][0])
 
 
-def _parts(method: Method) -> tuple[Method, ...]:
-    return (
-        (*_parts(method.first), *_parts(method.second)) if isinstance(method, Both) else (method,)
-    )
-
-
-def uses_z3(method: Method | None) -> bool:
-    """True if a verdict of this method rests on z3."""
-    return method is not None and any(isinstance(part, Z3) for part in _parts(method))
+def parts(method: Method) -> tuple[Method, ...]:
+    """The method, or both of two, and theirs."""
+    return (*parts(method.first), *parts(method.second)) if isinstance(method, Both) else (method,)
 
 
 def rounds(method: Method) -> bool:
@@ -196,16 +190,16 @@ def rounds(method: Method) -> bool:
 
 def named(method: Method) -> str:
     """Name of a method in the ledger."""
-    parts = ((part.NAME, ", rounding included" * rounds(part)) for part in _parts(method))
-    return " and ".join(map("".join, parts))
+    names = ((part.NAME, ", rounding included" * rounds(part)) for part in parts(method))
+    return " and ".join(map("".join, names))
 
 
 def trusted(method: Method) -> tuple[str, ...]:
     """Packages whose correctness a verdict of this method rests on."""
-    every = ((*part.TRUSTED, *["libm"] * rounds(part)) for part in _parts(method))
+    every = ((*part.TRUSTED, *["libm"] * rounds(part)) for part in parts(method))
     return tuple(dict.fromkeys(chain.from_iterable(every)))
 
 
 def needs(method: Method) -> tuple[str, ...]:
     """Packages that a method imports."""
-    return tuple(dict.fromkeys(chain.from_iterable(part.NEEDS for part in _parts(method))))
+    return tuple(dict.fromkeys(chain.from_iterable(part.NEEDS for part in parts(method))))
