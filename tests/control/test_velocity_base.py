@@ -409,7 +409,7 @@ def test_check_counts_on_no_odometry_that_is_too_old_to_be_used() -> None:
 @pytest.mark.parametrize("kind", ["clip", "governor"])
 def test_check_says_what_a_filter_of_wheels_leaves(kind: str, stated: Mapping[str, Any]) -> None:
     changes = {"kind": kind, "gain": [0.9, 1.1], "d": [0.05, 0.02], **stated}
-    alike = {"base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0]}
+    alike = {"base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "robot.mu": 0.0}
     scenario = based(
         {**GOVERNED, **alike, **{f"filter.{key}": value for key, value in changes.items()}}
     )
@@ -580,7 +580,7 @@ def test_a_limit_of_wheels_speeds_counts_on_loops_that_are_alike(
 ) -> None:
     """Straight on and then a turn, behind a clip: one wheel goes on while the other speeds up."""
     loops, stated = (
-        {"base.tau": list(tau), "base.gain": [1.0, 1.0]},
+        {"base.tau": list(tau), "base.gain": [1.0, 1.0], "robot.mu": 0.0},
         {"gain": [1, 1], "wheel_speed": 0.5},
     )
     scenario = based({**VELOCITY, **loops, "filter": {**CLIPPED["filter"], **stated}})
@@ -615,7 +615,8 @@ def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(
 ) -> None:
     """On ramps whose axes each stop no slower than the other starts, 0.25 m out, it holds."""
     clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
-    stated = based({**CLIPPED, "base.tau": [0.2, 0.2], **changes, "filter": clip})
+    own = {**CLIPPED, "base.tau": [0.2, 0.2], "robot.mu": 0.0}
+    stated = based({**own, **changes, "filter": clip})
     said = pytest.raises(ScenarioError, match=f"{key} may hold back one of v and omega")
     with said if key else nullcontext() as refused:
         settle(stated, "kanayama")
@@ -655,7 +656,7 @@ def test_the_decel_that_a_refusal_tells_is_enough(l: float, accel: list[float]) 
     """Also where a product by l is less than what it is of the same decimals."""
     clip = {**CLIPPED["filter"], "wheel_speed": 0.8}
     ramped = {"robot.l": l, "base.accel": accel, "base.decel": [1e-3, 1e-3], "filter": clip}
-    stated = based({**CLIPPED, "base.tau": [0.2, 0.2], **ramped})
+    stated = based({**CLIPPED, "base.tau": [0.2, 0.2], "robot.mu": 0.0, **ramped})
     with pytest.raises(ScenarioError, match=r"base\.accel may hold back") as refused:
         settle(stated, "kanayama")
     told = re.findall(r"base\.decel = \[(.*), (.*)\] or more", str(refused.value))[0]

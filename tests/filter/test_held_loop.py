@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,15 +10,16 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from tests.control.bases import based
+from tests.control.bases import VELOCITY, based
 from tests.control.test_velocity_base import OVERSHOOTING, ROOT
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.band import enclosed
 from wmr_ctrl.filter.clip import slew_reach
+from wmr_ctrl.filter.filter import CommandFilter, command_filter
 from wmr_ctrl.filter.force_band import force_table
 from wmr_ctrl.filter.forecast import PIECES
-from wmr_ctrl.filter.held_loop import HeldLoop
+from wmr_ctrl.filter.held_loop import HeldLoop, held_friction
 from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains
 from wmr_ctrl.scenario import Scenario, override
 
@@ -163,3 +165,44 @@ def test_a_run_takes_the_steps_that_are_counted_on() -> None:
 def test_a_loop_too_quick_for_its_steps_is_refused(change: Mapping[str, Any]) -> None:
     with pytest.raises(ScenarioError, match=r"clock\.plant = .* is held for as long"):
         settle(override(worst(0.01), change), "kanayama")
+
+
+def friction_held(limit: CommandFilter, mu: float, h: float) -> float:
+    """Largest |v| of a loop of 0.2 s that makes up for friction once a step; commands turn round.
+
+    Its steps are those of a run: one of Runge and Kutta's.
+    """
+    rng, v, top, pace = np.random.default_rng(0), 0.0, 0.0, -h / math.expm1(-h / 0.2)
+    for _ in range(1200):
+        u = limit.step((rng.choice([-9.0, 9.0, 0.0, 0.3]), 0.0)).command[0]
+        for _ in range(round(0.05 / h)):
+            given, k = (u - v) / pace + mu * 9.81 * math.tanh(v / 0.01), [0.0]
+            for share in (0.0, 0.5, 0.5, 1.0):
+                k.append(given - mu * 9.81 * math.tanh((v + share * h * k[-1]) / 0.01))
+            v += h / 6 * (k[1] + 2 * k[2] + 2 * k[3] + k[4])
+            top = max(top, abs(v))
+    return top
+
+
+def test_a_governor_counts_on_friction_that_changes_within_a_plant_step() -> None:
+    """Held back near rest, the base is faster than the governor knows when it turns round."""
+    told = {"kind": "governor", "tau": [0.2, 0.2]}
+    stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": told,
+                    "robot.mu": 0.1, "clock.plant": 0.01, "limits.v_u1": [1.0, 2.0]})  # fmt: skip
+    (said,) = held_friction(stated)
+    slowest = float(said.split("Raise it to ")[1].split(" s")[0])
+    enough = override(stated, {"filter.tau": [0.2, slowest]})
+
+    assert friction_held(command_filter(stated), 0.1, 0.01) > 1.003
+    assert friction_held(command_filter(enough), 0.1, 0.01) <= 1.0
+    assert not list(held_friction(enough))
+    assert not list(held_friction(override(stated, {"robot.mu": 0.0})))
+
+
+def test_wheels_whose_speed_is_limited_have_no_friction_that_holds_back_v_alone() -> None:
+    clip = {"kind": "clip", "wheel_speed": 0.8}
+    stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": clip})
+    with pytest.raises(ScenarioError, match=r"holds back v alone.* filter\.wheel_speed relies"):
+        settle(stated, "kanayama")
+    settle(override(stated, {"robot.mu": 0.0}), "kanayama")
+    settle(override(stated, {"filter.wheel_speed": None}), "kanayama")

@@ -19,13 +19,17 @@ the step, so at most what it is at some instant of the step at which the speed i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.enclosure import Floats, Span, exp, increasing, root, square
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import ROUNDING
+from wmr_ctrl.world.phases import phases, steepness
 from wmr_ctrl.world.resistance import Resistance
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_pi import PiLoopGains
@@ -105,6 +109,33 @@ def too_quick(scenario: Scenario) -> Iterator[str]:
                 f"with base.kp = {own.kp:g} N.s/m and base.ki = {own.ki:g} N/m it swings to and "
                 "fro with these steps, or does not settle. Shorten clock.plant, or lower both."
             )
+
+
+def held_friction(scenario: Scenario) -> Iterator[str]:
+    """Objections to friction that changes within a plant step of a first-order loop.
+
+    The loop makes up for it as it was at the step's start, and its change pulls against the motion:
+    of the way a share of 1 - x/2 at least is left, x = h times its slope at rest over the mass.
+    """
+    stated, h, own = scenario.filter, scenario.clock.plant, scenario.base.tau[0]
+    x = h * max(steepness(phase.robot) / phase.robot.m for phase in phases(scenario))
+    slowest = -h / math.log1p(math.expm1(-h / own) * (1 - x / 2)) if x < 2 else math.inf
+    governs = stated.kind == "governor"
+    begin = f"Friction that changes within clock.plant = {h:g} s (robot.mu) "
+    if x > 0 and (stated.wheel_speed is not None or (governs and stated.channels == "wheels")):
+        which, other = "filter.wheel_speed", "Leave it out"
+        if stated.wheel_speed is None:
+            which, other = 'filter.channels = "wheels"', 'Use filter.channels = "body"'
+        yield (
+            f"{begin}holds back v alone, near rest, so that no wheel follows a first-order loop of "
+            f"its own, and {which} relies on that. {other}, or set robot.mu = 0."
+        )
+    elif governs and stated.tau is not None and slowest > stated.tau[1] * (1 + ROUNDING):
+        more = f"Raise it to {rounded(slowest, 4)} s, or shorten" if x < 2 else "Shorten"
+        yield (
+            f"{begin}lets v change near rest more slowly than filter.tau[2] = {stated.tau[1]:g} s "
+            f"says. {more} clock.plant."
+        )
 
 
 def arc_over(x: Span) -> Span:

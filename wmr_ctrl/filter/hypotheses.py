@@ -12,7 +12,7 @@ from dataclasses import replace
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.filter.held_loop import too_quick
+from wmr_ctrl.filter.held_loop import held_friction, too_quick
 from wmr_ctrl.laws.law import Predicting
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.command_ramp import keeps_wheels, quick_stops
@@ -98,6 +98,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
         yield from _of_pushed_weak_motors(scenario, bound)
         yield from _of_wheels(scenario)
+        yield from held_friction(scenario)
     yield from _of_pushes(scenario, bound)
 
 
@@ -291,8 +292,7 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
             'anything that it does not see breaks its guarantee. Use filter.kind = "clip".'
         )
     if has_loop(scenario, "first-order") and stated.tau is not None:
-        for axis in (0, 1):
-            tau, gain = base.tau[axis], base.gain[axis]
+        for axis, (tau, gain) in enumerate(zip(base.tau, base.gain, strict=True)):
             if not _within(tau, stated.tau):
                 yield _outside(f"base.tau[{axis + 1}]", tau, "s", "filter.tau", stated.tau)
             if gain < stated.gain[0] * (1 - ROUNDING):
