@@ -489,7 +489,7 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
     for file, text in package_files("filter", settings, float32=float32).items():
         (tmp_path / file).write_text(text, encoding="utf-8")
     (tmp_path / "main.c").write_text(EACH, encoding="utf-8")
-    command = ["gcc", *WARNINGS, "-O1", "-ffp-contract=off"]
+    command = ["gcc", *WARNINGS, "-O0", "-ffp-contract=off"]
     run([*command, "main.c", "wmr_filter.c", "-o", "main"], tmp_path)
     lines = run(["./main"], tmp_path).splitlines()
     params = command_filter(settings).system.params
