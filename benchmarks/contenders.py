@@ -238,7 +238,10 @@ def _start(name: str, case: Case) -> dict[str, tuple[float, ...]]:
         "gains.nn.rho1": (100 * p1, 10.8 * p2),
     }  # fmt: skip
     setup = settle(scenario_of("paper-simulation"), name)
-    return {key: placed.get(key) or setup.value(key) for key in tunable(LAWS[name])}
+    values = {key: placed.get(key) or setup.value(key) for key in tunable(LAWS[name])}
+    if "gains.kinematics.k" in values:
+        values[settle(case.scenario, name).kinematic_key] = values.pop("gains.kinematics.k")
+    return values
 
 
 def _with(scenario: Scenario, gains: Mapping[str, tuple[float, ...]]) -> Scenario:

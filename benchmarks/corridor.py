@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.parts import millimetres, renew
+from benchmarks.starts import sharing
 from tests.corridor.adversary import (
     farthest,
     farthest_displaced,
@@ -73,7 +74,6 @@ def _slow(period: float, wheel: float) -> dict[str, object]:
 
 
 HEAVY = {"robot.m": 65.0, "robot.I": 7.0, "model.m": 50.0, "model.I": 5.4, "model.mu": 0.08}
-SLOWER = {"gains.prox": {"rho": [42.9, 21.74], "wo": 2.301}}
 RUN = {"clock.control": 0.02, "clock.duration": 12.0}
 EIGHT = {**RUN, "reference.kind": "lemniscate", "disturbance.std": 0.5}
 HEAVIER = {**RUN, "changes": [{"t": 4.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
@@ -90,7 +90,8 @@ CALM = {"disturbance.std": 0.0, "guard.enabled": False}
 CASES = (
     Case("safe-simulation, prox, 10 ms", "safe-simulation", "prox", 500, {}),
     Case("the same, 65 kg where 50 are believed", "safe-simulation", "prox", 500, HEAVY),
-    Case("the same, wo = 2.301", "safe-simulation", "prox", 500, SLOWER),
+    Case("the same, k1 = 16.8, rho = (42.9, 21.74), wo = 2.301", "safe-simulation", "prox", 500,
+         sharing(2.301)),
     Case("safe-simulation, prox, 20 ms", "safe-simulation", "prox", 250, {"clock.control": 0.02}),
     Case("safe-simulation, kanayama, 10 ms", "safe-simulation", "kanayama", 700, {}),
     Case("safe-simulation, mb, 10 ms", "safe-simulation", "mb", 500, {}),

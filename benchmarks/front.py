@@ -51,7 +51,7 @@ class Case:
         gains = guide(self.period, self.delay, SPEED, predicted=True)
         rates = [rate / 2 for rate in gains.rho]
         own = {
-            "prox": {"gains.kinematics.k": list(gains.k), "gains.prox.rho": list(gains.rho)},
+            "prox": {"gains.prox.kinematics": list(gains.k), "gains.prox.rho": list(gains.rho)},
             "kanayama": {
                 "gains.kanayama.k": [gains.k[0], gains.k[1], gains.k[2] / SPEED],
                 "gains.kanayama.rate": rates,

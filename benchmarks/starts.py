@@ -1,7 +1,7 @@
 """Starts from which limits act: from how far off there is a corridor, and what that costs.
 
 ``python -m benchmarks.starts [--quick] [--out docs/corridor.md]``.  prox on ``safe-simulation``
-until the robot changes, as it ships, with a slower observer, and with gains for far starts.
+until the robot changes, as it ships, and with the k that laws share there.
 """
 
 from __future__ import annotations
@@ -21,20 +21,27 @@ SHIPS: Sequence[Start] = (
     (0.003, 0.003, 0.02), (0.005, 0.005, 0.02), (0.01, 0.01, 0.05), (0.02, 0.02, 0.075),
     (0.025, 0.025, 0.075), (0.03, 0.03, 0.075), (0.015, 0.04, 0.1), (0.02, 0.04, 0.1),
     (0.05, 0.01, 0.05), (0.01, 0.05, 0.15), (0.05, 0.025, 0.075), (0.05, 0.025, 0.1),
-    (0.05, 0.02, 0.15), (0.02, 0.05, 0.15),
+    (0.05, 0.02, 0.15), (0.02, 0.05, 0.15), (0.05, 0.05, 0.15),
 )  # fmt: skip
 """Ahead, aside, turned [m, m, rad]."""
-FAR: Mapping[str, object] = {
-    "gains.kinematics.k": [6.0, 196.0, 5.6], "gains.prox.rho": [60.0, 21.74], "gains.prox.wo": 13.0,
-}  # fmt: skip
-"""Gains for far starts: less k1, so that a robot that is ahead brakes less."""
+
+
+def sharing(wo: float) -> Mapping[str, object]:
+    """Gains for the k that laws share, k1 = 16.8: what a search for the RMS finds, but for wo."""
+    return {"gains.prox": {"rho": [42.9, 21.74], "wo": wo}}
+
+
 OTHERS: Mapping[str, tuple[Mapping[str, object], Sequence[Start]]] = {
-    "wo = 2.301": (
-        {"gains.prox.wo": 2.301},
+    "k1 = 16.8, wo = 10": (
+        sharing(10.0),
+        ((0.01, 0.01, 0.05), (0.02, 0.02, 0.075), (0.03, 0.03, 0.075), (0.05, 0.025, 0.1),
+         (0.05, 0.02, 0.15)),
+    ),
+    "k1 = 16.8, wo = 2.301": (
+        sharing(2.301),
         ((0.03, 0.03, 0.075), (0.01, 0.05, 0.15), (0.05, 0.03, 0.1)),
     ),
-    "gains for far starts": (FAR, ((0.05, 0.02, 0.15), (0.05, 0.05, 0.15))),
-}
+}  # fmt: skip
 """Other gains in words, and starts from which they are looked at."""
 
 

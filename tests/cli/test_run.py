@@ -224,13 +224,16 @@ def test_a_file_that_is_no_run_is_refused(wmr, tmp_path):
 
 
 def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_path):
-    """Not those of presets, nor gains of other laws in a file."""
+    """Not those of presets, nor gains of other laws in a file; the shared k if no law reads it."""
     path = tmp_path / "mine.toml"
     path.write_text('extends = "paper-simulation"\n[gyro]\nnoise = 0.1\n')
 
     found = short_run(path, "--law", "pid", "--set", "gains.prox.rho=15,57.6", "--set",
                       "encoder.window=2", "--set", "gains.pid.Kp=210,1.1")  # fmt: skip
     plain = short_run("paper-simulation", "--law", "pid")
+    k = ("--set", "gains.kinematics.k=8,5,4")
+    own, shared = (short_run("safe-simulation", "--law", law, *k) for law in ("prox", "mb"))
 
     assert "note: without effect here: encoder.window, gyro.noise, gains.prox.rho." in found.stderr
-    assert "without effect" not in plain.stderr
+    assert "note: without effect here: gains.kinematics.k." in own.stderr
+    assert "without effect" not in plain.stderr + shared.stderr

@@ -158,7 +158,7 @@ def test_every_peak_holds_for_every_error_at_every_plant_step():
     each = [np.abs(x.e).max(axis=0) for x in worst_excursions(scenario, "prox", 300, 3.0)]
 
     assert (np.max(each, axis=0) <= box).all()
-    assert (np.max(each, axis=0)[:2] >= 0.75 * box[:2]).all()
+    assert (np.max(each, axis=0)[:2] >= (0.95, 0.7) * box[:2]).all()
 
 
 def test_late_drives_start_with_the_torque_that_friction_takes_and_the_words_say_so():
@@ -221,9 +221,9 @@ def test_of_masses_in_an_interval_each_keeps_within_one_corridor():
 
 
 def test_cells_that_are_too_coarse_are_refused_with_the_mass():
-    scenario = override(load_scenario("safe-simulation"), {"corridor.cells": 2})
+    scenario = override(load_scenario("safe-simulation"), {"corridor.cells": 1})
 
-    assert "with M = 51.6 kg" in find_corridor(scenario, "prox").refused
+    assert "with M = 58.2 kg" in find_corridor(scenario, "prox").refused
 
 
 REFUSED = {
@@ -238,7 +238,7 @@ REFUSED = {
     "away from their limits": ("safe-simulation", {}, "smc"),
     "the effect encoder": ("robot-10ms", {}, "prox"),
     "counts a lag or late velocities": ("safe-simulation", {"actuator.lag": 0.005}, "prox"),
-    "unstable": ("safe-simulation", {"clock.control": 0.1, "guard.enabled": False}, "prox"),
+    "unstable": ("safe-simulation", {"clock.control": 0.2, "guard.enabled": False}, "prox"),
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
     "may grow as large as what the loop corrects, beyond the 30.4 mm that the linear loop leaves": (
         "safe-experiment",
@@ -273,7 +273,7 @@ def test_where_none_closes_it_says_for_which_share_one_would():
 FAR_OFF = {"corridor.start": [10, 10, 0.05]}
 LESS = {
     "with M = 58.2 kg the box": {"corridor.cells": 1},
-    "(others were not tried) it closes with cells as narrow as those of corridor.cells = 3": {
+    "(others were not tried) it closes with cells as narrow as those of corridor.cells = 2": {
         "corridor.cells": 1
     },
     "(is corridor.start = [10, 10, 0.05] in m, m and rad?)": FAR_OFF,
@@ -343,7 +343,7 @@ def test_with_as_few_lost_poses_as_a_refusal_says_there_is_a_corridor():
 LOST = {"sensor.pose_dropout": 0.1, "corridor.losses": 40}
 
 
-@pytest.mark.parametrize(("period", "more"), [(0.03, LOST), (0.05, LOST), (5.0, {})])
+@pytest.mark.parametrize(("period", "more"), [(0.03, LOST), (0.08, LOST), (5.0, {})])
 def test_what_a_refusal_says_to_set_for_rare_poses_has_a_corridor(period, more):
     scenario = override(load_scenario("safe-simulation"), {"sensor.pose_period": period, **more})
     refused = find_corridor(scenario, "prox").refused

@@ -79,7 +79,7 @@ def test_cells_hold_all_runs_of_the_oracle_while_limits_act(limited, middle):
 @pytest.mark.parametrize(
     "start",
     [
-        (0.008, 0.008, 0.03),
+        (0.01, 0.01, 0.05),
         pytest.param((0.05, 0.01, 0.05), marks=pytest.mark.slow),
     ],
 )
@@ -110,7 +110,8 @@ def test_a_start_aside_comes_in_as_far_off_as_pushes_lead_it_and_hardly_farther(
     """From each corner, by pushes that are held, and by some that change sides once."""
     start, tau, samples = np.array([0.004, 0.012, 0.025]), 10.0, 24
     told = {"clock.control": 0.02, "clock.plant": 0.01, "clock.duration": 1.0, "changes": [],
-            "guard.enabled": False, "disturbance.std": 0.3, "actuator.tau_max": tau}  # fmt: skip
+            "guard.enabled": False, "disturbance.std": 0.3, "actuator.tau_max": tau,
+            "gains.prox": {"rho": [42.9, 21.74], "wo": 10.0}}  # fmt: skip
     scenario = override(load_scenario("safe-simulation"), told)
     alone = find_corridor(scenario, "prox")
     tube = find_corridor(override(scenario, {"corridor.start": start.tolist()}), "prox")
@@ -172,7 +173,9 @@ def test_runs_of_the_oracle_stay_in_one_of_the_halves(limited):
         cells, _, _ = limited.after(cells, inputs)
         whole, _, _ = limited.after(whole, inputs)
         boxes.append((cells.c[:, :3], cells.radius[:, :3], *cells.velocities))
-    assert (cells.radius[:, 2] < 0.9 * whole.radius[:, 2]).all()
+    narrower = cells.radius[:, 2] / whole.radius[:, 2]
+    assert narrower.max() < 1
+    assert narrower.min() < 0.9
 
     inside = np.zeros(2, dtype=int)
     for _ in range(12):
@@ -190,28 +193,35 @@ def test_runs_of_the_oracle_stay_in_one_of_the_halves(limited):
 
 
 @pytest.mark.slow
-def test_a_corner_that_is_five_centimetres_off_both_ways_comes_in_cut_on_its_way(monkeypatch):
-    told = {"corridor.start": (0.05, 0.05, 0.15), "clock.plant": 0.005}
+def test_corners_of_a_start_five_centimetres_off_both_ways_come_in_some_cut_on_their_way(
+    monkeypatch,
+):
+    """All eight, as wide as cells that are cut at their start: runs lead farthest from there."""
+    start, width = np.array([0.05, 0.05, 0.15]), np.array([0.0025, 0.0025, 0.0125])
+    told = {"corridor.start": tuple(start), "clock.plant": 0.005}
     scenario = override(load_scenario("safe-simulation"), told)
-    middle, width = np.array([0.049, 0.049, 0.145]), np.array([0.001, 0.001, 0.005])
-    batches = []
-    run = transient._Search._run
+    middles = np.array([(start - width) * signs for signs in product((1, -1), repeat=3)])
+    batches, run = [], transient._Search._run
 
     def counted(search, parts):
         batches.append((parts[0].k, len(parts)))
         return run(search, parts)
 
-    monkeypatch.setattr(transient, "_cut", lambda _: (middle[None], width[None]))
+    monkeypatch.setattr(transient, "_cut", lambda _: (middles, np.full((8, 3), width)))
     monkeypatch.setattr(transient._Search, "_run", counted)
     certifier = Certifier(settle(scenario, "prox"))
-    before, _ = transient.transient(certifier, certifier.inputs)
+    before, tube = transient.transient(certifier, certifier.inputs)
     assert sum(count for k, count in batches if k) > 1
+    assert tube.position_late == pytest.approx(0.0044, abs=5e-5)
 
+    far = turned = 0.0
     for push, signs in zip(worst_pushes(scenario, "prox", 200, 3.0), range(8), strict=True):
-        corner = middle + width * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
+        corner = start * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
         e, _, _ = driven(scenario, corner, push)
-        assert np.hypot(e[:, 0], e[:, 1]).max() <= before.position
-        assert np.abs(e[:, 2]).max() <= before.heading
+        far = max(far, np.hypot(e[:, 0], e[:, 1]).max())
+        turned = max(turned, np.abs(e[:, 2]).max())
+    assert far <= before.position < 1.01 * far
+    assert turned <= before.heading
 
 
 def test_what_is_followed_without_limits_holds_runs_and_is_forgotten(limited):
@@ -262,11 +272,11 @@ def test_what_is_too_far_off_after_a_stage_is_followed_on(monkeypatch):
     before, tube = transient.transient(certifier, certifier.inputs)
     assert tube.share < 1
     assert tube.position_late < 0.0045
-    assert 0.0083 > before.position > start[0]
-    assert 0.08 > before.heading > start[2]
+    assert 0.0088 > before.position > start[0]
+    assert 0.064 > before.heading > start[2]
 
     monkeypatch.setattr(transient, "STAGES", 1)
-    told = "0.1 s after limits may act last, what is left of the start may be (0.00059, "
+    told = "0.1 s after limits may act last, what is left of the start may be (0.0014, "
     with pytest.raises(NoCorridorError, match=re.escape(told)):
         transient.transient(certifier, certifier.inputs)
 
@@ -277,7 +287,7 @@ def test_what_is_too_far_off_after_a_stage_is_followed_on(monkeypatch):
         ({"CELLS": 80}, (0.01, 0.01, 0.4), "0.3 s after it limits may act still, and more than 80"),
         ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.001, 0.05, 0.02),
          "0.05 s after it its turning velocity is known too coarsely"),
-        ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.05, 0.001, 0.02),
+        ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.1, 0.001, 0.02),
          "0.06 s after it its speed is known too coarsely"),
         ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.001, 0.001, 0.3),
          "0.01 s after it its heading is known too coarsely"),

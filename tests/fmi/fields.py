@@ -67,6 +67,7 @@ OTHER: Mapping[str, Any] = {
     "guard.f_speed": [0.27, 0.7],
     "gains.nn.ratio_cap": 1.01,
     "gains.pid.kinematics": [11.0, 6.0, 5.0],
+    "gains.prox.kinematics": [11.0, 6.0, 5.0],
     "gains.kanayama.k": [0.1, 0.7, 0.2],
     "gains.pursuit.distance": [0.2, 0.4],
     "gains.pursuit.radius": 0.5,

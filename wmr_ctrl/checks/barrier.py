@@ -106,12 +106,12 @@ def unmodelled(loop: Loop) -> Iterator[Warning]:
         return
     force = full_friction(phase.robot)
     yield Warning(
-        "gains.kinematics.k",
+        loop.setup.kinematic_key,
         f"Friction is {force:.3g} N {_from(phase)}, and {loop.law} has no term that compensates "
         f"it: expect the robot to lag about {behind:.2g} m on the path, more than "
-        f"metrics.tolerance = {tolerance:g} m. Raise gains.kinematics.k[1] and the gain on v1, "
-        f"together by a factor of {behind / tolerance:.2g}, if the loop stays stable; or choose a "
-        "law that knows or learns friction.",
+        f"metrics.tolerance = {tolerance:g} m. Raise {loop.setup.kinematic_key}[1] and the gain on "
+        f"v1, together by a factor of {behind / tolerance:.2g}, if the loop stays stable; or "
+        "choose a law that knows or learns friction.",
         "Eqs. (4), (7)",
     )
 

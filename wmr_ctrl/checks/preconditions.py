@@ -88,9 +88,9 @@ def preconditions(loop: Loop) -> Iterator[Warning]:
     if loop.traits.auxiliary and k2 < 1:
         proof = f"proof of Theorem {loop.traits.theorem}" if loop.traits.theorem else "proof"
         yield Warning(
-            "gains.kinematics.k",
-            f"gains.kinematics.k[2] = {k2:g} is below 1, but the {proof} that the path error "
-            "vanishes needs at least 1: raise it.",
+            loop.setup.kinematic_key,
+            f"{loop.setup.kinematic_key}[2] = {k2:g} is below 1, but the {proof} that the path "
+            "error vanishes needs at least 1: raise it.",
             "Eq. (42)",
             objects=False,
         )

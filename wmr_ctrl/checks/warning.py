@@ -61,11 +61,12 @@ def gains_that_fit(loop: Loop, cured: Callable[[Loop], bool]) -> str:
     period, speed = loop.scenario.clock.control, max(map(abs, reference_bounds(loop.scenario)[:2]))
     fit = guide(period, loop.around.drives.delay, speed, loop.setup.predicted > 0)
     k, rho = (", ".join(f"{value:.3g}" for value in values) for values in (fit.k, fit.rho))
-    gains = {"kinematics.k": f"[{k}]", "prox.rho": f"[{rho}]", "prox.wo": f"{fit.wo:.3g}"}
-    changed = override(loop.scenario, {f"gains.{key}": text for key, text in gains.items()})
+    own = {"gains.prox.rho": f"[{rho}]", "gains.prox.wo": f"{fit.wo:.3g}"}
+    gains = {loop.setup.kinematic_key: f"[{k}]", **own}
+    changed = override(loop.scenario, gains)
     if not cured(loop_of(settle(changed, loop.law))):
         return tuned
-    first, second, third = (f"gains.{key} = {text}" for key, text in gains.items())
+    first, second, third = (f"{key} = {text}" for key, text in gains.items())
     return (
         f": wmr_ctrl.laws.prox.guide gives {first}, {second} and {third}, `wmr-ctrl tune` "
         "searches for better ones"

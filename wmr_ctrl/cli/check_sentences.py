@@ -25,6 +25,7 @@ from wmr_ctrl.world.speed_loop import takes_velocity
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
 NOT_THE_PATH = "tracking of the path is not"
+SHARED_K = "gains.kinematics.k"
 REMEDIES = {
     "law": "start nearer, switch guard or filter on, or take one that knows the limit",
     "model": "correct model.m, model.I or model.mu, start nearer, or use nn",
@@ -35,7 +36,7 @@ REMEDIES = {
     "disturbance.std": "try several seeds, start nearer, or switch the guard on",
     "disturbance.truncate": "set it to 3",
     "initial.velocity": "start well inside the limits",
-    "gains.kinematics.k": "raise it, or use a law that knows or learns friction",
+    SHARED_K: "raise it, or use a law that knows or learns friction",
     "gains.nn.eta": "lower gains.nn.eta, or raise gains.nn.rho1",
     "actuator.delay": "lower the gains, or shorten clock.control and the delay",
     "actuator.tau_max": "raise the torque limit, or ask for a slower reference",
@@ -66,7 +67,8 @@ def remedies(keys: Iterable[str]) -> Iterator[str]:
     for place, key in enumerate(keys):
         other = TUNE if key.startswith("gains.") else f"see --only {key}"
         head = "" if place else "\nWhat to change:\n"
-        yield f"{head}  {key}: {REMEDIES.get(key, other)}"
+        like = SHARED_K if key.endswith(".kinematics") else key
+        yield f"{head}  {key}: {REMEDIES.get(like, other)}"
 
 
 def rest(arrival: float, duration: float) -> str:
@@ -229,11 +231,13 @@ def idle_keys(case: Scenario) -> tuple[str, ...]:
 def idle_by_user(
     case: Scenario, source: str, assignments: Sequence[str], laws: Sequence[str]
 ) -> tuple[str, ...]:
-    """Those of `idle_keys` that the user states, and gains set for laws that do not run."""
+    """Those of `idle_keys` that the user states, and gains set that no law which runs has."""
     given = parse_assignments(assignments)
     stated = stated_keys(source, given)
     gains = [key for key in given if key.startswith("gains.") and key.count(".") > 1]
-    others = (key for key in gains if (law := key.split(".")[1]) in LAWS and law not in laws)
+    read = {settle(case, law).kinematic_key for law in laws if LAWS[law].traits.auxiliary}
+    others = [key for key in gains if (law := key.split(".")[1]) in LAWS and law not in laws]
+    others += [key for key in (SHARED_K,) if key in given and key not in read]
     return (*(key for key in idle_keys(case) if key in stated), *others)
 
 

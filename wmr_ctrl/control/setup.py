@@ -88,6 +88,12 @@ class Setup:
         return wheel_limit_of(self.scenario, self.gains)
 
     @property
+    def kinematic_key(self) -> str:
+        """Key of the k of Eq. (7) that the law has: its own, or the one that laws share."""
+        own = isinstance(self.gains, OwnKinematics) and self.gains.kinematics is not None
+        return f"gains.{self.name}.{KINEMATICS}" if own else f"gains.{KINEMATICS}.k"
+
+    @property
     def prediction(self) -> float:
         """The delay over which the law predicts [s]."""
         return self.gains.delay if isinstance(self.gains, Predicting) else 0.0

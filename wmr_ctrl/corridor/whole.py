@@ -33,6 +33,10 @@ from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.world.references.kind import reference
 
 OPEN = "the undisturbed loop cannot be followed"
+BY_START = (
+    ", from that start also without pushes and errors: over a whole run no limit may act, not even "
+    "at first"
+)
 LEAST = 8
 """Most halvings of pushes and errors that are tried where all of them have no corridor."""
 BEYOND, EARLY = 1.0, 0.25
@@ -114,6 +118,9 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
     try:
         return along, _followed(passing)
     except NoCorridorError as error:
+        early = start.any() and passing.tried <= along.memory
+        if early and not _passes(along, inputs.scaled(0.0), start, passing.tried):
+            raise NoCorridorError(f"{error}{BY_START}") from error
         closes = _closing(passing, start) if closing else None
         less = _hearing(passing, start) if closing and closes is None else ""
         raise NoCorridorError(f"{error}{less}", closes) from error

@@ -32,7 +32,15 @@ import casadi as ca
 from wmr_ctrl.barrier.proximal import resolvent, transported
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import AXES, LawContext
-from wmr_ctrl.laws.law import BarrierChoice, Inside, Law, Predicting, TorqueLimited, Traits
+from wmr_ctrl.laws.law import (
+    BarrierChoice,
+    Inside,
+    Law,
+    OwnKinematics,
+    Predicting,
+    TorqueLimited,
+    Traits,
+)
 from wmr_ctrl.laws.observer import Observer
 from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.model.system import Port, System, port
@@ -42,7 +50,7 @@ TRANSPORTS = ("two-part", "level")
 """Part of the target's way that the velocity is carried along: the reference's share, or all."""
 
 
-class ProxGains(BarrierChoice, TorqueLimited, Predicting, key="gains.prox"):
+class ProxGains(BarrierChoice, TorqueLimited, Predicting, OwnKinematics, key="gains.prox"):
     """Gains of the prox law, per axis (linear, angular) where there are two."""
 
     rho: tuple[float, float] = quantity((15.0, 57.6), "1/s", "decay rate of V1 per axis", above=0.0)

@@ -64,19 +64,24 @@ class TuningPlan:
             raise ArgumentError(
                 f"the law {self.law!r} names no gains to be tuned: list them in its `tuned`."
             )
-        unknown = [key for key in self.hold if key not in tunable(LAWS[self.law])]
-        if unknown or not self.searched:
+        if not {*self.hold} <= {*tunable(LAWS[self.law]), *self._keys} or not self.searched:
             raise ArgumentError(
                 f"hold = {', '.join(self.hold)}: a search for {self.law} varies "
-                f"{', '.join(tunable(LAWS[self.law]))}; hold some of these, but not all."
+                f"{', '.join(self._keys)}; hold some of these, but not all."
             )
 
     @property
     def searched(self) -> tuple[str, ...]:
-        """Keys of the gains that are searched; of Eq. (7) the law's own, where there are such."""
+        """Keys of the gains that are searched."""
+        pairs = zip(tunable(LAWS[self.law]), self._keys, strict=True)
+        return tuple(key for shared, key in pairs if not {shared, key} & {*self.hold})
+
+    @property
+    def _keys(self) -> tuple[str, ...]:
+        """Those of `tunable`; of Eq. (7) the law's own, where there are such."""
         own = f"gains.{self.law}.kinematics"
         stated = self.scenario.gains.get(self.law, {}).get("kinematics") is not None
-        keys = (key for key in tunable(LAWS[self.law]) if key not in self.hold)
+        keys = tunable(LAWS[self.law])
         return tuple(own if stated and key == "gains.kinematics.k" else key for key in keys)
 
 
