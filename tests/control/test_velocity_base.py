@@ -474,6 +474,7 @@ BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
     "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
     "noise": ({"sensor.velocity_noise": [0.02, 0.0]}, "filter.odometry[1]"),
     "window": ({"sensor.velocity_window": 0.1}, "a mean over some time"),
+    "counts": ({"encoder.counts": 20.0, "encoder.method": "time"}, "a mean over some time"),
 }
 
 

@@ -133,6 +133,13 @@ def test_the_guard_refuses_an_effect_without_a_bound(name, key):
         settle(scenario_of("paper-simulation", {**SHORT, **TOYS[name]}), None)
 
 
+def test_a_governor_refuses_a_sensor_without_a_bound_and_a_clip_hears_none():
+    toy = {**TOYS["sensor of the way"], "disturbance.std": 0.0}
+    with pytest.raises(ScenarioError, match=r"\[toy_encoder\]\) states no bound"):
+        settle(scenario_of("turtlebot3-burger", toy), LAW)
+    settle(scenario_of("turtlebot3-burger", {**toy, "filter.kind": "clip"}), LAW)
+
+
 def test_the_guard_counts_an_effect_by_its_bound():
     plain, steep = (
         settle(scenario_of("paper-simulation", {**SHORT, **more}, guard=True), LAW).guard
