@@ -84,6 +84,7 @@ class Surroundings:
         late = actuator.delay + actuator.unmodelled_delay + actuator.jitter
         self.drives = DriveTimes(late, actuator.delay, actuator.lag)
         self._lag = actuator.lag * (1 + actuator.lag_spread)
+        self._wheels = wheels(scenario.robot.r, scenario.robot.l)
         self._known = lru_cache(maxsize=64)(self._known_of_drives)
         # Kept for the next law, which is tried at the same periods, delays and masses.
         self._plant = lru_cache(maxsize=1024)(
@@ -169,7 +170,7 @@ class Surroundings:
 
     def torque(self, world: World, *forces: ca.SX) -> ca.SX:
         """Inputs held over a sample for a force and a disturbance (2) [N, N m]."""
-        given = [ca.DM(wheels(self.scenario.robot)) @ force for force in forces]
+        given = [ca.DM(self._wheels) @ force for force in forces]
         return ca.vertcat(*given, ca.SX.zeros(world.held - COMMAND * len(given)))
 
     def known_of_drives(
@@ -202,12 +203,12 @@ class Surroundings:
 
     def _assembly(self, motion: Motion, period: float, robot: Robot | None = None) -> Assembly:
         own = self.scenario.robot if robot is None else robot
-        steady: Floats = wheels(own) @ drag(own, np.array(motion.v))[:, 0]
+        steady: Floats = wheels(own.r, own.l) @ drag(own, np.array(motion.v))[:, 0]
         return Assembly(
             self.worlds(period), motion, period, self.samples_a_pose(period),
             self.scenario.clock.plant,
             lambda world, step: self.numbers(world, period, step, robot),
-            wheels(self.scenario.robot), steady,
+            self._wheels, steady,
         )  # fmt: skip
 
 
@@ -242,10 +243,10 @@ def _samples(every: float, period: float) -> int:
 
 
 @lru_cache(maxsize=64)
-def wheels(robot: Robot) -> Floats:
-    """Torques (right, left) [N m] by generalised force (2, 2)."""
+def wheels(r: float, l: float) -> Floats:
+    """Torques (right, left) [N m] by generalised force (2, 2), of a robot with r and l [m]."""
     force = ca.SX.sym("force", 2)
-    torque = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force)
+    torque = force_to_wheel(ca.SX(r), ca.SX(l), force)
     return np.asarray(ca.evalf(ca.jacobian(torque, force)))
 
 
