@@ -40,12 +40,12 @@ def load(files: Sequence[Path], name: str, extra: Sequence[str] = ()) -> ctypes.
     return _load({file.name: file.read_bytes() for file in files}, name, extra)
 
 
-def load_filter(scenario: Scenario, own: str) -> ctypes.CDLL:
+def load_filter(scenario: Scenario, own: str, *, float32: bool = False) -> ctypes.CDLL:
     """Compile the filter's package of a scenario with this folder's file ``own``.c, and load it.
 
     Raises as `load` does.
     """
-    package = package_files("filter", scenario)
+    package = package_files("filter", scenario, float32=float32)
     wanted = ("wmr_filter.h", "wmr_filter.c", "arithmetic.h")
     sources = {name: package[name].encode() for name in wanted if name in package}
     return _load({**sources, f"{own}.c": (HERE / f"{own}.c").read_bytes()}, own)

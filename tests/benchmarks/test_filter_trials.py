@@ -24,6 +24,13 @@ def test_the_page_has_every_statement_with_a_hundred_thousand_trials_and_no_brea
     assert all("(1.0" in row[4] for row in rows[2:])
 
 
+def test_a_command_that_does_not_keep_the_curvature_is_seen():
+    asked = np.array([[3.0, 3.0, -3.0, 0.0, 2.0], [1.0, 1.0, 1.0, 2.0, 1.0], [0.0] * 5])
+    sent = np.array([[1.5, 1.5, 1.5, 0.0, -2.0], [0.5, 0.6, -0.5, 1.0, -1.0]])
+    off = filter_trials._turned(asked, sent, 2.0**-52)
+    assert off.tolist() == [False, True, True, False, True]
+
+
 @pytest.mark.slow
 def test_the_package_is_tried_as_the_graph_is():
     """Both engines of the filter, the same adversary: the same speeds but for rounding."""

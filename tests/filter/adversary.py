@@ -1,4 +1,4 @@
-"""A base with a first-order speed loop, driven by an adversary; it shares no code with the filter.
+"""A base with first-order speed loops, driven by an adversary; it shares no code with the filter.
 
 Many trials at once, each a row: exact exponentials between the instants at which commands take
 over, and in each piece the gain, time constant, push, error of odometry that are worst for the side
@@ -16,10 +16,20 @@ import numpy as np
 from wmr_ctrl.filter import filter_system
 from wmr_ctrl.scenario import Scenario
 
+NONE, LONG_AGO = (np.inf, np.inf), -1e9
+RAMPED = 6
+"""Parts of a sample over which ramped commands are held."""
+
 
 @dataclass(frozen=True)
 class Base:
-    """True numbers of the base and its wires: intervals, within which the adversary chooses."""
+    """True numbers of the base and its wires: intervals, within which the adversary chooses.
+
+    ``loops``: what has a loop of its own, "body" (v and omega) or "wheels"; where v and omega are
+    "alike", one time constant and gain for both.  ``d`` and ``error``, of both axes, are shares of
+    their limits.  ``accel``, ``decel``: ramps of the firmware, as in [base].  A base that hears
+    nothing for ``hold`` stops; with it, nothing is sent now and then for some periods.
+    """
 
     tau: tuple[float, float] = (0.2, 0.3)
     gain: tuple[float, float] = (0.9, 1.1)
@@ -31,6 +41,11 @@ class Base:
     age: float = 0.0
     heard: bool = True
     second_lag: float = 0.0
+    loops: str = "body"
+    accel: tuple[float, float] = NONE
+    decel: tuple[float, float] = NONE
+    hold: float = np.inf
+    quantum: float = 0.0
 
     def wrong(self, **changes: object) -> Base:
         """The base with some numbers beyond what is stated."""
@@ -56,6 +71,15 @@ def graphs(scenario: Scenario, trials: int) -> Sender:
     return send
 
 
+def limited_speeds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds that are limited, each as its parts of v and of omega, and their limits."""
+    rim, l = scenario.filter.wheel_speed, scenario.robot.l
+    rows, tops = [(1.0, 0.0), (0.0, 1.0)], [*scenario.limits.v_u1]
+    if rim is not None:
+        rows, tops = [*rows, (1.0, l), (1.0, -l)], [*tops, rim, rim]
+    return np.array(rows), np.array(tops)
+
+
 def fastest(
     scenario: Scenario,
     base: Base,
@@ -64,55 +88,103 @@ def fastest(
     seed: int = 0,
     sending: Callable[[Scenario, int], Sender] = graphs,
 ) -> np.ndarray:
-    """Largest |v|/V of each trial on the first axis, over all instants at which a piece ends."""
+    """Largest share of a limit in each trial, over all instants at which a piece ends.
+
+    Each is after one of the speeds that are limited.
+    """
     rng = np.random.default_rng(seed)
-    send, T = sending(scenario, trials), scenario.clock.control
-    governs, V = scenario.filter.kind == "governor", scenario.limits.v_u1[0]
+    send, T, l = sending(scenario, trials), scenario.clock.control, scenario.robot.l
+    governs, every = scenario.filter.kind == "governor", np.arange(trials)
+    loops = np.array([[1.0, l], [1.0, -l]] if base.loops == "wheels" else np.eye(2))
+    back, (rows, tops) = np.linalg.inv(loops), limited_speeds(scenario)
+    after = rng.integers(0, len(rows), trials)
+    weights, chance = (rows @ back)[after], rng.choice([-1.0, 1.0], (trials, 2))
+    towards, seen_as = (np.where(w == 0, chance, np.sign(w)) for w in (weights, rows[after]))
+    ends = base.d * np.abs(loops) @ tops[:2]
+    own, rim = np.sign(rows[after]) / (1.0, l), np.array(HEADINGS) / (1.0, l)
+    heading = np.where((every % 2 == 0)[:, None], own, rng.choice(rim, trials) * seen_as)
     keep = int(np.ceil((base.delay[1] + base.age) / (T - base.jitter))) + base.losses + 3
-    sent, since = np.zeros((trials, keep)), np.full((trials, keep), -np.inf)
-    v, inner, now, way = np.zeros(trials), np.zeros(trials), np.zeros(trials), np.ones(trials)
-    past_v, past_t = [v.copy()], [now.copy()]
-    lost, worst, dt = np.zeros(trials, int), np.zeros(trials), np.zeros(trials)
+    sent, since = np.zeros((trials, keep, 2)), np.full((trials, keep), LONG_AGO)
+    v, inner, acting = (np.zeros((trials, 2)) for _ in range(3))
+    now, way, dt, worst = np.zeros(trials), np.ones(trials), np.zeros(trials), np.zeros(trials)
+    past_v, past_t, lost = [v], [now], np.zeros(trials, int)
     style = rng.integers(0, 3, trials)  # presses on, swings, acts at random
+    ramps = bool(np.isfinite([base.accel, base.decel]).any())
+    inside = np.linspace(0, 1, RAMPED)[1:-1] if ramps else np.zeros(0)
     for _ in range(samples):
-        way = np.where((style > 0) & (rng.random(trials) < 0.05), -way, way)
-        loud = np.where(style == 2, rng.uniform(-2, 2, trials), 10 * way)
+        turns = (style > 0) & (rng.random(trials) < 0.05)
+        way = np.where(turns & (rng.random(trials) < 0.6), -way, way)
+        signs = np.where(rng.random((trials, 1)) < 0.7, seen_as, rng.choice([-1, 1], (trials, 2)))
+        drawn = np.where(rng.random((trials, 1)) < 0.3, own, rng.choice(rim, trials) * signs)
+        heading = np.where(turns[:, None] & (every % 4 > 0)[:, None], drawn, heading)
+        loud = np.where((style == 2)[:, None], 2 * tops[:2] * rng.uniform(-1, 1, (trials, 2)),
+                        10 * way[:, None] * heading)  # fmt: skip
         old, seen = _recorded(past_t, past_v, now - rng.choice([0.0, base.age], trials))
-        y = seen - base.error * np.where(style == 2, rng.uniform(-1, 1, trials), way)
+        lie = np.where((style == 2)[:, None], rng.uniform(-1, 1, (trials, 2)), way[:, None])
         there = np.full(trials, base.heard) & ((style < 2) | (rng.random(trials) < 0.5))
         u = np.zeros((6 if governs else 3, trials))
-        u[0], u[-1] = loud, dt
+        u[:2], u[-1] = loud.T, dt
         if governs:
-            u[2], u[4] = y, np.where(there, now - old, -1.0)
-        command = send(u)[0]
+            y = seen @ back.T - base.error * tops[:2] * seen_as * lie
+            u[2:4], u[4] = y.T, np.where(there, now - old, -1.0)
+        command = send(u)[:2].T
+        if base.quantum:
+            command = base.quantum * np.round(command / base.quantum)
         drop = (rng.random(trials) < 0.5) & (lost < base.losses)
         lost = np.where(drop, lost + 1, 0)
         takes = now + rng.choice([*base.delay, rng.uniform(*base.delay)], trials)
-        newest = np.max(np.where(np.isfinite(since), since, -np.inf), axis=1)
-        takes = np.where(drop, np.inf, np.maximum(takes, newest))
-        sent, since = np.c_[sent[:, 1:], command], np.c_[since[:, 1:], takes]
+        takes = np.where(drop, np.inf, np.maximum(takes, _newest(since)))
+        sent = np.concatenate([sent[:, 1:], command[:, None]], axis=1)
+        since = np.c_[since[:, 1:], takes]
         dt = T + base.jitter * rng.choice([-1.0, 0.0, 1.0], trials)
+        if np.isfinite(base.hold):
+            dt = np.where(rng.random(trials) < 0.02, T * rng.uniform(1, 9, trials), dt)
         end = now + dt
-        cuts = np.sort(np.clip(np.c_[now, since, end], now[:, None], end[:, None]), axis=1)
+        cuts = np.c_[now, since, end, now[:, None] + dt[:, None] * inside]
+        if np.isfinite(base.hold):
+            cuts = np.c_[cuts, since + base.hold]
+        cuts = np.sort(np.clip(cuts, now[:, None], end[:, None]), axis=1)
         for a, b in zip(cuts.T[:-1], cuts.T[1:], strict=True):
             place = np.argmax(np.where(since <= a[:, None], np.arange(keep), -1), axis=1)
-            acting = sent[np.arange(trials), place]
-            share = np.where(style == 2, rng.random(trials), 1.0)
-            push = way * base.d * share
-            gain = np.where(acting * way > 0, base.gain[1], base.gain[0])
-            aim = gain * acting + push
+            given = np.where((a < since[every, place] + base.hold)[:, None], sent[every, place], 0)
+            acting = _ramped(acting, given, base, (b - a)[:, None]) if ramps else given
+            told = acting @ loops.T
+            share = np.where(style == 2, rng.random(trials), 1.0)[:, None]
+            side = way[:, None] * (weights if base.loops == "alike" else towards)
+            gain = np.where(_forward(told * side, base), base.gain[1], base.gain[0])
+            aim = gain * told + way[:, None] * towards * ends * share
             if base.second_lag:
-                passed = np.exp(-(b - a) / base.second_lag)
-                inner = aim + (inner - aim) * passed
-                aim = inner
-            tau = np.where((aim - v) * way > 0, base.tau[0], base.tau[1])
-            v = aim + (v - aim) * np.exp(-(b - a) / tau)
-            worst = np.maximum(worst, np.abs(v) / V)
-            past_v.append(v.copy())
-            past_t.append(b.copy())
+                aim = inner = aim + (inner - aim) * np.exp(-(b - a) / base.second_lag)[:, None]
+            quick = _forward((aim - v) * side, base)
+            tau = np.where(quick, base.tau[0], base.tau[1])
+            v = aim + (v - aim) * np.exp(-(b - a)[:, None] / tau)
+            worst = np.maximum(worst, (np.abs(v @ (rows @ back).T) / tops).max(axis=1))
+            past_v.append(v)
+            past_t.append(b)
         now = end
         past_v, past_t = past_v[-8 * keep :], past_t[-8 * keep :]
     return worst
+
+
+HEADINGS = ((1, 0), (0, 1), (1, 1), (5, 1), (1, 5))
+"""Where commands may head, in sizes of v and l omega, besides along the speed that is sought."""
+
+
+def _newest(since: np.ndarray) -> np.ndarray:
+    """The last instant at which a command took over or will."""
+    return np.max(np.where(np.isfinite(since), since, LONG_AGO), axis=1)
+
+
+def _forward(motion: np.ndarray, base: Base) -> np.ndarray:
+    """Where a motion of each loop, of both together if they are alike, is one forwards."""
+    return (motion.sum(axis=1, keepdims=True) if base.loops == "alike" else motion) > 0
+
+
+def _ramped(now: np.ndarray, wanted: np.ndarray, base: Base, time: np.ndarray) -> np.ndarray:
+    """Commands that near the ``wanted`` ones as fast as they may; they stop at 0 to turn round."""
+    goal = np.where(now * wanted < 0, 0, wanted)
+    most = np.where(np.abs(goal) < np.abs(now), base.decel, base.accel) * np.maximum(time, 1e-300)
+    return now + np.clip(goal - now, -most, most)
 
 
 def _recorded(

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 
+SINGLE = np.ones((1, 1))
+"""Speeds of robots of which one axis counts."""
+
 
 @dataclass(frozen=True)
 class LinearBase:
@@ -57,27 +60,33 @@ def driven(
     times: np.ndarray | None = None,
     *,
     telling: bool = True,
+    speeds: np.ndarray = SINGLE,
 ) -> np.ndarray:
     """Largest |v| of many bases (A, b, e stacked) for what each asks for, sample by sample.
 
-    ``asked`` (bases, samples), ``pushes`` (bases, samples, parts of a period); ``send`` as the
-    adversary's Sender.  With a ``force`` the largest share of it that a PI loop asks for counts,
-    too, if that is larger.  ``times`` (bases, samples): from each sample to the next, of few sizes;
-    by default a period T.  The filter is told them, unless not ``telling``.
+    ``asked`` (bases, axes, samples), ``pushes`` (bases, samples, parts of a period); ``send`` as
+    the adversary's Sender.  With a ``force`` the largest share of it that a PI loop asks for
+    counts, too, if that is larger.  ``times`` (bases, samples): from each sample to the next, of
+    few sizes; by default a period T.  The filter is told them, unless not ``telling``.
+
+    ``speeds`` (speeds, axes): of a robot each follows its parts of the command as a base of its
+    own.  Then bases are those of the first speed, of the second ...; ``times`` are of robots.
     """
     A, b, e = bases
     count, samples, parts = pushes.shape
+    robots, axes, _ = asked.shape
     given = np.zeros((count, 4, 4))
     given[:, :2, :2], given[:, :2, 2], given[:, :2, 3] = A, b, e
     sizes, which = np.unique(np.full((1, 1), T) if times is None else times, return_inverse=True)
     every = np.stack([expm(given * (size / parts))[:, :2] for size in sizes])
-    which = np.broadcast_to(which.reshape(-1, 1 if times is None else samples), (count, samples))
-    x, worst, u = np.zeros((count, 4)), np.zeros(count), np.zeros((3, count))
+    which = np.broadcast_to(which.reshape(-1, 1 if times is None else samples), (robots, samples))
+    which = np.tile(which, (len(speeds), 1))
+    x, worst, u = np.zeros((count, 4)), np.zeros(count), np.zeros((3, robots))
     for k in range(samples):
-        u[0], both = asked[:, k], every[which[:, k], np.arange(count)]
+        u[:axes], both = asked[:, :, k].T, every[which[:, k], np.arange(count)]
         if times is not None and telling and k:
             u[2] = np.where(times[:, k - 1] > 0, times[:, k - 1], -1.0)
-        x[:, 2] = send(u)[0]
+        x[:, 2] = (speeds @ send(u)[:axes]).ravel()
         for part in range(parts):
             x[:, 3] = pushes[:, k, part]
             if np.isfinite(force):  # F = kp (u - v) + f jumps with the command
