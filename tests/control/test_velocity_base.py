@@ -25,7 +25,8 @@ from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.filter.hypotheses import broken_hypotheses, most_torque, push_speeds
+from wmr_ctrl.filter.held_loop import push_speeds
+from wmr_ctrl.filter.hypotheses import broken_hypotheses, most_torque
 from wmr_ctrl.linear.linearise import law_loop
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import Scenario, override

@@ -19,7 +19,7 @@ from wmr_ctrl.filter.clip import slew_reach
 from wmr_ctrl.filter.filter import CommandFilter, command_filter
 from wmr_ctrl.filter.force_band import force_table
 from wmr_ctrl.filter.forecast import PIECES
-from wmr_ctrl.filter.held_loop import HeldLoop, held_friction
+from wmr_ctrl.filter.held_loop import HeldLoop, friction_at_a_rim, held_friction
 from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains
 from wmr_ctrl.scenario import Scenario, override
 
@@ -184,6 +184,21 @@ def friction_held(limit: CommandFilter, mu: float, h: float) -> float:
     return top
 
 
+def rim(limit: CommandFilter, mu: float, h: float) -> float:
+    """Largest speed of a rim of loops of 0.2 s, friction of v being made up for once a step."""
+    l, pace, top, v, w = 0.25, -h / math.expm1(-h / 0.2), 0.0, 0.0, 0.0
+    for demand in ((9.0, 0.0), (0.0, 9.0)) * 2:
+        for _ in range(60):
+            u = limit.step(demand).command
+            for _ in range(round(0.05 / h)):
+                w += (u[1] - w) * h / pace
+                given = (u[0] - v) / pace + mu * 9.81 * math.tanh(v / 0.01)
+                for _ in range(20):
+                    v += h / 20 * (given - mu * 9.81 * math.tanh(v / 0.01))
+                top = max(top, abs(v) + l * abs(w))
+    return top
+
+
 def test_a_governor_counts_on_friction_that_changes_within_a_plant_step() -> None:
     """Held back near rest, the base is faster than the governor knows when it turns round."""
     told = {"kind": "governor", "tau": [0.2, 0.2]}
@@ -199,10 +214,28 @@ def test_a_governor_counts_on_friction_that_changes_within_a_plant_step() -> Non
     assert not list(held_friction(override(stated, {"robot.mu": 0.0})))
 
 
-def test_wheels_whose_speed_is_limited_have_no_friction_that_holds_back_v_alone() -> None:
-    clip = {"kind": "clip", "wheel_speed": 0.8}
+def test_wheels_whose_speed_is_limited_count_friction_as_a_push_on_v() -> None:
+    """Behind a clip; a governor's commands may be far beyond V, and what is held back with them."""
+    clip = {"kind": "clip", "wheel_speed": 0.8, "d": [0.0, 0.0]}
     stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": clip})
-    with pytest.raises(ScenarioError, match=r"holds back v alone.* filter\.wheel_speed relies"):
+    with pytest.raises(ScenarioError, match=r"holds back v alone. Raise it to that") as refused:
         settle(stated, "kanayama")
+    told = float(str(refused.value).split("up to ")[1].split(" m/s")[0])
+    assert told == pytest.approx(friction_at_a_rim(stated), rel=1e-3)
+    settle(override(stated, {"filter.d": [told, 0.0]}), "kanayama")
     settle(override(stated, {"robot.mu": 0.0}), "kanayama")
     settle(override(stated, {"filter.wheel_speed": None}), "kanayama")
+    governor = {"filter.kind": "governor", "filter.tau": [0.2, 0.3], "filter.d": [told, 0.0]}
+    with pytest.raises(ScenarioError, match=r"Leave it out, use filter\.kind = \"clip\", or set"):
+        settle(override(stated, governor), "kanayama")
+
+
+@pytest.mark.parametrize(("mu", "h"), [(0.1, 0.001), (0.02, 0.005)])
+def test_what_counts_for_friction_at_a_rim_is_enough(mu: float, h: float) -> None:
+    """Straight on, then a turn in place: friction keeps some of v while omega is there already."""
+    clip = {"kind": "clip", "wheel_speed": 0.5}
+    stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": clip,
+                    "robot.mu": mu, "clock.plant": h, "limits.v_u1": [1.0, 2.0]})  # fmt: skip
+    enough = override(stated, {"filter.d": [friction_at_a_rim(stated), 0.0]})
+    assert rim(command_filter(stated), mu, h) > 0.5
+    assert rim(command_filter(enough), mu, h) <= 0.5

@@ -1,4 +1,6 @@
-"""The PI loop of a run's own base: its force is held over plant steps, so that it swings more.
+"""Speed loops of a run's own base, whose force is held over plant steps.
+
+A PI loop swings more by that.
 
 A step h changes the speed by (h/M)(F - c v + d), F = kp (u - v) + f, and f by h ki (u - v): the
 steps of Euler's method for the loop of the same numbers.  With
@@ -28,7 +30,7 @@ import numpy as np
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.enclosure import Floats, Span, exp, increasing, root, square
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.world.effect import ROUNDING
+from wmr_ctrl.world.effect import ROUNDING, Bound, Pair
 from wmr_ctrl.world.phases import phases, steepness
 from wmr_ctrl.world.resistance import Resistance
 from wmr_ctrl.world.speed_loop import has_loop
@@ -111,20 +113,58 @@ def too_quick(scenario: Scenario) -> Iterator[str]:
             )
 
 
-def held_friction(scenario: Scenario) -> Iterator[str]:
-    """Objections to friction that changes within a plant step of a first-order loop.
+def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
+    """Speeds [m/s, rad/s] at which pushes and errors of the command alone would end.
 
-    The loop makes up for it as it was at the step's start, and its change pulls against the motion:
-    of the way a share of 1 - x/2 at least is left, x = h times its slope at rest over the mass.
+    Those of a first-order loop, whose friction is made up for: d = s f/M + K times the error, with
+    s = h/(1 - exp(-h/tau)), half a plant step h above tau, since the loop's force is held over it.
     """
-    stated, h, own = scenario.filter, scenario.clock.plant, scenario.base.tau[0]
-    x = h * max(steepness(phase.robot) / phase.robot.m for phase in phases(scenario))
-    slowest = -h / math.log1p(math.expm1(-h / own) * (1 - x / 2)) if x < 2 else math.inf
-    governs = stated.kind == "governor"
+    if not has_loop(scenario, "first-order"):
+        return 0.0, 0.0
+    base, h, robots = scenario.base, scenario.clock.plant, [p.robot for p in phases(scenario)]
+    mass, inertia = min(robot.m for robot in robots), min(robot.I for robot in robots)
+    linear, angular = (
+        -h / math.expm1(-h / base.tau[axis]) * bound.dbar[axis] / (mass, inertia)[axis]
+        + base.gain[axis] * bound.command[axis]
+        for axis in (0, 1)
+    )
+    return linear, angular
+
+
+def held_share(scenario: Scenario) -> float:
+    """x: friction's slope at rest over the mass, times a plant step of a first-order loop.
+
+    The loop makes up for friction as it was at the step's start, and its change pulls against the
+    motion: of the way a share of 1 - x/2 at least is left.
+    """
+    slopes = (steepness(phase.robot) / phase.robot.m for phase in phases(scenario))
+    return scenario.clock.plant * max(slopes)
+
+
+def friction_at_a_rim(scenario: Scenario) -> float:
+    """Push [m/s] that counts for what friction holds back of v, where a clip limits rims.
+
+    It is x/2 of the way from the speed to the command, which are both at most V.
+    """
+    stated = scenario.filter
+    if stated.kind != "clip" or stated.wheel_speed is None or not has_loop(scenario, "first-order"):
+        return 0.0
+    return held_share(scenario) * scenario.limits.v_u1[0]
+
+
+def held_friction(scenario: Scenario) -> Iterator[str]:
+    """Objections to friction that changes within a plant step of a first-order loop."""
+    stated, h, x = scenario.filter, scenario.clock.plant, held_share(scenario)
+    slowest = math.inf
+    if x < 2:
+        slowest = -h / math.log1p(math.expm1(-h / scenario.base.tau[0]) * (1 - x / 2))
+    governs, rims = stated.kind == "governor", stated.wheel_speed is not None
     begin = f"Friction that changes within clock.plant = {h:g} s (robot.mu) "
-    if x > 0 and (stated.wheel_speed is not None or (governs and stated.channels == "wheels")):
+    if x > 0 and ((governs and (rims or stated.channels == "wheels")) or (rims and x >= 2)):
         which, other = "filter.wheel_speed", "Leave it out"
-        if stated.wheel_speed is None:
+        if governs and rims:
+            other += ', use filter.kind = "clip"'
+        if not rims:
             which, other = 'filter.channels = "wheels"', 'Use filter.channels = "body"'
         yield (
             f"{begin}holds back v alone, near rest, so that no wheel follows a first-order loop of "

@@ -9,7 +9,12 @@ from dataclasses import replace
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.filter.held_loop import held_friction, too_quick
+from wmr_ctrl.filter.held_loop import (
+    friction_at_a_rim,
+    held_friction,
+    push_speeds,
+    too_quick,
+)
 from wmr_ctrl.laws.law import Predicting
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.command_ramp import keeps_wheels, quick_stops
@@ -108,7 +113,9 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """What drives a first-order base on beyond d; of a governor's also what slows it."""
     slowed = against(scenario) if scenario.filter.kind == "governor" else (0.0, 0.0)
     both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
-    for axis, speed in enumerate(push_speeds(scenario, replace(bound, dbar=both))):
+    held = friction_at_a_rim(scenario), 0.0
+    for axis, push in enumerate(push_speeds(scenario, replace(bound, dbar=both))):
+        speed = push + held[axis]
         if speed <= (d := scenario.filter.d[axis]) * (1 + ROUNDING):
             continue
         said, why, other = "Disturbances and errors of the command may push the base on by", "", ""
@@ -116,6 +123,10 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
             said = "[resistance] and pushes together slow the base by up to"
             why = ": on its way back to rest the speed changes faster than the governor counts on"
             other = ', or use filter.kind = "clip"'
+        elif held[axis]:
+            said += " up to"
+            why = ": friction (robot.mu) that changes within a plant step holds back v alone"
+            other = ", shorten clock.plant or leave out filter.wheel_speed"
         yield (
             f"{said} {rounded(speed, 4)} {UNITS[axis]}, and filter.d[{axis + 1}] = {d:g} "
             f"{UNITS[axis]} is less{why}. Raise it to that, if that is below limits.v_u1{other}."
@@ -319,24 +330,6 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
             "is not (gyro.enabled), but the governor takes one age for both. Leave out "
             "filter.odometry, or one of the two sensors."
         )
-
-
-def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
-    """Speeds [m/s, rad/s] at which pushes and errors of the command alone would end.
-
-    Those of a first-order loop, whose friction is made up for: d = s f/M + K times the error, with
-    s = h/(1 - exp(-h/tau)), half a plant step h above tau, since the loop's force is held over it.
-    """
-    if not has_loop(scenario, "first-order"):
-        return 0.0, 0.0
-    base, h, robots = scenario.base, scenario.clock.plant, [p.robot for p in phases(scenario)]
-    mass, inertia = min(robot.m for robot in robots), min(robot.I for robot in robots)
-    linear, angular = (
-        -h / math.expm1(-h / base.tau[axis]) * bound.dbar[axis] / (mass, inertia)[axis]
-        + base.gain[axis] * bound.command[axis]
-        for axis in (0, 1)
-    )
-    return linear, angular
 
 
 def _within(value: float, ends: Pair) -> bool:
