@@ -16,7 +16,7 @@ from wmr_ctrl.scenario import load_scenario
 
 module = import_module("wmr_ctrl.cli.runs")
 
-KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "outcome", "ise",
+KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "watched_every", "outcome", "ise",
         "position_rms", "position_max", "tracking", "tracked", "arrival", "guard_share",
         "filter_share", "usable_speed", "reference_speed",
         "torque_change_rms", "torque_needed_rms", "saturated_share", "max_abs_v", "violations",

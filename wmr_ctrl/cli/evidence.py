@@ -160,10 +160,10 @@ def linearize(
 
     if plot:
         opt.check_folder(plot, "--plot")
+    case = opt.load(scenario, assignments)
+    opt.note_idle(case, scenario, assignments, [law])
     with Progress(f"{law}, linearised") as progress:
-        report = report_linear(
-            opt.load(scenario, assignments), law, at, guard=guard, progress=progress
-        )
+        report = report_linear(case, law, at, guard=guard, progress=progress)
         progress.start(1, "pictures")
         paths = report.plots(plot, progress) if plot else ()
     if as_json:

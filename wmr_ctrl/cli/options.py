@@ -161,12 +161,16 @@ def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = No
 
 
 def note_idle(
-    case: Scenario, scenario: str, assignments: Sequence[str], laws: Sequence[str]
+    case: Scenario,
+    scenario: str,
+    assignments: Sequence[str],
+    laws: Sequence[str],
+    said: Sequence[str] = (),
 ) -> None:
-    """Name on stderr what the user states and these laws' runs do not read."""
+    """Name on stderr what the user states and these laws do not read, but for what is ``said``."""
     from wmr_ctrl.cli.check_sentences import idle_by_user
 
-    if idle := idle_by_user(case, scenario, assignments, laws):
+    if idle := [k for k in idle_by_user(case, scenario, assignments, laws) if k not in said]:
         say("note", f"without effect here: {', '.join(idle)}.")
 
 
