@@ -129,8 +129,8 @@ def test_a_first_velocity_that_is_off_is_counted_though_the_observer_knows_of_no
     """The worst errors of 44 samples behind a first one, for which alone the answer is another."""
     size, samples, first = 1e-4, 44, 2
     changes = {
-        "sensor.velocity_noise": [size, 0.0], "gains.prox.wo": 10.0, "disturbance.std": 0.0,
-        "gains.kinematics.k": [5.0, 196.0, 5.6], "guard.enabled": False,
+        "sensor.velocity_noise": [size, 0.0], "disturbance.std": 0.0, "guard.enabled": False,
+        "gains.prox": {"kinematics": [5.0, 196.0, 5.6], "rho": [42.9, 21.74], "wo": 10.0},
     }  # fmt: skip
     scenario = override(load_scenario("safe-simulation"), changes)
     steps, push = scenario.clock.substeps, np.zeros((samples + first + 2, 2))

@@ -36,7 +36,7 @@ def late(law: str, share: float, stated: float | None = None, **changed: object)
     gains, delay = guide(T, 0.0, 0.2), round(share * T, 3)
     overrides = {
         "clock.control": T, "actuator.delay": delay, "guard.enabled": False, "changes": [],
-        "clock.duration": 20.0, "gains.kinematics.k": list(gains.k),
+        "clock.duration": 20.0, "gains.prox.kinematics": list(gains.k),
         "gains.prox.rho": list(gains.rho), "gains.prox.wo": 0.45 / (T + delay),
         f"gains.{law}.delay": delay if stated is None else stated,
     }  # fmt: skip
@@ -164,7 +164,7 @@ def test_gains_of_the_guide_for_a_prediction_stand_a_wrong_mass(
 ) -> None:
     delay = round(share * period, 3)
     start = guide(period, delay, 0.2, predicted=True)
-    gains = {"gains.kinematics.k": list(start.k), "gains.prox.rho": list(start.rho),
+    gains = {"gains.prox.kinematics": list(start.k), "gains.prox.rho": list(start.rho),
              "gains.prox.wo": start.wo, "gains.prox.delay": delay}  # fmt: skip
     clock = {"clock.control": period, "actuator.delay": delay}
     found = stability(late("prox", 0.0, **(gains | clock)), "prox")
