@@ -10,7 +10,9 @@ corridor holds from there on if its box closes with it (ledger: corridor.transie
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from flint import arb_mat, ctx
@@ -29,6 +31,8 @@ WIDEST = (0.005, 0.005, 0.025)
 """Half-widths of the first cells at most [m, m, rad]."""
 CELLS, BATCH = 4_000, 256
 """Cells that are tried at most, and together."""
+SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
+"""Of a box's corners: tried first, without pushes, they soon refuse a start that is too far off."""
 LOST = (0.15, 0.6)
 """Half-width of e3 [rad], and of velocities in v_u1, with which a cell is lost."""
 WHY = (
@@ -94,6 +98,7 @@ def transient(certifier: Certifier, inputs: Inputs) -> tuple[Transient, Tube]:
 
     NoCorridorError where some cell does not come in, or there is no such tube.
     """
+    _Search(certifier, inputs.scaled(0.0)).try_corners()
     return _Search(certifier, inputs).result()
 
 
@@ -136,6 +141,16 @@ class _Search:
             if tried > CELLS:
                 raise NoCorridorError(f"{self.lost}, and more than {CELLS} cells were tried")
         return Transient(self.samples * self.period, self.position, self.heading), self._entered()
+
+    def try_corners(self) -> None:
+        """Raise NoCorridorError where one of the box's corners alone does not come in."""
+        corners = np.unique(self.start * SIGNS, axis=0)
+        cells = self.limited.start(corners, np.zeros_like(corners))
+        parts = [StartPart(cells.only(np.array([i])), 0, at) for i, at in enumerate(corners)]
+        with suppress(NoCorridorError):
+            if not self._run(parts):
+                return
+        raise NoCorridorError(f"{self.lost}, also without pushes")
 
     def _entered(self, stage: int = 1) -> Tube:
         """The tube of what came in, which is followed on where it is too far off for one."""
@@ -251,7 +266,7 @@ def _widest(part: StartPart, share: float) -> int | None:
 
 
 def _lost(start: Floats, why: str) -> NoCorridorError:
-    place = ", ".join(f"{x:.2g}" for x in start)
+    place = ", ".join(f"{x + 0.0:.2g}" for x in start)
     return NoCorridorError(
         f"limits may act, and from a start off by about ({place}) m, m, rad it is not known to "
         f"come back: {why}"
