@@ -284,7 +284,8 @@ def test_what_is_too_far_off_after_a_stage_is_followed_on(monkeypatch):
 @pytest.mark.parametrize(
     ("limits", "start", "words"),
     [
-        ({"CELLS": 80}, (0.01, 0.01, 0.25), "0.3 s after it limits may act still, and more than 80"),
+        ({"CELLS": 80}, (0.01, 0.01, 0.25),
+         "0.3 s after it limits may act still, and more than 80"),
         ({}, (0.01, 0.01, 0.4), "0.3 s after it limits may act still, also without pushes"),
         ({"FINEST": 2.0, "WIDEST": (1, 1, 1)}, (0.001, 0.05, 0.02),
          "0.05 s after it its turning velocity is known too coarsely"),
