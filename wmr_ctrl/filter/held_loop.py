@@ -36,6 +36,8 @@ from wmr_ctrl.world.resistance import Resistance
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_pi import PiLoopGains
 
+STABLE = 2.785
+"""Steps of Runge and Kutta in such times up to which v goes between none and all of its way."""
 PI = Span.of(np.pi, np.nextafter(np.pi, np.inf))
 
 
@@ -160,6 +162,13 @@ def held_friction(scenario: Scenario) -> Iterator[str]:
         slowest = -h / math.log1p(math.expm1(-h / scenario.base.tau[0]) * (1 - x / 2))
     governs, rims = stated.kind == "governor", stated.wheel_speed is not None
     begin = f"Friction that changes within clock.plant = {h:g} s (robot.mu) "
+    if x > STABLE:
+        yield (
+            f"{begin}may throw v beyond its command near rest: the step is {rounded(x, 3)} times "
+            "friction's time constant there. Shorten clock.plant to at most "
+            f"{rounded(h * STABLE / x, 3, up=False)} s."
+        )
+        return
     if x > 0 and ((governs and (rims or stated.channels == "wheels")) or (rims and x >= 2)):
         which, other = "filter.wheel_speed", "Leave it out"
         if governs and rims:
