@@ -243,7 +243,8 @@ def test_what_counts_for_friction_at_a_rim_is_enough(mu: float, h: float) -> Non
 
 def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_filter() -> None:
     """With steps of 10 ms and mu = 0.6 a clip's base came to 1.27 of a limit of 1 cm/s."""
-    stated = based({**VELOCITY, "filter": {"kind": "clip"}, "robot.mu": 0.6, "clock.plant": 0.01})
+    stated = based({**VELOCITY, "base.gain": [1.0, 1.0], "filter": {"kind": "clip"},
+                    "robot.mu": 0.6, "clock.plant": 0.01})  # fmt: skip
     with pytest.raises(ScenarioError, match="throw v beyond its command near rest") as refused:
         settle(stated, "kanayama")
     enough = float(str(refused.value).split("to at most ")[1].split(" s")[0])
