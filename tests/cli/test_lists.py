@@ -229,11 +229,11 @@ def test_check_runs_each_law_once(wmr):
     prox, peer = (document["nominal"][law] for law in ("prox", "kanayama"))
 
     assert list(prox["position_rms"]) == ["all", "last_quarter"]
-    assert prox["remarks"][0]["key"] == "oscillates"
+    assert prox["remarks"][0]["key"] == "chatter"
     assert (peer["outcome"], peer["tracked"]) == ("completed", True)
     assert len(peer["guard_share"]) == 2
     assert document["max_period"]["prox"] == 0 < 0.05 < document["max_period"]["kanayama"]
-    assert "oscillates: The wheel torques swing" in " ".join(text.split())
+    assert "chatter: The wheel torques change" in " ".join(text.split())
     assert max(map(len, text.splitlines())) <= 80
 
 

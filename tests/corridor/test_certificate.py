@@ -274,7 +274,8 @@ FAR_OFF = {"corridor.start": [10, 10, 0.05]}
 LESS = {
     "with M = 58.2 kg e1 (w - w_d) may grow": {"corridor.cells": 1},
     "(others were not tried) it closes with cells as narrow as those of corridor.cells = 2": {
-        "corridor.cells": 1
+        "corridor.cells": 1,
+        "gains.prox": {"kinematics": [16.8, 196.0, 5.6], "rho": [42.9, 21.74], "wo": 10.0},
     },
     "(is corridor.start = [10, 10, 0.05] in m, m and rad?)": FAR_OFF,
     "leave out sensor.velocity_window = 0.02": {"sensor.velocity_window": 0.02},

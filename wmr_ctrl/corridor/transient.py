@@ -98,7 +98,6 @@ def transient(certifier: Certifier, inputs: Inputs) -> tuple[Transient, Tube]:
 
     NoCorridorError where some cell does not come in, or there is no such tube.
     """
-    _Search(certifier, inputs.scaled(0.0)).try_corners()
     return _Search(certifier, inputs).result()
 
 
@@ -124,6 +123,7 @@ class _Search:
                 f"so large a start takes {len(middle)} cells, more than {CELLS} (is corridor.start "
                 f"= [{stated}] in m, m and rad?)"
             )
+        _Search(self.certifier, self.inputs.scaled(0.0)).try_corners()
         outer = np.abs(middle) / np.maximum(self.start, np.finfo(float).tiny)
         cells = self.limited.start(middle, width)
         order = np.argsort(outer.sum(axis=1), kind="stable")

@@ -69,7 +69,7 @@ def make_folder(folder: Path) -> None:
 @contextmanager
 def new_folder(folder: Path) -> Iterator[None]:
     """The same for what is written inside; where that fails, those that it made go again."""
-    missing = [item for item in (folder, *folder.parents) if not item.exists()]
+    missing = [item for item in (folder, *folder.parents) if not os.path.exists(item)]
     make_folder(folder)
     try:
         yield
