@@ -273,7 +273,7 @@ def test_where_none_closes_it_says_for_which_share_one_would():
 FAR_OFF = {"corridor.start": [10, 10, 0.05]}
 LESS = {
     "with M = 58.2 kg e1 (w - w_d) may grow": {"corridor.cells": 1},
-    "(others were not tried) it closes with cells as narrow as those of corridor.cells = 2": {
+    "(others were not tried) it closes with cells as narrow as those of corridor.cells = 3": {
         "corridor.cells": 1,
         "gains.prox": {"kinematics": [16.8, 196.0, 5.6], "rho": [42.9, 21.74], "wo": 10.0},
     },
