@@ -125,9 +125,8 @@ class _Search:
             )
         _Search(self.certifier, self.inputs.scaled(0.0)).try_corners()
         outer = np.abs(middle) / np.maximum(self.start, np.finfo(float).tiny)
-        cells = self.limited.start(middle, width)
         order = np.argsort(outer.sum(axis=1), kind="stable")
-        begun = [StartPart(cells.only(order[[i]]), 0, middle[order[i]]) for i in range(len(order))]
+        begun = self._begun(middle[order], width[order])
         waiting = {0: begun}
         tried = 0
         while waiting:
@@ -142,11 +141,15 @@ class _Search:
                 raise NoCorridorError(f"{self.lost}, and more than {CELLS} cells were tried")
         return Transient(self.samples * self.period, self.position, self.heading), self._entered()
 
+    def _begun(self, middle: Floats, width: Floats) -> list[StartPart]:
+        """Cells of starts (C, 3) with their half-widths, each for itself."""
+        cells = self.limited.start(middle, width)
+        return [StartPart(cells.only(np.array([i])), 0, at) for i, at in enumerate(middle)]
+
     def try_corners(self) -> None:
         """Raise NoCorridorError where one of the box's corners alone does not come in."""
         corners = np.unique(self.start * SIGNS, axis=0)
-        cells = self.limited.start(corners, np.zeros_like(corners))
-        parts = [StartPart(cells.only(np.array([i])), 0, at) for i, at in enumerate(corners)]
+        parts = self._begun(corners, np.zeros_like(corners))
         with suppress(NoCorridorError):
             if not self._run(parts):
                 return
