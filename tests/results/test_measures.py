@@ -150,6 +150,10 @@ def keys(run: Run) -> set[str]:
         (0.6 * ALTERNATING, 1.0, 11.0, 0.0, True),
         (0.6 * ALTERNATING, 1.0, np.inf, 1.3, False),
         (0.6 * ALTERNATING, 1.0, np.inf, 1.1, True),
+        # bursts of 40 of the 400 samples that are judged
+        (np.where(abs(np.arange(800) - 600) < 20, 0.85, 0) * ALTERNATING, 1.0, np.inf, 0.0, True),
+        (np.where(abs(np.arange(800) - 600) < 20, 0.7, 0) * ALTERNATING, 1.0, np.inf, 0.0, False),
+        (np.where(abs(np.arange(800) - 200) < 20, 2.0, 0) * ALTERNATING, 1.0, np.inf, 0.0, False),
     ],
 )
 def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(

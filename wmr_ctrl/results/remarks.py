@@ -28,6 +28,9 @@ CHATTER, OF_LIMIT = 1.0, 0.1
 """Swing or change from sample to sample of torque that is too much: more than this multiple of the
 torque that the motion needs and of that which pushes the wheels, and than this share of the limit.
 """
+BURST, PARTS, FEWEST = 1.5, 10, 32
+"""The same over a part of the window: this multiple of it, in one of so many parts, halves of which
+overlap, of no fewer samples."""
 SWAY = 0.2
 """RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
 
@@ -199,15 +202,30 @@ def _chatters(run: Run) -> Iterator[str]:
     windows = (rows_of(run, part(run.settings)) for part in (working, at_rest))
     judged = [rows for rows in windows if rows is not None]
     extra, period = torque - run.needed, run.settings.control
-    change = max((measures.change_rms(torque, rows) for rows in judged), default=0.0)
-    swing = max((fast_swing_rms(extra[rows], period) for rows in judged), default=0.0)
+
+    def moved(rows: slice) -> tuple[float, float]:
+        return measures.change_rms(torque, rows), fast_swing_rms(extra[rows], period)
+
+    change, swing = np.max([*map(moved, judged), (0.0, 0.0)], axis=0)
+    when, bursts = "", [(moved(rows), rows) for window in judged for rows in _parts(window)]
+    if max(change, swing) <= allowed and bursts:
+        (change, swing), rows = max(bursts, key=lambda item: max(item[0]))
+        first, end = run.time[rows.start], run.time[rows.stop - 1]
+        when, allowed = f"From {first:.4g} to {end:.4g} s", BURST * allowed
     if max(change, swing) > allowed:
         yield (
-            f"The wheel torques change by {change:.3g} N m RMS from sample to sample and swing by "
-            f"{swing:.3g} N m RMS, where the desired motion needs {needed:.3g} N m RMS in all: "
-            "noise and gains move them, not the motion. Lower the law's gains, or measure better "
-            "(finer encoders, a longer encoder.window or sensor.velocity_window)."
+            f"{f'{when} the' if when else 'The'} wheel torques change by {change:.3g} N m RMS from "
+            f"sample to sample and swing by {swing:.3g} N m RMS, where the desired motion needs "
+            f"{needed:.3g} N m RMS in all: noise and gains move them, not the motion. Lower the "
+            "law's gains, or measure better (finer encoders, a longer encoder.window or "
+            "sensor.velocity_window)."
         )
+
+
+def _parts(window: slice) -> Iterator[slice]:
+    size = max((window.stop - window.start) // PARTS, FEWEST)
+    for first in range(window.start, window.stop - size + 1, size // 2):
+        yield slice(first, first + size)
 
 
 def _saturated(run: Run) -> Iterator[str]:
