@@ -194,7 +194,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
 
 
 def _slowed(setup: Setup) -> str:
-    """What else slows the base at rest, of which a clip need not know."""
+    """Further slowing of a base at rest, which a clip need not count."""
     case = setup.scenario
     slows = {
         "base.w_max": case.base.w_max < math.inf,

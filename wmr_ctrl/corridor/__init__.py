@@ -60,7 +60,7 @@ def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corri
 
 
 def certified_corridor(scenario: Scenario, law: str) -> Corridor:
-    """What holds for good, without a search for the inputs with which something would."""
+    """The corridor for good, without a search for smaller inputs that would have one."""
     from wmr_ctrl.corridor.masses import certified
 
     with _alone():

@@ -78,7 +78,7 @@ class Spanned:
 
 
 Rule = Callable[[list[Form]], list[Form]]
-"""What makes forms of forms."""
+"""A map from forms to forms."""
 
 
 class AffineGraph:

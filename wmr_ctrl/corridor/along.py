@@ -224,7 +224,7 @@ class Along:
         return widened(hull(self.loop.step_numbers[at], 1), self.laps.spread[at, None])
 
     def jump(self, k: int, other: int) -> tuple[Floats, Floats]:
-        """How far the undisturbed loop's state, and commands sent before, differ at two samples."""
+        """Differences at two samples: the undisturbed loop's state, and commands sent before."""
         state = np.abs(self.states[k] - self.states[other])
         ages = np.arange(1, self.loop.queue + 1)
         sent = self.outs[k - ages, :COMMAND] - self.outs[other - ages, :COMMAND]

@@ -13,7 +13,7 @@ from wmr_ctrl.corridor.clearance import Clearance, length
 from wmr_ctrl.fields.units import rounded
 
 ALONE = "around that mass alone (others were not tried) it"
-"""What closes with less, where cells of masses are refused."""
+"""Scope of a smaller corridor that is named where cells of masses are refused."""
 
 
 @dataclass(frozen=True)

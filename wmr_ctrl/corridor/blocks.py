@@ -107,7 +107,7 @@ def blocks_of(
 
 
 def _wide(here: Stretch, inputs: Inputs, at: IntArray, which: IntArray) -> dict[str, Floats]:
-    """What radii and rounding of the matrices at some places add."""
+    """Contributions of the matrices' radii and rounding at some places."""
     A, law, outputs, push, seen = (
         MidRadius(part.middle[at], part.radius[at])
         for part in (here.A, here.law, here.outputs, here.push, here.seen)

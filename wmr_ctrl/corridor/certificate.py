@@ -165,8 +165,8 @@ class Certifier:
         return self._peaks(inputs, rest, self._law_rest(inputs, nothing), nothing)
 
     def _law_rest(self, inputs: Inputs, commands: Floats) -> Floats:
-        """What the law's outputs are off on the reference, with commands off by up to ``commands``
-        (2) that act otherwise than they are sent.
+        """Errors of the law's outputs on the reference, with commands off by up to ``commands`` (2)
+        that act otherwise than they are sent.
         """
         rest, level = self.law_rest.copy(), np.abs(self.loop.remains[:COMMAND])
         rest[:COMMAND] += inputs.misheard(level - commands)

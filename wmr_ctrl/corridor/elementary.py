@@ -17,7 +17,7 @@ ANGLE, EXPONENT, SATURATED = 0.5, 300.0, 20.0
 LN_2, ONE_OFF, REST = MidRadius(log(2.0), 1e-16), 1e-17, 3e-17
 """The series' remainders are below REST: x^15/15!, x^16/16! at ANGLE, 1.5 x^14/14! at ln 2 / 2."""
 SERIES_OFF, STEEP = 2.0**-50, 1.01
-"""By what a series' sum errs, and how much an error of its argument counts as a share of the sum.
+"""Rounding error of a series' sum, and weight of its argument's error, as shares of the sum.
 
 By Horner's rule a sum of c_k x^k errs by (2 k + 2) 2^-53 |c_k x^k| at most for each k, with that of
 c_k and what is of higher order: less than 4 times 2^-53 in all where |x| <= 0.36 and c_k = 1/k!.

@@ -40,7 +40,7 @@ class Enclosure:
 
 
 class _Program:
-    """What evaluates a graph, of as many loops as have the same."""
+    """Evaluator of a graph, shared by all loops that have the same one."""
 
     def __init__(self, name: str, function: ca.Function) -> None:
         places = [f"i{k}" for k in range(function.n_in())]

@@ -33,7 +33,7 @@ GUESSED, GROWN = 1.003, 1.02
 
 @dataclass(frozen=True)
 class _Until:
-    """What of a block does not depend on the guess, with what was carried into it.
+    """Part of a block that does not depend on the guess, with what was carried into it.
 
     ``linear``, ``after`` (J, rows): of the rows at samples' ends, by what disturbs alone and in
     all; ``inner``: of inner ones.  ``through`` (n): all columns' sizes by those of the last matrix.
@@ -92,7 +92,7 @@ class Following(Remainders):
         return CarriedColumns(np.zeros(0, dtype=int), np.zeros((n, m, 0)), np.zeros((m, 0)), ends)
 
     def _reached(self) -> tuple[Floats, Floats]:
-        """What the rows reach, by what disturbs alone and in all."""
+        """Bounds of the rows, by disturbances alone and in all."""
         linear, every = self.carried.sums(self.rows, self.carried.sizes)
         return linear, (every + self.row_sizes @ self.pending) * UP
 
@@ -101,7 +101,7 @@ class Following(Remainders):
         return np.hstack([reach[:, : self.nz], reach[:, len(self.along.rows) :]])
 
     def _until(self, now: Instant) -> _Until:
-        """What does not depend on the guess."""
+        """The part that does not depend on the guess."""
         block, motion, count = now.block, self.along.motion, len(self.rows)
         sizes = self.carried.sizes
         through = np.abs(block.chain) @ (sizes + self.pending)
@@ -178,7 +178,7 @@ class Following(Remainders):
     def _found(
         self, now: Instant, guess: Guess, reach: Floats, until: _Until
     ) -> tuple[Guess, Floats, Floats]:
-        """What comes of a guess; what the rows reach within samples, and the law's outputs."""
+        """The next guess; bounds of the rows within samples, and of the law's outputs."""
         block, rows, at = now.block, self.along.rows, now.block.at
         after, inner = self._beside(now, guess, until)
         begin = np.vstack([reach, after[:-1]])

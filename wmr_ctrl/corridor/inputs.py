@@ -198,7 +198,7 @@ def check_covered(setup: Setup) -> None:
 
 
 def at_first(setup: Setup, *, run: bool) -> str:
-    """What drives or the base's own loop hold at the start, in words: of a ``run``, or for good."""
+    """Initial state of drives or of the base's loop, in words: of a ``run``, or for good."""
     scenario = setup.scenario
     if not setup.takes_velocity:
         load = "no torque" if run else "the torque that friction takes"

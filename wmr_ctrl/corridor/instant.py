@@ -63,7 +63,7 @@ class Instant:
 
 @dataclass(frozen=True)
 class Guess:
-    """What samples may add: to the law's force (J, 2), as a box (J, n), by plant steps (J, nz)."""
+    """Bounds of remainders in J samples: law's force (J, 2), a box (J, n), plant steps (J, nz)."""
 
     force: Floats
     box: Floats

@@ -92,7 +92,7 @@ def late_conditions(
 
 
 def _lines(late: Counting, alpha: float) -> list[tuple[float, list[tuple[tuple[int, ...], float]]]]:
-    """How often the new force counts, and the commands before it with the times of their pieces.
+    """Weights of the new force, and of the commands before it with the times of their pieces.
 
     ``alpha``: per period.
     """

@@ -166,7 +166,7 @@ def _clipped(force: Rows, bound: Rows, span: Ends, between: Ends) -> Rows:
 
 
 def uncovered(certifier: Certifier) -> dict[str, bool]:
-    """What a far start is not covered with, in words, and whether a loop has it."""
+    """Properties of a loop, in words, with which no far start is covered; True where it has one."""
     loop, inputs, setup = certifier.loop, certifier.inputs, certifier.loop.setup
     return {
         "a base that takes velocities": setup.takes_velocity,

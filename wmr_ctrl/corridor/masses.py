@@ -267,7 +267,7 @@ def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]
 
 
 def _others(certifier: Certifier, inputs: Inputs) -> str:
-    """Where no share of the inputs has a corridor: less of what else is stated that has one.
+    """Smaller numbers stated elsewhere with which there is one, where no share of inputs has.
 
     Of many cells the refused one alone is tried, around its own middle.
     """
@@ -307,7 +307,7 @@ def _enough_cells(setup: Setup, count: int) -> int | None:
 
 
 def _oftener(certifier: Certifier, inputs: Inputs) -> str:
-    """What to set for fewer samples without a pose, so that it closes; empty where none does."""
+    """Settings with fewer samples without a pose with which it closes; empty where none does."""
     if not inputs.missing:
         return ""
 

@@ -53,7 +53,7 @@ def ramps(scenario: Scenario) -> bool:
 
 
 def ramp_overlap(scenario: Scenario, changes: Floats) -> Overlap:
-    """What a ramp leaves of changes of up to some room above ``changes`` (2).
+    """Rest that a ramp leaves of changes of up to some room above ``changes`` (2).
 
     In a plant step h it takes a h at least, but in one in which it stops at 0: of a change D is
     left D - p a h at most in the p-th, which is D (1 - p/L) or less for D <= L a h.

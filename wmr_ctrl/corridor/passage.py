@@ -35,7 +35,7 @@ ALIKE = 2.0**-46
 LapBlock: TypeAlias = "tuple[Instant, Guess, tuple[tuple[Floats, Floats] | None, ...]]"
 """A block, what it adds, and the boxes that law's and plant step's bends are for."""
 Reached: TypeAlias = "tuple[Floats, Floats]"
-"""What rows reach by what disturbs alone, and in all."""
+"""Bounds of rows by disturbances alone, and in all."""
 
 
 class Passing(Following):

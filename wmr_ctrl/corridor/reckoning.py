@@ -66,7 +66,7 @@ class Reckoning:
 
     @cached_property
     def _rest(self) -> Floats:
-        """What f leaves on the reference (3), also where its frames differ."""
+        """Remainder of f on the reference (3), also where its frames differ."""
         curve, period = self.loop.reckoning, self.loop.setup.scenario.clock.control
         rest = np.array([upper(item) for item in curve.value()])
         rest[:2] += 3 * reference_gap(curve.at[3:], period)

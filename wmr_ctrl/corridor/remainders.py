@@ -47,7 +47,7 @@ class Remainders:
         return np.asarray(pairs + mixed + mixed.transpose(0, 2, 1) + np.outer(error, error))
 
     def _left(self, place: int, sizes: Floats, products: Floats, now: Instant) -> Floats:
-        """What linear parts of the law (0) or of the plant step (1) leave on the latest boxes."""
+        """Remainders of the linear parts of law (0) or plant step (1) on the latest boxes."""
         self.latest[place] = sizes
         if now.here.secants is not None:
             return np.asarray(now.here.secants[place].left[now.block.at])

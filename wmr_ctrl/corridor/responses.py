@@ -186,7 +186,7 @@ class Responses:
 
 
 def _direct(rows: OutputRows) -> tuple[Floats, Floats, Floats, Floats]:
-    """What inputs do to rows directly, in the order of columns."""
+    """Direct effect of the inputs on rows, in the order of columns."""
     return rows.push, rows.law, rows.late, rows.measured
 
 

@@ -64,7 +64,7 @@ class SendingLoop(Loop):
 
 
 def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condition]]:
-    """What is sent of a law away from its limits, and the conditions for nothing to be cut."""
+    """The command sent by a law away from its limits, and the conditions for no limit to cut it."""
     core = law.system
     plain = settle(idle_base(setup.scenario), setup.name)
     sender = SentVelocity(plain, core, Parameters(plain, core.params), core.outputs[0].expr)

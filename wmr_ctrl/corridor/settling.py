@@ -32,7 +32,7 @@ COLUMNS = (30, 60)
 ROUNDS, MORE = 12, 1.01
 """Rounds in which a sample's remainders are found, and by how much a guess exceeds the last one."""
 ROOM, WIDE, FAINT = 1.03, 1.15, 1e-9
-"""How much wider than needed a box of bends is made, and with which another one is, and more."""
+"""Factor by which a box of bends is wider than needed; factor and size up to which it is used."""
 LOOK = 4
 """Of so many samples one is looked at for what breaks a condition in any case."""
 SLOWEST = 0.65

@@ -39,7 +39,7 @@ WHY = (
     "the guard may act", "its heading is known too coarsely", "its speed is known too coarsely",
     "its turning velocity is known too coarsely", "limits may act still",
 )  # fmt: skip
-"""By what a cell is lost, the last where none of the others is so."""
+"""Reasons for which a cell is lost; the last where none of the others holds."""
 LOOKS = (20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120)
 """Samples after which a cell may need no limits any more; after the last it is given up."""
 SAMPLES, STAGES = 200, 6
@@ -85,7 +85,7 @@ class PassedCells:
     turned: Floats
 
     def part(self, place: int, of: StartPart) -> StartPart | None:
-        """What has begun as one of the batch; None where it is over."""
+        """The cells that began as one of the batch; None where all are done."""
         which = np.flatnonzero(self.cells.begin == place)
         if not len(which):
             return None

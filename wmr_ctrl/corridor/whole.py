@@ -169,7 +169,7 @@ def _least(refused: Passing, start: Floats, places: list[int], halved: int) -> i
 
 
 def _hearing(refused: Passing, start: Floats) -> str:
-    """Where no share of the inputs has a corridor: which part of what a base does not hear has."""
+    """Part of dead band and quantum that has a corridor, where no share of the inputs has one."""
     along, inputs = refused.along, refused.inputs
     tried = [f"1/{2**LEAST} of pushes and errors"] * inputs.any
     if inputs.dead.any() or inputs.command.any():

@@ -123,12 +123,12 @@ class BandGovernor:
 
     @cached_property
     def off(self) -> ca.SX:
-        """How much later than a period after the one before the sample came."""
+        """Lateness of the sample: time since the one before, less a period."""
         return passed(self.elapsed.sym, self.T) - self.T
 
     @cached_property
     def apart(self) -> ca.SX:
-        """How far the samples on its beat were before it and behind it (2,), itself among them."""
+        """Largest earliness and lateness of samples on its beat, itself among them (2,)."""
         return spread_of(self.spread.sym, self.off)
 
     @cached_property
@@ -139,7 +139,7 @@ class BandGovernor:
 
     @cached_property
     def faded(self) -> list[Fading]:
-        """What of each channel's past is left at the sample."""
+        """Rest of each channel's past at the sample."""
         time, rows = passed(self.elapsed.sym, self.T), []
         for number, (reach, past, held) in enumerate(self.far):
             (_, rate, soonest), last = self.fading[number], self.last.sym[number % len(AXES)]
@@ -161,7 +161,7 @@ class BandGovernor:
 
     @cached_property
     def most(self) -> list[ca.SX]:
-        """What each channel must not exceed, here the largest commands that may be held."""
+        """Limit of each channel, here the largest commands that may be held."""
         bounds = (self.channels[axis].bounds for axis in AXES)
         return [largest_command(b.V, b) for b in bounds]
 

@@ -57,7 +57,7 @@ def _damped(scenario: Scenario, axis: int) -> str:
 
 
 def _which(reached: float, limit: float, of: str) -> tuple[str, str, float, float]:
-    """What pushes reach and the bound that it is not below, in words.
+    """The speed that pushes reach and the bound that it is not below, in words.
 
     Then a push that is, as a share of the stated one, and a limit, as a share of what is reached.
     """

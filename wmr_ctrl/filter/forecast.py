@@ -1,4 +1,4 @@
-"""What is known of a linear loop ahead, from the commands that it was sent, piece by piece of time.
+"""Forecast of a linear loop from the commands that it was sent, piece by piece of time.
 
 Bounds of v - u and of -v + u, if the command u stays, and the largest commands that keep v and -v
 within a limit: if held from now on, and if 0 follows.  `band` has the sum that they bound.
@@ -173,7 +173,7 @@ def at_most(lines: ca.SX) -> ca.SX:
 
 @dataclass(frozen=True)
 class Fading:
-    """How far v is from its command at most at the sample, and that fades; what of it is past.
+    """Largest distance of v from its command at the sample, which fades; its part from the past.
 
     ``past``: the same of what was sent before the last untimely sample, at which the command was
     ``held``.
@@ -212,7 +212,7 @@ def stays_of(rate: ca.SX, time: ca.SX) -> ca.SX:
 
 
 def spread_of(apart: ca.SX, off: ca.SX) -> ca.SX:
-    """How far samples were before the one at hand and behind it, itself among them (2,).
+    """Largest earliness and lateness of samples against the one at hand, itself among them (2,).
 
     ``apart``: the same of the sample before it, since which a period and ``off`` have passed.
     """

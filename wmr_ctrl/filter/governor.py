@@ -186,7 +186,7 @@ class SpeedBound:
         return ca.if_else(age > 0, v, start) if pieces else start
 
     def rest(self, age: ca.SX, pieces: Sequence[Piece]) -> ca.SX:
-        """What is left, at this age, of the piece in which it lies [s]."""
+        """Rest, at this age, of the piece in which it lies [s]."""
         rest, T = ca.SX(0), self.period
         for piece in reversed(pieces):
             rest = ca.if_else(-age < piece.end * T, piece.end * T + age, rest)

@@ -230,7 +230,7 @@ class Governor:
 
 
 def contradiction(V: ca.SX) -> ca.SX:
-    """What bounds of a speed may fall short of each other [m/s, rad/s]."""
+    """Tolerance by which bounds of a speed may fall short of each other [m/s, rad/s]."""
     return AGREED * V
 
 

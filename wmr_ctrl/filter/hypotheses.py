@@ -1,4 +1,4 @@
-"""What a run breaks of a filter's assumptions: refused, unless `filter.trust` says it is meant."""
+"""Assumptions of a filter that a run breaks: refused, unless `filter.trust` says it is meant."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """What drives a first-order base on beyond d; of a governor's also what slows it."""
+    """Pushes on a first-order base beyond d; of a governor's base also those that slow it."""
     slowed = against(scenario) if scenario.filter.kind == "governor" else (0.0, 0.0)
     both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
     held = friction_at_a_rim(scenario), 0.0

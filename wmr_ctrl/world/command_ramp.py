@@ -70,7 +70,7 @@ def keeps_wheels(scenario: Scenario) -> bool:
 
 
 def quick_stops(scenario: Scenario) -> str:
-    """What else to state where one does; empty where commands grow at once."""
+    """Further remedy: a base.decel that is enough; empty where commands grow at once."""
     own, l = scenario.section(CommandRamp), scenario.robot.l
     least = l * own.accel[1], own.accel[0] / l
     if min(least) == math.inf:

@@ -81,7 +81,7 @@ class Limited:
         return tuple(kept)
 
     def computed(self, command: ca.SX) -> dict[str, ca.SX]:
-        """What v and omega stand for."""
+        """Expressions of v and omega."""
         return {"v": command[0], "omega": command[1]}
 
 
