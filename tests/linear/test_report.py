@@ -15,7 +15,7 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.linear import report_linear
 from wmr_ctrl.linear.state_space import constant_speed
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.world.references import Lemniscate
 
 KEYS = {
@@ -188,6 +188,13 @@ def test_with_the_guard_the_figures_are_the_same_where_it_is_inactive(nominal, r
     assert report_of("mb").to_json()["guard"] is None
     assert "inactive there" in page.table()
     assert page.to_json() | {"guard": None} == report_of("mb").to_json()
+
+
+def test_that_the_scenarios_guard_is_left_out_is_said(nominal):
+    page = report_linear(override(nominal, {"guard.enabled": True}), "mb")
+
+    assert page.to_json()["guard"] == "left out"
+    assert "guard is left out" in page.table()
 
 
 def test_where_the_guard_acts_there_is_nothing_to_linearise():

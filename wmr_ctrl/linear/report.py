@@ -96,6 +96,11 @@ class LinearReport:
         """True if it is stable with them moving; None for a law that does not adapt."""
         return None if self.adaptive_poles is None else is_stable(self.adaptive_poles)
 
+    @property
+    def drops_guard(self) -> bool:
+        """True if the scenario has a guard, and the figures are those without it."""
+        return self.scenario.guard.enabled and not self.guarded
+
     @cached_property
     def damping(self) -> list[tuple[float, float]]:
         """Natural frequency [rad/s] and damping ratio of each pole."""
@@ -110,7 +115,7 @@ class LinearReport:
             "law": self.law,
             "time_invariant": self.time_invariant,
             "at": None if self.time_invariant else self.at,
-            "guard": "inactive" if self.guarded else None,
+            "guard": "inactive" if self.guarded else "left out" if self.drops_guard else None,
             "poles_of": "sampled loop, ln z / T" if self.late else "continuous loop",
             "stable": self.stable,
             "adaptive_stable": self.adaptive_stable,

@@ -74,6 +74,9 @@ def _head(report: LinearReport, width: int) -> Iterator[str]:
     if report.guarded:
         text = "The guard is on and inactive there: near that point it changes nothing."
         yield _folded(text, width)
+    elif report.drops_guard:
+        text = "The scenario's guard is left out: --guard says whether it acts there."
+        yield _folded(text, width)
     yield ""
 
 
