@@ -6,8 +6,6 @@ along by the sample's own matrix.  All else that a sample adds, remainders, the 
 matrices and every rounding, is a box.  Columns that have become old are counted into that box.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Which term of a plant step grows as large as what the loop corrects, in words."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Some samples of a passage at once: what their rows make of all that disturbs them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ The path is looked at in a grid of times; from one to the next it goes no farthe
 admits, and half of that is taken off, so that no obstacle is missed in between.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Conditions on which the loop's graphs are what the certificate takes them for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

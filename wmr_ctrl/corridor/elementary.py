@@ -3,8 +3,6 @@
 By their series, of which sums, products and quotients alone are taken.
 """
 
-from __future__ import annotations
-
 from math import factorial, log
 
 import numpy as np

@@ -4,8 +4,6 @@ What is walked is the graph that C is made from (`wmr_ctrl.model.graph`).  A con
 leaves open is not guessed: `OpenBoxError` names the graph.
 """
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache, partial

@@ -6,8 +6,6 @@ guessed for the samples of a block, and then has to hold what comes of it (ledge
 corridor.passage).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

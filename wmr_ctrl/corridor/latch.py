@@ -6,8 +6,6 @@ after K more samples within what follows them (ledger: corridor.latch).  So a ru
 that something was not as the scenario says: a push, a mass, a measurement, the plane model.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

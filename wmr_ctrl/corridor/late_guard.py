@@ -11,8 +11,6 @@ commands may act, each of the two is looked at (ledger: corridor.guard-late-cons
 corridor.guard-late-jitter, corridor.guard-sums).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import product
 

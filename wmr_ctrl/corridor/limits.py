@@ -1,7 +1,5 @@
 """Limits of guard and wheels on the force that a law asks for, over cells of states."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import casadi as ca

@@ -9,8 +9,6 @@ error coordinates, each with its slopes and second derivatives in balls.  In the
 and both are their values on the reference, a linear part, and a remainder of second order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property

@@ -3,8 +3,6 @@
 Where there is none: the share of pushes and errors with which there is one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress

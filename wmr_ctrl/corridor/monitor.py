@@ -5,8 +5,6 @@ A robot that was within the latch's box at K samples running is held by the corr
 Runs are judged by this graph, and C packages and FMUs are made from it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import reduce

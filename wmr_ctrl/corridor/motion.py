@@ -6,8 +6,6 @@ a reference does the same again, the undisturbed loop of one lap serves for late
 its end differs from its begin is a deviation, and numbers that differ from lap to lap are spans.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property

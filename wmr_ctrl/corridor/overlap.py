@@ -5,8 +5,6 @@ what acts is on its way from the one to the other (ledger: corridor.jitter, corr
 taken to act is a mean of both, and by how much it is off follows from their difference.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

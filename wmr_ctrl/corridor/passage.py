@@ -1,7 +1,5 @@
 """A passage: sets of deviations carried over a whole run (ledger: corridor.passage)."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from copy import copy
 from dataclasses import replace

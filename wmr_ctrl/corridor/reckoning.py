@@ -11,8 +11,6 @@ products Phi^i r, whose peak gain is a row of the loop: r is mostly the change o
 sample, and what one sample adds the next takes away.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

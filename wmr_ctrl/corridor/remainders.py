@@ -1,7 +1,5 @@
 """Remainders of the linear parts of law and plant step in samples of a passage."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats

@@ -1,7 +1,5 @@
 """Responses of the sampled loop to a unit of each input, and what rows of outputs make of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Matrices of one sample of the loop in balls, and rows of outputs within it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeAlias
 

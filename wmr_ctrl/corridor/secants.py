@@ -6,8 +6,6 @@ graph over the box (`wmr_ctrl.corridor.affine`) serves instead: f(x) = c + S (x 
 and at most r and the size of that beside.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import casadi as ca

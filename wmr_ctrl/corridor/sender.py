@@ -5,8 +5,6 @@ corridor.filter); the base is its plant step without what `idle_base` leaves out
 condition on what is sent, or a bounded error of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Graphs in spans: evaluated at thousands of places of a path by an operation of arrays a node."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Matrices of some samples along a motion, in spans: of a whole sample, and of times within it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,8 +7,6 @@ linear loop is taken away, column by column.  The rest is followed on while noth
 corridor holds from there on if its box closes with it (ledger: corridor.transient).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Corridor of a law over a scenario's whole run, along any path, with what the robot changes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace

@@ -17,8 +17,6 @@ since the last sample must be what has passed, or not above 0.  Motors that give
 `force_band`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache

@@ -9,8 +9,6 @@ Wheels that are not alike couple v and omega: there the wheels are the channels,
 min(V, l Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce

@@ -14,8 +14,6 @@ for the step response S, and L the integral of |1 - S| from when S first reaches
 and |u| <= c = (V - delta - a (K L + N H/2))/K is admitted (`filter.slew`).
 """
 
-from __future__ import annotations
-
 from functools import cached_property, reduce
 
 import casadi as ca

@@ -4,8 +4,6 @@ A command (v, omega) goes in, with odometry where there is some, and the nearest
 both axes scaled by one factor, so that the path keeps its curvature, or each by its own.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence

@@ -14,8 +14,6 @@ admitted ones are an interval around it.  Zero at once may take more force than 
 the fastest admitted ramp.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property, lru_cache, reduce
 from itertools import chain

@@ -6,8 +6,6 @@ zeros.  The filter has the last word, so whatever comes in, what leaves it is a 
 filter may send.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import reduce

@@ -15,8 +15,6 @@ It knows no hidden state: behind a second lag, a ramp or an overshooting loop th
 there only the clip of what never overshoots holds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce

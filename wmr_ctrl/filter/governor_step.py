@@ -3,8 +3,6 @@
 Its state is the bounds of every channel's speed and the commands that may still act.
 """
 
-from __future__ import annotations
-
 from functools import cached_property, reduce
 from typing import TypeAlias
 

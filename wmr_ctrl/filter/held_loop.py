@@ -19,8 +19,6 @@ below 0.  What the motors are asked for, less friction, is M times a mean of the
 the step, so at most what it is at some instant of the step at which the speed is no less.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

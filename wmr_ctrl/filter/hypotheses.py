@@ -1,7 +1,5 @@
 """Assumptions of a filter that a run breaks: refused, unless `filter.trust` says it is meant."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

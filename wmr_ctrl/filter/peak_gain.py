@@ -17,8 +17,6 @@ No corner is taken for the worst; `filter.peak-worst` says which one is.  Where 
 a base of its own, its loop as it is held over plant steps counts beside the family (`held_loop`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Numbers up to which it is proved that what a filter keeps back covers its roundings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from wmr_ctrl.errors import ScenarioError

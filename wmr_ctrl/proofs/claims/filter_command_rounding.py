@@ -3,8 +3,6 @@
 A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`).
 """
 
-from __future__ import annotations
-
 import casadi as ca
 
 from wmr_ctrl.filter.channels import AXES, FIRST, ROUNDING, Channel, one_first, scaled, stretched
