@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -19,12 +19,13 @@ from wmr_ctrl.filter.clip import slew_reach
 from wmr_ctrl.filter.filter import CommandFilter, command_filter
 from wmr_ctrl.filter.force_band import force_table
 from wmr_ctrl.filter.forecast import PIECES
-from wmr_ctrl.filter.held_loop import HeldLoop, friction_at_a_rim, held_friction
+from wmr_ctrl.filter.held_loop import HeldLoop, held_friction
 from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario import Scenario, load_scenario, override
 
 WORST = {"robot.m": 55.0, "base.kp": 140.0, "base.ki": 320.0}
 """The member of the stated family that swings most."""
+Demands: TypeAlias = Sequence[tuple[float, float]]
 ALONE = {"base.kind": "torque"}
 """What takes a run's own base out of a scenario: the family alone is left."""
 
@@ -167,35 +168,33 @@ def test_a_loop_too_quick_for_its_steps_is_refused(change: Mapping[str, Any]) ->
         settle(override(worst(0.01), change), "kanayama")
 
 
-def friction_held(limit: CommandFilter, mu: float, h: float) -> float:
-    """Largest |v| of a loop of 0.2 s that makes up for friction once a step; commands turn round.
+def stepped(v: float, u: float, mu: float, h: float) -> float:
+    """v behind a step of a run: one of Runge and Kutta's, the loop of 0.2 s and friction held."""
+    given, k = (u - v) / (-h / math.expm1(-h / 0.2)) + mu * 9.81 * math.tanh(v / 0.01), [0.0]
+    for share in (0.0, 0.5, 0.5, 1.0):
+        k.append(given - mu * 9.81 * math.tanh((v + share * h * k[-1]) / 0.01))
+    return v + h / 6 * (k[1] + 2 * k[2] + 2 * k[3] + k[4])
 
-    Its steps are those of a run: one of Runge and Kutta's.
-    """
-    rng, v, top, pace = np.random.default_rng(0), 0.0, 0.0, -h / math.expm1(-h / 0.2)
+
+def friction_held(limit: CommandFilter, mu: float, h: float) -> float:
+    """Largest |v| while commands turn round."""
+    rng, v, top = np.random.default_rng(0), 0.0, 0.0
     for _ in range(1200):
         u = limit.step((rng.choice([-9.0, 9.0, 0.0, 0.3]), 0.0)).command[0]
         for _ in range(round(0.05 / h)):
-            given, k = (u - v) / pace + mu * 9.81 * math.tanh(v / 0.01), [0.0]
-            for share in (0.0, 0.5, 0.5, 1.0):
-                k.append(given - mu * 9.81 * math.tanh((v + share * h * k[-1]) / 0.01))
-            v += h / 6 * (k[1] + 2 * k[2] + 2 * k[3] + k[4])
+            v = stepped(v, u, mu, h)
             top = max(top, abs(v))
     return top
 
 
-def rim(limit: CommandFilter, mu: float, h: float) -> float:
-    """Largest speed of a rim of loops of 0.2 s, friction of v being made up for once a step."""
-    l, pace, top, v, w = 0.25, -h / math.expm1(-h / 0.2), 0.0, 0.0, 0.0
-    for demand in ((9.0, 0.0), (0.0, 9.0)) * 2:
-        for _ in range(60):
-            u = limit.step(demand).command
-            for _ in range(round(0.05 / h)):
-                w += (u[1] - w) * h / pace
-                given = (u[0] - v) / pace + mu * 9.81 * math.tanh(v / 0.01)
-                for _ in range(20):
-                    v += h / 20 * (given - mu * 9.81 * math.tanh(v / 0.01))
-                top = max(top, abs(v) + l * abs(w))
+def rim(limit: CommandFilter, mu: float, h: float, asked: Iterable[tuple[float, float]]) -> float:
+    """Largest speed of a rim while each of ``asked`` is asked for once, with true odometry."""
+    l, top, v, w = 0.25, 0.0, 0.0, 0.0
+    for demand in asked:
+        u = limit.step(demand, (v, w)).command
+        for _ in range(round(0.05 / h)):
+            v, w = stepped(v, u[0], mu, h), stepped(w, u[1], 0.0, h)
+            top = max(top, abs(v) + l * abs(w))
     return top
 
 
@@ -214,31 +213,64 @@ def test_a_governor_counts_on_friction_that_changes_within_a_plant_step() -> Non
     assert not list(held_friction(override(stated, {"robot.mu": 0.0})))
 
 
-def test_wheels_whose_speed_is_limited_count_friction_as_a_push_on_v() -> None:
-    """Behind a clip; a governor's commands may be far beyond V, and what is held back with them."""
-    clip = {"kind": "clip", "wheel_speed": 0.8, "d": [0.0, 0.0]}
-    stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": clip})
+LIMITED = {"wheel_speed": 0.8, "d": [0.0, 0.0], "tau": [0.2, 0.2]}
+CLIP = {"kind": "clip", **LIMITED}
+GOVERNOR = {"kind": "governor", "channels": "wheels", "odometry": [0.02, 0.0], **LIMITED}
+TURNED: Demands = [*((9.0, 0.0),) * 60, *((0.0, 9.0),) * 60] * 2
+"""Straight on, then a turn in place: friction keeps some of v while omega is there already."""
+SWAYED: Demands = [*((0.2, 9.0),) * 2, *((-0.1, 9.0),) * 2] * 20
+"""A turn in place that goes to and fro."""
+
+
+def limited(stated: Mapping[str, Any], mu: float, h: float) -> Scenario:
+    """A base of loops of 0.2 s behind a filter that limits its wheels."""
+    return based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": stated,
+                  "robot.mu": mu, "clock.plant": h, "limits.v_u1": [1.0, 4.0]})  # fmt: skip
+
+
+def told(stated: Scenario) -> float:
+    """d of v as it is told where a run is refused for less [m/s]."""
     with pytest.raises(ScenarioError, match=r"holds back v alone. Raise it to that") as refused:
         settle(stated, "kanayama")
-    told = float(str(refused.value).split("up to ")[1].split(" m/s")[0])
-    assert told == pytest.approx(friction_at_a_rim(stated), rel=1e-3)
-    settle(override(stated, {"filter.d": [told, 0.0]}), "kanayama")
-    settle(override(stated, {"robot.mu": 0.0}), "kanayama")
-    settle(override(stated, {"filter.wheel_speed": None}), "kanayama")
-    governor = {"filter.kind": "governor", "filter.tau": [0.2, 0.3], "filter.d": [told, 0.0]}
-    with pytest.raises(ScenarioError, match=r"Leave it out, use filter\.kind = \"clip\", or set"):
-        settle(override(stated, governor), "kanayama")
+    return float(str(refused.value).split("up to ")[1].split(" m/s")[0])
 
 
-@pytest.mark.parametrize(("mu", "h"), [(0.1, 0.001), (0.02, 0.005)])
-def test_what_counts_for_friction_at_a_rim_is_enough(mu: float, h: float) -> None:
-    """Straight on, then a turn in place: friction keeps some of v while omega is there already."""
-    clip = {"kind": "clip", "wheel_speed": 0.5}
-    stated = based({**VELOCITY, "base.tau": [0.2, 0.2], "base.gain": [1.0, 1.0], "filter": clip,
-                    "robot.mu": mu, "clock.plant": h, "limits.v_u1": [1.0, 2.0]})  # fmt: skip
-    enough = override(stated, {"filter.d": [friction_at_a_rim(stated), 0.0]})
-    assert rim(command_filter(stated), mu, h) > 0.5
-    assert rim(command_filter(enough), mu, h) <= 0.5
+@pytest.mark.parametrize(("stated", "asked"), [(CLIP, TURNED), (GOVERNOR, SWAYED)])
+@pytest.mark.parametrize(("mu", "h"), [(0.1, 0.001), (0.02, 0.005), (0.1, 0.01)])
+def test_what_counts_for_friction_at_a_rim_is_enough(
+    stated: Mapping[str, Any], asked: Demands, mu: float, h: float
+) -> None:
+    """Behind a clip and behind a governor, whose commands may be far beyond V."""
+    run = limited(stated, mu, h)
+    enough = override(run, {"filter.d": [told(run), 0.0]})
+    settle(enough, "kanayama")
+    assert rim(command_filter(run), mu, h, asked) > 0.8
+    assert rim(command_filter(enough), mu, h, asked) <= 0.8
+    settle(override(run, {"robot.mu": 0.0}), "kanayama")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"filter.odometry": [0.0, 0.0]}, "with friction within plant steps, and filter.odometry"),
+        ({"initial.velocity": [0.3, 2.0]}, "a wheel starts at 0.8 m/s, above 0.798 m/s"),
+        ({"robot.mu": 0.3, "clock.plant": 0.01}, "Shorten clock.plant to at most 0.00679 s"),
+    ],
+)
+def test_what_a_governor_of_rims_counts_on_with_friction_is_refused_where_it_fails(
+    changes: Mapping[str, Any], words: str
+) -> None:
+    run = limited({**GOVERNOR, "d": [0.3, 0.0]}, 0.1, 0.001)
+    settle(run, "kanayama")
+    with pytest.raises(ScenarioError, match=words):
+        settle(override(run, changes), "kanayama")
+
+
+def test_the_burger_s_governor_takes_a_limit_of_its_wheels() -> None:
+    """As it is shipped, friction and all; what friction needs is below what slopes do."""
+    for stated in ({"wheel_speed": 0.2}, {"channels": "wheels"}):
+        keys = {f"filter.{key}": value for key, value in stated.items()}
+        settle(load_scenario("turtlebot3-burger", keys), "kanayama")
 
 
 def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_filter() -> None:

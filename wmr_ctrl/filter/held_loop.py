@@ -27,9 +27,10 @@ import numpy as np
 
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.enclosure import Floats, Span, exp, increasing, root, square
+from wmr_ctrl.model.system import Number
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import ROUNDING, Bound, Pair
-from wmr_ctrl.world.phases import phases, steepness
+from wmr_ctrl.world.phases import full_friction, phases, steepness
 from wmr_ctrl.world.resistance import Resistance
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_pi import PiLoopGains
@@ -141,47 +142,79 @@ def held_share(scenario: Scenario) -> float:
     return scenario.clock.plant * max(slopes)
 
 
-def friction_at_a_rim(scenario: Scenario) -> float:
-    """Push [m/s] that counts for what friction holds back of v, where a clip limits rims.
-
-    It is x/2 of the way from the speed to the command, which are both at most V.
-    """
+def counts_on_rims(scenario: Scenario) -> bool:
+    """True where a filter counts on rims that follow first-order loops of their own."""
     stated = scenario.filter
-    if stated.kind != "clip" or stated.wheel_speed is None or not has_loop(scenario, "first-order"):
-        return 0.0
-    return held_share(scenario) * scenario.limits.v_u1[0]
+    wheels = stated.kind == "governor" and stated.channels == "wheels"
+    return (wheels or stated.wheel_speed is not None) and has_loop(scenario, "first-order")
+
+
+def kick_of_friction(scenario: Scenario) -> float:
+    """B [m/s]: by which friction takes v off its loop's way at most while one command acts.
+
+    It is h times all of friction's range over the mass, 2 mu g (`filter.held-kick`).
+    """
+    ranges = (2 * full_friction(phase.robot) / phase.robot.m for phase in phases(scenario))
+    return scenario.clock.plant * max(ranges)
+
+
+def push_of_kick(kick: Number, gone: Number) -> Number:
+    """Push [m/s] that leads to ``kick`` while a loop goes a share ``gone`` of its way."""
+    return kick / gone
+
+
+def friction_at_a_rim(scenario: Scenario, push: float, bound: Bound) -> float:
+    """Push [m/s] that counts for friction where rims are limited, beside a ``push`` on v.
+
+    It leads to B in the time of a command, which is a plant step where a base changes it by itself,
+    and covers what pushes to and fro add near rest.  Behind a clip, whose commands are at most V,
+    it need not be more than x/2 of the way between two speeds of at most V.
+    """
+    clock, x = scenario.clock, held_share(scenario)
+    acts = clock.plant if bound.hidden else max(clock.control - bound.jitter, clock.plant)
+    gone = -math.expm1(-acts / scenario.base.tau[0])
+    counted = push_of_kick(kick_of_friction(scenario), gone) + 2 * x * push
+    clips = scenario.filter.kind == "clip"
+    return min(counted, x * scenario.limits.v_u1[0]) if clips else counted
 
 
 def held_friction(scenario: Scenario) -> Iterator[str]:
     """Objections to friction that changes within a plant step of a first-order loop."""
     stated, h, x = scenario.filter, scenario.clock.plant, held_share(scenario)
+    begin = f"Friction that changes within clock.plant = {h:g} s (robot.mu) "
+    most = 2.0 if counts_on_rims(scenario) else STABLE
+    if x > most:
+        does = "may throw v beyond its command" if x > STABLE else "holds back v alone for steps"
+        yield (
+            f"{begin}{does} near rest: the step is {rounded(x, 3)} times friction's time constant "
+            f"there. Shorten clock.plant to at most {rounded(h * most / x, 3, up=False)} s."
+        )
+        return
+    if counts_on_rims(scenario):
+        yield from _started_rims(scenario)
     slowest = math.inf
     if x < 2:
         slowest = -h / math.log1p(math.expm1(-h / scenario.base.tau[0]) * (1 - x / 2))
-    governs, rims = stated.kind == "governor", stated.wheel_speed is not None
-    begin = f"Friction that changes within clock.plant = {h:g} s (robot.mu) "
-    if x > STABLE:
-        yield (
-            f"{begin}may throw v beyond its command near rest: the step is {rounded(x, 3)} times "
-            "friction's time constant there. Shorten clock.plant to at most "
-            f"{rounded(h * STABLE / x, 3, up=False)} s."
-        )
-        return
-    if x > 0 and ((governs and (rims or stated.channels == "wheels")) or (rims and x >= 2)):
-        which, other = "filter.wheel_speed", "Leave it out"
-        if governs and rims:
-            other += ', use filter.kind = "clip"'
-        if not rims:
-            which, other = 'filter.channels = "wheels"', 'Use filter.channels = "body"'
-        yield (
-            f"{begin}holds back v alone, near rest, so that no wheel follows a first-order loop of "
-            f"its own, and {which} relies on that. {other}, or set robot.mu = 0."
-        )
-    elif governs and stated.tau is not None and slowest > stated.tau[1] * (1 + ROUNDING):
+    governs = stated.kind == "governor" and stated.channels == "body"
+    if governs and stated.tau is not None and slowest > stated.tau[1] * (1 + ROUNDING):
         more = f"Raise it to {rounded(slowest, 4)} s, or shorten" if x < 2 else "Shorten"
         yield (
             f"{begin}lets v change near rest more slowly than filter.tau[2] = {stated.tau[1]:g} s "
             f"says. {more} clock.plant."
+        )
+
+
+def _started_rims(scenario: Scenario) -> Iterator[str]:
+    """Objections to a start from which friction may take a rim beyond its limit."""
+    stated, l, (v, omega) = scenario.filter, scenario.robot.l, scenario.initial.velocity
+    V, turn = scenario.limits.v_u1
+    tops = (V, l * turn) if stated.channels == "wheels" else ()
+    top = min(*tops, stated.wheel_speed or math.inf, math.inf) - kick_of_friction(scenario)
+    if abs(v) + l * abs(omega) > top * (1 + ROUNDING):
+        yield (
+            f"initial.velocity = [{v:g}, {omega:g}]: a wheel starts at {abs(v) + l * abs(omega):g} "
+            f"m/s, above {rounded(top, 4, up=False)} m/s, its limit less what friction leads to "
+            "within plant steps. Start more slowly."
         )
 
 

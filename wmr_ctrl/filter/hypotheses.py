@@ -8,8 +8,10 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.filter.held_loop import (
+    counts_on_rims,
     friction_at_a_rim,
     held_friction,
+    kick_of_friction,
     push_speeds,
     too_quick,
 )
@@ -111,9 +113,10 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Pushes on a first-order base beyond d; of a governor's base also those that slow it."""
     slowed = against(scenario) if scenario.filter.kind == "governor" else (0.0, 0.0)
     both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
-    held = friction_at_a_rim(scenario), 0.0
-    for axis, push in enumerate(push_speeds(scenario, replace(bound, dbar=both))):
-        speed = push + held[axis]
+    pushes, held = push_speeds(scenario, replace(bound, dbar=both)), 0.0
+    if counts_on_rims(scenario):
+        held = friction_at_a_rim(scenario, pushes[0], bound)
+    for axis, speed in enumerate((pushes[0] + held, pushes[1])):
         if speed <= (d := scenario.filter.d[axis]) * (1 + ROUNDING):
             continue
         said, why, other = "Disturbances and errors of the command may push the base on by", "", ""
@@ -121,10 +124,11 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
             said = "[resistance] and pushes together slow the base by up to"
             why = ": on its way back to rest the speed changes faster than the governor counts on"
             other = ', or use filter.kind = "clip"'
-        elif held[axis]:
+        elif held and axis == 0:
             said += " up to"
             why = ": friction (robot.mu) that changes within a plant step holds back v alone"
-            other = ", shorten clock.plant or leave out filter.wheel_speed"
+            which = "wheel_speed" if scenario.filter.wheel_speed is not None else "channels"
+            other = f", shorten clock.plant or leave out filter.{which}"
         yield (
             f"{said} {rounded(speed, 4)} {UNITS[axis]}, and filter.d[{axis + 1}] = {d:g} "
             f"{UNITS[axis]} is less{why}. Raise it to that, if that is below limits.v_u1{other}."
@@ -223,11 +227,11 @@ def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
 def _of_wheels(scenario: Scenario) -> Iterator[str]:
     """Limits of wheels that need loops of v and omega which change alike."""
     stated, base, governs = scenario.filter, scenario.base, scenario.filter.kind == "governor"
-    wheels, speed = governs and stated.channels == "wheels", stated.wheel_speed is not None
+    speed, alike = stated.wheel_speed is not None, counts_on_rims(scenario)
     which = "filter.wheel_speed" if speed else 'the governor of filter.channels = "wheels"'
     remedy = "Leave it out" if speed else 'Use filter.channels = "body"'
     for key, (linear, angular) in (("tau", base.tau), ("gain", base.gain)):
-        if linear != angular and (wheels or (speed and (governs or key == "tau"))):
+        if alike and linear != angular and (governs or key == "tau"):
             yield (
                 f"base.{key} = [{linear:g}, {angular:g}]: the loops of v and omega differ, so that "
                 "no wheel follows a first-order loop of its own, and "
@@ -308,10 +312,12 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
     yield from _of_the_times(scenario, bound)
     if stated.odometry is None:
         return
-    for axis, error in enumerate(bound.nbar):
+    kick = kick_of_friction(scenario) * counts_on_rims(scenario)
+    for axis, error in enumerate((bound.nbar[0] + kick, bound.nbar[1])):
         if error > stated.odometry[axis] * (1 + ROUNDING):
             yield (
-                f"The sensors' velocity is off by up to {rounded(error, 4)} {UNITS[axis]}, and "
+                f"The sensors' velocity is off by up to {rounded(error, 4)} {UNITS[axis]}"
+                f"{' with friction within plant steps' * (axis == 0 and kick > 0)}, and "
                 f"filter.odometry[{axis + 1}] = {stated.odometry[axis]:g} {UNITS[axis]} is less. "
                 "Raise it to that."
             )

@@ -42,6 +42,7 @@ THEMES = (
     ("filter_assembled", "The command filter of bases that take velocities"),
     ("gate", "The gate before a base"),
     ("filter_loops", "The command filter of bases that take velocities"),
+    ("filter_kick", "The command filter of bases that take velocities"),
     ("filter_band", "The command filter of bases that take velocities"),
     ("filter_band_times", "The command filter of bases that take velocities"),
     ("filter_force", "The command filter of bases that take velocities"),
