@@ -32,6 +32,9 @@ from wmr_ctrl.world.references import Circle, Line, Waypoints
         ("1\nx = 2", "1\nx = 2"),
         ("", ""),
         (" 3 ", 3),
+        (".95", 0.95),
+        ("[-.5, 1.]", [-0.5, 1.0]),
+        ("5.e-3, ./x.csv", [5e-3, "./x.csv"]),
     ],
 )
 def test_value_is_toml_or_a_list_or_a_word(text, value):

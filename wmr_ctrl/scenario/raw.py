@@ -1,8 +1,8 @@
 """Scenario from and to plain dictionaries, as TOML and JSON have them, and one put over another.
 
 Overrides, such as ``limits.v_u2[1] = 0.7``, are put on a raw scenario before it is checked.
-A key is dotted, with indices from 1.  A text value is TOML; failing that, a bare comma list is
-an array, and a bare word is text.
+A key is dotted, with indices from 1.  A text value is TOML, also with numbers such as .95 and 1.;
+failing that, a bare comma list is an array, and a bare word is text.
 """
 
 import re
@@ -224,10 +224,14 @@ def parse_assignments(texts: Iterable[str]) -> dict[str, str]:
     return pairs
 
 
+_MISSING_DIGIT = re.compile(r"(?<![\w.])(?=\.\d)|(?<=\d\.)(?!\d)")
+"""Places beside a decimal point where TOML wants a digit."""
+
+
 def parse_value(text: str) -> object:
     """Return the value of an override's text: TOML, or a bare comma list, or a bare word."""
     text = text.strip()
-    item = _toml_value(text)
+    item = _toml_value(text) or _toml_value(_MISSING_DIGIT.sub("0", text))
     if item is not None:
         return item[0]
     if "," in text and not text.startswith(("[", "{", '"', "'")):
