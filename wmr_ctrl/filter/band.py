@@ -327,11 +327,11 @@ def enclosed(scenario: Scenario, axis: int) -> Band:
         family = settings.interval("frequency"), settings.interval("damping")
         known = _second_order_band(*family, T, settings.jitter)
     if not known.left <= LARGEST_LEFT:
+        far = f"{known.left:.2g} times that" if known.left < np.inf else "any amount"
         raise ScenarioError(
             f"filter: after {MOST_COMMANDS} periods of clock.control = {T:g} s the step response "
-            f"of {NAMES[axis]} may still be {known.left:.2g} from its final value, and the band "
-            "looks no further. Narrow the intervals, choose a longer period, or set filter.kind = "
-            '"clip".'
+            f"of {NAMES[axis]} may still be off its final value by {far}, and the band looks no "
+            'further. Narrow the intervals, choose a longer period, or set filter.kind = "clip".'
         )
     return known
 
