@@ -178,7 +178,14 @@ def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch)
         (("--out", "a.csv"), "must end in .toml"),
         (("--out", "no/a.toml"), "Create the folder first"),
         (("--law", "lqr"), "no law is named"),
-        (("--hold", "gains.pid.Kp"), "a search for prox varies gains.prox.rho"),
+        (
+            ("--hold", "gains.x,gains.pid.Kp"),
+            '"gains.pid.Kp" would not change anyway; a search for prox varies gains.prox.rho',
+        ),
+        (
+            ("--hold", "gains.prox.rho,gains.prox.wo", "--hold", "gains.kinematics.k"),
+            "these are all",
+        ),
         (("--set", "gains.prox.wo=0"), "above zero"),
     ],
 )

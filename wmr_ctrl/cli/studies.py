@@ -77,10 +77,13 @@ def study(
     opt.check_folder(out, "--out")
     from wmr_ctrl import api
     from wmr_ctrl.campaign.study_plan import load_plan
+    from wmr_ctrl.cli.check_sentences import unread_k
 
     plan = load_plan(words[0])
     for text in plan.warnings:
         say("warning", text)
+    for text in unread_k(plan.loaded, plan.laws, plan.stated):
+        say("note", text)
     with resumable(Path(out)), Progress("study") as progress:
         result = api.study(
             plan, out, executor=executor, device=device, jobs=jobs, progress=progress
@@ -164,7 +167,7 @@ class SeedRange(click.ParamType):
     "--hold",
     multiple=True,
     metavar="KEY",
-    help="Do not change this gain, such as gains.kinematics.k, which laws share. May be repeated.",
+    help="Do not change this gain, such as gains.kinematics.k, which laws share; A,B for several.",
 )
 @click.option(
     "--merit",
@@ -204,16 +207,18 @@ def tune(
     from wmr_ctrl import tuning
     from wmr_ctrl.tuning.search import trials_file
 
+    case = opt.load(scenario, assignments)
+    opt.note_idle(case, scenario, assignments, [law])
     with resumable(trials_file(Path(out))), Progress(f"tune {law}") as progress:
         better = tuning.tune(
-            opt.load(scenario, assignments),
+            case,
             law,
             out,
             seeds=seeds,
             test_seeds=test_seeds,
             trials=trials,
             weight=weight,
-            hold=hold,
+            hold=[key.strip() for keys in hold for key in keys.split(",")],
             merit=merit,
             jobs=jobs,
             progress=progress,

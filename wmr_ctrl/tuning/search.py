@@ -64,10 +64,15 @@ class TuningPlan:
             raise ArgumentError(
                 f"the law {self.law!r} names no gains to be tuned: list them in its `tuned`."
             )
-        if not {*self.hold} <= {*tunable(LAWS[self.law]), *self._keys} or not self.searched:
+        if wrong := [k for k in self.hold if k not in (*tunable(LAWS[self.law]), *self._keys)]:
             raise ArgumentError(
-                f"hold = {', '.join(self.hold)}: a search for {self.law} varies "
-                f"{', '.join(self._keys)}; hold some of these, but not all."
+                f"hold: {', '.join(map(show, wrong))} would not change anyway; a search for "
+                f"{self.law} varies {', '.join(self._keys)}. Hold some of these."
+            )
+        if not self.searched:
+            raise ArgumentError(
+                f"hold = {', '.join(self.hold)}: these are all gains that a search for {self.law} "
+                "varies. Leave at least one out."
             )
 
     @property
