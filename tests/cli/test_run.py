@@ -223,8 +223,33 @@ def test_a_file_that_is_no_run_is_refused(wmr, tmp_path):
     assert "run.npz" in result.stderr
 
 
+OWN_K = "note: gains.kinematics.k is stated, and law prox does not read it: here it has gains.prox."
+
+
+@pytest.mark.parametrize("more", ["", "[gains.prox]\nkinematics = [6.0, 196.0, 5.6]\n"])
+def test_a_file_with_the_shared_k_is_told_which_law_does_not_read_it(wmr, tmp_path, more):
+    """By run, tune and study (also for a k of the plan), unless it states the law's own as well."""
+    (tmp_path / "mine.toml").write_text(
+        f'extends = "safe-simulation"\n[gains.kinematics]\nk = [5.0, 99.0, 3.0]\n{more}'
+    )
+    laws = 'laws = ["mb", "prox"]\nseeds = 1\nset = {clock.duration = 0.1}\n'
+    grid = "grid = {gains.kinematics.k = [[5, 99, 3]]}"
+    plans = 'scenario = "mine.toml"\n', f'scenario = "safe-simulation"\n{grid}\n'
+    for place, plan in enumerate(plans):
+        (tmp_path / f"{place}.toml").write_text(f"{plan}{laws}")
+    path, short = tmp_path / "mine.toml", ("--set", "clock.duration=0.1")
+    run = wmr("run", path, *short, "--law", "prox")
+    other = wmr("run", path, *short, "--law", "mb")
+    tune = wmr("tune", path, *short, "--law", "prox", "--out", tmp_path / "a.toml", "--trials", "1",
+               "--set", "gains.prox.wo=0")  # fmt: skip
+    studies = [wmr("study", tmp_path / f"{k}.toml", "--out", tmp_path / f"{k}") for k in (0, 1)]
+
+    said = [OWN_K in " ".join(item.stderr.split()) for item in (run, other, tune, *studies)]
+    assert said == ([False] * 4 + [True] if more else [True, False, True, True, True])
+
+
 def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_path):
-    """Not those of presets, nor gains of other laws in a file; the shared k if no law reads it."""
+    """Not those of presets, nor gains of other laws in a file; the shared k where a law has one."""
     path = tmp_path / "mine.toml"
     path.write_text('extends = "paper-simulation"\n[gyro]\nnoise = 0.1\n')
 
@@ -235,5 +260,5 @@ def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_pa
     own, shared = (short_run("safe-simulation", "--law", law, *k) for law in ("prox", "mb"))
 
     assert "note: without effect here: encoder.window, gyro.noise, gains.prox.rho." in found.stderr
-    assert "note: without effect here: gains.kinematics.k." in own.stderr
+    assert OWN_K in " ".join(own.stderr.split())
     assert "without effect" not in plain.stderr + shared.stderr

@@ -127,7 +127,7 @@ class Study:
     that are run; ``guards``: whether the guard is on (None: as the scenario says); ``base``: the
     group that it is compared in; ``grid`` and ``sample``: values of fields that differ from run to
     run; ``stop``: when a case has enough runs; ``chunk``: runs between two times that results are
-    written.
+    written; ``stated``: keys that the plan, or its scenario's file, states.
     """
 
     scenario: str | Scenario
@@ -145,6 +145,7 @@ class Study:
     stop: StopRule | None = None
     figures: tuple[str, ...] = ()
     chunk: int = 1024
+    stated: frozenset[str] = frozenset()
 
     @cached_property
     def loaded(self) -> Scenario:

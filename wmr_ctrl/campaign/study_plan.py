@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -18,7 +19,7 @@ from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.scenario.toml_io import is_path
+from wmr_ctrl.scenario.toml_io import is_path, stated_keys
 
 Raw: TypeAlias = Mapping[str, object]
 ENABLED = "guard.enabled"
@@ -105,7 +106,8 @@ def plan_of(raw: Raw, folder: Path = Path()) -> Study:
     given = {key: value for key, value in raw.items() if key not in ("scenario", "seeds")}
     table = build(PlanTable, given, "")
     fixed = flat(table.set)
-    scenario = override(_scenario(raw.get("scenario", "paper-simulation"), folder), fixed)
+    source = _source(raw.get("scenario", "paper-simulation"), folder)
+    scenario = override(load_scenario(source) if isinstance(source, str) else source, fixed)
     sample, seeds = _sample(table.sample) if "sample" in raw else None, _seeds(raw.get("seeds", 20))
     figures = _figures(table.figures, table.plant)
     study = Study(
@@ -125,7 +127,10 @@ def plan_of(raw: Raw, folder: Path = Path()) -> Study:
     _check_places({"set": fixed, **varied})
     _check_guard({**varied, **({"set": fixed} if "guard" in raw else {})})
     _check(study)
-    return study
+    keys = (*fixed, *study.grid, *varied["sample"])
+    return replace(
+        study, stated=frozenset(stated_keys(source if isinstance(source, str) else "", keys))
+    )
 
 
 def _check_places(tables: Mapping[str, Iterable[str]]) -> None:
@@ -174,12 +179,12 @@ def flat(table: Raw, head: str = "") -> dict[str, object]:
     return rows
 
 
-def _scenario(given: object, folder: Path) -> Scenario:
+def _source(given: object, folder: Path) -> str | Scenario:
     if isinstance(given, Scenario):
         return given
     if not isinstance(given, str):
         raise ArgumentError("scenario must be a preset's name or the path of a TOML file.")
-    return load_scenario(folder / given if is_path(given) or (folder / given).is_file() else given)
+    return str(folder / given) if is_path(given) or (folder / given).is_file() else given
 
 
 def _seeds(given: object) -> Seeds:

@@ -37,14 +37,13 @@ def check(
     The exit code is 0 if the scenario is valid, whatever the warnings, and 2 if it is not.
     """
     from wmr_ctrl.cli import check_answers as about
-    from wmr_ctrl.cli.check_sentences import idle_keys
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.scenario import inherited, parse_assignments
 
     case = opt.load(scenario, assignments, guard)
     taken = inherited(case, scenario, parse_assignments(assignments))
     laws = chosen or ((only,) if only and only in LAWS else tuple(LAWS))
-    opt.note_idle(case, scenario, assignments, laws, () if only else idle_keys(case))
+    opt.note_idle(case, scenario, assignments, laws)
     answers = about.find_answers(case, laws, taken, only == "corridor" and not as_json)
     if as_json:
         print_json(about.document(answers))

@@ -168,8 +168,6 @@ def head(answers: Answers) -> Iterator[str]:
         yield wrapped(
             f"Not stated, so taken from the paper or the preset (--only inherited): {listed}."
         )
-    if idle := check_sentences.idle_keys(case):
-        yield wrapped(f"Without effect, as what they belong to is switched off: {', '.join(idle)}.")
     if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
 

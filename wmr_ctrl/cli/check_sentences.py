@@ -1,17 +1,18 @@
 """Sentences of ``wmr-ctrl check``: promise, guard, filter, stability, one run."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
 from wmr_ctrl.checks import Stability, filter_advice, filter_facts
 from wmr_ctrl.checks.velocity_base import hears
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import MASS_KEYS, SourcedNumber, assumption_sources
 from wmr_ctrl.guard.price import early_speed, speed_price
 from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.law import OwnKinematics
 from wmr_ctrl.results import Run, driving, percent, speeds, tracked
 from wmr_ctrl.results.measures import arrival, guard_share, tracking
 from wmr_ctrl.scenario import Scenario, override, parse_assignments, title_of
@@ -235,10 +236,21 @@ def idle_by_user(
     given = parse_assignments(assignments)
     stated = stated_keys(source, given)
     gains = [key for key in given if key.startswith("gains.") and key.count(".") > 1]
-    read = {settle(case, law).kinematic_key for law in laws if LAWS[law].traits.auxiliary}
     others = [key for key in gains if (law := key.split(".")[1]) in LAWS and law not in laws]
-    others += [key for key in (SHARED_K,) if key in given and key not in read]
+    if SHARED_K in given and not any(LAWS[law].traits.auxiliary for law in laws):
+        others.append(SHARED_K)
     return (*(key for key in idle_keys(case) if key in stated), *others)
+
+
+def unread_k(case: Scenario, laws: Sequence[str], stated: Set[str]) -> Iterator[str]:
+    """Sentences on laws with a k of their own, where a user states the shared one alone."""
+    for law in laws if SHARED_K in stated else ():
+        own, gains = f"gains.{law}.{KINEMATICS}", gains_of(case, LAWS[law])
+        if isinstance(gains, OwnKinematics) and gains.kinematics and own not in stated:
+            yield (
+                f"{SHARED_K} is stated, and law {law} does not read it: here it has {own} = "
+                f"{list(gains.kinematics)}, its own. State that for {law}."
+            )
 
 
 def sight(run: Run) -> str:

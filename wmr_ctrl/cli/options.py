@@ -161,17 +161,17 @@ def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = No
 
 
 def note_idle(
-    case: Scenario,
-    scenario: str,
-    assignments: Sequence[str],
-    laws: Sequence[str],
-    said: Sequence[str] = (),
+    case: Scenario, scenario: str, assignments: Sequence[str], laws: Sequence[str]
 ) -> None:
-    """Name on stderr what the user states and these laws do not read, but for what is ``said``."""
-    from wmr_ctrl.cli.check_sentences import idle_by_user
+    """Name on stderr what the user states and these laws do not read."""
+    from wmr_ctrl.cli.check_sentences import idle_by_user, unread_k
+    from wmr_ctrl.scenario import parse_assignments
+    from wmr_ctrl.scenario.toml_io import stated_keys
 
-    if idle := [k for k in idle_by_user(case, scenario, assignments, laws) if k not in said]:
+    if idle := idle_by_user(case, scenario, assignments, laws):
         say("note", f"without effect here: {', '.join(idle)}.")
+    for text in unread_k(case, laws, stated_keys(scenario, parse_assignments(assignments))):
+        say("note", text)
 
 
 def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None:

@@ -214,6 +214,8 @@ def _stated(file: Path) -> set[str]:
     """Keys of a file and of the files that it extends; it has been loaded before."""
     raw = _parse(read_text(file, "scenario"), file)
     tables = {table: part for table, part in raw.items() if isinstance(part, Mapping)}
+    gains = tables.get("gains", {}).items()
+    tables |= {f"gains.{law}": part for law, part in gains if isinstance(part, Mapping)}
     keys = {f"{table}.{name}" for table, part in tables.items() for name in part}
     base = raw.get("extends")
     return keys | _stated(file.parent / base) if isinstance(base, str) and is_path(base) else keys
