@@ -97,11 +97,15 @@ def test_a_figure_of_another_package_stands_in_the_report_s_tables(monkeypatch):
     assert table["twice"].tolist() == [2.0]
 
 
-def test_a_figure_of_another_package_that_fails_is_named(monkeypatch):
-    wrong = Figure("wrong", "1", "a number", lambda run: run.speed)
+@pytest.mark.parametrize(
+    ("of", "error"),
+    [(lambda run: run.speed, "Attribute"), (lambda run: run["speed"], "UnknownName")],
+)
+def test_a_figure_of_another_package_that_fails_is_named(monkeypatch, of, error):
+    wrong = Figure("wrong", "1", "a number", of)
     monkeypatch.setitem(FIGURES.__dict__, "plugins", (wrong,))
 
-    with pytest.raises(ArgumentError, match="figure 'wrong' cannot be taken: AttributeError"):
+    with pytest.raises(ArgumentError, match=f"figure 'wrong' cannot be taken: {error}Error"):
         figures_of(build())
 
 

@@ -325,7 +325,7 @@ def values_of(run: Run, figures: Iterable[Figure]) -> dict[str, float | None]:
     values: dict[str, float | None] = {}
     for figure in figures:
         remedy = "Mend or uninstall the package that has it."
-        with blamed(f"the figure {figure.name!r} cannot be taken", remedy):
+        with blamed(f"the figure {figure.name!r} cannot be taken", remedy, passing=()):
             value = figure.of(run)
             values[figure.name] = float(value) if value is not None and np.isfinite(value) else None
     return values
