@@ -85,7 +85,7 @@ class Surroundings:
         self.drives = DriveTimes(late, actuator.delay, actuator.lag)
         self._lag = actuator.lag * (1 + actuator.lag_spread)
         self._wheels = wheels(scenario.robot.r, scenario.robot.l)
-        self._known = lru_cache(maxsize=64)(self._known_of_drives)
+        self.known_of_drives = lru_cache(maxsize=64)(self._known_of_drives)
         # Kept for the next law, which is tried at the same periods, delays and masses.
         self._plant = lru_cache(maxsize=1024)(
             lambda motion, period, delay, robot, sample: self._assembly(
@@ -173,15 +173,10 @@ class Surroundings:
         given = [ca.DM(self._wheels) @ force for force in forces]
         return ca.vertcat(*given, ca.SX.zeros(world.held - COMMAND * len(given)))
 
-    def known_of_drives(
-        self, period: float, late: DriveTimes, applied: bool, commands: int
-    ) -> KnownDrives:
-        """Memory of ``applied`` forces, if asked for, and of so many ``commands``."""
-        return self._known(period, late, applied, commands)
-
     def _known_of_drives(
         self, period: float, late: DriveTimes, applied: bool, commands: int
     ) -> KnownDrives:
+        """Memory of ``applied`` forces, if asked for, and of so many ``commands``."""
         whole, rest = divided(late.known, period)
         queue = max(applied * (whole + (rest > 0)), commands)
         sizes = (COMMAND * (applied and late.lag > 0), COMMAND * applied, COMMAND * queue)

@@ -81,6 +81,11 @@ def fit(points: Array, speed: float, closed: bool) -> SplinePath:
             break
         steps, table = longer, trial
     knots = sums(steps) * (arc_lengths(table).sum() / steps.sum() / speed)
+    return _directed(knots, table, closed)
+
+
+def _directed(knots: Array, table: Array, closed: bool) -> SplinePath:
+    """The path of a table, with its headings."""
     theta = headings(table)
     turns = round(float(theta[-1, -1] - theta[0, 0]) / (2 * math.pi)) if closed else 0
     return SplinePath(knots, table, theta[:, SAMPLES // 2], 2 * math.pi * turns, closed)
@@ -255,12 +260,7 @@ def rounded(points: Array, tolerance: float, closed: bool) -> SplinePath:
         if sides[k + 1] > 0:
             pieces.append(_corner(ring[k + 1], way, ways[(k + 1) % len(ways)], sides[k + 1]))
             spans.append(EVEN * sides[k + 1])
-    table = np.stack(pieces)
-    theta = headings(table)
-    turns = round(float(theta[-1, -1] - theta[0, 0]) / (2 * math.pi)) if closed else 0
-    return SplinePath(
-        sums(np.array(spans)), table, theta[:, SAMPLES // 2], 2 * math.pi * turns, closed
-    )
+    return _directed(sums(np.array(spans)), np.stack(pieces), closed)
 
 
 def simplified(points: Array, within: float, closed: bool) -> Array:
