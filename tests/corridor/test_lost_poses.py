@@ -63,13 +63,13 @@ def _each(apart):
 def test_over_any_number_of_samples_more_than_are_summed_up_cost_no_less():
     """Sums of more samples than have a row of their own are put together of those that have."""
     corridors = [find_corridor(simulated(lossy(times)), "prox").position for times in (5, 9, 12)]
-    kept = reckoning.TOGETHER
-    reckoning.TOGETHER = 5
+    kept = reckoning.MOST_ROW_SAMPLES
+    reckoning.MOST_ROW_SAMPLES = 5
     try:
         room._of.cache_clear()
         apart = [find_corridor(simulated(lossy(times)), "prox").position for times in (5, 9, 12)]
     finally:
-        reckoning.TOGETHER = kept
+        reckoning.MOST_ROW_SAMPLES = kept
         room._of.cache_clear()
 
     assert corridors[0] == apart[0]

@@ -267,7 +267,7 @@ def test_a_loop_that_forgets_before_a_block_ends_is_followed(monkeypatch):
     monkeypatch.setattr("wmr_ctrl.corridor.along.forgets", lambda *_: 12)
     told = {"clock.duration": 1.5, "changes": [{"t": 0.533, "m": 31.0}], "disturbance.std": 2e-4}
     along = Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
-    assert along.memory < along.together
+    assert along.memory < along.batch
 
     bounds = Passing(along, bounded_inputs(along.setup), np.zeros(3)).run()
 

@@ -14,7 +14,7 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.logs import lint
-from wmr_ctrl.logs.log import FACTORS, LogError, counted, of_columns, unit_of, with_torques
+from wmr_ctrl.logs.log import FACTORS, LogError, of_columns, unit_of, with_counts, with_torques
 from wmr_ctrl.logs.samples import motion_of, wheels
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS
@@ -212,7 +212,7 @@ def test_the_smallest_step_of_an_angle_is_a_count_and_rounding_is_none():
     turn = 2 * np.pi * np.array([0, 3, 5, 5, 6]) / 500 + [0, 0, 0, 1e-12, 0]
     log = of_columns("log", {"t [s]": range(5), "wheel_angle[1]": turn, "wheel_angle[2]": turn})
 
-    read, counts = counted(log, None)
+    read, counts = with_counts(log, None)
 
     assert counts == 500
     assert read.columns[COUNTS.elements[0]] == pytest.approx([0, 3, 5, 5, 6])

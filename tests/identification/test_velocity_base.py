@@ -219,7 +219,7 @@ def test_a_pi_loop_of_a_run_gives_its_peak_gain_back(tmp_path):
 
 
 LOG = SimpleNamespace(
-    period=0.02, t=0.02 * np.arange(400), counted=np.ones(400, dtype=bool),
+    period=0.02, t=0.02 * np.arange(400), in_fit=np.ones(400, dtype=bool),
     speed=np.minimum(0.02 * np.maximum(np.arange(400) - 100.0, 0.0), 0.5), until=lambda _: LOG,
 )  # fmt: skip
 """At rest, then at 1 m/s2 to 0.5 m/s."""

@@ -15,7 +15,7 @@ import casadi as ca
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.system import Parameters, Port, System, port
 from wmr_ctrl.signals import TAU_APPLIED, Signal, tau_sent
-from wmr_ctrl.world.delay import commands_under_way, delay_in_periods
+from wmr_ctrl.world.delay import commands_in_flight, delay_in_periods
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,7 +44,7 @@ class Applied:
         self.whole, self.part = delay_in_periods(scenario)
         drives = scenario.actuator
         counted = setup.guard.commands(clock, drives.delay, drives.lag)
-        count = max(commands_under_way(scenario), counted, setup.predicted)
+        count = max(commands_in_flight(scenario), counted, setup.predicted)
         sent = [tau_sent(age) for age in range(1, count + 1)]
         self.earlier = tuple(own.get(item) or port(item) for item in sent)
         self.acting = (port(ACTING),) if scenario.actuator.lag > 0 else ()

@@ -32,16 +32,16 @@ LEFT, LONGEST = 5e-3, 1500
 """Share of its first size below which a column is old, and samples after which any is."""
 STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
-TOGETHER_FOR, TOGETHER_MOST, YOUNG, APART = 0.2, 20, 0.5, 0.03
+BATCH_TIME, BATCH_MOST, YOUNG, APART = 0.2, 20, 0.5, 0.03
 """Seconds and samples that are followed at once; seconds after which some samples' columns stand
 for all, and between these."""
 OLD, OF_OLD = 1.2, 3
 """Seconds after which one in so many of these stands for all."""
 BRIEF, SLOW, SPREAD = 0.1, 2.0, 1.2
 """Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
-KEPT, MOST_TOGETHER = 4, 8
+KEPT, MOST_CHUNKS = 4, 8
 """Lists of slopes that are kept, and the most chunks of one."""
-TOGETHER, PLACES = 500, 9
+PORTION, PLACES = 500, 9
 """Samples whose undisturbed run is compared with the graphs at once; samples at which it is looked
 how fast the loop forgets."""
 
@@ -85,7 +85,7 @@ class Along:
         The first sample is alone, and so is one in which the robot changes.
         """
         n, period = len(self.motion.v_d), self.setup.scenario.clock.control
-        size = self.together * max(1, round(CHUNK / period / self.together))
+        size = self.batch * max(1, round(CHUNK / period / self.batch))
         bodies = self.motion.robot
         within = np.flatnonzero((bodies != bodies[:, :1]).any(axis=(1, 2)))
         own = [0, 1, *range(1 + size, n, size), n, *self.motion.moved, *(k + 1 for k in within)]
@@ -93,21 +93,21 @@ class Along:
         return [(a, b) for a, b in pairwise(ends) if a < b]
 
     @cached_property
-    def together(self) -> int:
+    def batch(self) -> int:
         """Samples that are followed at once."""
         period = self.setup.scenario.clock.control
-        return min(TOGETHER_MOST, max(1, round(TOGETHER_FOR / period)))
+        return min(BATCH_MOST, max(1, round(BATCH_TIME / period)))
 
     def count_from(self, k: int) -> int:
         """The same from a sample on: fewer while what a change of the robot led to is not over."""
         lately = any(moved <= k < moved + self.memory for moved in self.motion.moved)
-        return max(1, self.together // (1 + lately))
+        return max(1, self.batch // (1 + lately))
 
     @cached_property
     def young(self) -> int:
         """Samples that keep all their columns."""
-        blocks = max(1, round(YOUNG / self.setup.scenario.clock.control / self.together))
-        return min(self.memory, blocks * self.together)
+        blocks = max(1, round(YOUNG / self.setup.scenario.clock.control / self.batch))
+        return min(self.memory, blocks * self.batch)
 
     @cached_property
     def spacings(self) -> list[tuple[int, int]]:
@@ -115,7 +115,7 @@ class Along:
         period = self.setup.scenario.clock.control
         return [
             (self.young, max(1, int(APART / period + 1e-9))),
-            (self.young + self.together * round(OLD / period / self.together), OF_OLD),
+            (self.young + self.batch * round(OLD / period / self.batch), OF_OLD),
         ]
 
     @cached_property
@@ -189,8 +189,8 @@ class Along:
         """
         loop, n = self.loop, len(self.motion.v_d)
         law, step = np.zeros(self.outs.shape[1]), np.zeros(len(loop.names))
-        for first in range(0, n, TOGETHER):
-            part = np.arange(first, min(first + TOGETHER, n))
+        for first in range(0, n, PORTION):
+            part = np.arange(first, min(first + PORTION, n))
             given = MidRadius(self._law_by(part))
             value = loop.law_curve.value(given, self._law_numbers(part))
             law = np.maximum(law, (value - MidRadius(self.outs[part])).most.max(axis=0))
@@ -266,7 +266,7 @@ class Along:
             if begin <= first and last <= end:
                 part = slice(first - begin, last - begin)
                 return stretch(self.loop, law[part, ...], step[part, ...], self.knots)
-        more = min(MOST_TOGETHER, 2 ** len(self._kept)) * (last - first)
+        more = min(MOST_CHUNKS, 2 ** len(self._kept)) * (last - first)
         end = min(first + more, len(self.motion.v_d))
         try:
             here = self._slopes(np.arange(first, end))

@@ -206,14 +206,14 @@ class CorridorLeft:
     """A run that was settled in its corridor from ``since`` [s] on, and left it at ``time`` [s].
 
     ``distance`` [m] from its place on the path then, of which ``most`` [m] is certified while
-    ``counted`` holds.
+    the ``assumptions`` hold.
     """
 
     time: float
     distance: float
     most: float
     since: float
-    counted: str
+    assumptions: str
 
     @property
     def sentence(self) -> str:
@@ -221,9 +221,9 @@ class CorridorLeft:
         return (
             f"At t = {self.time:.4g} s the robot was {length(self.distance)} from its place on the "
             f"path. From t = {self.since:.4g} s on it was settled there, and no more than "
-            f"{length(self.most)} are possible while {self.counted}: one of these was not so, or "
-            "inertia, friction or drives are not those of the scenario, or the robot does what the "
-            "plane model cannot, such as slip. Look for what pushes it, or state larger bounds."
+            f"{length(self.most)} are possible while {self.assumptions}: one of these was not so, "
+            "or inertia, friction or drives are not those of the scenario, or the robot does what "
+            "the plane model cannot, such as slip. Look for what pushes it, or state larger bounds."
         )
 
 

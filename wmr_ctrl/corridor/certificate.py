@@ -34,7 +34,7 @@ from wmr_ctrl.corridor.inputs import (
     product,
     steady_motion,
 )
-from wmr_ctrl.corridor.late_guard import counts_late, sizes_counted
+from wmr_ctrl.corridor.late_guard import counts_late, sizes_of_forces
 from wmr_ctrl.corridor.loop import NOTHING, UP, SampledLoop
 from wmr_ctrl.corridor.overlap import ALONE, Overlap, jitter_overlap, ramp_overlap, ramps
 from wmr_ctrl.corridor.peaks import Peaks, Tube, reference_gap
@@ -55,19 +55,19 @@ class Certifier:
     """A law's loop on its reference with its gains, for inputs of any size."""
 
     def __init__(
-        self, setup: Setup, overlap: Overlap | None = None, counted: Floats | None = None
+        self, setup: Setup, overlap: Overlap | None = None, sizes: Floats | None = None
     ) -> None:
         """NoCorridorError where the loop is not covered.
 
-        ``overlap`` and what a guard has ``counted`` for late commands: else what the setup needs.
+        ``overlap``, and ``sizes`` of forces for a guard that counts late commands, if given.
         """
         check_covered(setup)
         if overlap is None:
             overlap = _overlap(setup)
-        if counted is None:
-            counted = _counted(setup, overlap)
+        if sizes is None:
+            sizes = _force_sizes(setup, overlap)
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
-        self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup), overlap, counted)
+        self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup), overlap, sizes)
         check_size(loop)
         self.reckoning = Reckoning(loop, self.inputs.missing)
         shown, moved = loop.law.value(), loop.step.value()
@@ -341,10 +341,10 @@ def _overlap(setup: Setup) -> Overlap:
     return ramp_overlap(scenario, free.linear(free.inputs).law[-COMMAND:])
 
 
-def _counted(setup: Setup, overlap: Overlap) -> Floats:
+def _force_sizes(setup: Setup, overlap: Overlap) -> Floats:
     """Sizes of the forces (2) that a guard counts for late commands, a little more than linear."""
     if not counts_late(setup):
         return NOTHING
     free = Certifier(setup, overlap, NOTHING)
     most = np.abs(free.loop.remains[:COMMAND]) + free.linear(free.inputs).law[:COMMAND]
-    return sizes_counted(setup, most)
+    return sizes_of_forces(setup, most)

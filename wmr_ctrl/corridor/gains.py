@@ -156,9 +156,9 @@ def _summed(
         np.abs(doubles(sample.seen)) * UP, np.zeros((count, nz)),
     )  # fmt: skip
     fast = largest(within)
-    if reckoning and reckoning.together:
+    if reckoning and reckoning.row_samples:
         reckoned = sample.reckoned_rows(loop), reckoning.turning
-        fast = stacked([fast, *sums.carried(*reckoned, shares[-1], reckoning.together)])
+        fast = stacked([fast, *sums.carried(*reckoned, shares[-1], reckoning.row_samples)])
     three = fast, sums.gains(state), sums.gains(law)
     return LoopGains(*three, ratios, damping, samples, scale)
 

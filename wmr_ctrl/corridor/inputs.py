@@ -112,7 +112,7 @@ def bounded_inputs(setup: Setup) -> Inputs:
     """The inputs of a setup; NoCorridorError for what has no bound or no place here."""
     scenario = setup.scenario
     push, acting = np.zeros(2), [item for item in setup.effects if item.active(scenario)]
-    counted = (
+    covered = (
         VELOCITY_NOISE,
         POSE_SENSOR,
         *(OF_BASE if setup.takes_velocity else (DELAY, JITTER, LAG)),
@@ -120,7 +120,7 @@ def bounded_inputs(setup: Setup) -> Inputs:
     for effect in acting:
         if effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.SAMPLE:
             push = push + _push(effect, setup)
-        elif effect not in counted and not _in_the_step(effect, scenario):
+        elif effect not in covered and not _in_the_step(effect, scenario):
             raise NoCorridorError(
                 f"the loop with the effect {effect.title} is not covered: leave out "
                 f"{_told_by(effect, scenario)}"

@@ -110,8 +110,8 @@ def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
         return None
     k, since = gone[0], np.flatnonzero(verdicts[IN_CORRIDOR])[0]
     first, second = map(float, latch.inputs.velocity)
-    counted = bounds(float(max(latch.inputs.push)), latch.inputs.pose, (first, second))
-    mass = f"{counted} and M = {scenario.robot.m:g} kg"
+    limits = bounds(float(max(latch.inputs.push)), latch.inputs.pose, (first, second))
+    mass = f"{limits} and M = {scenario.robot.m:g} kg"
     times, (off, most) = (
         (float(run.time[k]), float(run.time[since])),
         (verdicts[DISTANCE], verdicts[MOST]),

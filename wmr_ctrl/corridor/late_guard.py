@@ -49,23 +49,23 @@ def commands_counted(setup: Setup) -> int:
     return max(item.commands for item in setup.guard.lateness(setup.scenario.clock))
 
 
-def sizes_counted(setup: Setup, forces: Floats) -> Floats:
+def sizes_of_forces(setup: Setup, forces: Floats) -> Floats:
     """N (2) for a linear loop whose forces are at most ``forces`` (2)."""
     least = [net(setup.guard, i) for i in range(len(AXES))]
     return np.asarray(np.maximum(least, ROOM * forces))
 
 
 def late_conditions(
-    setup: Setup, force: ca.SX, v: ca.SX, sent: Sequence[ca.SX], counted: Floats
+    setup: Setup, force: ca.SX, v: ca.SX, sent: Sequence[ca.SX], sizes: Floats
 ) -> Iterator[Condition]:
     """For an asked ``force`` (2) at a measured velocity, behind commands ``sent``, latest first.
 
-    ``counted``: N (2).
+    ``sizes``: N (2).
     """
     scenario, guard, period = setup.scenario, setup.guard, setup.scenario.clock.control
     errors = pair_of(guard.nbar)
     for i, (axis, late) in enumerate(zip(AXES, guard.lateness(scenario.clock), strict=True)):
-        alpha, N, spare = float(guard.alpha or 0.0), float(counted[i]), net(guard, i)
+        alpha, N, spare = float(guard.alpha or 0.0), float(sizes[i]), net(guard, i)
         slope = mass_range(guard, i)[0] * alpha
         near = slope * (aim(scenario, guard, i) - errors[i])
         far = slope * (aim(scenario, guard, i) - guard.f_speed[i])
@@ -74,7 +74,7 @@ def late_conditions(
         yield Condition(f"the guard's count of a force ({axis})", force[i], ca.SX(N), inner=True)
         for share, pieces in _lines(late, alpha * period):
             for chosen in product(*(which for which, _ in pieces)):
-                under_way = sum(
+                in_flight = sum(
                     (
                         alpha * period * time * sent[j - 1][i]
                         for j, (_, time) in zip(chosen, pieces, strict=True)
@@ -84,7 +84,7 @@ def late_conditions(
                 taken = alpha * period * N * sum(time for _, time in pieces)
                 for moving, room in ((slope * v[i], near), (ca.SX(0), far)):
                     for new in (share * force[i], ca.SX(0)):
-                        value = new + moving + under_way
+                        value = new + moving + in_flight
                         left = ca.SX(room - spare * share - taken)
                         yield Condition(f"the guard's ceiling ({axis})", value, left)
 

@@ -98,7 +98,7 @@ class SampledLoop:
     """
 
     overlap: Overlap = ALONE
-    counted: Floats = NOTHING
+    force_sizes: Floats = NOTHING
 
     def __init__(
         self,
@@ -106,13 +106,13 @@ class SampledLoop:
         v_d: Floats,
         asked: Asked,
         overlap: Overlap = ALONE,
-        counted: Floats = NOTHING,
+        force_sizes: Floats = NOTHING,
     ) -> None:
         """Compose the graphs; ``asked``: conditions on the asked force and measured velocity.
 
-        ``counted``: sizes for which a guard that counts late commands is looked at, if given.
+        ``force_sizes``: those for which a guard that counts late commands is looked at.
         """
-        self.overlap, self.counted = overlap, counted
+        self.overlap, self.force_sizes = overlap, force_sizes
         robot = setup.scenario.robot
         loop, world = self._prepare(setup, asked)
         point = loop.on_reference(np.array(v_d, dtype=float))
@@ -288,8 +288,8 @@ class SampledLoop:
         sizes = following[law_memory + self.count :]
         values = following[law_memory : law_memory + self.count]
         further = list[Condition]()
-        if self.counted.size:
-            further += late_conditions(setup, force, s[ROBOT - COMMAND :], queue, self.counted)
+        if self.force_sizes.size:
+            further += late_conditions(setup, force, s[ROBOT - COMMAND :], queue, self.force_sizes)
         if self.overlap.steps:
             further += self._changes(force - sent[:COMMAND])
         values = ca.vertcat(values, *(item.value for item in further))

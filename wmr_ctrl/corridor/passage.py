@@ -250,7 +250,7 @@ class Passing(Following):
 
         None where there are few, or where no such set is shown (ledger: corridor.passage).
         """
-        along, count = self.along, self.along.together
+        along, count = self.along, self.along.batch
         begin, end = along.steady_until(k)
         begin = max(begin, self._first)
         many = (end - k) // count

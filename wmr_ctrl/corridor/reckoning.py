@@ -24,7 +24,7 @@ from wmr_ctrl.corridor.loop import UP, SampledLoop
 from wmr_ctrl.corridor.peaks import reference_gap
 from wmr_ctrl.corridor.sample import doubles
 
-TOGETHER = 400
+MOST_ROW_SAMPLES = 400
 """Samples at most that are summed up with their signs; of more, such sums are added up.  The sums
 over more and more samples cost as much as they are long."""
 BITS = 320
@@ -43,9 +43,9 @@ class Reckoning:
     count: int
 
     @property
-    def together(self) -> int:
+    def row_samples(self) -> int:
         """Samples whose sums are rows of the loop."""
-        return min(self.count, TOGETHER)
+        return min(self.count, MOST_ROW_SAMPLES)
 
     @cached_property
     def turning(self) -> Floats:
@@ -56,9 +56,9 @@ class Reckoning:
 
     @cached_property
     def _powers(self) -> Floats:
-        """Sizes of Phi^j (together + 1, 3, 3)."""
+        """Sizes of Phi^j (row_samples + 1, 3, 3)."""
         powers = [np.eye(3)]
-        for _ in range(self.together):
+        for _ in range(self.row_samples):
             powers.append(self.turning @ powers[-1])
         return np.abs(powers) * UP
 
@@ -74,9 +74,9 @@ class Reckoning:
         """The inputs with the errors of a pose after up to ``inputs.missing`` samples without one.
 
         ``measured``: sizes of e and v as measured (5); the last of ``fast`` are those of the linear
-        part, (together, 3).  NoCorridorError where an error makes itself grow without end.
+        part, (row_samples, 3).  NoCorridorError where an error makes itself grow without end.
         """
-        rows = fast[-3 * self.together :].reshape(-1, 3)
+        rows = fast[-3 * self.row_samples :].reshape(-1, 3)
         linear, pose = self._summed(rows, inputs.missing), np.array([inputs.pose, inputs.pose, 0.0])
         guess = linear.max(axis=0) + pose
         for _ in range(ROUNDS):

@@ -18,7 +18,7 @@ LARGEST, FLOOR = 1e9, 1e-20
 """Largest double of a matrix; what NOTHING comes to in 1e7 products of four of them at most."""
 ROUNDING = 1e-13
 """Share by which a sum of up to 100 products of such doubles, each rounded, can err."""
-TOGETHER = 16
+STRIDE = 16
 """Samples whose powers are one product."""
 
 
@@ -147,14 +147,14 @@ def powers_of(matrix: BallArray, count: int) -> list[BallArray]:
 def powers_until(matrix: BallArray, samples: int) -> tuple[Floats, Floats, Floats]:
     """Powers of A before each sample (samples, n, n), sums of sizes they are of, and the one after.
 
-    Each is a product in doubles of a power of A below TOGETHER and a power of A**TOGETHER, but the
+    Each is a product in doubles of a power of A below STRIDE and a power of A**STRIDE, but the
     last, which is that of balls.
     """
     A = arb_mat(matrix.tolist())
     first = [A**0]
-    for _ in range(TOGETHER):
+    for _ in range(STRIDE):
         first.append(A * first[-1])
-    power, far, leap, count = first[0], [], first.pop(), samples // TOGETHER
+    power, far, leap, count = first[0], [], first.pop(), samples // STRIDE
     for _ in range(count):
         far.append(power)
         power = leap * power
@@ -165,7 +165,7 @@ def powers_until(matrix: BallArray, samples: int) -> tuple[Floats, Floats, Float
     powers, summed = (
         (one[None] @ two[:, None]).reshape(-1, *one.shape[1:])[:samples] for one, two in pairs
     )
-    return powers, summed, doubles(_entries(first[samples % TOGETHER] * power))
+    return powers, summed, doubles(_entries(first[samples % STRIDE] * power))
 
 
 def _entries(matrix: arb_mat) -> BallArray:

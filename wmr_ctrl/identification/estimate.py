@@ -154,7 +154,7 @@ def coloured_if_likelier(white: Fit, tell: Callable[[], None]) -> tuple[Fit, flo
         fit = scored(white.problem, start, free_of(white.problem, True), passes, tell, ROUGH)
         best = fit if best is None or fit.nll < best.nll else best
     assert best is not None
-    if 2 * (white.nll - best.nll) > 4 * math.log(white.problem.counted()):
+    if 2 * (white.nll - best.nll) > 4 * math.log(white.problem.measurement_count()):
         best = scored(white.problem, best.theta, best.free, tell=tell)
         return best, float(np.exp(best.theta[INDEX["time"]]))
     return white, None
@@ -311,7 +311,7 @@ def loop_score(axes: list[AxisLog], cut: float, trained: Fits) -> Score:
         if fit is None:
             shares.append((math.nan, math.nan))
             continue
-        rest = (t >= cut) & axis.counted
+        rest = (t >= cut) & axis.in_fit
         seen = axis.speed
         turn = np.floor((t - t[0]) / FREE_RUN)
         held = seen[np.searchsorted(turn, turn)]

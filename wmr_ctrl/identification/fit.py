@@ -134,7 +134,7 @@ class LogProblem:
         parameters = np.concatenate((theta, self.known))
         return self.filter(events, parameters, self._covariance(), slopes=False).mean
 
-    def counted(self) -> int:
+    def measurement_count(self) -> int:
         """Number of measurements that count."""
         return int((self.counting()[0] == COUNTED).sum())
 

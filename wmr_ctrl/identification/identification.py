@@ -48,9 +48,9 @@ from wmr_ctrl.logs.log import (
     TORQUES,
     Log,
     LogError,
-    counted,
     log_of,
     seen_by,
+    with_counts,
     with_torques,
 )
 from wmr_ctrl.logs.samples import Samples, motion_of
@@ -146,7 +146,7 @@ def identify(
             f"on the command line --base {kind}."
         )
     scenario, sure = _believed(raw, known, overrides or {})
-    raw, counts = counted(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
+    raw, counts = with_counts(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
     if counts is not None:
         scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
     lint.check_log(raw, commands)

@@ -324,7 +324,7 @@ def followed_by(log: AxisLog, loop: str, values: Mapping[str, Floats]) -> Floats
 
 def information_of(fit: LoopFit, log: AxisLog) -> Floats:
     """Fisher information (n, n) that another log would have of what was fitted, in this noise."""
-    whiten, whole = whitener(fit.left, fit.log.counted)
+    whiten, whole = whitener(fit.left, fit.log.in_fit)
     sigma = math.hypot(float(np.std(whiten(fit.left)[whole])), finest(fit.log))
     steps = np.diag([1e-4 if name == "delay" else 1e-3 for name in fit.names])
     sets = np.array([set_of(fit.names, fit.theta + s) for s in (0 * steps[0], *steps)])

@@ -164,7 +164,7 @@ class LoopFit:
     @property
     def bic(self) -> float:
         """The criterion of Schwarz."""
-        return 2 * self.nll + len(self.theta) * math.log(max(int(self.log.counted.sum()), 2))
+        return 2 * self.nll + len(self.theta) * math.log(max(int(self.log.in_fit.sum()), 2))
 
     @property
     def values(self) -> dict[str, float]:
@@ -183,7 +183,7 @@ class LoopFit:
     def deviation(self) -> Floats:
         """Speed less its forecast (N,), averaged over SMOOTHED; 0 where nothing counts."""
         wide = max(round(SMOOTHED / self.log.period), 1)
-        left = np.where(self.log.counted, self.left, 0.0)
+        left = np.where(self.log.in_fit, self.left, 0.0)
         return np.convolve(left, np.ones(wide) / wide, "same")
 
     def standard_errors(self) -> Floats:
@@ -214,13 +214,13 @@ def _bounded(names: tuple[str, ...], theta: Floats) -> Floats:
 
 
 def whitener(
-    left: Floats, counted: np.ndarray, order: int = ORDER
+    left: Floats, in_fit: np.ndarray, order: int = ORDER
 ) -> tuple[Callable[[Floats], Floats], np.ndarray]:
     """Filter that whitens residuals, and which samples it is whole for."""
     if not order:
-        return lambda x: x, counted
+        return lambda x: x, in_fit
     behind = np.column_stack([np.roll(left, k) for k in range(1, order + 1)])
-    whole = counted & np.all([np.roll(counted, k) for k in range(1, order + 1)], axis=0)
+    whole = in_fit & np.all([np.roll(in_fit, k) for k in range(1, order + 1)], axis=0)
     whole[:order] = False
     near = behind[whole]
     a = np.linalg.lstsq(near.T @ near, near.T @ left[whole], rcond=None)[0]
@@ -259,7 +259,7 @@ def fitted(
         slope = np.column_stack([
             (apart[:, k + 1] - left) / (steps[k, k] * inside[k][k]) for k in range(len(theta))
         ])  # fmt: skip
-        whiten, whole = whitener(left, log.counted, ORDER if turn >= plain else 0)
+        whiten, whole = whitener(left, log.in_fit, ORDER if turn >= plain else 0)
         white, along = whiten(left)[whole], whiten(slope)[whole]
         sigma = math.hypot(float(np.std(white)), finest(log))
         nll = whole.sum() * math.log(sigma)
@@ -294,7 +294,7 @@ def likelihoods(fit: LoopFit, changes: Mapping[str, Floats]) -> Floats:
 
     Parameters are in SI units; what is left over is whitened as that of the fit is.
     """
-    whiten, whole = whitener(fit.left, fit.log.counted)
+    whiten, whole = whitener(fit.left, fit.log.in_fit)
     now = max(float(np.mean(whiten(fit.left)[whole] ** 2)), finest(fit.log) ** 2)
     count = len(next(iter(changes.values())))
     falls = []

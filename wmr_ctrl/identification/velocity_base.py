@@ -75,7 +75,7 @@ class VelocityIdentification(BaseIdentification):
         for axis, (fit, trained) in enumerate(zip(self.fits, self.trained, strict=True)):
             if fit is not None and trained is not None:
                 seen[:, axis], left[:, axis] = fit.log.speed, fit.deviation()
-                foretold[:, axis] = np.where(log.counted, forecast(trained, fit.log), np.nan)
+                foretold[:, axis] = np.where(log.in_fit, forecast(trained, fit.log), np.nan)
         return Traces(log.t, seen, foretold, left, self.score.held_out_from)
 
     def surfaces(self) -> tuple[Surface, ...]:
@@ -266,13 +266,13 @@ def best_loop(
     """
     part, tried = log.until(log.t[0] + SCREEN_SECONDS), []
     wide = max(round(0.1 / log.period), 1)
-    slopes = np.abs(log.speed[wide:] - log.speed[:-wide])[log.counted[wide:]] / (wide * log.period)
+    slopes = np.abs(log.speed[wide:] - log.speed[:-wide])[log.in_fit[wide:]] / (wide * log.period)
     steepest = max(float(np.quantile(slopes, 0.98)), 0.02)
     for ramp, loop in product((False, True), loops):
         names = LOOPS[loop] + (("accel",) if ramp else ())
         starts = _starts(log, names, steepest)
         speeds = foretold(part, loop, np.array([set_of(names, x) for x in starts]))
-        squares = np.sum((speeds - part.speed[:, None])[part.counted] ** 2, axis=0)
+        squares = np.sum((speeds - part.speed[:, None])[part.in_fit] ** 2, axis=0)
         near = [starts[k] for k in np.argsort(squares)[:2]]
         fits = [fitted(part, loop, names, x, SCREENED, SCREENED - 4) for x in near]
         tried.append(min(fits, key=lambda item: item.nll))

@@ -280,7 +280,7 @@ MOST_COUNTS = 1_000_000
 """Counts of a turn where angles show no steps."""
 
 
-def counted(log: Log, counts: float | None) -> tuple[Log, float | None]:
+def with_counts(log: Log, counts: float | None) -> tuple[Log, float | None]:
     """The log with wheels' angles as counts, and how many make a turn.
 
     Where ``counts`` is None the smallest step of the angles is taken for one.

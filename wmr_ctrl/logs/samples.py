@@ -115,12 +115,12 @@ def wheels(speed: Floats, half_track: float) -> Floats:
 class AxisLog:
     """Command and speed of one axis; ``of_way``: speeds are means since the sample before.
 
-    ``t``, ``speed``, ``counted`` (N,); ``sent_t``, ``sent`` (M,); ``first``: where stretches begin.
+    ``t``, ``speed``, ``in_fit`` (N,); ``sent_t``, ``sent`` (M,); ``first``: where stretches begin.
     """
 
     t: Floats
     speed: Floats
-    counted: np.ndarray
+    in_fit: np.ndarray
     sent_t: Floats
     sent: Floats
     first: np.ndarray
@@ -132,7 +132,7 @@ class AxisLog:
         n = int(np.searchsorted(self.t, end))
         first = self.first[self.first < n]
         return replace(
-            self, t=self.t[:n], speed=self.speed[:n], counted=self.counted[:n], first=first
+            self, t=self.t[:n], speed=self.speed[:n], in_fit=self.in_fit[:n], first=first
         )
 
     def commands(self, begin: Floats, length: Floats, delays: Floats) -> Floats:
@@ -163,10 +163,10 @@ def axis_log(log: Samples, axis: int) -> AxisLog:
         step = np.diff(log.t, prepend=log.t[0] - 1.0)
         speed = np.diff(speed, prepend=speed[0]) / step
     since = log.t - log.t[log.first][np.searchsorted(log.first, np.arange(len(log.t)), "right") - 1]
-    counted = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
+    in_fit = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
     sent = log.command[:, axis]
     return AxisLog(
-        log.t, speed, counted, log.command_t, sent, log.first, not log.of_speed, log.period
+        log.t, speed, in_fit, log.command_t, sent, log.first, not log.of_speed, log.period
     )
 
 
@@ -190,7 +190,7 @@ def differenced(log: Samples, fewest: int) -> tuple[Floats, Floats, Floats, Floa
 def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
     """Gain, the shift [s] at which the command explains most of the speed, and that share."""
     shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
-    some = np.flatnonzero(log.counted)
+    some = np.flatnonzero(log.in_fit)
     some = some[:: max(1, len(some) // ENOUGH_ROWS)]
     step = np.full(len(some), log.period)
     before, after, share = log.commands(log.t[some] - log.period, step, shifts)

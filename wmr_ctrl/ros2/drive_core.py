@@ -80,7 +80,7 @@ class DriveCore:
         self._pace = Pace(in_ns(self.period))
         self.counts: dict[str, int] = {}
         self.oldest = 0.0
-        self.stop, self._under_way = False, _under_way(setup)
+        self.stop, self._in_flight = False, _in_flight(setup)
         self.start()
 
     def start(self) -> None:
@@ -183,7 +183,7 @@ class DriveCore:
 
     def _hold(self, reason: str) -> None:
         """Bring the base to rest; the law begins anew when it is over."""
-        self.held, self._calm, self._origin = reason, max(CALM, self._under_way), None
+        self.held, self._calm, self._origin = reason, max(CALM, self._in_flight), None
         self._count(reason)
 
     def _count(self, what: str, times: int = 1) -> None:
@@ -310,7 +310,7 @@ class DriveCore:
         return self.last
 
 
-def _under_way(setup: Setup) -> int:
+def _in_flight(setup: Setup) -> int:
     """Earlier torques that may still act when the law begins anew, by the guard's delay and lag.
 
     An empty memory takes them for 0, which they are once so many zeros were sent.

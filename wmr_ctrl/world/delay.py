@@ -75,7 +75,7 @@ def in_periods(late: float, scenario: Scenario) -> tuple[int, int]:
     return divmod(round(late / clock.plant), clock.substeps)
 
 
-def commands_under_way(scenario: Scenario) -> int:
+def commands_in_flight(scenario: Scenario) -> int:
     """Number of commands that have not acted to their end when the next one is computed."""
     whole, part = delay_in_periods(scenario)
     return whole + bool(part)
