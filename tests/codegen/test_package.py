@@ -23,7 +23,7 @@ from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
-WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror")
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 every_law = pytest.mark.parametrize("law", NAMES)
 every_kind = pytest.mark.parametrize(
     ("law", "float32", "guarded"), turns(headed("nn", NAMES), [False, True], [False, True])

@@ -65,6 +65,10 @@ class SingleDialect(Dialect):
         text = f"{lowered!r}f"
         return f"({text})" if text.startswith("-") else text
 
+    def as_real(self, truth: str) -> str:
+        """A truth value as 1 or 0, without a warning that a float may not hold an integer."""
+        return f"({self.real}){truth}"
+
 
 def package_dialect(float32: bool, *, own: frozenset[str] = frozenset()) -> Dialect:
     """The dialect of a package in double or single precision.
