@@ -110,7 +110,7 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
     The filter's own graph drives it, each axis by itself: the smallest gain, pushed back by d, with
     odometry of the stated age in every step that tells too much by its whole error, or with none
     where the sensors' is older.  At rest neither time constant nor delay counts.  Of a band what it
-    admits after as many commands as its longest tables hold; of a governor of wheels, whose weakest
+    admits after eight times as many commands as its longest tables hold; of a governor of wheels, whose weakest
     base is not known, what it admits without odometry, which is less.
     """
     filtering, stated = CommandFilter(scenario), scenario.filter
@@ -199,8 +199,7 @@ def _steps(scenario: Scenario) -> int:
     if stated.slew is not None:
         limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
         return math.ceil(max(V / a for V, a in limits) / T) + 1
-    steps = MOST_COMMANDS if stated.kind == "band" else 1
-    return steps if stated.force is None else 8 * steps  # it speeds up no faster than that
+    return 8 * MOST_COMMANDS if stated.kind == "band" else 1  # pushes make it slow to get there
 
 
 def _cost(

@@ -176,7 +176,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     costs = {
         "millisecond of delay": None if facts.kind == "band" else facts.delay_cost,
         f"per cent of {gain}": facts.gain_cost,
-        "per cent of overshoot": None if facts.rise else facts.overshoot_cost,
+        "per cent of overshoot": None if facts.rise_cost else facts.overshoot_cost,
     }  # fmt: skip
     if facts.overshoot:
         v, omega = (f"{100 * share:.3g} %" for share in facts.overshoot)
@@ -189,7 +189,8 @@ def filter_lines(setup: Setup) -> Iterator[str]:
             f"commands reach 0.9 of the limits after {first:.3g} s (linear), {second:.3g} s "
             f"(angular){added if facts.rise_cost else ''}"
         )
-    texts = [f"one more {name} costs {speeds(cost)}" for name, cost in costs.items() if cost]
+    told = {name: (round(cost[0], 7), round(cost[1], 7)) for name, cost in costs.items() if cost}
+    texts = [f"one more {name} costs {speeds(cost)}" for name, cost in told.items()]
     if texts:
         yield "; ".join(texts)
 
