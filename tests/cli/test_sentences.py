@@ -127,7 +127,7 @@ def test_a_torque_counts_from_the_time_that_is_said(run: Run) -> None:
 
 
 def answers(law: str = "pid", **changes: object) -> check.Answers:
-    found = check.find_answers(Scenario(), (law,), (), bare=True)
+    found = check.find_answers(Scenario(), (law,), (), "corridor")
     return replace(found, **changes)
 
 
@@ -172,7 +172,7 @@ def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(check, "grip_warnings", lambda _: (OTHER,))
     monkeypatch.setattr(check, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
     monkeypatch.setattr(check, "_runs", lambda *_: {})
-    found = check.find_answers(Scenario(), ("pid",), (), bare=False)
+    found = check.find_answers(Scenario(), ("pid",), (), None)
 
     assert found.warned["pid"] == (ONE, replace(OTHER, objects=False))
 

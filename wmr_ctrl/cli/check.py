@@ -44,7 +44,7 @@ def check(
     taken = inherited(case, scenario, parse_assignments(assignments))
     laws = chosen or ((only,) if only and only in LAWS else tuple(LAWS))
     opt.note_idle(case, scenario, assignments, laws)
-    answers = about.find_answers(case, laws, taken, only == "corridor" and not as_json)
+    answers = about.find_answers(case, laws, taken, None if as_json else only)
     if as_json:
         print_json(about.document(answers))
     elif only:

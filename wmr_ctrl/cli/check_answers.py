@@ -35,6 +35,8 @@ from wmr_ctrl.world.grip import grip
 
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
+UNRUN = ("corridor", "filter", "guard", "inherited", "stability")
+"""Subjects of which runs tell nothing."""
 NONE, FINDINGS = "-", "findings"
 """Cell of a table that has no value; column of the keys of objections and notes."""
 
@@ -65,10 +67,10 @@ class Answers:
 
 
 def find_answers(
-    case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue], bare: bool
+    case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue], only: str | None
 ) -> Answers:
-    """Answers for these laws; ``bare``: their corridors alone."""
-    warned, stable, tubes = {}, {}, {}
+    """Answers for these laws; ``only``: as far as findings on this subject need them."""
+    warned, stable, tubes, bare = {}, {}, {}, only == "corridor"
     with Progress("what theory says") as progress:
         setups = {law: settle(case, law) for law in laws}
         for count, (law, setup) in enumerate(setups.items()):
@@ -78,7 +80,7 @@ def find_answers(
             warned[law] = () if bare else (*warnings_for(setup), *tyres)
             if not (bare or setup.takes_velocity):
                 stable[law] = stability(case, law)
-        runs = {} if bare else _runs(case, laws, progress)
+        runs = {} if only in UNRUN else _runs(case, laws, progress)
     return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
 
 
