@@ -167,6 +167,15 @@ def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(
     assert ("chatter" in keys(known(run, limit, needed))) is chatters
 
 
+@pytest.mark.parametrize(("peak", "chatters"), [(1.0, True), (10.0, False)])
+def test_where_the_motion_needs_no_torque_a_trace_of_it_does_not_chatter(peak, chatters) -> None:
+    torque = 4e-3 * ALTERNATING
+    torque[0] = peak
+    run = build(duration=8.0, tau_right=torque, tau_left=torque)
+
+    assert ("chatter" in keys(known(run, np.inf, 0.0))) is chatters
+
+
 @pytest.mark.parametrize(("share", "told"), [(HELD_BACK, True), (HELD_BACK - 0.05, False)])
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_guard_that_acts_on_either_axis_holds_back(axis: int, share: float, told: bool) -> None:

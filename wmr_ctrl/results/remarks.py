@@ -24,9 +24,10 @@ HELD_BACK = 0.25
 """Share of the drive's samples from which the guard holds a run back."""
 SATURATED = 0.2
 """Share of the samples with a wheel at its torque limit from which drives are too weak."""
-CHATTER, OF_LIMIT = 1.0, 0.1
+CHATTER, OF_LIMIT, OF_PEAK = 1.0, 0.1, 1e-3
 """Swing or change from sample to sample of torque that is too much: more than this multiple of the
-torque that the motion needs and of that which pushes the wheels, and than this share of the limit.
+torque that the motion needs and of that which pushes the wheels, and than these shares of the limit
+and of the run's largest torque: without friction a motion may need none.
 """
 BURST, PARTS, FEWEST = 1.5, 10, 32
 """The same over a part of the window: this multiple of it, in one of so many parts, halves of which
@@ -198,7 +199,8 @@ def _chatters(run: Run) -> Iterator[str]:
         return
     limit = outlook.tau_max if np.isfinite(outlook.tau_max) else 0.0
     pushed = float(np.sqrt(np.mean(run["noise_right"] ** 2 + run["noise_left"] ** 2) / 2))
-    allowed = max(CHATTER * needed, CHATTER * pushed, OF_LIMIT * limit)
+    peak = OF_PEAK * float(np.abs(torque).max())
+    allowed = max(CHATTER * needed, CHATTER * pushed, OF_LIMIT * limit, peak)
     windows = (rows_of(run, part(run.settings)) for part in (working, at_rest))
     judged = [rows for rows in windows if rows is not None]
     extra, period = torque - run.needed, run.settings.control
