@@ -20,6 +20,7 @@ from wmr_ctrl.world.references import REFERENCES
 LINE = {"reference.kind": "line"}
 SLIPS = {
     "milliseconds": ({"clock.control": 20}, "Milliseconds? 20 ms is 0.02 s."),
+    "per cent": ({"filter.gain[2]": 110}, "Per cent? 110 % is 1.1."),
     "degrees": (LINE | {"reference.heading": -90}, "Degrees? -90 deg is -1.571 rad."),
     "deg/s": ({"limits.v_u1[2]": 70}, "Degrees per second? 70 deg/s is 1.222 rad/s."),
     "rpm": ({"limits.v_u1[2]": 70}, "Revolutions per minute? 70 rpm is 7.33 rad/s."),

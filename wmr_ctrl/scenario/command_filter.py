@@ -28,8 +28,9 @@ class Filter(Section, key="filter"):
         usual=(1e-3, 20),
     )  # fmt: skip
     gain: tuple[float, float] = quantity(
-        (1.0, 1.0), "1", "bounds of the steady-state speed divided by the command", above=0
-    )
+        (1.0, 1.0), "1", "bounds of the steady-state speed divided by the command", above=0,
+        usual=(0.1, 10),
+    )  # fmt: skip
     d: tuple[float, float] = quantity(
         (0.0, 0.0),
         "m/s, rad/s",

@@ -29,6 +29,7 @@ class FirstOrderGains(Section, key="base"):
         "1",
         "steady-state speed divided by the command, of the first-order loop",
         above=0,
+        usual=(0.1, 10),
     )
 
 
