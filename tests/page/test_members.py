@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.page.browser import browser
+from tests.page.test_browser import READY
 from tests.page.test_numbers import assert_same_bits, from_page
 from wmr_ctrl.page.scenes import members_of, scenes
 from wmr_ctrl.scenario import load_scenario
@@ -95,15 +97,48 @@ def test_a_robot_that_takes_torques_is_there_once_for_each_law() -> None:
     assert [(item.name, item.law) for item in members] == [("mb", "mb"), ("nn", "nn")]
 
 
-@pytest.mark.slow
-def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def burger(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scenario = load_scenario("turtlebot3-burger", STRONG)
-    page = wmr_ctrl.write_page(tmp_path / "burger.html", scenario)
+    return wmr_ctrl.write_page(tmp_path_factory.mktemp("page") / "burger.html", scenario)
+
+
+@pytest.mark.slow
+def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(
+    burger: Path, tmp_path: Path
+) -> None:
+    scenario = load_scenario("turtlebot3-burger", STRONG)
     members = members_of(scenario, ["pursuit"])
-    shown = from_page(page, tmp_path, [(item.name, 80.0, {}) for item in members])
+    shown = from_page(burger, tmp_path, [(item.name, 80.0, {}) for item in members])
 
     for item, columns in zip(members, shown, strict=True):
         run = wmr_ctrl.simulate(item.settled(scenario).scenario, item.law)
         assert_same_bits(columns, run)
         filtered = item.name.split("-")[1] in ("clip", "governor")
         assert (np.abs(run["v1"]).max() <= 0.22) == filtered
+
+
+@pytest.mark.slow
+def test_its_page_says_what_a_filter_does_not_promise(burger: Path, tmp_path: Path) -> None:
+    def said(**numbers: float) -> str:
+        texts = [f'document.getElementById("set-{name}").parentElement' for name in numbers]
+        for text, value in zip(texts, numbers.values(), strict=True):
+            box = f"{text}.querySelector('[type=number]')"
+            one.value(f"{box}.value = '{value}'; {box}.dispatchEvent(new Event('change'))")
+        one.value("wmr.page.restart(), wmr.page.fleet.advance(0.1, 1e9), wmr.page.board()")
+        notices = str(one.value("document.getElementById('notices').innerText"))
+        one.value("document.getElementById('reset').click()")
+        one.value("wmr.page.restart(), wmr.page.board()")
+        assert one.value("document.getElementById('notices').innerText") == ""
+        return notices
+
+    with browser(tmp_path) as one:
+        one.open(burger.as_uri(), READY)
+        one.value("wmr.page.play(false)")
+        assert said() == ""
+        assert "no filter promises anything" in said(**{"base.gain[1]": 1.06})
+        assert "the governor does not promise anything" in said(**{"base.gain[2]": 0.94})
+        assert "outside of filter.tau, 0.06 to 0.15" in said(**{"base.tau[1]": 0.16})
+        assert said(**{"filter.d[1]": 0.3}).count("sends 0") == 2
+        assert "Refused" in said(**{"base.tau[1]": -1.0})
+        assert one.said == []

@@ -3,6 +3,7 @@
 const KEPT = ["t", "x", "y", "theta", "v1", "omega", "torque", "V1", "margin", "distance", "command", "turning", "jump"];
 const MOST_ROWS = 160000;
 const PUSH_SECONDS = 0.5;
+const UNSOUND = 32; // of filter_flags
 
 // Columns of numbers that grow, and forget their older half when they are too long.
 class History {
@@ -54,7 +55,7 @@ class Member {
     this.void = plan.void;
     this.step0 = plan.rows[0]["clock.plant"];
     this.history = new History();
-    this.carried = { violations: 0, samples: 0, clipped: [0, 0], most: [0, 0], least: [0, 0], first: null, feasible: 1 };
+    this.carried = { violations: 0, samples: 0, clipped: [0, 0], most: [0, 0], least: [0, 0], first: null, feasible: 1, flags: 0 };
     this.jumped = 0;
     this.within = false;
     this.touched = false;
@@ -100,6 +101,7 @@ class Member {
     const kept = this.carried;
     kept.samples += 1;
     kept.feasible = robot.column("feasible");
+    kept.flags = this.engine.told.filtered ? robot.column("filter_flags") : 0;
     for (const i of [0, 1]) {
       kept.clipped[i] += robot.column(`clip_active[${i + 1}]`);
       kept.least[i] = Math.max(kept.least[i], robot.column(`d_least[${i + 1}]`));

@@ -169,7 +169,7 @@ class Page {
     on("delay", "change", () => this.variant({ delay: Number(byId("delay").value) }));
     on("seed", "change", () => { this.fleet.seed = clamp(Math.round(Number(byId("seed").value)) || 0, 0, Number.MAX_SAFE_INTEGER); this.restart(); });
     on("push", "click", () => this.push());
-    on("reset", "click", () => { this.fleet.replace({}); this.refresh(); });
+    on("reset", "click", () => { this.refused = ""; this.fleet.replace({}); this.refresh(); });
     on("whole", "change", () => { this.whole = byId("whole").checked; this.dirty = true; });
     on("share", "click", () => this.share());
     for (const button of document.querySelectorAll("[data-scene]")) button.addEventListener("click", () => this.scene(this.told.scenes.findIndex((item) => item.key === button.dataset.scene)));
@@ -349,8 +349,16 @@ class Page {
   notices() {
     const { fleet } = this, found = new Set(this.refused ? [this.refused] : []);
     if (this.unmet.length) found.add(`The link asks for what cannot be had here, and was followed without it: ${this.unmet.slice(0, 3).join(", ")}${this.unmet.length > 3 ? " and more" : ""}.`);
+    for (const number of ["gain", "tau"]) {
+      const [low, high] = [1, 2].map((end) => fleet.value(`filter.${number}[${end}]`));
+      for (const name of [`base.${number}[1]`, `base.${number}[2]`]) {
+        const own = fleet.value(name), all = number === "gain" && own > high;
+        if (own < low || own > high) found.add(`${name} = ${shownNumber(own)} is outside of filter.${number}, ${shownNumber(low)} to ${shownNumber(high)}: ${all ? "no filter" : "the governor does not"} promise${all ? "s" : ""} anything for such a base.`);
+      }
+    }
     for (const member of fleet.members.values()) {
-      const { feasible, least } = member.carried;
+      const { feasible, least, flags } = member.carried;
+      if (flags & UNSOUND) found.add(`${this.look.laws[member.law].label} sends 0: with these numbers no command is safe (a push beyond the limit, or bounds the wrong way round).`);
       if (!fleet.variant.guard) continue;
       if (member.void) found.add(`No promise of the guard: ${member.void}`);
       if (!feasible) found.add("The guard’s bounds cannot be met with these numbers: it filters, and promises nothing.");
