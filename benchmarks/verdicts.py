@@ -208,8 +208,8 @@ def table(rows: Sequence[Judged]) -> str:
         f"{len(rows)} runs, {len(bad)} bad and {len(good)} good by the rule.", "",
         "| | runs | share |", "|---|---|---|",
         f"| missed: bad, and no remark | {len(untold)} | {_share(untold, bad)} of the bad |",
-        f"| of these and of those that only `check` reports | {len(unseen)} | {_share(unseen, bad)} "
-        "of the bad |",
+        f"| of these and of those that only `check` reports | {len(unseen)} | "
+        f"{_share(unseen, bad)} of the bad |",
         f"| false alarm: good, and a remark on how it went | {len(alarmed)} | "
         f"{_share(alarmed, good)} of the good |",
         f"| good, and a remark on scenario or guarantee alone | {len(noted)} | "

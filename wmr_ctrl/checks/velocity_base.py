@@ -110,8 +110,8 @@ def usable_speed(scenario: Scenario) -> tuple[float, float]:
     The filter's own graph drives it, each axis by itself: the smallest gain, pushed back by d, with
     odometry of the stated age in every step that tells too much by its whole error, or with none
     where the sensors' is older.  At rest neither time constant nor delay counts.  Of a band what it
-    admits after eight times as many commands as its longest tables hold; of a governor of wheels, whose weakest
-    base is not known, what it admits without odometry, which is less.
+    admits after eight times as many commands as its longest tables hold; of a governor of wheels,
+    whose weakest base is not known, what it admits without odometry, which is less.
     """
     filtering, stated = CommandFilter(scenario), scenario.filter
     alone = stated.channels == "body" and stated.wheel_speed is None
