@@ -189,8 +189,8 @@ def filter_lines(setup: Setup) -> Iterator[str]:
             f"commands reach 0.9 of the limits after {first:.3g} s (linear), {second:.3g} s "
             f"(angular){added if facts.rise_cost else ''}"
         )
-    told = {name: (round(cost[0], 7), round(cost[1], 7)) for name, cost in costs.items() if cost}
-    texts = [f"one more {name} costs {speeds(cost)}" for name, cost in told.items()]
+    prices = {name: (round(cost[0], 7), round(cost[1], 7)) for name, cost in costs.items() if cost}
+    texts = [f"one more {name} costs {speeds(cost)}" for name, cost in prices.items()]
     if texts:
         yield "; ".join(texts)
 
