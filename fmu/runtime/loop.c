@@ -34,11 +34,12 @@ static void stop(wmr_loop *w, wmr_m which, double reason, double axis)
     set(&w->findings[WMR_FOUND_STOP_AXIS], which, wmr_all(axis));
 }
 
-static void count_violations(wmr_loop *w, wmr_m outside, wmr_m linear)
+static void count_violations(wmr_loop *w, wmr_m outside, wmr_m linear, wmr_m angular)
 {
     wmr_v *found = w->findings;
     const wmr_m first = outside & wmr_mask(found[WMR_FOUND_FIRST_STEP] < 0.0);
-    set(&found[WMR_FOUND_FIRST_AXIS], first, wmr_choose(linear, wmr_all(1.0), wmr_all(2.0)));
+    const wmr_v other = wmr_choose(angular, wmr_all(2.0), wmr_all(3.0));
+    set(&found[WMR_FOUND_FIRST_AXIS], first, wmr_choose(linear, wmr_all(1.0), other));
     set(&found[WMR_FOUND_FIRST_STEP], first, wmr_all((double)w->step));
     found[WMR_FOUND_VIOLATIONS] += wmr_number(outside);
 }
@@ -66,10 +67,11 @@ static void monitor(wmr_loop *w, wmr_m moved)
     const wmr_m calm = wmr_mask(v[0] < WMR_SPEED_MAX) & wmr_mask(v[1] < WMR_SPEED_MAX);
     const wmr_m first = moved & wmr_finite(v[0]), both = first & wmr_finite(v[1]);
     const wmr_m linear = wmr_mask(v[0] > limit[0]), angular = wmr_mask(v[1] > limit[1]);
+    const wmr_m outside = linear | angular | wmr_mask(v[0] + limit[3] * v[1] > limit[2]); /* a rim */
     set(&most[0], first & wmr_mask(v[0] > most[0]), v[0]);
     set(&most[1], both & wmr_mask(v[1] > most[1]), v[1]);
-    if (wmr_some(both & (linear | angular))) {
-        count_violations(w, both & (linear | angular), linear);
+    if (wmr_some(both & outside)) {
+        count_violations(w, both & outside, linear, angular);
     }
     if (wmr_some(moved & wmr_not(calm))) {
         end_lanes(w, moved, v);

@@ -155,7 +155,7 @@ def test_impossible_settings_are_refused_by_name(fields: dict[str, float]) -> No
     [
         {"violations": 1},
         {"first_violation": (0.0, 1)},
-        {"violations": 1, "first_violation": (0.0, 3)},
+        {"violations": 1, "first_violation": (0.0, 4)},
         {"stopped": (0.0, 1)},
         {"stop_reason": "diverged"},
         {"stop_reason": "tired", "stopped": (0.0, 1)},

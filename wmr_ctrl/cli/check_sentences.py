@@ -94,6 +94,8 @@ def promise(setup: Setup) -> str:
     linear, angular = case.limits.v_u1
     limits = f"|v1| <= {linear:g} m/s and |omega| <= {angular:g} rad/s"
     if setup.takes_velocity:
+        if (rim := case.filter.wheel_speed) is not None:
+            limits = f"{limits.replace(' and', ',')} and wheels' speeds <= {rim:g} m/s"
         facts = filter_facts(setup)
         if facts is None:
             return f"No filter: {limits} are not guaranteed. {filter_advice(setup)}"

@@ -35,7 +35,7 @@ class LoopFunctions:
 
     ``sample``: from (k, x, p, draws) to the next slow state, what is held, and the log's row;
     ``step``: from (step, held, fast state, p, draws) to the next fast state; ``sampled`` and
-    ``stepped``: streams of both rates; ``limits``: |v| [m/s, rad/s] that counts as a violation.
+    ``stepped``: streams of both rates; ``limits``: those of CLOCK, beyond which a step counts.
     """
 
     numbers: CompiledLoop
@@ -43,7 +43,7 @@ class LoopFunctions:
     step: ca.Function
     sampled: tuple[StreamNumbers, ...]
     stepped: tuple[StreamNumbers, ...]
-    limits: tuple[float, float]
+    limits: tuple[float, ...]
 
 
 def loop_functions(setup: Setup) -> LoopFunctions:
@@ -58,7 +58,7 @@ def loop_functions(setup: Setup) -> LoopFunctions:
     for item in loop.streams:
         made = (item.number, item.size, item.normal, item.draw.held)
         rates[item.rate].append(StreamNumbers(*made, wanted=next(said) != 0.0, bound=next(said)))
-    limits = clock[CLOCK.index("v_u1_linear")], clock[CLOCK.index("v_u1_angular")]
+    limits = tuple(clock[CLOCK.index("v_u1_linear") : len(CLOCK)])
     graphs = functions["sample_logged"], functions["step"]
     streams = tuple(rates[Rate.SAMPLE]), tuple(rates[Rate.STEP])
     return LoopFunctions(numbers, *graphs, *streams, limits)

@@ -27,6 +27,7 @@ from wmr_ctrl.signals import (
     BODY_FORCE,
     COMMAND,
     DISTURBING,
+    LARGEST,
     LOG_HEAD,
     MEASURED,
     PATH,
@@ -54,9 +55,10 @@ WINDOW = (*SUMS, "farthest")
 SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
 """Monitor of every run without a log: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
-CLOCK = ("control", "plant", "delay_steps", "v_u1_linear", "v_u1_angular")
+LIMITS = ("v_u1_linear", "v_u1_angular", "wheel_speed", "half_track")
+CLOCK = ("control", "plant", "delay_steps", *LIMITS)
 """Numbers that the runtime takes from the parameters, before two for each stream: wanted, bound.
-Beyond v_u1 and NO_VIOLATION a step counts as a violation."""
+Beyond v_u1, a rim beyond wheel_speed, and NO_VIOLATION a step counts as a violation."""
 TRAVELLED = Signal("travel_mark", "m, rad", "way and orientation at the previous sample", 2)
 TORQUE_BEFORE = Signal("tau_before", "N.m", "torque commanded at the previous sample", 2)
 NO_VIOLATION = 1e-12
@@ -80,6 +82,7 @@ class Graphs:
     u: Port
     acting: ca.SX
     _late: ca.SX
+    _rim: ca.SX
 
     @property
     def fast(self) -> tuple[Port, ...]:
@@ -143,6 +146,8 @@ class Graphs:
         self._late = rate.drive(drives)
         rate.disturb(gusts)
         self.acting = rate.column((*TORQUE, *DISTURBING))
+        limited = rate.setup.takes_velocity and rate.setup.scenario.filter.wheel_speed is not None
+        self._rim = self.parameters.take("filter.wheel_speed") if limited else ca.SX(LARGEST)
 
     def plant_step(self) -> ca.SX:
         """The fast state after a plant step, from what is held and has arrived."""
@@ -163,8 +168,9 @@ class Graphs:
         h = self.parameters.take("clock.plant")
         steps = ca.floor(self._late / h + 0.5)
         said = (item.said for item in self.streams)
-        counted = self.parameters.take("limits.v_u1") * (1 + NO_VIOLATION)
-        return ca.vertcat(self.parameters.take("clock.control"), h, steps, counted, *said)
+        most = ca.vertcat(self.parameters.take("limits.v_u1"), self._rim)
+        counted = most * (1 + NO_VIOLATION), self.parameters.take("robot.l")
+        return ca.vertcat(self.parameters.take("clock.control"), h, steps, *counted, *said)
 
     @cached_property
     def delay_steps(self) -> ca.Function:

@@ -13,13 +13,17 @@ from typing import TypeAlias
 from wmr_ctrl.errors import ArgumentError
 
 Event: TypeAlias = tuple[float, int]
-"""A time [s] and a velocity axis: 1 linear, 2 angular."""
+"""A time [s] and a velocity axis: 1 linear, 2 angular, 3 a wheel over the ground."""
 
 DIVERGENCE = 1e3
 """A run ends where |v1| [m/s] or |omega| [rad/s] reaches this."""
 
 STOP_REASONS = ("", "diverged", "non-finite")
-_AXES = {1: ("linear velocity v1", "m/s"), 2: ("angular velocity omega", "rad/s")}
+_AXES = {
+    1: ("linear velocity v1", "m/s"),
+    2: ("angular velocity omega", "rad/s"),
+    3: ("speed of a wheel (filter.wheel_speed)", "m/s"),
+}
 TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
 """Remedy where a guard holds back more than it must."""
 _GUARDED = (
@@ -111,8 +115,8 @@ def _event(name: str, value: Event | None) -> Event | None:
     if value is None:
         return None
     time, axis = value
-    if axis not in (1, 2):
-        raise ArgumentError(f"monitor.{name} names axis {axis!r}; it must be 1 or 2.")
+    if axis not in (axes := (1, 2, 3) if name == "first_violation" else (1, 2)):
+        raise ArgumentError(f"monitor.{name} names axis {axis!r}; it must be one of {axes}.")
     return float(time), operator.index(axis)
 
 

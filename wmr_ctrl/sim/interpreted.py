@@ -167,9 +167,12 @@ def _joined(draws: list[_Draws], index: int, sample: int = 0) -> Floats:
 
 @dataclass
 class _Watch:
-    """Extremes and events of a run; ``limits`` [m/s, rad/s] are where a violation is counted."""
+    """Extremes and events of a run; beyond ``limits`` a violation is counted.
 
-    limits: tuple[float, float]
+    They are those of |v1|, |omega| and a wheel's speed [m/s, rad/s, m/s], and half the track [m].
+    """
+
+    limits: tuple[float, ...]
     period: float
     most: list[float] = field(default_factory=lambda: [0.0, 0.0])
     violations: int = 0
@@ -184,7 +187,9 @@ class _Watch:
             if not np.isfinite(speed):
                 return self._stop(step, axis, _NON_FINITE)
             self.most[axis] = max(self.most[axis], float(speed))
-        beyond = [axis for axis in (0, 1) if speeds[axis] > self.limits[axis]]
+        rim = speeds[0] + self.limits[3] * speeds[1]
+        pairs = enumerate(zip((*speeds, rim), self.limits[:3], strict=True))
+        beyond = [axis for axis, (speed, most) in pairs if speed > most]
         if beyond:
             self.violations += 1
             self.first = self.first or (step * self.period, beyond[0] + 1)

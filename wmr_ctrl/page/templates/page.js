@@ -325,7 +325,7 @@ class Page {
     rows.replaceChildren(...[...fleet.members.values()].map((member) => {
       const { most, first } = member.found(), { samples, clipped } = member.carried;
       const share = samples ? (100 * Math.max(...clipped)) / samples : 0;
-      const kept = first === null, axis = first && first.axis === 2 ? "ω" : "v₁";
+      const kept = first === null, axis = first && ["v₁", "ω", "a wheel's limit"][first.axis - 1];
       const verdict = !samples ? "at the start" : kept ? "✓ keeps its limits" : `✗ left ${axis} at ${first.time.toFixed(2)} s`;
       const cell = (text, more = {}) => made("td", { textContent: text, ...more });
       return made("tr", {},

@@ -1,0 +1,40 @@
+"""A limit of the wheels' speed is judged in every plant step, as limits of v and omega are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from tests.control.bases import VELOCITY, based
+from wmr_ctrl.cli.check_sentences import promise
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.scenario import load_scenario
+
+
+@pytest.mark.parametrize("engine", ["native", "numpy"])
+def test_a_wheel_beyond_its_limit_is_an_outcome(engine: str) -> None:
+    """By each engine; every step is logged, but the last. With a limit above it the run is well."""
+    stated = {**VELOCITY, "clock.control": 0.01, "clock.plant": 0.01, "clock.duration": 2.0}
+    free = wmr_ctrl.simulate(based(stated), "kanayama", engine=engine)
+    rims = np.abs(free["v1"]) + 0.25 * np.abs(free["omega"])
+    assert based(stated).robot.l == 0.25
+    low, high = (
+        wmr_ctrl.simulate(based({**stated, "filter.wheel_speed": W}), "kanayama", engine=engine)
+        for W in (0.9 * rims.max(), 1.001 * rims.max())
+    )
+
+    first = int(np.argmax(rims > 0.9 * rims.max()))
+    assert low.outcome.value == "limit-violated"
+    assert low.monitor.first_violation == (pytest.approx(0.01 * first), 3)
+    assert 0 <= low.monitor.violations - np.sum(rims > 0.9 * rims.max()) <= 1
+    (told,) = (item.text for item in low.remarks if item.key == "limit-violated")
+    assert f"first by the speed of a wheel (filter.wheel_speed) at t = {0.01 * first:g} s" in told
+    assert high.monitor.violations == 0
+    assert high.outcome.value == "completed"
+
+
+def test_check_promises_a_limit_of_the_wheels_too() -> None:
+    case = load_scenario("turtlebot3-burger", {"filter.wheel_speed": 0.2})
+    said = promise(settle(case, "kanayama"))
+    assert "|v1| <= 0.22 m/s, |omega| <= 2.84 rad/s and wheels' speeds <= 0.2 m/s are" in said
