@@ -10,11 +10,11 @@ import pytest
 
 STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 LANGUAGES = {
+    "g++-c++98": ("g++", "-x", "c++", "-std=c++98", *STRICT),
     "gcc-c99": ("gcc", "-std=c99", *STRICT),
     "gcc-c11": ("gcc", "-std=c11", *STRICT),
     "clang-c99": ("clang", "-std=c99", *STRICT),
     "clang-c11": ("clang", "-std=c11", *STRICT),
-    "g++-c++98": ("g++", "-x", "c++", "-std=c++98", *STRICT),
     "g++-c++11": ("g++", "-x", "c++", "-std=c++11", *STRICT),
     "clang++-c++98": ("clang++", "-x", "c++", "-std=c++98", *STRICT),
     "clang++-c++11": ("clang++", "-x", "c++", "-std=c++11", *STRICT),

@@ -43,11 +43,16 @@ def test_a_worker_s_error_comes_back_as_it_is(tmp_path):
 
 @pytest.mark.slow
 def test_processes_of_a_local_cluster_give_the_same_bytes(tmp_path):
-    pytest.importorskip("distributed")
+    """And so does a scheduler that is named, here with a worker in this process."""
+    distributed = pytest.importorskip("distributed")
     here = wmr_ctrl.study(REAL, tmp_path / "a").table.read_bytes()
     there = wmr_ctrl.study({**REAL, "chunk": 2}, tmp_path / "b", executor="dask", jobs=2)
+    one = {"n_workers": 1, "processes": False, "protocol": "tcp", "dashboard_address": None}
+    with distributed.LocalCluster(**one) as cluster:
+        address = cluster.scheduler_address.replace("tcp", "dask")
+        named = wmr_ctrl.study(REAL, tmp_path / "c", executor=address)
 
-    assert there.table.read_bytes() == here
+    assert there.table.read_bytes() == named.table.read_bytes() == here
 
 
 def heeding_interrupts() -> None:

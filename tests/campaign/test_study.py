@@ -95,8 +95,8 @@ def test_a_chunk_with_a_flipped_bit_is_missing_or_whole(tmp_path):
         } | {name: np.arange(2.0) for name in plan.figures}
         folder.keep(path, chunk)
         whole = path.read_bytes()
-        missing = 0
-        for place in range(len(whole)):
+        missing, places = 0, range(0, len(whole), 3)
+        for place in places:
             flipped = bytearray(whole)
             flipped[place] ^= 1 << place % 8
             path.write_bytes(flipped)
@@ -104,7 +104,7 @@ def test_a_chunk_with_a_flipped_bit_is_missing_or_whole(tmp_path):
             missing += rows is None
             assert rows is None or all((rows[name] == chunk[name]).all() for name in chunk)
 
-    assert 0.2 * len(whole) < missing < len(whole)
+    assert 0.2 * len(places) < missing < len(places)
 
 
 def test_a_full_disk_loses_nothing(tmp_path, monkeypatch):

@@ -66,7 +66,9 @@ def test_printed_scenario_runs(program, tmp_path):
 
 
 @posix
-@pytest.mark.parametrize("args", [("scenarios", "far-start"), ("laws",), ("check", "far-start")])
+@pytest.mark.parametrize(
+    "args", [("scenarios", "far-start"), ("laws",), ("check", "far-start", "--law", "pid")]
+)
 def test_reader_that_leaves_early_is_no_error(started, args):
     process = started(*args, stdout=PIPE)
     process.stdout.close()

@@ -181,7 +181,7 @@ def refused(scenario: Scenario, law: str) -> bool:
 def test_feasible_is_zero_exactly_where_a_guard_would_refuse() -> None:
     """In the graph and in its NumPy twin, for settings at random."""
     draw, told = np.random.default_rng(0), []
-    for _ in range(150):
+    for _ in range(60):
         scenario = load_scenario("paper-simulation", drawn(draw))
         wanted = float(not refused(scenario, "pid"))
         assert diagnostics(watched_controller(settle(scenario, "pid")))[1][-1] == wanted, (
@@ -190,4 +190,4 @@ def test_feasible_is_zero_exactly_where_a_guard_would_refuse() -> None:
         assert VelocityGuard(scenario, scenario.actuator.tau_max).feasible == wanted
         told.append(wanted)
 
-    assert 30 < sum(told) < 130
+    assert 12 < sum(told) < 52

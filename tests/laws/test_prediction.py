@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from tests import oracle
-from tests.checks.asking import closed
+from tests.checks.asking import closed, told_of
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import stability
 from wmr_ctrl.control.controller import controller
@@ -186,7 +185,7 @@ def test_checks_and_linear_package_build_the_same_loop(law: str) -> None:
 def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
     """Believed T and really 0: unstable; the shortest delay that there may be is what counts."""
     keys = [
-        [item.key for item in warnings_for(settle(scenario, "prox"))]
+        [item.key for item in told_of(settle(scenario, "prox"), "gains.prox.delay")]
         for scenario in (
             late("prox", 0.0, T),
             late("prox", 0.5),

@@ -1,6 +1,6 @@
-"""The page that the tests look at: written once, with every law.
+"""The page that the tests look at, written once.
 
-With `--every-case` it is compiled as it ships, and has the corridor of every law; tests/bits
+With `--every-case` it is compiled as it ships, with every law and the corridor of each; tests/bits
 compares the bits of both levels, and test_story.py has a page's corridors.
 """
 
@@ -11,11 +11,21 @@ from pathlib import Path
 import pytest
 
 import wmr_ctrl
+from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page import content
 
 
 @pytest.fixture(scope="session")
-def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def laws(request: pytest.FixtureRequest) -> tuple[str, ...]:
+    """Those of the page."""
+    every = request.config.getoption("every_case")
+    return tuple(name for name in LAWS if every or name not in ("kanayama", "pursuit"))
+
+
+@pytest.fixture(scope="session")
+def page(
+    request: pytest.FixtureRequest, laws: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     tube = content._tube
     with pytest.MonkeyPatch.context() as patch:
         if request.config.getoption("every_case"):
@@ -24,4 +34,4 @@ def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
             patch.setattr(
                 content, "_tube", lambda setup, whole: setup.name == "prox" and tube(setup, whole)
             )
-        return wmr_ctrl.write_page(tmp_path_factory.mktemp("page") / "robot.html")
+        return wmr_ctrl.write_page(tmp_path_factory.mktemp("page") / "robot.html", laws=laws)

@@ -135,14 +135,14 @@ def test_sums_are_positive_in_every_region():
 @pytest.mark.slow
 @pytest.mark.parametrize("every", [False, True])
 def test_as_much_is_cancelled_as_was_shown_to_be_defined(every):
-    """Of one entry of each function that claims; tests/many_cases.txt leaves all to `--every-case`.
+    """Of some functions that claim; tests/many_cases.txt leaves all to `--every-case`.
 
     Whether it is defined is asked anew where a graph is another one, and by `--every-case`.
     """
-    known, some = load().by_id(), one_of_each_function()
+    known, some = load().by_id(), sorted(one_of_each_function())[::3]
     asked = [claim for claim in PROVED_CLAIMS if every or claim.id in some]
     counts = {claim.id: len(cancelled_operations(claim)[1]) for claim in asked}
-    assert len(counts) > 150
+    assert len(counts) > 50
 
     assert counts == {key: known[key].cancelled for key in counts}
 

@@ -15,7 +15,7 @@ from wmr_ctrl.ros2.filter_core import FilterCore
 from wmr_ctrl.scenario import load_scenario, override
 
 MS = 1_000_000
-EVENTS = 6_000
+EVENTS = 2_000
 GAIN, PUSH, RIM = 1.1, 0.05, 1.2
 TOP = ((1.0 - PUSH) / GAIN, (2.0 - PUSH) / GAIN)
 STATED = {
