@@ -118,6 +118,23 @@ def test_a_plan_without_a_key_is_refused(tmp_path):
         load_plan(tmp_path / "empty.toml")
 
 
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("chunkk = 3\n", "plan"), ("chunk = 0\n", "plan"),
+        ('set = {"robot.mm" = 3}\n', "plan"), ('scenario = "own.toml"\n', "own"),
+    ],
+)  # fmt: skip
+def test_a_bad_key_is_told_with_the_file_that_has_it(tmp_path, text, named):
+    (tmp_path / "own.toml").write_text("[robot]\nmm = 3\n")
+    (tmp_path / "plan.toml").write_text(text)
+
+    with pytest.raises((ScenarioError, UnknownNameError)) as refused:
+        load_plan(tmp_path / "plan.toml")
+
+    assert str(refused.value).endswith(f"(In {tmp_path / named}.toml.)")
+
+
 def test_the_guard_that_is_set_for_all_runs_is_what_they_have():
     plan = plan_of({"scenario": "safe-simulation", "set": {"guard": {"enabled": False}}})
 

@@ -166,7 +166,7 @@ def test_units_are_read(name, factor, exponents):
     ],
 )
 def test_keys_of_a_map_are_told_like_those_of_a_scenario(mapped, text, words):
-    with pytest.raises(ScenarioError, match=words):
+    with pytest.raises(ScenarioError, match=rf"{words}.* \(In .*\.toml\.\)"):
         load_map(mapped(text))
 
 

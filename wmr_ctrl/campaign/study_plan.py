@@ -19,7 +19,7 @@ from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.scenario.toml_io import is_path, stated_keys
+from wmr_ctrl.scenario.toml_io import is_path, naming_file, stated_keys
 
 Raw: TypeAlias = Mapping[str, object]
 ENABLED = "guard.enabled"
@@ -91,7 +91,8 @@ def load_plan(path: str | Path) -> Study:
             f'scenario and what to run on it: scenario = "{file.name}", laws = ["prox"], seeds = '
             f"20. For one run use `wmr-ctrl run {file}`."
         )
-    return plan_of(raw, file.parent)
+    with naming_file(file):
+        return plan_of(raw, file.parent)
 
 
 def plan_of(raw: Raw, folder: Path = Path()) -> Study:

@@ -96,12 +96,12 @@ def load_scenario(
             "FOLDER`, or give the scenario that it names."
         )
     name = Path(source).stem if is_path(source) else source
-    with naming_file(source, overrides or {}):
+    with naming_file(source, overrides or ()):
         return from_dict(apply(raw, overrides or {}), name)
 
 
 @contextmanager
-def naming_file(source: object, overrides: Mapping[str, object]) -> Iterator[None]:
+def naming_file(source: object, overrides: Iterable[str] = ()) -> Iterator[None]:
     """End an error in what a file says with the file's name; those of overrides stay as they are.
 
     ``source`` may be anything else than a file's path; then nothing is added.
@@ -111,7 +111,8 @@ def naming_file(source: object, overrides: Mapping[str, object]) -> Iterator[Non
     except (ScenarioError, UnknownNameError) as error:
         said, file = str(error), os.fspath(source) if isinstance(source, str | os.PathLike) else ""
         ours = any(said.startswith(key.partition("[")[0]) for key in overrides)
-        if isinstance(file, str) and file and is_path(file) and file not in said and not ours:
+        named = file in said or "(In " in said  # a plan's scenario names its own
+        if isinstance(file, str) and is_path(file) and not (ours or named):
             error.args = (f"{said} (In {file}.)",)
         raise
 

@@ -33,6 +33,7 @@ from wmr_ctrl.fields.section import REQUIRED, Section, build, quantities, quanti
 from wmr_ctrl.fields.values import Frozen
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
 from wmr_ctrl.scenario import Change, Robot
+from wmr_ctrl.scenario.toml_io import naming_file
 from wmr_ctrl.signals import (
     BODY_FORCE,
     FORCE,
@@ -137,7 +138,8 @@ def load_map(path: str | Path) -> dict[str, PartMap]:
     for part in raw:
         if part not in ("plant", "controller"):
             raise UnknownNameError(f"part of the map {path}", part, ("plant", "controller"))
-    maps = {part: build(PartMap, table, part) for part, table in raw.items()}
+    with naming_file(path):
+        maps = {part: build(PartMap, table, part) for part, table in raw.items()}
     if "controller" in maps and maps["controller"].parameters:
         raise ArgumentError(
             f"[controller.parameters] of the map {path} has no effect: scenarios change a plant "
