@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from wmr_ctrl.checks import CHECKS, Warning
-from wmr_ctrl.checks.loop import Loop, loop_of
+from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import sample_time
+from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.control.setup import Setup
 
 STABILITY = ("clock.control", "model.m")

@@ -6,7 +6,7 @@ import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import largest_stable_period
-from wmr_ctrl.checks.surroundings import lost_poses, rare_poses
+from wmr_ctrl.checks.surroundings import lost_samples, rare_poses
 from wmr_ctrl.linear.report import report_linear
 from wmr_ctrl.scenario import load_scenario
 
@@ -53,9 +53,9 @@ def test_what_is_left_out_is_said() -> None:
     rare = {"sensor.pose_period": 0.1, "sensor.pose_dropout": 0.3}
 
     assert rare_poses(load_scenario("paper-simulation")) == ""
-    assert lost_poses(load_scenario("paper-simulation")) == ""
-    assert lost_poses(load_scenario("paper-simulation", rare)) == (
-        "as if all poses came, though 30% of them do not"
+    assert lost_samples(load_scenario("paper-simulation")) == ""
+    assert lost_samples(load_scenario("paper-simulation", rare)) == (
+        "as if nothing were lost, though 30% of the poses may be"
     )
     assert rare_poses(load_scenario("paper-simulation", rare)) == (
         "as if a pose came at every sample, though a pose comes every 0.1 s and 30% of them do "

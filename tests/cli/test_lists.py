@@ -116,7 +116,7 @@ def test_every_objection_and_remark_has_a_remedy():
     literal = (
         re.findall(r"[ (]Warning\(\s*\"([a-z._A-Z]+)\"", file.read_text()) for file in objections
     )
-    keys = {*chain(*literal), *(set(SHORT) - {*IN_PART})} - {"base.kind", OBJECTED, "corridor-left"}
+    keys = {*chain(*literal), *(set(SHORT) - {*IN_PART})} - {OBJECTED, "corridor-left"}
 
     assert len(keys) > 15
     assert keys <= set(REMEDIES)

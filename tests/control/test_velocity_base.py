@@ -18,7 +18,7 @@ import pytest
 import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
 from wmr_ctrl.checks import filter_facts
-from wmr_ctrl.checks.loop import loop_of
+from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.velocity_base import rise_times, usable_speed, velocity_base
 from wmr_ctrl.cli.check_sentences import filter_lines, promise
 from wmr_ctrl.cli.summary import summary_text

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 from wmr_ctrl.checks.barrier import pushed_through, unmodelled, wrong_model
-from wmr_ctrl.checks.loop import Loop, loop_of
+from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import network
 from wmr_ctrl.checks.preconditions import (
     coarse_step,
@@ -23,6 +23,7 @@ from wmr_ctrl.checks.sample_time import Stability as Stability
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.checks.sample_time import sample_time
 from wmr_ctrl.checks.sample_time import stability as stability
+from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.torques import first_torques as first_torques
 from wmr_ctrl.checks.torques import grip_warnings as grip_warnings
 from wmr_ctrl.checks.torques import noise_gain, weak_drives
@@ -53,7 +54,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     violent_alpha,
 )
 """In the order in which they are printed: what ends a run first comes first."""
-OF_VELOCITY_BASES = (units, start, preconditions, coarse_step, velocity_base)
+OF_VELOCITY_BASES = (units, start, sample_time, preconditions, coarse_step, velocity_base)
 """Those that hold for a base that takes velocities."""
 
 

@@ -97,7 +97,15 @@ class Loop:
     def over(self, commands: int) -> Loop:
         """The same law, built to predict over so many commands."""
         own = self.setup.predicted if self.in_flight is None else self.in_flight
-        return self if commands == own else loop_of(self.setup, commands)
+        return self if commands == own else _over(self, commands)
+
+    def at_period(self, period: float) -> Loop:
+        """The loop for a control period [s]; a law remembers as many commands as are under way."""
+        return self
+
+    def with_delay(self, delay: float) -> Loop:
+        """The loop of a law that knows of a ``delay`` [s], where its graph depends on that."""
+        return self
 
     @property
     def has_barrier(self) -> bool:
@@ -306,9 +314,8 @@ class Loop:
 
 
 @lru_cache(maxsize=128)
-def loop_of(setup: Setup, in_flight: int | None = None) -> Loop:
-    """The Loop of a setup, built once."""
-    return Loop(setup, in_flight)
+def _over(loop: Loop, commands: int) -> Loop:
+    return replace(loop, in_flight=commands)
 
 
 INPUTS = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "v1", "omega")

@@ -38,7 +38,7 @@ def largest_radius(
     is the orientation where something acts by it, a slope say.
     ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
     """
-    samples = loop.around.samples_a_pose(period)
+    loop, samples = loop.at_period(period), loop.around.samples_a_pose(period)
     stretches = stretches_of(loop.scenario)
 
     def of(v_d: Floats, theta: float) -> Floats:

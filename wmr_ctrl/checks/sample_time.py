@@ -13,8 +13,9 @@ from functools import cache, lru_cache
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import PERIOD, Loop, loop_of
+from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import MARGIN, RATIO, SHORTEST, edge, largest_radius, supremum
+from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.surroundings import delays_by_name, oldest_shown
 from wmr_ctrl.checks.torques import first_torques
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, gains_that_fit, joined
@@ -41,6 +42,8 @@ MOST_STEPS = 500
 def sample_time(loop: Loop) -> Iterator[Warning]:
     """Yield the limits that the control period exceeds, each with its number."""
     yield from _linear(loop)
+    if loop.setup.takes_velocity:
+        return
     if loop.has_barrier and not loop.guarded:
         yield from _kink(loop)
     inside = (np.abs(loop.start.v) <= loop.scenario.limits.v_u1).all()
@@ -236,7 +239,8 @@ def largest_stable_delay(loop: Loop) -> float | None:
 
     def of(delay: float) -> float:
         known = max(delay - (own.delay - own.known), 0.0)
-        return largest_radius(loop, period, replace(own, delay=delay, known=known))
+        late = replace(own, delay=delay, known=known)
+        return largest_radius(loop.with_delay(known), period, late)
 
     return _last(of, least, [least + k * period / 8 for k in range(1, 8 * MOST_UNDER_WAY)])
 

@@ -101,8 +101,9 @@ class Assembly:
     """The rows of a SampledPlant, block by block: fast state, commands sent, slow state.
 
     ``worlds`` with weights; ``every``: samples from one pose to the next; ``step``: about a plant
-    step [s]; ``numbers`` of a world's parameters, by the step; ``wheels``: torques by force (2, 2);
-    ``torque`` (2): what keeps the velocity [N m].
+    step [s]; ``numbers`` of a world's parameters, by the step; ``sent``: what is held by a command
+    (2, 2); ``wheels``: torques by force (2, 2); ``torque`` (2): what keeps the velocity [N m];
+    ``sends``: velocities are commanded.
     """
 
     worlds: Sequence[tuple[float, World]]
@@ -111,8 +112,10 @@ class Assembly:
     every: int
     step: float
     numbers: Callable[[World, float], list[float]]
+    sent: Floats
     wheels: Floats
     torque: Floats
+    sends: bool
 
     @property
     def world(self) -> World:
@@ -134,11 +137,23 @@ class Assembly:
 
     def _step(self, graph: ca.Function, step: float) -> Floats:
         """Output of a plant-step graph for one of ``step`` [s]."""
+        return self._of_step(graph, step, self._command(step) if self.sends else self.torque)
+
+    def _of_step(self, graph: ca.Function, step: float, command: Floats) -> Floats:
         world, motion = self.world, self.motion
         z = np.concatenate((motion.s, self._fast(0.0)[ROBOT:]))
-        held = np.concatenate((self.torque, np.zeros(world.held - COMMAND)))
+        held = np.concatenate((command, np.zeros(world.held - COMMAND)))
         numbers = self.numbers(world, step)
         return evaluated(graph, 0, z, motion.theta, held, numbers, motion.v_d)[0]
+
+    def _command(self, step: float) -> Floats:
+        """Velocity (2) that keeps the robot's over a plant step when it is sent [m/s, rad/s]."""
+        world, v = self.world, np.array(self.motion.v)
+        robot, sent = slice(ROBOT - COMMAND, ROBOT), slice(world.size, world.size + COMMAND)
+        graphs = (world.step, world.slopes)
+        after, slopes = (self._of_step(graph, step, v)[robot] for graph in graphs)
+        missing = np.linalg.lstsq(slopes[:, sent], v - after.ravel(), rcond=None)[0]
+        return np.asarray(v + missing)
 
     def flow(self, time: float) -> tuple[Floats, Floats]:
         """The fast state after a time [s] by that before, and by the held inputs."""
@@ -186,11 +201,11 @@ class Assembly:
         rows[sent] = np.vstack(ages)[: COMMAND * queue]
         free, new = self.flow(self.period - part)
         rows[fast, fast], disturbed = free, new[:, COMMAND:]
-        rows[fast] += new[:, :COMMAND] @ self.wheels @ ages[whole]
+        rows[fast] += new[:, :COMMAND] @ self.sent @ ages[whole]
         if part:
             first, old = self.flow(part)
             rows[fast, fast], disturbed = free @ first, disturbed + free @ old[:, COMMAND:]
-            rows[fast] += free @ old[:, :COMMAND] @ self.wheels @ ages[whole + 1]
+            rows[fast] += free @ old[:, :COMMAND] @ self.sent @ ages[whole + 1]
         sensed = np.zeros((len(seen), ends[-1]))
         sensed[:, fast], sensed[:, slow] = seen[:, :size], seen[:, size:]
         rows[fast, : ends[-1]] += disturbed @ sensed[ROBOT : ROBOT + HELD]
@@ -213,7 +228,7 @@ class Assembly:
         used = [i for i, name in enumerate(names) if name not in (PATH.name, SKID.name)]
         free, torque, push = np.split(slopes[used], [len(names), len(names) + COMMAND], axis=1)
         named = tuple(names[i] for i in used[ROBOT:])
-        forced, pushed = (item @ self.wheels for item in (torque, push[:, :COMMAND]))
+        forced, pushed = torque @ self.sent, push[:, :COMMAND] @ self.wheels
         for item in (forced, pushed):  # B1 times its inverse
             item[np.abs(item) < np.finfo(float).eps * np.abs(item).max()] = 0.0
         return free[:, used], forced, pushed, named

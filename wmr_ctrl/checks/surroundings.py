@@ -20,7 +20,6 @@ from wmr_ctrl.checks.sampled_plant import (
 )
 from wmr_ctrl.checks.world import COMMAND, Floats, World, world_of
 from wmr_ctrl.control.applied import followed
-from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.graph import rounds
@@ -30,6 +29,17 @@ from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
+from wmr_ctrl.world.speed_loop import takes_velocity
+from wmr_ctrl.world.velocity_loss import VelocityLoss
+
+IDLE = {
+    "base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0], "base.w_max": math.inf,
+    "base.accel": [math.inf, math.inf], "base.decel": [math.inf, math.inf],
+    "base.jerk": [math.inf, math.inf], "base.losses": 0, "base.timeout": math.inf,
+    "base.antiwindup": False, "actuator.tau_max": math.inf, "filter.kind": "none",
+    "sensor.velocity_losses": 0,
+}  # fmt: skip
+"""Numbers of a base that leaves every command as it is, and gives every torque."""
 
 MANY = 16.0
 """Samples beyond which their nearest whole number stands for a time."""
@@ -58,8 +68,13 @@ class KnownDrives:
     sent: int
 
 
+def idle_base(scenario: Scenario) -> Scenario:
+    """The scenario with a base that cuts, rounds and loses nothing, and without filter."""
+    return override(scenario, IDLE)
+
+
 class Surroundings:
-    """Robot, drives and sensors at any control period.
+    """Robot, drives and sensors at any control period; of a base that takes velocities, idle.
 
     Drives that vary are at their slowest, and all poses come that are due.  What a sensor counts in
     samples is the nearest whole number of them; where a few make a velocity late, what the numbers
@@ -68,6 +83,8 @@ class Surroundings:
 
     def __init__(self, scenario: Scenario) -> None:
         """Nothing is differentiated yet."""
+        self._sends = sends = takes_velocity(scenario)
+        scenario = idle_base(scenario) if sends else scenario
         self.scenario, self._worlds = scenario, dict[tuple[object, ...], World]()
         present = [item for item in EFFECTS.present(scenario) if "clock.control" in item.shape]
         self._foreign = any(item not in OURS for item in present)
@@ -81,10 +98,12 @@ class Surroundings:
         alike = replace(scenario, robot=scenario.believed, model=Model())
         self._alike = None if alike == scenario else surroundings(alike)
         actuator = scenario.actuator
-        late = actuator.delay + actuator.unmodelled_delay + actuator.jitter
-        self.drives = DriveTimes(late, actuator.delay, actuator.lag)
+        known = scenario.base.delay if sends else actuator.delay
+        late = known + actuator.unmodelled_delay + actuator.jitter
+        self.drives = DriveTimes(late, known, actuator.lag)
         self._lag = actuator.lag * (1 + actuator.lag_spread)
         self._wheels = wheels(scenario.robot.r, scenario.robot.l)
+        self._sent = np.eye(COMMAND) if sends else self._wheels
         self.known_of_drives = lru_cache(maxsize=64)(self._known_of_drives)
         # Kept for the next law, which is tried at the same periods, delays and masses.
         self._plant = lru_cache(maxsize=1024)(
@@ -116,6 +135,19 @@ class Surroundings:
         here, there = (self._assembly(motion, clock).flow(clock)[0] for motion in motions)
         alike = np.abs(here - there).max() < GRID
         return (0.0,) if alike else tuple(np.arange(8) * math.pi / 4)
+
+    def at_period(self, period: float, delay: float) -> Scenario:
+        """The scenario at a control period [s], with a ``delay`` of commands [s].
+
+        What its sensors count is the nearest whole number of samples, and of plant steps a delay.
+        """
+        times = {
+            key: period * max(_counts(key, time / period, late))[1]
+            for key, (time, late) in self._counted.items()
+        }
+        step = period / steps_in(period, self.scenario.clock.plant)
+        times["base.delay"] = step * round(delay / step)
+        return _still(self.scenario, period, times)
 
     def samples_a_pose(self, period: float) -> int:
         """Samples from one pose to the next, at a control period [s]."""
@@ -170,7 +202,8 @@ class Surroundings:
 
     def torque(self, world: World, *forces: ca.SX) -> ca.SX:
         """Inputs held over a sample for a force and a disturbance (2) [N, N m]."""
-        given = [ca.DM(self._wheels) @ force for force in forces]
+        by = (self._sent, self._wheels)
+        given = [ca.DM(rows) @ force for rows, force in zip(by, forces, strict=False)]
         return ca.vertcat(*given, ca.SX.zeros(world.held - COMMAND * len(given)))
 
     def _known_of_drives(
@@ -203,7 +236,7 @@ class Surroundings:
             self.worlds(period), motion, period, self.samples_a_pose(period),
             self.scenario.clock.plant,
             lambda world, step: self.numbers(world, period, step, robot),
-            self._wheels, steady,
+            self._sent, self._wheels, steady, self._sends,
         )  # fmt: skip
 
 
@@ -247,8 +280,7 @@ def wheels(r: float, l: float) -> Floats:
 
 @lru_cache(maxsize=64)
 def surroundings(scenario: Scenario) -> Surroundings:
-    """The Surroundings of a scenario, made once; ScenarioError for a base that takes velocities."""
-    check_takes_torques(scenario, "linear loops are made")
+    """The Surroundings of a scenario, made once."""
     return Surroundings(scenario)
 
 
@@ -278,10 +310,14 @@ def is_sampled(setup: Setup) -> bool:
     return setup.bound.delay > 0 or oldest_shown(setup) > 0 or filtered
 
 
-def lost_poses(scenario: Scenario) -> str:
-    """Words on lost poses, which the linear loop leaves out; empty if none."""
-    lost = scenario.section(PoseSensor).pose_dropout
-    return f"as if all poses came, though {lost:.0%} of them do not" if lost > 0 else ""
+def lost_samples(scenario: Scenario) -> str:
+    """Words on lost poses, velocities and commands, which the linear loop leaves out, if any."""
+    poses, base = scenario.section(PoseSensor).pose_dropout, scenario.base
+    counts = {"velocities": scenario.section(VelocityLoss).velocity_losses}
+    counts |= {"commands": base.losses} if takes_velocity(scenario) else {}
+    lost = [f"{poses:.0%} of the poses"] * (poses > 0)
+    lost += [f"{name} up to {count} in a row" for name, count in counts.items() if count]
+    return f"as if nothing were lost, though {' and '.join(lost)} may be" if lost else ""
 
 
 def rounded_effects(scenario: Scenario) -> str:

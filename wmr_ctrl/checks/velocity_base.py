@@ -226,17 +226,10 @@ def filter_advice(setup: Setup) -> str:
 
 
 def velocity_base(loop: Loop) -> Iterator[Warning]:
-    """Yield what is not promised of a base that takes velocities, and what is not worked out."""
+    """Yield what is not promised of a base that takes velocities."""
     scenario = loop.scenario
     if not loop.setup.takes_velocity:
         return
-    yield Warning(
-        "base.kind",
-        'base.kind = "velocity": stability around the reference is not computed for such a base, '
-        "because its speed loop lies between the law and the wheels; runs show it.",
-        "docs/filter.md",
-        objects=False,
-    )
     if scenario.filter.kind == "none":
         yield Warning(
             "filter.kind",

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from wmr_ctrl.checks.loop import Loop, loop_of
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.laws.prox import ProxGains, guide

@@ -18,7 +18,7 @@ from wmr_ctrl.checks import (
     warnings_for,
 )
 from wmr_ctrl.checks.outlook import IN_PART, CheckVerdict, verdict
-from wmr_ctrl.checks.surroundings import lost_poses, rounded_effects
+from wmr_ctrl.checks.surroundings import lost_samples, rounded_effects
 from wmr_ctrl.checks.torques import GRIP
 from wmr_ctrl.cli import check_sentences
 from wmr_ctrl.cli.console import Progress, say, table, wrapped
@@ -78,7 +78,7 @@ def find_answers(
             tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
             tyres = (replace(item, objects=False) for item in grip_warnings(setup))
             warned[law] = () if bare else (*warnings_for(setup), *tyres)
-            if not (bare or setup.takes_velocity):
+            if not bare:
                 stable[law] = stability(case, law)
         runs = {} if only in UNRUN else _runs(case, laws, progress)
     return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
@@ -247,7 +247,7 @@ def findings(answers: Answers) -> Iterator[Note]:
         yield from (Note("", key, line) for line in lines(answers.setup))
     if answers.taken:
         yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))
-    ignored = filter(None, (lost_poses(answers.scenario), rounded_effects(answers.scenario)))
+    ignored = filter(None, (lost_samples(answers.scenario), rounded_effects(answers.scenario)))
     rest = ", and ".join(ignored)
     warnings = [
         Note(law, item.key, f"{'' if item.objects else 'note: '}{item}")

@@ -62,7 +62,7 @@ def unfiltered_controller(setup: Setup) -> System:
 
     It gives v_asked, and is told v_sent, which what it asks for does not depend on.
     """
-    return _velocity_sender(setup, law_graph(setup)).asking()
+    return velocity_sender(setup, law_graph(setup)).asking()
 
 
 def law_graph(setup: Setup, in_flight: int | None = None) -> System:
@@ -219,7 +219,7 @@ def wheel_limit(setup: Setup, p: Parameters) -> ca.SX:
 def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     core = law_graph(setup)
     if setup.takes_velocity:
-        return _velocity_sender(setup, core).system()
+        return velocity_sender(setup, core).system()
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
     wish = (Output(FORCE, asked),) if asking else ()
@@ -237,7 +237,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     return _finished(core, p, torque, state, update, (*memory.diagnostics, *wish))
 
 
-def _velocity_sender(setup: Setup, core: System) -> SentVelocity:
+def velocity_sender(setup: Setup, core: System) -> SentVelocity:
     """Sender of a law's command on a base that takes velocities."""
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr

@@ -18,6 +18,7 @@ import numpy as np
 from flint import arb
 
 from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sending import SendingLoop
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, World, carried
 from wmr_ctrl.control.applied import followed, remembered
@@ -26,7 +27,7 @@ from wmr_ctrl.corridor.condition import AXES, Asked, Condition
 from wmr_ctrl.corridor.enclosure import Balls, BentEnclosure, Enclosure, upper
 from wmr_ctrl.corridor.late_guard import commands_counted, late_conditions
 from wmr_ctrl.corridor.overlap import ALONE, Overlap
-from wmr_ctrl.corridor.sender import SendingLoop, balanced, base_numbers, base_world, sending
+from wmr_ctrl.corridor.sender import balanced, base_numbers, base_world, sending
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY
 from wmr_ctrl.model.dynamics import force_to_wheel

@@ -12,7 +12,7 @@ from functools import reduce
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import loop_of
+from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.certificate import Certifier

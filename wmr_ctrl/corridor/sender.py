@@ -6,14 +6,12 @@ condition on what is sent, or a bounded error of it.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sampled_plant import Point
+from wmr_ctrl.checks.surroundings import idle_base
 from wmr_ctrl.checks.world import Floats, World, world_of
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.control.velocity import SentVelocity
@@ -22,43 +20,10 @@ from wmr_ctrl.filter.filter import passing_commands
 from wmr_ctrl.laws.law import Inside
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.system import Output, Parameters, Port, System
-from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.signals import ASKED, SENT_BEFORE, TORQUE
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import ASKED, TORQUE
 from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.speed_loop_pi import INTEGRAL
-
-IDLE = {
-    "base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0], "base.w_max": np.inf,
-    "base.accel": [np.inf, np.inf], "base.decel": [np.inf, np.inf], "base.antiwindup": False,
-    "actuator.tau_max": np.inf, "filter.kind": "none",
-}  # fmt: skip
-"""Numbers of a base that leaves every command as it is, and gives every torque."""
-
-
-def idle_base(scenario: Scenario) -> Scenario:
-    """The scenario with a base that cuts and rounds nothing, and without filter."""
-    return override(scenario, IDLE)
-
-
-@dataclass(frozen=True)
-class SendingLoop(Loop):
-    """A law's loop whose output is the velocity that is sent."""
-
-    sender: System | None = None
-
-    @cached_property
-    def core(self) -> System:
-        """Law, adapter and what they remember."""
-        assert self.sender is not None
-        return self.sender
-
-    def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
-        """The robot on the reference, its commands having been those of the reference for long."""
-        speed = np.array(v_d, dtype=float)
-        own = [speed if item.signal.name.startswith(SENT_BEFORE.name) else np.array(item.value)
-               for item in self.core.state]  # fmt: skip
-        there = Point(np.zeros(3), speed, speed, np.zeros(2), np.concatenate(own), speed)
-        return replace(self.after_a_sample(self.after_a_sample(there)), force=speed)
 
 
 def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condition]]:

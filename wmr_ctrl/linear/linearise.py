@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.loop import Loop, loop_of
+from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_plant import Point as Point
+from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.applied import remembered
@@ -119,7 +120,7 @@ SAMPLES = 200
 
 def law_loop(scenario: Scenario, law: str) -> Loop:
     """``law`` on ``scenario`` as the checks see it, built once."""
-    check_takes_torques(scenario, "linear loops are made")
+    check_takes_torques(scenario, "linear models are made")
     return loop_of(settle(scenario, law))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.checks.surroundings import lost_poses, rare_poses, rounded_effects
+from wmr_ctrl.checks.surroundings import lost_samples, rare_poses, rounded_effects
 from wmr_ctrl.linear.linearise import Floats, reference_velocity
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def _poles(report: LinearReport, width: int) -> Iterator[str]:
     scenario = report.scenario
     for figures_of, said in (
         ("Margins and Bode plots", rare_poses(scenario)),
-        ("All other figures", lost_poses(scenario)),
+        ("All other figures", lost_samples(scenario)),
         ("All figures", rounded_effects(scenario)),
     ):
         if said:

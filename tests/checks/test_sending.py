@@ -1,0 +1,110 @@
+"""The linear loop of a base that takes velocities, against its compiled runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.checks.radius import largest_radius
+from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
+from wmr_ctrl.checks.sending import loop_of
+from wmr_ctrl.checks.surroundings import IDLE, lost_samples
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.references import sample
+
+SMALL, SAMPLES = 1e-5, 80
+AWAY = np.array([1.0, -0.5, 0.8])
+PI = {"base.loop": "pi", "base.kp": 10.0, "base.ki": 30.0}
+BASES = {
+    "first-order": {},
+    "pi": PI,
+    "late": {"base.delay": 0.13},
+    "late pi": {**PI, "base.delay": 0.07},
+    "ramps": {"base.accel": [1.0, 3.0], "base.jerk": [50.0, 200.0]},
+    "slower than believed": {"base.tau": [0.3, 0.2], "base.tau_believed": [0.1, 0.1]},
+}
+
+
+def moving(changed: dict[str, object]) -> Scenario:
+    """A Burger without delay, friction and filter that starts on its circle, at its speed."""
+    free = {"filter.kind": "none", "robot.mu": 0.0, "model.mu": 0.0, "base.delay": 0.0}
+    length = {"clock.duration": SAMPLES * 0.05}
+    scenario = load_scenario("turtlebot3-burger", free | length | changed)
+    at = sample(scenario, np.zeros(1))[0]
+    start = {"initial.pose": at[:3].tolist(), "initial.velocity": at[3:5].tolist()}
+    return override(scenario, start)
+
+
+def off(scenario: Scenario, law: str, away: float) -> np.ndarray:
+    """Tracking error and velocity (N, 5) of a run that starts so far off."""
+    start = (np.array(scenario.initial.pose) + away * AWAY).tolist()
+    run = simulate(scenario, law, overrides={"initial.pose": start})
+    return np.column_stack((run["e"], run["v1"], run["omega"]))
+
+
+@pytest.mark.parametrize("base", ["first-order", "pi", "slower than believed"])
+@pytest.mark.parametrize("law", ["pid", "mb", "prox", "pursuit"])
+def test_a_small_displacement_goes_the_way_of_the_matrices(law: str, base: str) -> None:
+    """Differences of compiled runs, which know nothing of derivatives."""
+    scenario = moving(BASES[base])
+    seen = (off(scenario, law, SMALL) - off(scenario, law, -SMALL)) / (2 * SMALL)
+    loop = loop_of(settle(scenario, law))
+    at = loop.on_reference(sample(scenario, np.zeros(1))[0][3:5])
+    first, then = (loop.closed(at, 0.05, sample=k) for k in (0, None))
+    x, rows = np.concatenate((seen[0], np.zeros(len(then) - 5))), []
+    for k in range(SAMPLES):
+        rows.append(x[:5])
+        x = (then if k else first) @ x
+
+    assert np.array(rows) == pytest.approx(seen, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "base"),
+    [("mb", "first-order"), ("prox", "late"), ("kanayama", "ramps"), ("prox", "late pi")],
+)
+def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(
+    law: str, base: str
+) -> None:
+    scenario = moving(BASES[base])
+    limit = largest_period(loop_of(settle(scenario, law)))
+    for share in (0.9, 1.1):
+        period = round(share * limit, 3)
+        clock = {"clock.control": period, "clock.duration": 400 * period}
+        end = np.abs(off(override(scenario, clock), law, SMALL)[-40:, :3]).max()
+
+        assert end < 1e-6 if share < 1 else end > 1e-3
+
+
+def test_a_law_knows_of_the_longest_delay_that_is_told() -> None:
+    scenario = moving({})
+    limit = largest_stable_delay(loop_of(settle(scenario, "prox")))
+    assert limit is not None
+    for share in (0.9, 1.1):
+        late = override(scenario, {"base.delay": round(share * limit, 3), "clock.duration": 60.0})
+        away = np.abs(off(late, "prox", SMALL)[:, :3])
+
+        assert bool(away[-200:].max() > away[600:800].max()) is (share > 1)
+
+
+def test_a_loop_that_knows_its_mass_is_the_same_with_every_mass() -> None:
+    radii = [largest_radius(loop_of(settle(moving({"robot.m": m}), "mb")), 0.05) for m in (1, 3)]
+
+    assert radii[0] == pytest.approx(radii[1], abs=1e-12)
+    assert stable_masses(loop_of(settle(moving({}), "mb"))) == (1 / 20, 20.0)
+
+
+def test_what_cuts_and_loses_is_left_out_and_said() -> None:
+    cut = {"base.accel": [1.0, 3.0], "base.w_max": 8.0, "actuator.tau_max": 1.0, "base.losses": 2,
+           "sensor.velocity_losses": 1}  # fmt: skip
+    radii = [largest_radius(loop_of(settle(moving(own), "mb")), 0.05) for own in ({}, cut)]
+
+    assert radii[0] == radii[1]
+    assert lost_samples(moving(cut)) == (
+        "as if nothing were lost, though velocities up to 1 in a row and commands up to 2 in a row "
+        "may be"
+    )
+    assert lost_samples(moving({})) == ""
+    assert override(moving(cut), IDLE).base.losses == 0

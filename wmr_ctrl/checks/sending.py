@@ -1,0 +1,90 @@
+"""Loop of a law on its base: what is sent to a base that takes velocities, where nothing cuts it.
+
+What is sent is the graph that the controller is made from, without its filter, which passes every
+command inside (ledger: corridor.filter).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_plant import Point
+from wmr_ctrl.checks.surroundings import idle_base, surroundings
+from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.control.applied import remembered
+from wmr_ctrl.control.controller import law_graph, velocity_sender
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.model.system import Output, System
+from wmr_ctrl.signals import ASKED, SENT_BEFORE
+
+
+@dataclass(frozen=True)
+class SendingLoop(Loop):
+    """A law's loop whose output is the velocity that is sent.
+
+    ``sender``: another graph of it than the controller's; ``period`` and ``delay`` of commands that
+    it is made for [s], the scenario's unless given.
+    """
+
+    sender: System | None = None
+    period: float | None = None
+    delay: float | None = None
+
+    @cached_property
+    def core(self) -> System:
+        """Law, adapter and what they remember."""
+        if self.sender is not None:
+            return self.sender
+        period = self.scenario.clock.control if self.period is None else self.period
+        delay = self.scenario.base.delay if self.delay is None else self.delay
+        timed = surroundings(self.scenario).at_period(period, delay)
+        plain = replace(self.setup, scenario=timed)
+        sent = velocity_sender(plain, _law_graph(self.setup, self.in_flight))
+        return replace(sent.system(), outputs=(Output(ASKED, sent.asked),), diagnostics=())
+
+    def at_period(self, period: float) -> Loop:
+        """The loop for a control period [s], which remembers the commands that are under way."""
+        own = self.scenario.base.delay if self.delay is None else self.delay
+        same = period == self.scenario.clock.control
+        return self if same or own == 0 or not self._remembers else _made_for(self, period, own)
+
+    def with_delay(self, delay: float) -> Loop:
+        """The loop of a law that knows of a delay of its commands [s]."""
+        return _made_for(self, self.period, delay) if self._remembers else self
+
+    @property
+    def _remembers(self) -> bool:
+        return bool(remembered(_law_graph(self.setup, self.in_flight)))
+
+    def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
+        """The robot on the reference, its commands having been those of the reference for long."""
+        key = tuple(map(float, v_d))
+        if key not in self._points:
+            self._points[key] = self._driving(np.array(key))
+        return replace(self._points[key], theta=theta)
+
+    def _driving(self, speed: Floats) -> Point:
+        own = [speed if item.signal.name.startswith(SENT_BEFORE.name) else np.array(item.value)
+               for item in self.core.state]  # fmt: skip
+        there = Point(np.zeros(3), speed, speed, np.zeros(2), np.concatenate(own), speed)
+        return replace(self.after_a_sample(self.after_a_sample(there)), force=speed)
+
+
+@lru_cache(maxsize=16)
+def _law_graph(setup: Setup, in_flight: int | None) -> System:
+    return law_graph(replace(setup, scenario=idle_base(setup.scenario)), in_flight)
+
+
+@lru_cache(maxsize=128)
+def _made_for(loop: SendingLoop, period: float | None, delay: float) -> SendingLoop:
+    return replace(loop, period=period, delay=delay)
+
+
+@lru_cache(maxsize=128)
+def loop_of(setup: Setup) -> Loop:
+    """The Loop of a setup, built once."""
+    return SendingLoop(setup) if setup.takes_velocity else Loop(setup)
