@@ -14,9 +14,9 @@ _REMEDIES = {
     errno.EACCES: "Choose a folder that you may write to.",
     errno.EPERM: "Choose a folder that you may write to.",
     errno.EROFS: "Choose a folder that is not read-only.",
-    errno.ENOSPC: "Free some space or choose another disk; nothing was left behind.",
-    errno.EDQUOT: "Free some space or choose another disk; nothing was left behind.",
-    errno.EFBIG: "Choose a disk that takes files of this size; nothing was left behind.",
+    errno.ENOSPC: "Free some space or choose another disk; nothing of this file was left.",
+    errno.EDQUOT: "Free some space or choose another disk; nothing of this file was left.",
+    errno.EFBIG: "Choose a disk that takes files of this size; nothing of this file was left.",
     errno.ENAMETOOLONG: "Choose a shorter name.",
 }
 
