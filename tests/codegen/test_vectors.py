@@ -59,10 +59,7 @@ def test_an_error_of_one_per_cent_in_any_number_is_seen(law: str, guarded: bool)
     blind = {"limits.v_u2"} if guarded else {"limits.v_u1", "limits.v_u2"}
     without = {"limits.v_u2", "gains.kinematics.k"}
     own = {f"gains.pursuit.{name}" for name in RAMPED}
-    # As shipped there, prox asks for all the torque that there is where the guard would act on v.
-    braked = {"guard.dbar", "guard.M_min", "guard.f_min"} if guarded else set()
     shown_only = {"pid": blind, "smc": blind, "kanayama": without, "pursuit": without | own}
-    shown_only |= {"prox": braked}
     missed = unseen(system, vectors_of(system, scenario.limits))
 
     assert missed <= set(UNSEEN) | shown_only.get(law, set())

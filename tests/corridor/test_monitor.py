@@ -129,7 +129,7 @@ def test_its_example_ends_as_it_says(monitor, tmp_path):
         done = subprocess.run(
             [f"./{program}"], cwd=tmp_path, check=True, capture_output=True, timeout=60
         )
-    assert b"72 samples" in done.stdout
+    assert b"78 samples" in done.stdout
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -91,7 +91,7 @@ def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
     period, worst, count = map(float, first.split())
     assert period == SCENARIO.clock.control
     assert worst < 1e-12
-    assert count == 72
+    assert count == 78
     assert rest[:2] == ["memory 1 1", "next 0 1"]
 
 

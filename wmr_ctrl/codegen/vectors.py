@@ -41,6 +41,7 @@ SITUATIONS = (
     Situation((0.15, 0.2, 0.2), (0.5, 0.5), (0.9995, 0.9995)),  # next to both limits
     Situation((0.05, 0.06, 0.1), (0.9, 0.9), (1.05, 1.04)),  # beyond both limits
     Situation((-0.15, -0.1, -0.2), (0.2, 0.07), (-1.03, -1.05)),  # beyond them backwards
+    Situation((6.0, 0.0, 1.3), (0.2, 0.07), (0.94, -0.58)),  # far ahead, turning away, fast
 )
 
 
