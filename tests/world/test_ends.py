@@ -66,8 +66,8 @@ def test_a_jerk_limit_lets_the_rate_grow_to_the_larger_limit(limits, most) -> No
 
 
 @pytest.mark.parametrize(("losses", "timeout", "stops", "acts"), [
-    (2, 0.029, True, True), (2, 0.03, False, True), (0, T, False, False), (0, 0.009, True, True),
-    (0, 1.0, False, False),
+    (2, 0.029, True, True), (2, 0.03, False, True), (34, 0.35, False, True), (0, T, False, False),
+    (0, 0.009, True, True), (0, 1.0, False, False),
 ])  # fmt: skip
 def test_a_base_stops_between_commands_where_its_time_out_is_shorter(
     losses, timeout, stops, acts

@@ -8,6 +8,7 @@ import numpy as np
 from wmr_ctrl.checks.barrier import largest_pull
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
+from wmr_ctrl.filter.held_loop import STABLE
 from wmr_ctrl.laws.law import WHOLE
 from wmr_ctrl.scenario.units import unit_questions
 from wmr_ctrl.world.phases import phases, steepness
@@ -18,8 +19,8 @@ REACHED = 4.0
 STANDSTILL = 1e-9
 """Desired speed [m/s] that counts as none."""
 LIMIT = "limits.v_u1"
-COARSE, UNSTABLE = 1.0, 2.785
-"""Plant step times slope of the friction: what is coarse for RK4, and what makes it diverge."""
+COARSE = 1.0
+"""Plant step times slope of the friction that is coarse for RK4."""
 
 
 def units(loop: Loop) -> Iterator[Warning]:
@@ -216,7 +217,7 @@ def coarse_step(loop: Loop) -> Iterator[Warning]:
         "clock.plant",
         f"clock.plant = {step:g} s is too coarse for the friction: mu g tanh(v1/v_s) changes at up "
         f"to {slope:.4g} 1/s, and the product of both, {step * slope:.3g}, should be at most "
-        f"{COARSE:g} (RK4 diverges from {UNSTABLE:g} on). Choose {COARSE / slope:.2g} s or less, "
+        f"{COARSE:g} (RK4 diverges from {STABLE:g} on). Choose {COARSE / slope:.2g} s or less, "
         "or a larger robot.v_s.",
         "Eq. (4), RK4",
     )

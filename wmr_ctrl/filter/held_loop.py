@@ -132,14 +132,19 @@ def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
     return linear, angular
 
 
-def held_share(scenario: Scenario) -> float:
+def pace_of_friction(step: Number, slope: Number, mass: Number) -> Number:
     """x: friction's slope at rest over the mass, times a plant step of a first-order loop.
 
     The loop makes up for friction as it was at the step's start, and its change pulls against the
-    motion: of the way a share of 1 - x/2 at least is left.
+    motion: of the way a share of 1 - x/2 at least is left (`filter.held-friction`).
     """
-    slopes = (steepness(phase.robot) / phase.robot.m for phase in phases(scenario))
-    return scenario.clock.plant * max(slopes)
+    return step * slope / mass
+
+
+def quickest_friction(scenario: Scenario) -> float:
+    """The largest x of a run."""
+    h, robots = scenario.clock.plant, [phase.robot for phase in phases(scenario)]
+    return max(pace_of_friction(h, steepness(robot), robot.m) for robot in robots)
 
 
 def counts_on_rims(scenario: Scenario) -> bool:
@@ -163,24 +168,30 @@ def push_of_kick(kick: Number, gone: Number) -> Number:
     return kick / gone
 
 
+def push_of_share(x: Number, most: Number) -> Number:
+    """Push [m/s] that counts for x/2 of v's way, from ``most`` to rest, in a step."""
+    return x / 2 * most
+
+
 def friction_at_a_rim(scenario: Scenario, push: float, bound: Bound) -> float:
     """Push [m/s] that counts for friction where rims are limited, beside a ``push`` on v.
 
     It leads to B in the time of a command, which is a plant step where a base changes it by itself,
     and covers what pushes to and fro add near rest.  Behind a clip, whose commands are at most V,
-    it need not be more than x/2 of the way between two speeds of at most V.
+    it need not be more than x/2 of V: a rim goes farther by that only where v nears rest
+    (`filter.held-share`).
     """
-    clock, x = scenario.clock, held_share(scenario)
+    clock, x = scenario.clock, quickest_friction(scenario)
     acts = clock.plant if bound.hidden else max(clock.control - bound.jitter, clock.plant)
     gone = -math.expm1(-acts / scenario.base.tau[0])
     counted = push_of_kick(kick_of_friction(scenario), gone) + 2 * x * push
     clips = scenario.filter.kind == "clip"
-    return min(counted, x * scenario.limits.v_u1[0]) if clips else counted
+    return min(counted, push_of_share(x, scenario.limits.v_u1[0])) if clips else counted
 
 
 def held_friction(scenario: Scenario) -> Iterator[str]:
     """Objections to friction that changes within a plant step of a first-order loop."""
-    stated, h, x = scenario.filter, scenario.clock.plant, held_share(scenario)
+    stated, h, x = scenario.filter, scenario.clock.plant, quickest_friction(scenario)
     begin = f"Friction that changes within clock.plant = {h:g} s (robot.mu) "
     most = 2.0 if counts_on_rims(scenario) else STABLE
     if x > most:

@@ -12,7 +12,7 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
 from wmr_ctrl.signals import COMMAND, STEP, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.effect import ROUNDING, Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.jitter import whole
 
 NUMBERS = Signal("command_loss", "1", "uniform numbers on [-1, 1) of a sample", 2)
@@ -61,7 +61,7 @@ def build(scenario: Scenario) -> System:
 def bound(scenario: Scenario) -> Bound:
     """The losses; a stop in between is a command that was not sent."""
     own, period = scenario.section(CommandLoss), scenario.clock.control
-    stops = own.timeout < (own.losses + 1) * period
+    stops = own.timeout < (own.losses + 1) * period * (1 - ROUNDING)
     sentence = "base.timeout: the base stops before the next command that is not lost."
     return Bound(losses=own.losses, hidden=sentence if stops else "")
 

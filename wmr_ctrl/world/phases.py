@@ -60,6 +60,13 @@ def steepness(robot: Robot) -> float:
     return float(slope(ca.DM(_numbers(robot))))
 
 
+def slope_at_rest(mu: ca.SX, m: ca.SX, g: ca.SX, v_s: ca.SX) -> ca.SX:
+    """The same as a graph."""
+    v = ca.SX.sym("v", 2)
+    force = friction(mu, m, g, v_s, v)
+    return ca.substitute(ca.jacobian(force, v)[0, 0], v, ca.SX.zeros(2))
+
+
 def drag(robot: Robot, v: Floats | tuple[float, float]) -> Floats:
     """Friction F1 (2, N) [N, N m] of a robot at velocities ``v`` (2, N) or (2,)."""
     force, _ = _graphs()
@@ -78,7 +85,7 @@ def _graphs() -> tuple[ca.Function, ca.Function]:
     """F1 at a velocity, and its slope along v1 at rest."""
     p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
     force = friction(p[0], p[1], p[2], p[3], v)
-    slope = ca.substitute(ca.jacobian(force, v)[0, 0], v, ca.SX.zeros(2))
+    slope = slope_at_rest(p[0], p[1], p[2], p[3])
     return ca.Function("friction", [p, v], [ca.densify(force)]), ca.Function("slope", [p], [slope])
 
 

@@ -35,6 +35,7 @@ from wmr_ctrl.world import (
     velocity_mean,
     velocity_noise,
 )
+from wmr_ctrl.world.effect import ROUNDING
 
 ALONG = {
     name: Fraction(value)
@@ -257,8 +258,9 @@ def command_delay_bound(mutation: Mutation) -> Statement:
 
 @command_claim(
     "world.command-loss.bound",
-    given="losses > 0 whole, timeout >= (losses + 1) T; T a multiple of h > 0; so far no more were "
-    "missed in a row than the bound tells, and silence lasts for the periods that were missed",
+    given="losses >= 0 whole, timeout at least (losses + 1) T less 1e-9 of it, which is at most h; "
+    "T a multiple of h > 0; so far no more were missed in a row than the bound tells, and silence "
+    "lasts for the periods that were missed",
 )
 def command_loss_bound(mutation: Mutation) -> Statement:
     """no more commands in a row are missed than the bound tells, silence lasts for the periods that
@@ -273,10 +275,12 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     steps = jitter.whole(T / h)
     since = g["step"] - jitter.whole(g["base.delay"] / h)
     cuts = {"steps": steps, "phase": since - steps * ca.floor(since / steps)}
+    longest = (g["base.losses"] + 1) * T
     missed, silent = g[command_loss.MISSED.name], g[command_loss.SILENT.name]
     given = (
-        above(h), equal(T, t.steps * h), above(g["base.losses"]), at_least(t.steps, 1),
-        at_least(g["base.timeout"], (g["base.losses"] + 1) * T), *between(0, missed, most),
+        above(h), equal(T, t.steps * h), at_least(g["base.losses"]), at_least(t.steps, 1),
+        at_least(g["base.timeout"], longest * (1 - ROUNDING)), at_least(h, longest * ROUNDING),
+        *between(0, missed, most),
         *nonnegative((most - missed) * (most - missed - 1), t.before),
         at_least(t.steps, t.before + 1), at_least(silent),
         equal(t.phase, ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1)),

@@ -1,40 +1,164 @@
 """Rims of a run's own base, whose loop makes up for friction once a plant step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import combinations, product
 
 import casadi as ca
 
+from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.governor import FirstOrder, largest_command
-from wmr_ctrl.filter.held_loop import push_of_kick
+from wmr_ctrl.filter.held_loop import (
+    STABLE,
+    pace_of_friction,
+    push_of_kick,
+    push_of_share,
+    push_speeds,
+)
 from wmr_ctrl.model.dynamics import KEYS, friction, plant, rk4_step, wheel_to_force
-from wmr_ctrl.model.system import System
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import PRESET, scalars
+from wmr_ctrl.proofs.claims.common import AXES, PRESET, scalars
+from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import Relation, above, at_least, between, positive, when
+from wmr_ctrl.proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+    when,
+    within,
+)
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.symbols import Symbols, symbols
+from wmr_ctrl.proofs.traced import Traced, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.phases import slope_at_rest
+from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
 
 claim = Claims(by=Z3(effort=60))
-POINTS = ("start", "half", "again", "end", "after")
+STAGES = ("half", "again", "end")
+BASE = {"base.kind": "velocity", "changes": ()}
 
 
-def stages(robot: System, h: ca.SX) -> Iterator[ca.SX]:
-    """v1 at each stage of a Runge-Kutta step."""
-    rate, x = robot.function("rate", [robot.update]), robot.x
-    yield x[3]
-    for part in (h / 2, h / 2, h):
-        x = robot.x + part * rate(robot.u, x, robot.p)
-        yield x[3]
+def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
+    """Both axes' `push_speeds` of a graph's base, for symbols of pushes and errors."""
+    scenario, trace = traced(g.scenario, ("base", "robot", "clock"))
+    told = symbols("push1 push2 error1 error2")
+    push, error = ([Traced(1.0, told[f"{name}{i}"], trace) for i in (1, 2)]
+                   for name in ("push", "error"))  # fmt: skip
+    with functions_for_traced("wmr_ctrl.filter", but="wmr_ctrl.filter.hypotheses"):
+        speeds = push_speeds(scenario, Bound(dbar=(push[0], push[1]), command=(error[0], error[1])))
+    known = [key for key in trace.symbols if key in g.symbols]
+    own = (ca.vertcat(*(table[key] for key in known)) for table in (trace.symbols, g.symbols))
+    return ca.substitute(ca.vertcat(*map(expression, speeds)), *own), told
 
 
 @claim(
-    "filter.held-kick",
-    given="m, g, v_s, h > 0, mu >= 0; x <= 2; F the force of loop and pushes, with h (F - "
-    "F1(v1))/m >= 0; tanh rises, by no more than its argument, between all stages and v1 behind",
+    "filter.held-push-{id}",
+    given="m, I, r, l, v_s, h, tau > 0, e = exp(-h/tau) < 1; no wheel at its torque limit",
+    over=AXES,
 )
+def held_push(mutation: Mutation, axis: int) -> Statement:
+    """h (F + push - F1(v))/M = (1 - e)(K u + d - v) on the {id} axis, F the force that the graph of
+    the first-order loop gives for the command u + error, d the speed that counts for push and
+    error.
+
+    What filter.d has to cover: the speed at which pushes and errors of the command alone end.
+    """
+    g = EffectGraph(FIRST_ORDER, BASE.items(), "robot clock")
+    d, t = pushed(g)
+    m, inertia, mu, r, l, gravity, v_s = (g[key] for key in KEYS)
+    h, most, v = g["clock.plant"], g["actuator.tau_max"], ca.vertcat(g["v1"], g["omega"])
+    force = wheel_to_force(r, l, g.system.y) - friction(mu, m, gravity, v_s, v)
+    fades = [ca.expm1(-h / g[f"base.tau[{i}]"]) for i in (1, 2)]
+    asked = g.system.u[axis] - t[f"error{axis + 1}"]
+    goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
+    way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
+    given = [
+        *positive(m, inertia, r, l, v_s, h, *(g[f"base.tau[{i}]"] for i in (1, 2))),
+        *(above(-item) for item in fades),
+        *(above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1)),
+    ]
+    return g.states((equal(goes, way),), given, {"left1": fades[0], "left2": fades[1]}, t)
+
+
+class HeldStep:
+    """A Runge-Kutta step h of the plant: v1 behind it, its way if friction stayed, and at stages.
+
+    ``at`` are these speeds; friction's tanh at each is a symbol of the same name.
+    """
+
+    def __init__(self, behind: bool) -> None:
+        """Of ``behind`` also the speed behind the step is one of them."""
+        self.robot = robot = plant(load_scenario(PRESET))
+        t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
+        self.m, _, self.mu, r, l, self.g, self.v_s = (t[key] for key in KEYS)
+        tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
+        force, self.v, self.h = wheel_to_force(r, l, tau)[0] + t.thrust, t.v1, t.step
+        self.after = rk4_step(robot, self.h)[3]
+        self.way = self.h * (force - self.friction(self.v)) / self.m
+        self.at = {"start": self.v} | dict(zip(STAGES, self.stages(), strict=True))
+        self.at |= {"after": self.after} if behind else {}
+        self.t = t | symbols(" ".join(self.at))
+        self.cuts = {name: ca.tanh(v / self.v_s) for name, v in self.at.items()} | {"force": force}
+        self.given = *positive(self.m, self.g, self.v_s, self.h), *nonnegative(self.mu, self.way)
+
+    def changes(self, pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[ca.SX, ca.SX]]:
+        """Change of friction's tanh from one speed to another, and that of its argument."""
+        for one, other in pairs:
+            yield self.t[other] - self.t[one], (self.at[other] - self.at[one]) / self.v_s
+
+    @property
+    def x(self) -> ca.SX:
+        """Friction's pace."""
+        slope = slope_at_rest(self.mu, self.m, self.g, self.v_s)
+        return pace_of_friction(self.h, slope, self.m)
+
+    def friction(self, v: ca.SX) -> ca.SX:
+        """F1 at a speed."""
+        return friction(self.mu, self.m, self.g, self.v_s, ca.vertcat(v, 0))[0]
+
+    def stages(self) -> Iterator[ca.SX]:
+        """v1 at each further stage."""
+        robot, h = self.robot, self.h
+        rate, x = robot.function("rate", [robot.update]), robot.x
+        for part in (h / 2, h / 2, h):
+            x = robot.x + part * rate(robot.u, x, robot.p)
+            yield x[3]
+
+
+TANH = (
+    "m, g, v_s, h > 0, mu >= 0; x <= {}; F the force of loop and pushes, with h (F - F1(v1))/m >= "
+    "0; tanh changes as its argument, by no more, from {} "
+)
+
+
+@claim(
+    "filter.held-friction",
+    given=TANH.format("2.785", "the step's start to each stage"),
+    premises="filter.held-push-linear",
+)
+def held_friction(mutation: Mutation) -> Statement:
+    """v1 goes in a Runge-Kutta step h of the plant by at least a share 1 - x/2 of h (F -
+    F1(v1))/m, by at least none and at most all of it, x = h times F1's slope at rest over m.
+
+    Friction that changes within a plant step makes v slower, no slower than a time constant tau'
+    with exp(-h/tau') = 1 - (1 - exp(-h/tau))(1 - x/2), and throws it nowhere. Backwards by
+    symmetry.
+    """
+    s = HeldStep(behind=False)
+    moved, least = s.after - s.v, mutation(1, 1.01) * (1 - s.x / 2) * s.way
+    changes = s.changes(product(("start",), STAGES))
+    alike = [at_least(rise * (change - rise)) for rise, change in changes]
+    goals = at_least(moved, least), *between(0, moved, s.way)
+    return Statement(s.t, goals, (*s.given, *alike, at_least(STABLE, s.x)), s.cuts)
+
+
+@claim("filter.held-kick", given=TANH.format("2", "each of stages and v1 behind to each other"))
 def held_kick(mutation: Mutation) -> Statement:
     """v1 goes in a Runge-Kutta step h of the plant less far than h (F - F1(v1))/m, by at most h/m
     times the rise of F1 from the step's start to its end.
@@ -42,26 +166,16 @@ def held_kick(mutation: Mutation) -> Statement:
     Friction held over steps takes v off its loop's way by no more, in all, than h times its range
     while v nears a command from one side. Backwards by symmetry.
     """
-    robot = plant(load_scenario(PRESET))
-    t = scalars((*robot.inputs, *robot.state, *robot.params))
-    t |= symbols("step", "step") | symbols(" ".join(POINTS))
-    m, _, mu, r, l, g, v_s = (t[key] for key in KEYS)
-    tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
-    force = wheel_to_force(r, l, tau)[0] + t.thrust
-    way = t.step * (force - friction(mu, m, g, v_s, robot.x[3:5])[0]) / m
-    after = rk4_step(robot, t.step)[3]
-    at = dict(zip(POINTS, (*stages(robot, t.step), after), strict=True))
-    cuts = {"force": force} | {name: ca.tanh(v / v_s) for name, v in at.items()}
-    given = [*positive(m, g, v_s, t.step), at_least(mu), at_least(way)]
-    given.append(at_least(2 * m * v_s, t.step * mu * m * g))
-    for k, name in enumerate(POINTS):
-        for other in POINTS[:k]:
-            rise, change = t[name] - t[other], (at[name] - at[other]) / v_s
-            for side, on in ((1, change >= 0), (-1, change < 0)):
-                given += [when(on, item) for item in between(0, side * rise, side * change)]
-    before, then = (friction(mu, m, g, v_s, v)[0] for v in (robot.x[3:5], ca.vertcat(after, 0)))
-    most = mutation(1, 0.9) * t.step * (then - before) / m
-    return Statement(t, between(0, way - (after - t.v1), most), tuple(given), cuts)
+    s = HeldStep(behind=True)
+    most = mutation(1, 0.9) * s.h * (s.friction(s.after) - s.friction(s.v)) / s.m
+    alike = [
+        when(on, item)
+        for rise, change in s.changes(combinations(s.at, 2))
+        for side, on in ((1, change >= 0), (-1, change < 0))
+        for item in between(0, side * rise, side * change)
+    ]
+    missed = between(0, s.way - (s.after - s.v), most)
+    return Statement(s.t, missed, (*s.given, *alike, at_least(2, s.x)), s.cuts)
 
 
 class Command:
@@ -171,3 +285,30 @@ def held_kicks() -> None:
 
     Behind clip and governor every wheel keeps its limit in every plant step, friction and all.
     """
+
+
+@claim(
+    "filter.held-share",
+    given="l, V, W > 0; 0 <= x <= 2, 0 <= q <= 1; |v| <= V and |v + l omega|, |v - l omega| <= W, "
+    "and the same, less d, of the speeds to which command and pushes lead; of q times its way v "
+    "goes a share from 1 - x/2 to 1, and omega all",
+    premises="filter.held-friction filter.held-push-linear filter.held-push-angular filter.clip",
+)
+def held_share(mutation: Mutation) -> Statement:
+    """|v|, |v + l omega| and |v - l omega| keep V and W behind the step, d the push that counts for
+    x and V.
+
+    Behind a clip a wheel that stops for a turn keeps its limit although friction holds back v.
+    """
+    t = symbols("v omega to turn_to share held q V W l", "held V W l")
+    d = push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held
+    after = t.v + t.share * t.q * (t.to - t.v), t.omega + t.q * (t.turn_to - t.omega)
+
+    def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> tuple[Relation, ...]:
+        rims = (v + way * t.l * omega for way in WAYS)
+        return (*within(v, t.V - less), *(r for rim in rims for r in within(rim, t.W - less)))
+
+    shares = *between(0, t.held, 1), *between(1 - t.held, t.share, 1), *between(0, t.q, 1)
+    given = (*positive(t.l, t.V, t.W), *shares)
+    given += inside(t.v, t.omega, ca.SX(0)) + inside(t.to, t.turn_to, d)
+    return Statement(t, inside(*after, ca.SX(0)), given)
