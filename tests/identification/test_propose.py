@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -31,6 +33,15 @@ def test_a_path_of_constant_speeds_is_the_arc_of_their_ratio():
     arc = v / omega * np.column_stack((np.cos(turn) - 1, np.sin(turn)))
     assert path[:, :2] == pytest.approx(arc, abs=1e-6)
     assert path[:, 2] == pytest.approx(omega * t, abs=1e-12)
+
+
+def test_of_drives_that_fit_the_one_that_tells_most_is_proposed(monkeypatch):
+    fitted = iter([(1.0, "little"), None, (3.0, "most"), (2.0, "some")])
+    monkeypatch.setitem(propose.__globals__, "_shapes", lambda period: (None, [None] * 4))
+    monkeypatch.setitem(propose.__globals__, "_fitted", lambda *_: next(fitted))
+    clock = SimpleNamespace(control=0.01)
+
+    assert propose(SimpleNamespace(scenario=SimpleNamespace(clock=clock))) == "most"
 
 
 def test_drives_have_size_one_begin_and_end_at_rest_and_differ():
