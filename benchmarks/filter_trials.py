@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,6 +27,7 @@ from benchmarks.native import load_filter
 from benchmarks.parts import page_parser, renew
 from tests.filter.adversary import Base, Sender, fastest
 from tests.filter.linear_base import driven, impulses, pi_base, second_order_base
+from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import filter_system
 from wmr_ctrl.scenario import Scenario, load_scenario
 
@@ -215,11 +217,13 @@ SWUNG = Family(SWUNG_NUMBERS, 0.05, {
 }, second_order=True)  # fmt: skip
 
 
-SPEEDS: Mapping[str, Sequence[tuple[int, int]]] = {
-    "v": ((1, 0),), "body": ((1, 0), (0, 1)), "wheels": ((1, 1), (1, -1)),
-    "rims": ((1, 0), (0, 1), (1, 1), (1, -1)),
+AXES, WHEELS_OF = np.array([(1, 0), (0, 1)]), np.array([(1, 1), (1, -1)])
+ALL_FOUR = np.concatenate([AXES, WHEELS_OF])
+SPEEDS: Mapping[str, tuple[Floats, Floats]] = {
+    "v": (AXES[:1], AXES[:1]), "body": (AXES, AXES), "wheels": (WHEELS_OF, ALL_FOUR),
+    "rims": (AXES, ALL_FOUR), "unlike rims": (AXES, ALL_FOUR),
 }  # fmt: skip
-"""What is limited, as parts of v and of l omega; each has a loop of its own, but rims have one."""
+"""What has a loop, and what is limited, as parts of v and l omega; "rims": of loops alike."""
 HEADINGS = np.array([(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, -3)])
 """Where commands may head, in v and l omega."""
 
@@ -228,8 +232,9 @@ HEADINGS = np.array([(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, -3)])
 class Calls:
     """When a filter is called, what it is told, and what lies between it and its base.
 
-    ``when``: "in time", "at any time", or within ``jitter`` [s] of its "beat"; at most ``losses``
-    commands in a row are lost, and all come ``late`` samples late.
+    ``when``: "in time", "at any time", within ``jitter`` [s] of its "beat", a period "apart" but
+    for so much, or each so much too "early".  At most ``losses`` commands in a row are lost, all
+    come ``late`` samples late, and where that is worse ``parts`` quarters of a period more.
     """
 
     when: str = "in time"
@@ -237,13 +242,18 @@ class Calls:
     jitter: float = 0.0
     losses: int = 0
     late: int = 0
+    parts: int = 0
+    samples: int = SAMPLES
 
     def times(self, rng: np.random.Generator, count: int) -> Floats | None:
         """Times [s] from each sample to the next; None where all are periods."""
-        if self.when == "beat":
-            off = self.jitter * rng.choice([-1.0, 0.0, 1.0], (count, SAMPLES + 1))
-            return T + np.diff(off, axis=1)
-        return None if self.when == "in time" else _times(rng, count)
+        if self.when == "at any time":
+            return _times(rng, count)
+        if self.when == "in time":
+            return None
+        ways = [-1.0] if self.when == "early" else [-1.0, 0.0, 1.0]
+        off = self.jitter * rng.choice(ways, (count, self.samples + 1))
+        return T + (np.diff(off, axis=1) if self.when == "beat" else off[:, 1:])
 
 
 TIMELY = Calls()
@@ -303,89 +313,121 @@ class _Batch:
         """Draw them; each is after one of its speeds."""
         stated = filtering.scenario
         l, V = stated.robot.l, np.array(stated.limits.v_u1)
-        rows, rim = np.array(SPEEDS[of]), stated.filter.wheel_speed
-        several = len(rows) > 1
-        tops = np.where(rows.all(axis=1), rim or min(V[0], l * V[1]), np.abs(rows) @ V)
+        own, rows = SPEEDS[of]
+        axes = 1 if of == "v" else 2
+        rim = stated.filter.wheel_speed or min(V[0], l * V[1])
+        tops = np.where(rows.all(axis=1), rim, np.abs(rows) @ (V * (1, l)))
+        self.loops = (own * (1, l))[:, :axes]
+        self.limited = (rows / tops[:, None])[:, :axes] @ np.linalg.inv(own[:, :axes])
         one = true.bases(rng, count)
-        members = [one, *(one if of == "rims" else true.bases(rng, count) for _ in rows[1:])]
-        A, b, e = (np.array([item[k] for item in members]) for k in range(3))
-        self.bases = A, b / tops[:, None, None], e / tops[:, None, None]
-        after = rng.integers(0, len(rows), count) if several else np.zeros(count, int)
-        own = A[after, np.arange(count)], b[after, np.arange(count)], e[after, np.arange(count)]
-        asked, self.pushes = _demands(rng, own, true.push)
+        members = [one, *(one if of == "rims" else true.bases(rng, count) for _ in own[1:])]
+        self.bases = A, b, e = tuple(np.array([item[k] for item in members]) for k in range(3))
+        after, (more,) = rng.integers(0, len(rows), count), rng.spawn(1)
+        loop = np.abs(self.limited).argmax(axis=1)[after], np.arange(count)
+        slow = stated.filter.slew is not None
+        asked, self.pushes, wish = _demands(
+            rng, (A[loop], b[loop], e[loop]), true.push, calls.samples, slow
+        )
+        if calls.losses > 1:
+            held = np.repeat(more.choice([-1.0, 1.0], (count, calls.samples // 10)), 10, axis=1)
+            wish = np.where(more.random((count, 1)) < 0.5, held, wish)
         self.filtering, self.true, self.calls = filtering, true, calls
         self.times = calls.times(rng, count)
-        self.speeds, self.turns = np.ones((1, 1)), np.ones((1, 1))
-        heading = self.sides = np.ones((count, 1))
-        if several:
-            self.speeds, self.turns = rows * (1, l), HEADINGS / (1, l)
-            chance = rng.choice([-1.0, 1.0], (count, 2))
-            self.sides = np.where(rows[after] == 0, chance, np.sign(rows[after])) * V
-            seeks = (rng.random(count) < 0.5)[:, None]
-            heading = np.where(seeks, rows[after] / (1, l), rng.choice(self.turns, count))
-        self.asked = asked[:, None] * heading[:, :, None]
+        chance = more.choice([-1.0, 1.0], (count, 2))
+        self.sides = np.where(rows[after] == 0, chance, np.sign(rows[after])) * V
+        self.turns = (HEADINGS / (1, l))[: 1 if axes == 1 else None, :axes]
+        seeks = more.random(count) < 0.5
+        along = (rows[after] / (1, l))[:, :axes]
+        heading = np.where(seeks[:, None], along, more.choice(self.turns, count))
+        self.asked, self.wish = (item[:, None] * heading[:, :, None] for item in (asked, wish))
+        if axes > 1:
+            ends = self._ends(self.limited[after], rim / V[0] - 1 if of.endswith("rims") else 1.0)
+            self.asked = np.where(
+                (seeks & (np.arange(count) % 4 == 0))[:, None, None], ends, self.asked
+            )
+
+    def _ends(self, parts: Floats, rest: float) -> Floats:
+        """Commands that are worst for ``parts`` (robots, loops) of what the loops reach.
+
+        Each loop is driven by its own impulse response, seen back from the end; all but the one
+        that counts for most at a time go to a ``rest`` of their limit.
+        """
+        A, b, _ = self.bases
+        own = np.stack(
+            [impulses(*item, T, self.calls.samples)[:, ::-1] for item in zip(A, b, strict=True)]
+        )
+        own *= parts.T[:, :, None]
+        size = np.where(np.abs(own) < np.abs(own).max(axis=0), rest, 1.0)
+        return 9 * np.einsum("al,lrk->rak", np.linalg.inv(self.loops), size * np.sign(own))
 
     def run(
-        self, which: NDArray[np.int64], asked: Floats, pushes: Floats, times: Floats | None
+        self, which: NDArray[np.int64], drawn: Sequence[Floats], times: Floats | None
     ) -> Floats:
-        """Largest share of a limit of each of these robots."""
+        """Largest share of a limit of each of these robots, for demands, wishes and pushes."""
+        asked, wish, pushes = drawn
         A, b, e = (item[:, which].reshape(-1, *item.shape[2:]) for item in self.bases)
-        pushed = np.einsum("sa,na,nkp->snkp", self.speeds, self.sides[which], pushes)
-        sender = _wired(self.filtering.sender(len(asked)), self.calls, self.true.error, len(asked))
-        worst = driven(
+        sides = self.sides[which, : asked.shape[1]]
+        pushed = np.einsum("sa,na,nkp->snkp", self.loops, sides, pushes)
+        sender = _wired(self.filtering.sender(len(asked)), self.calls, self.true.error, wish)
+        return driven(
             (A, b, e), sender, asked, pushed.reshape(-1, *pushes.shape[1:]), T, self.true.force,
-            times, telling=self.calls.telling, speeds=self.speeds,
+            times, telling=self.calls.telling, loops=self.loops, limited=self.limited,
         )  # fmt: skip
-        return worst.reshape(len(self.speeds), -1).max(axis=0)
 
     def climbed(self, rng: np.random.Generator) -> Iterator[Floats]:
         """Largest shares of drawn trials, then of those that climb from the worst of them."""
-        asked, pushes, times = self.asked, self.pushes, self.times
-        worst = self.run(np.arange(len(asked)), asked, pushes, times)
+        times, long = self.times, self.calls.samples
+        worst = self.run(np.arange(len(self.asked)), (self.asked, self.wish, self.pushes), times)
         yield worst
         best = np.argsort(worst)[-max(1, len(worst) // CLIMBERS) :]
-        asked, pushes, worst = asked[best], pushes[best], worst[best]
-        times = None if times is None else times[best]
+        known = [item[best] for item in (self.asked, self.wish, self.pushes)]
+        worst, times = worst[best], None if times is None else times[best]
         for _ in range(CLIMBS):
-            other, pushed = asked.copy(), pushes.copy()
+            other, wished, pushed = new = [item.copy() for item in known]
             when = None if times is None else times.copy()
             for i in range(len(best)):
-                start, size = rng.integers(0, SAMPLES), rng.integers(1, 12)
+                start, size = rng.integers(0, long), rng.integers(1, 12)
                 value = rng.choice([-9.0, 0.0, 9.0, rng.uniform(-1, 1)])
                 turn = rng.choice(self.turns) if len(self.turns) > 1 else self.turns[0]
                 other[i, :, start : start + size] = value * turn[:, None]
-                start = rng.integers(0, SAMPLES)
+                start = rng.integers(0, long)
                 pushed[i, start : start + size] *= -1
+                wished[i, :, start : start + size] *= -1
                 if when is not None and self.calls.when == "at any time":
-                    start, size = rng.integers(0, SAMPLES), rng.integers(1, 12)
+                    start, size = rng.integers(0, long), rng.integers(1, 12)
                     when[i, start : start + size] = T * rng.choice(UNTIMELY)
-            again = self.run(best, other, pushed, when)
+            again = self.run(best, new, when)
             yield again
             better = again > worst
-            asked[better], pushes[better] = other[better], pushed[better]
+            for item, changed in zip(known, new, strict=True):
+                item[better] = changed[better]
             worst[better] = again[better]
             if times is not None and when is not None:
                 times[better] = when[better]
 
 
-def _wired(send: Sender, calls: Calls, error: float, robots: int) -> Sender:
-    """What acts of the commands: off by ``error`` towards what is asked for, late, some lost.
+def _wired(send: Sender, calls: Calls, error: float, wish: Floats) -> Sender:
+    """What acts of the commands: off by ``error`` towards what is wished for, late, some lost.
 
-    A command is lost, if it may be, where it takes back what acts.
+    A command is lost, or comes late, if it may, where it leads away from what is wished for.
     """
-    if not (error or calls.losses or calls.late):
+    if not (error or calls.losses or calls.late or calls.parts):
         return send
-    acting, lost, under_way = np.zeros((2, robots)), np.zeros(robots, int), list[Floats]()
+    acting = np.zeros((2, len(wish)))
+    lost, under_way, samples = np.zeros(len(wish), int), list[Floats](), iter(wish.T)
 
     def sending(u: Floats) -> Floats:
         nonlocal acting
         under_way.append(send(u))
-        arrived = under_way.pop(0) if len(under_way) > calls.late else np.zeros((2, robots))
-        back = np.sum(arrived * acting, axis=0) < np.sum(acting**2, axis=0)
+        arrived = under_way.pop(0) if len(under_way) > calls.late else np.zeros_like(acting)
+        towards = np.sign(next(samples))
+        back = np.sum((arrived - acting) * towards, axis=0) < 0
         drop = (lost < calls.losses) & back
         lost[:] = np.where(drop, lost + 1, 0)
-        acting = np.where(drop, acting, arrived)
-        return acting + error * np.sign(u[:2])
+        late = drop | (back & (np.arange(PARTS)[:, None] < calls.parts))
+        found = np.where(late[:, None], acting, arrived)
+        acting = found[-1]
+        return found + error * towards
 
     return sending
 
@@ -401,26 +443,34 @@ def _times(rng: np.random.Generator, count: int) -> Floats:
 
 
 def _demands(
-    rng: np.random.Generator, bases: tuple[Floats, Floats, Floats], push: float
-) -> tuple[Floats, Floats]:
-    """What is asked for and how the base is pushed, sample by sample.
+    rng: np.random.Generator, bases: Sequence[Floats], push: float, samples: int, slow: bool
+) -> tuple[Floats, Floats, Floats]:
+    """What is asked for, how the base is pushed, and what errors seek, sample by sample.
 
     By turns: the worst for the base itself seen back from the end, the same after pressing on,
-    swings, chance.
+    swings, chance.  The worst of ``slow`` commands rise while the step response is above its end,
+    and before it first was.
     """
     A, b, e = bases
     count = len(A)
-    ends = 9 * np.sign(impulses(A, b, T, SAMPLES))[:, ::-1]
-    back = np.sign(impulses(A, e, T / PARTS, SAMPLES * PARTS))[:, ::-1]
+    swung = impulses(A, b, T, samples)
+    seek, worst = np.sign(swung)[:, ::-1], np.sign(swung)
+    if slow:
+        rest = -np.linalg.solve(A, b[..., None])[:, 0]
+        above = np.cumsum(swung, axis=1) * T > rest
+        worst = np.where(above | ~np.logical_or.accumulate(above, axis=1), 1.0, -1.0)
+    ends = 9 * worst[:, ::-1]
+    back = np.sign(impulses(A, e, T / PARTS, samples * PARTS))[:, ::-1]
     style = np.arange(count) % 4
-    pressed = np.where(np.arange(SAMPLES) < rng.integers(10, 80, (count, 1)), 9.0, ends)
-    turns = rng.random((count, SAMPLES)) < rng.uniform(0.02, 0.4, (count, 1))
+    pressed = np.where(np.arange(samples) < rng.integers(10, 80, (count, 1)), 9.0, ends)
+    turns = rng.random((count, samples)) < rng.uniform(0.02, 0.4, (count, 1))
     swings = 9.0 * (-1.0) ** np.cumsum(turns, axis=1)
-    chance = rng.uniform(-3, 3, (count, SAMPLES))
+    chance = rng.uniform(-3, 3, (count, samples))
     asked = np.choose(style[:, None], [ends, pressed, swings, chance])
-    own = np.repeat(np.sign(asked), PARTS, axis=1)
-    pushes = push * np.where(style[:, None] < 2, back, own)
-    return asked, pushes.reshape(count, SAMPLES, PARTS)
+    own, known = np.repeat(np.sign(asked), PARTS, axis=1), style[:, None] < 2
+    pushes = push * np.where(known, back, own)
+    wish = np.where(known, seek, np.sign(asked))
+    return asked, pushes.reshape(count, samples, PARTS), wish
 
 
 def beyond(
@@ -492,10 +542,35 @@ WHEELED = {"loops": "wheels"}
 BODY_PI = replace(PI, told={**PI.told, "push": (10.0, 0.625)})
 """Pushed on both axes alike: l^2 = 1/16 m2."""
 RIM_SWUNG = replace(SWUNG, told={**SWUNG.told, "d": (0.05, 0.2)})
-ERRING_PI = replace(FREE_PI, error=0.02, told={**FREE_PI.told, "d": (0.02, 0.02)})
+ERRING_PI = replace(FREE_PI, error=0.3, told={**FREE_PI.told, "d": (0.3, 0.3)})
+"""Commands that are off by so much that 5 % more of it counts for more than what tables cover."""
 PUSHED_WEAK_PI = replace(WEAK_PI, push=5.0, told={**WEAK_PI.told, "push": (5.0, 0.0)})
+BODY_WEAK_PI = replace(WEAK_PI, push=5.0, told={**WEAK_PI.told, "push": (5.0, 1.25)})
+DRAGGED = {**ONE, "c": (20.0, 20.0)}
+DRAGGED_PI = Family(DRAGGED, 0.0, {
+    **ONE_PI.told, "friction": DRAGGED["c"], "push": (0.0, 0.0), "force": (25.0, 6.25),
+}, second_order=False, force=25.0)  # fmt: skip
+"""A loop that is known, whose motors give little more than friction takes."""
+SLOW = {"w0": (0.5, 0.5), "z": (0.3, 0.3), "K": (1.0, 1.0)}
+ONE_SLOW = Family(SLOW, 0.0, {
+    **FREE_SWUNG.told, "frequency": SLOW["w0"], "damping": SLOW["z"], "gain": SLOW["K"],
+    "slew": (0.15, 0.15),
+}, second_order=True)  # fmt: skip
+"""A loop with 250 periods a swing behind slow commands."""
+SWAYED = {"slew": (0.25, 1.0), "losses": 1, "delay": (0.0, 0.75 * 1.1 * T), "jitter": 0.1 * T}
+SWAYED_SWUNG = replace(FREE_SWUNG, told={**FREE_SWUNG.told, **SWAYED})
+SWAYED_PI = replace(FREE_PI, told={**FREE_PI.told, **SWAYED})
+SWAYING = Calls("apart", telling=False, jitter=0.1 * T, losses=1, parts=3)
+"""Slow commands of which one may be lost, all come late by chance, and samples do."""
+LATER_SWUNG = replace(FREE_SWUNG, told={**FREE_SWUNG.told, "delay": (0.15, 0.15)})
+LATER = Calls(late=3)
+FAR_FROM_SWAYING: Mapping[str, Mapping[str, Any]] = {
+    "steps early by 70 % of a period": {"when": "early", "jitter": 0.7 * T},
+    "forty losses": {"losses": 40},
+}
 BEAT = replace(FREE_PI, told={**FREE_PI.told, "jitter": T / 10})
-LOSSY, ANY_TIME = Calls(losses=2, late=1), Calls("at any time")
+EARLY = Calls("early", telling=False, jitter=T / 4)
+LOSSY, LONG, ANY_TIME = Calls(losses=2, late=1), Calls(samples=720), Calls("at any time")
 ALL_PI = (("M", 1), ("kp", -1), ("ki", 1))
 ALL_SWUNG = (("z", -1), ("K", 1), ("w0", -1))
 STATEMENTS = (
@@ -521,7 +596,7 @@ STATEMENTS = (
     }),
     Statement("clip, PI loops, both axes, lost and late commands that are off", linear(
         "clip", ERRING_PI, ERRING_PI, LOSSY, of="body"), {
-        "error": linear("clip", ERRING_PI, replace(ERRING_PI, error=0.021), of="body"),
+        "error": linear("clip", ERRING_PI, replace(ERRING_PI, error=0.315), of="body"),
         "all three": beyond("clip", ERRING_PI, *ALL_PI, of="body"),
     }),
     Statement("clip, second-order loops", linear("clip", SWUNG, SWUNG), {
@@ -533,6 +608,7 @@ STATEMENTS = (
         "damping": beyond("clip", RIM_SWUNG, ("z", -1), of="rims", changes=RIMS),
         "gain": beyond("clip", RIM_SWUNG, ("K", 1), of="rims", changes=RIMS),
         "push": pushed("clip", RIM_SWUNG, of="rims", changes=RIMS),
+        "loops apart": linear("clip", RIM_SWUNG, RIM_SWUNG, of="unlike rims", changes=RIMS),
     }),
     Statement("clip, second-order loops, wheels that are not alike", linear(
         "clip", RIM_SWUNG, RIM_SWUNG, of="wheels", changes=WHEELS, scales=WHEEL_SCALES), {
@@ -544,12 +620,39 @@ STATEMENTS = (
         "damping": beyond("clip", SLOW_SWUNG, ("z", -1)),
         "all three": beyond("clip", SLOW_SWUNG, *ALL_SWUNG),
     }),
+    Statement("clip of slow commands, a second-order loop that is known", linear(
+        "clip", ONE_SLOW, ONE_SLOW, LONG), {
+        name: beyond("clip", ONE_SLOW, end, calls=LONG)
+        for name, end in zip(("damping", "gain", "frequency"), ALL_SWUNG, strict=True)
+    }),
+    *(Statement(f"clip of slow commands, {name} loops, both axes, lost, late and not in time",
+                linear("clip", family, family, SWAYING, of="body", changes=WIDE_TURNS), {
+        "all three": beyond("clip", family, *ends, calls=SWAYING, of="body", changes=WIDE_TURNS),
+        **{what: linear("clip", family, family, replace(SWAYING, **calls), of="body",
+                        changes=WIDE_TURNS)
+           for what, calls in FAR_FROM_SWAYING.items()},
+    }) for name, family, ends in (("second-order", SWAYED_SWUNG, ALL_SWUNG),
+                                  ("PI", SWAYED_PI, ALL_PI))),
+    Statement("clip in single precision, bases that never overshoot", first_order(
+        "clip", CHAINS, {}, SCALES, float32=True), {
+        "gain": wrong("clip", gain=(0.9, 1.155)),
+    }),
+    Statement("clip in single precision, `wheel_speed`", first_order(
+        "clip", alike(CHAINS), RIMS, WHEEL_SCALES, float32=True), {
+        "gain": wrong("clip", {"loops": "alike"}, RIMS, gain=(0.9, 1.155)),
+    }),
+    Statement("clip in single precision, second-order loops, wheels that are not alike", linear(
+        "clip", RIM_SWUNG, RIM_SWUNG, of="wheels", changes=WHEELS, scales=WHEEL_SCALES,
+        float32=True), {
+        "damping": beyond("clip", RIM_SWUNG, ("z", -1), of="wheels", changes=WHEELS, float32=True),
+    }),
     Statement("governor, first-order bases", first_order("governor", WORLDS, {}, SCALES), {
         "push": wrong("governor", d=0.0525), "time constant": wrong("governor", tau=(0.19, 0.3)),
         "gain": wrong("governor", gain=(0.9, 1.155)), "odometry": wrong("governor", error=0.021),
         "delay, by 5 % of a period": wrong("governor", delay=(0.0, 0.0025)),
         "one loss": wrong("governor", losses=1), "jitter, of 5 %": wrong("governor", jitter=0.0025),
         "a second lag of 5 ms": wrong("governor", second_lag=0.005),
+        "hold": wrong("governor", {"hold": 0.12}, hold=0.126),
     }),
     Statement("governor, `wheel_speed`", first_order("governor", alike(WORLDS), RIMS, WHEEL_SCALES),
               rims_broken("governor", **{
@@ -574,7 +677,7 @@ STATEMENTS = (
     }),
     Statement("band, PI loops, both axes by one factor, commands that are off", linear(
         "band", ERRING_PI, ERRING_PI, of="body"), {
-        "error": linear("band", ERRING_PI, replace(ERRING_PI, error=0.021), of="body"),
+        "error": linear("band", ERRING_PI, replace(ERRING_PI, error=0.315), of="body"),
         "all three": beyond("band", ERRING_PI, *ALL_PI, of="body"),
     }),
     Statement("band, PI loops, both axes not by one factor", linear(
@@ -587,6 +690,7 @@ STATEMENTS = (
     Statement("band, PI loops, steps within jitter of the beat, untold", linear(
         "band", BEAT, BEAT, Calls("beat", jitter=T / 10, telling=False)), {
         "all three": beyond("band", BEAT, *ALL_PI, calls=Calls("beat", jitter=T / 10)),
+        "steps early by a quarter of a period": linear("band", BEAT, BEAT, EARLY),
     }),
     Statement("band, PI loops, steps at any time", linear("band", FREE_PI, FREE_PI, ANY_TIME), {
         "times not told": linear("band", FREE_PI, FREE_PI, replace(ANY_TIME, telling=False)),
@@ -599,6 +703,22 @@ STATEMENTS = (
     Statement("band, PI loops with weak motors that are pushed, steps at any time", linear(
         "band", PUSHED_WEAK_PI, PUSHED_WEAK_PI, ANY_TIME), {
         "force": linear("band", PUSHED_WEAK_PI, replace(PUSHED_WEAK_PI, force=114.0)),
+    }),
+    Statement("band, PI loops with weak motors, both axes", linear(
+        "band", WEAK_PI, WEAK_PI, of="body", changes=WIDE_TURNS, scales=SCALES[:2]), {
+        "force": linear("band", WEAK_PI, replace(WEAK_PI, force=114.0), of="body",
+                        changes=WIDE_TURNS),
+    }),
+    Statement("band in single precision, PI loops with weak motors that are pushed, both axes",
+              linear("band", BODY_WEAK_PI, BODY_WEAK_PI, of="body", changes=WIDE_TURNS,
+                     float32=True), {
+        "force": linear("band", BODY_WEAK_PI, replace(BODY_WEAK_PI, force=114.0), of="body",
+                        changes=WIDE_TURNS, float32=True),
+    }),
+    Statement("band, a PI loop that is known, with motors hardly stronger than friction", linear(
+        "band", DRAGGED_PI, DRAGGED_PI), {
+        "friction": beyond("band", DRAGGED_PI, ("c", 1)),
+        "force": linear("band", DRAGGED_PI, replace(DRAGGED_PI, force=23.75)),
     }),
     Statement("band, PI loops that are pushed", linear("band", PI, PI), {
         "push": pushed("band", PI), "all": beyond("band", PI, *ALL_PI),
@@ -616,6 +736,15 @@ STATEMENTS = (
         "push": pushed("band", SWUNG),
         "all": beyond("band", SWUNG, *ALL_SWUNG),
     }),
+    Statement("band in single precision, second-order loops that are pushed", linear(
+        "band", SWUNG, SWUNG, float32=True), {
+        "all": beyond("band", SWUNG, *ALL_SWUNG, float32=True),
+    }),
+    Statement("band, second-order loops, commands late by a constant time", linear(
+        "band", LATER_SWUNG, LATER_SWUNG, LATER), {
+        "ten losses": linear("band", LATER_SWUNG, LATER_SWUNG, replace(LATER, losses=10)),
+        "all three": beyond("band", LATER_SWUNG, *ALL_SWUNG, calls=LATER),
+    }),
     Statement("band, second-order loops that are pushed hard", linear(
         "band", HARD_SWUNG, HARD_SWUNG), {"push": pushed("band", HARD_SWUNG)},
     ),
@@ -624,6 +753,45 @@ STATEMENTS = (
         "frequency too high": beyond("band", ONE_SWUNG, ("w0", 1)),
     }),
 )  # fmt: skip
+
+
+ITS_WHEELS: Sequence[Mapping[str, Any]] = ({"channels": "wheels"}, {"wheel_speed": 1.0})
+REFUSED: Sequence[tuple[str, str, Family | None, Sequence[Mapping[str, Any]]]] = (
+    ("governor of second-order loops", "governor", SWUNG, [{}]),
+    ("governor of PI loops", "governor", PI, [{}]),
+    ("band of first-order loops", "band", None, [{}]),
+    ("band with losses", "band", SWUNG, [{"losses": 1}]),
+    ("band, a base that stops by itself", "band", SWUNG, [{"hold": 0.5}]),
+    ("band, a delay that varies", "band", SWUNG, [{"delay": (0.0, 0.02)}]),
+    ("band with odometry, or of wheels", "band", SWUNG, [{"odometry": (0.1, 0.1)}, *ITS_WHEELS]),
+    ("clip, PI loops of wheels", "clip", PI, ITS_WHEELS),
+    ("band with `slew`", "band", SWUNG, [{"slew": (0.1, 0.1)}]),
+    ("clip with `slew`, a base that stops by itself, or of wheels", "clip", SLOW_SWUNG,
+     [{"hold": 0.5}, *ITS_WHEELS]),
+    ("clip with `force`", "clip", PI, [{"force": (120.0, 30.0)}]),
+    ("band with `force`, commands that are off", "band", WEAK_PI, [{"d": (0.01, 0.0)}]),
+    ('clip with `scale = "axes"`, of wheels', "clip", SWUNG,
+     [{"scale": "axes", **own} for own in ITS_WHEELS]),
+)  # fmt: skip
+"""Combinations that are refused: in words, then a filter's kind, family and further keys."""
+
+
+def refusals() -> str:
+    """A Markdown table of what is refused: the first sentence that it is refused with."""
+    lines = ["| combination | refused with |", "|---|---|"]
+    for what, kind, family, every in REFUSED:
+        said = dict.fromkeys(_refusal(kind, {**(family.told if family else {}), **own})
+                             for own in every)  # fmt: skip
+        lines.append(f"| {what} | {' '.join(said)} |")
+    return "\n".join(lines)
+
+
+def _refusal(kind: str, stated: Mapping[str, Any]) -> str:
+    try:
+        filter_system(scenario(kind, **stated))
+    except ScenarioError as error:
+        return re.split(r"(?<=[a-z])\. |: (?=leave out)", str(error))[0].rstrip(".") + "."
+    return "not refused"
 
 
 def row(statement: Statement, trials: int, broken: int) -> str:
@@ -667,6 +835,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(f"{lines[-1]}  {time.monotonic() - begin:.0f} s", flush=True)
     if given.out:
         renew(given.out, NAME, "\n".join(lines))
+        renew(given.out, "refused", refusals())
 
 
 if __name__ == "__main__":

@@ -2,26 +2,45 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks import filter_trials
+from benchmarks.filter_trials import STATEMENTS, WIDE_TURNS
 from tests.filter.adversary import Base, fastest
 
 PAGE = (Path(__file__).parents[2] / "docs" / "filter.md").read_text(encoding="utf-8")
 
 
-def test_the_page_has_every_statement_with_a_hundred_thousand_trials_and_no_break():
-    part = PAGE.partition("<!-- begin trials -->")[2].partition("<!-- end trials -->")[0]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part.splitlines() if line]
-    found = [row[:3] for row in rows[2:]]
+def part(name: str) -> list[list[str]]:
+    """Cells of a table that the command writes."""
+    text = PAGE.partition(f"<!-- begin {name} -->")[2].partition(f"<!-- end {name} -->")[0]
+    rows = [line for line in text.splitlines() if line]
+    return [[cell.strip() for cell in re.split(r"(?<!\\)\|", row)[1:-1]] for row in rows[2:]]
 
-    assert found == [[item.title, "100,000", "0"] for item in filter_trials.STATEMENTS]
+
+def test_the_page_has_every_statement_with_a_hundred_thousand_trials_and_no_break():
+    rows = part("trials")
+
+    assert [row[:3] for row in rows] == [[item.title, "100,000", "0"] for item in STATEMENTS]
     assert all(len(row[4].split("),")) == len(item.broken)
-               for row, item in zip(rows[2:], filter_trials.STATEMENTS, strict=True))  # fmt: skip
-    assert all("(1.0" in row[4] for row in rows[2:])
+               for row, item in zip(rows, STATEMENTS, strict=True))  # fmt: skip
+    assert all("(1.0" in row[4] for row in rows)
+
+
+def test_the_page_has_the_words_of_what_is_refused():
+    assert filter_trials.refusals() in PAGE
+    assert {row[1] for row in part("refused")}.isdisjoint({"not refused"})
+
+
+def test_a_loop_of_omega_alone_that_is_pushed_more_than_stated_is_seen():
+    true = filter_trials.RIM_SWUNG
+    told = replace(true, told={**true.told, "d": (0.05, 0.05)})
+    assert filter_trials.linear("clip", told, true, of="body", changes=WIDE_TURNS)(80, 1).max() > 1
 
 
 def test_a_command_that_does_not_keep_the_curvature_is_seen():
@@ -46,10 +65,12 @@ def test_the_package_is_tried_as_the_graph_is():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", range(len(filter_trials.STATEMENTS)))
+@pytest.mark.parametrize("number", range(len(STATEMENTS)))
 def test_a_few_trials_of_every_statement(number):
-    item = filter_trials.STATEMENTS[number]
-    broken = list(item.broken.values())[-1]
+    """With the broken hypothesis that leaves the limit most often on the page."""
+    item = STATEMENTS[number]
+    shares = [int(text) for text in re.findall(r"(\d+)% \(", part("trials")[number][4])]
+    broken = list(item.broken.values())[int(np.argmax(shares))]
 
     assert item.inside(400, 5).max() <= 1.0
     assert broken(400, 6).max() > 1.0
