@@ -96,14 +96,14 @@ def transient(certifier: Certifier, inputs: Inputs) -> tuple[Transient, Tube]:
 
     NoCorridorError where some cell does not come in, or there is no such tube.
     """
-    return _Search(certifier, inputs).result()
+    return _Search(certifier, inputs, LimitedLoop(certifier)).result()
 
 
 class _Search:
     """Batch by batch, the earliest first, so that batches are large; a lost cell is cut in two."""
 
-    def __init__(self, certifier: Certifier, inputs: Inputs) -> None:
-        self.certifier, self.inputs, self.limited = certifier, inputs, LimitedLoop(certifier)
+    def __init__(self, certifier: Certifier, inputs: Inputs, limited: LimitedLoop) -> None:
+        self.certifier, self.inputs, self.limited = certifier, inputs, limited
         n = len(certifier.loop.at)
         scenario = certifier.loop.setup.scenario
         self.start, self.period = np.array(scenario.corridor.start), scenario.clock.control
@@ -121,7 +121,7 @@ class _Search:
                 f"so large a start takes {len(middle)} cells, more than {CELLS} (is corridor.start "
                 f"= [{stated}] in m, m and rad?)"
             )
-        _Search(self.certifier, self.inputs.scaled(0.0)).try_corners()
+        _Search(self.certifier, self.inputs.scaled(0.0), self.limited).try_corners()
         outer = np.abs(middle) / np.maximum(self.start, np.finfo(float).tiny)
         order = np.argsort(outer.sum(axis=1), kind="stable")
         begun = self._begun(middle[order], width[order])
