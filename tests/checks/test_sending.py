@@ -6,10 +6,17 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
+from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
+from wmr_ctrl.checks.sample_time import (
+    largest_period,
+    largest_stable_delay,
+    stability,
+    stable_masses,
+)
 from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.surroundings import IDLE, lost_samples
+from wmr_ctrl.cli.check_sentences import stable
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.world.references import sample
@@ -76,6 +83,27 @@ def test_runs_settle_at_nine_tenths_of_the_longest_period_and_cycle_beyond(
         end = np.abs(off(override(scenario, clock), law, SMALL)[-40:, :3]).max()
 
         assert end < 1e-6 if share < 1 else end > 1e-3
+
+
+def test_no_period_is_stable_over_which_the_base_stops_between_two_commands() -> None:
+    """Where it would be with a base that waits longer, a run does not settle."""
+    scenario = moving({"base.timeout": 0.1})
+    limit = largest_period(loop_of(settle(scenario, "prox")))
+    assert limit == pytest.approx(0.1, rel=2e-6)
+    assert largest_period(loop_of(settle(moving({}), "prox"))) > 0.2
+
+    ends, told = [], []
+    for period, timeout in ((0.1, 0.1), (0.2, 0.1), (0.2, 1.0)):
+        numbers = {"clock.control": period, "clock.duration": 400 * period, "base.timeout": timeout}
+        timed = override(scenario, numbers)
+        ends.append(np.abs(off(timed, "prox", SMALL)[-40:, :3]).max())
+        told.append([str(item) for item in warnings_for(settle(timed, "prox")) if item.objects])
+    assert max(ends[0], ends[2]) < 1e-6 < 1e-3 < ends[1]
+    assert told[0] == told[2] == []
+    (objection,) = told[1]
+    assert objection.startswith("clock.control = 0.2 s is longer than base.timeout = 0.1 s")
+    words = stable(stability(scenario, "prox"), 0.05)
+    assert "up to clock.control = 0.1 s, beyond which the base stops between commands" in words
 
 
 def test_a_law_knows_of_the_longest_delay_that_is_told() -> None:

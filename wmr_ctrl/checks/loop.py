@@ -103,6 +103,11 @@ class Loop:
         """The loop for a control period [s]; a law remembers as many commands as are under way."""
         return self
 
+    @property
+    def longest(self) -> float:
+        """Control period [s] beyond which a command is not held until the next one comes."""
+        return np.inf
+
     def with_delay(self, delay: float) -> Loop:
         """The loop of a law that knows of a ``delay`` [s], where its graph depends on that."""
         return self

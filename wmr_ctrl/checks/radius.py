@@ -36,8 +36,11 @@ def largest_radius(
 
     A reference that does not repeat is looked at as if each of some points went on for ever, and so
     is the orientation where something acts by it, a slope say.
-    ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
+    ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.  inf for
+    periods over which no command is held.
     """
+    if period > loop.longest * (1 + 10 * RTOL):
+        return math.inf
     loop, samples = loop.at_period(period), loop.around.samples_a_pose(period)
     stretches = stretches_of(loop.scenario)
 

@@ -66,6 +66,15 @@ def kink_limits(loop: Loop, period: float | None = None) -> Floats:
 
 def _linear(loop: Loop) -> Iterator[Warning]:
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
+    if period > loop.longest:
+        yield Warning(
+            PERIOD,
+            f"clock.control = {period:g} s is longer than base.timeout = {loop.longest:g} s: the "
+            "base stops before each command, and stability is not computed for that. Shorten "
+            "clock.control, or raise base.timeout if the base has a longer one.",
+            "docs/linear.md",
+        )
+        return
     words = delays_by_name(loop.setup)
     late = "".join(f"a {word} of {value:g} s and " for word, value in words.items())
     if limit == 0:
@@ -167,7 +176,7 @@ class Stability:
     """Around the reference: stable periods, largest delay [s], ratios of true to believed mass.
 
     Delay and masses are for the scenario's period; see the functions of these names. ``tried`` is
-    the shortest period that was looked at.
+    the shortest period that was looked at; ``held``: beyond which the base stops between commands.
     """
 
     shortest: float
@@ -175,6 +184,7 @@ class Stability:
     delay: float | None
     masses: tuple[float, float] | None
     tried: float
+    held: float = math.inf
 
     @property
     def mass_words(self) -> str:
@@ -188,7 +198,7 @@ def stability(scenario: Scenario, law: str) -> Stability:
     """All three for a law on a scenario; raises UnknownNameError for a law."""
     loop = loop_of(settle(scenario, law))
     delay, masses = largest_stable_delay(loop), stable_masses(loop)
-    return Stability(*stable_periods(loop), delay, masses, shortest_tried(loop))
+    return Stability(*stable_periods(loop), delay, masses, shortest_tried(loop), loop.longest)
 
 
 def largest_period(loop: Loop) -> float:

@@ -52,6 +52,11 @@ class SendingLoop(Loop):
         same = period == self.scenario.clock.control
         return self if same or own == 0 or not self._remembers else _made_for(self, period, own)
 
+    @property
+    def longest(self) -> float:
+        """The base's time-out, beyond which it stops between two commands."""
+        return self.scenario.base.timeout
+
     def with_delay(self, delay: float) -> Loop:
         """The loop of a law that knows of a delay of its commands [s]."""
         return _made_for(self, self.period, delay) if self._remembers else self

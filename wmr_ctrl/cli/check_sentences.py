@@ -282,6 +282,8 @@ def stable(limits: Stability, period: float) -> str:
     limit = f"up to clock.control = {limits.period:.4g} s"
     if limits.shortest > 0:
         limit = f"for clock.control = {limits.shortest:.4g} to {limits.period:.4g} s"
+    if limits.period >= limits.held:
+        limit += ", beyond which the base stops between commands (base.timeout)"
     if limits.period == float("inf"):
         limit = "at every control period that was tried"
     parts = []
