@@ -5,6 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 import click
+import numpy as np
 
 from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
 from wmr_ctrl.cli.options import check_output
@@ -186,9 +187,24 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
         if value is None or (value > limit and figures["violations"]):
             verdict = "BROKEN"
         yield f"largest {name}", _number(value, unit), f"limit {limit:g} {unit}: {verdict}"
+    yield from _rims(run)
     if figures["violations"]:
         steps = f"{figures['violations']} plant steps"
         yield "beyond a limit", steps, f"of {run.settings.plant:g} s"
+
+
+def _rims(run: Run) -> Iterator[Row]:
+    """The faster wheel at the samples, where the scenario of a run limits it."""
+    from wmr_ctrl.checks.outlook import scenario_of_run
+    from wmr_ctrl.world.speed_loop import takes_velocity
+
+    case, first = scenario_of_run(run), run.monitor.first_violation
+    if case is None or not takes_velocity(case) or (limit := case.filter.wheel_speed) is None:
+        return
+    most = float(np.max(abs(run["v1"]) + case.robot.l * abs(run["omega"]), initial=0.0))
+    broken = first is not None and (first[1] == 3 or most > limit)
+    verdict = ": BROKEN" if broken else ": kept" if first is None else ""
+    yield "largest of a wheel", _number(most, "m/s"), f"at samples, limit {limit:g} m/s{verdict}"
 
 
 def _disturbance(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
