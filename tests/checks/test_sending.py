@@ -11,6 +11,7 @@ from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.checks.sample_time import (
     largest_period,
     largest_stable_delay,
+    sample_time,
     stability,
     stable_masses,
 )
@@ -136,3 +137,17 @@ def test_what_cuts_and_loses_is_left_out_and_said() -> None:
     )
     assert lost_samples(moving({})) == ""
     assert override(moving(cut), IDLE).base.losses == 0
+
+
+def test_a_base_that_is_too_fast_is_to_be_calibrated() -> None:
+    """Lower gains leave it unstable, higher ones do not; a late base's gains are to be lower."""
+    fast, late = (
+        override(moving({}), item) for item in ({"base.gain": [2.0, 2.0]}, {"base.delay": 0.3})
+    )
+    low, high = (override(fast, {"gains.pid.Kp": [k, 0.0028 * k]}) for k in (1.0, 8.0))
+    calm = override(late, {"gains.kinematics.k": [0.3, 1.0, 0.3]})
+    keys = [item.key for case in (fast, late) for item in sample_time(loop_of(settle(case, "pid")))]
+    limits = [largest_period(loop_of(settle(case, "pid"))) for case in (low, high, calm)]
+
+    assert keys == ["base.gain", "clock.control"]
+    assert [limit > 0 for limit in limits] == [False, True, True]

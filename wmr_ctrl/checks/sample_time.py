@@ -24,7 +24,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.values import LARGEST
 from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.effect import EffectRole
 
 SAFE = 0.5
@@ -81,11 +81,23 @@ def _linear(loop: Loop) -> Iterator[Warning]:
         lower = f"the {' and '.join(words)}, or its gains" if late else "its gains"
         least = shortest_tried(loop)
         others = f" and at every shorter period that was tried (from {least:.3g} s up)"
+        beginning = (
+            f"{loop.law} is unstable around the reference with {late}these gains at "
+            f"clock.control = {period:g} s{others if least < period else ''}"
+        )
+        if _blames_gain(loop):
+            linear, angular = loop.scenario.base.gain
+            yield Warning(
+                "base.gain",
+                f"{beginning}: what is sent counts on base.gain = [1, 1], with which it is stable, "
+                f"and the base's is [{linear:g}, {angular:g}]. Have its driver divide commands by "
+                "that, and do not lower the law's gains.",
+                f"{loop.equations}, linearised",
+            )
+            return
         yield Warning(
             PERIOD,
-            f"{loop.law} is unstable around the reference with {late}these gains at "
-            f"clock.control = {period:g} s{others if least < period else ''}: lower {lower}"
-            f"{gains_that_fit(loop, _stable)}.",
+            f"{beginning}: lower {lower}{gains_that_fit(loop, _stable)}.",
             f"{loop.equations}, linearised",
         )
     elif period >= limit:
@@ -121,6 +133,14 @@ def _mass(loop: Loop) -> Iterator[Warning]:
 
 def _stable(loop: Loop) -> bool:
     return loop.scenario.clock.control < stable_periods(loop)[1]
+
+
+def _blames_gain(loop: Loop) -> bool:
+    """Whether a base that takes velocities would be stable if its gain were 1."""
+    if not loop.setup.takes_velocity:
+        return False
+    right = override(loop.scenario, {"base.gain": [1.0, 1.0], "filter.kind": "none"})
+    return _stable(loop_of(settle(right, loop.law)))
 
 
 def _stands(loop: Loop) -> bool:

@@ -32,6 +32,7 @@ REMEDIES = {
     "model": "correct model.m, model.I or model.mu, start nearer, or use nn",
     "model.m": "lower the gains (`wmr-ctrl tune`), or state the mass more accurately",
     "reference": "ask for a slower one that moves forwards, or raise its limit",
+    "base.gain": "have the base's driver divide commands by it",
     "clock.control": "shorten clock.control, or lower the gains (`wmr-ctrl tune`)",
     "clock.plant": "shorten clock.plant, or raise robot.v_s",
     "disturbance.std": "try several seeds, start nearer, or switch the guard on",
