@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.results.conftest import build
+from wmr_ctrl.checks.outlook import Outlook
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.results.measures import (
     arrival,
@@ -33,7 +33,7 @@ def stopped(time: float | None) -> Monitor:
 
 def known(run: Run, tau_max: float, needed: float = 1.0) -> Run:
     """The run with what theory says of its scenario: its torque limit, the torques it needs."""
-    vars(run)["outlook"] = SimpleNamespace(tau_max=tau_max, exact_pose=False, objections=())
+    vars(run)["outlook"] = Outlook(tau_max, (), exact_pose=False)
     vars(run)["needed"] = np.full((run.rows, 2), needed)
     return run
 

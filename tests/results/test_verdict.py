@@ -194,6 +194,23 @@ def test_noise_through_gains_is_objected_and_seen() -> None:
     assert {"chatter", "objected"} <= keys(run)
 
 
+def test_a_barrier_close_to_the_desired_speed_is_named_beside_noise_and_gains() -> None:
+    """Without any noise: half of the gains calm nothing, and a barrier farther off does."""
+    case, close = "turtlebot3-burger", {"limits.v_u2": [0.17, 2.2]}
+    halved = {"gains.nn.rho1": [3.93, 0.011], "gains.kinematics.k": [1.8, 32.3, 1.3]}
+    tight, calmer, free = (
+        simulate(case, "nn", overrides=own) for own in (close, close | halved, {})
+    )
+    assert "chatter" in keys(calmer)
+    assert keys(free) == set()
+    (told,) = (item.text for item in tight.remarks if item.key == "chatter")
+    assert (
+        "noise, gains or the barrier move them, not the motion. Raise limits.v_u2[1] = 0.17 "
+        in told
+    )
+    assert "to which the desired 0.16 m/s is close, lower the law's gains" in told
+
+
 def test_a_run_of_an_unknown_law_is_not_said_to_be_checked(make_run: MakeRun) -> None:
     run = make_run(labels={"law": "theirs"})
 

@@ -37,13 +37,15 @@ class Outlook:
 
     ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: what theory says;
     ``exact_pose``: whether the pose is perfect while velocities come from encoders; ``known``:
-    whether the law is, and so was checked.
+    whether the law is, and so was checked; ``barrier``: speeds [m/s, rad/s] at which that of the
+    law begins, None for a law without.
     """
 
     tau_max: float
     warnings: tuple[Warning, ...]
     exact_pose: bool
     known: bool = True
+    barrier: tuple[float, float] | None = None
 
     @property
     def objections(self) -> tuple[Warning, ...]:
@@ -55,7 +57,9 @@ def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
     """The Outlook of a law on a scenario and a plant; raises what `settle` raises."""
     setup = settle(scenario, law)
     grip = grip_warnings(setup) if plant == "mujoco" else ()
-    return Outlook(setup.tau_max, (*warnings_for(setup), *grip), _has_exact_pose(scenario))
+    begins = scenario.limits.v_u2 if LAWS[law].traits.barrier else None
+    warned = (*warnings_for(setup), *grip)
+    return Outlook(setup.tau_max, warned, _has_exact_pose(scenario), barrier=begins)
 
 
 def _has_exact_pose(scenario: Scenario) -> bool:

@@ -32,6 +32,8 @@ and of the run's largest torque: without friction a motion may need none.
 BURST, PARTS, FEWEST = 1.5, 10, 32
 """The same over a part of the window: this multiple of it, in one of so many parts, halves of which
 overlap, of no fewer samples."""
+NEAR = 0.9
+"""Share of the speed at which a law's barrier begins, from which a desired one is close to it."""
 SWAY = 0.2
 """RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
 
@@ -215,13 +217,25 @@ def _chatters(run: Run) -> Iterator[str]:
         first, end = run.time[rows.start], run.time[rows.stop - 1]
         when, allowed = f"From {first:.4g} to {end:.4g} s", BURST * allowed
     if max(change, swing) > allowed:
+        movers, first = _movers(run, outlook.barrier)
         yield (
             f"{f'{when} the' if when else 'The'} wheel torques change by {change:.3g} N m RMS from "
             f"sample to sample and swing by {swing:.3g} N m RMS, where the desired motion needs "
-            f"{needed:.3g} N m RMS in all: noise and gains move them, not the motion. Lower the "
-            "law's gains, or measure better (finer encoders, a longer encoder.window or "
+            f"{needed:.3g} N m RMS in all: {movers} move them, not the motion. {first} the law's "
+            "gains, or measure better (finer encoders, a longer encoder.window or "
             "sensor.velocity_window)."
         )
+
+
+def _movers(run: Run, barrier: tuple[float, float] | None) -> tuple[str, str]:
+    """Causes of torques that the motion does not need, and the first words of the remedies."""
+    for axis, name, unit in ((0, "v1_d", "m/s"), (1, "v2_d", "rad/s")):
+        asked = float(np.max(np.abs(run[name]), initial=0.0))
+        if barrier is not None and asked > NEAR * barrier[axis]:
+            begins = f"limits.v_u2[{axis + 1}] = {barrier[axis]:g} {unit}"
+            close = f"to which the desired {asked:.3g} {unit} is close"
+            return "noise, gains or the barrier", f"Raise {begins}, {close}, lower"
+    return "noise and gains", "Lower"
 
 
 def _parts(window: slice) -> Iterator[slice]:
