@@ -151,3 +151,16 @@ def test_a_base_that_is_too_fast_is_to_be_calibrated() -> None:
 
     assert keys == ["base.gain", "clock.control"]
     assert [limit > 0 for limit in limits] == [False, True, True]
+
+
+@pytest.mark.parametrize("preset", ["turtlebot3-burger", "safe-simulation"])
+@pytest.mark.parametrize("law", ["kanayama", "pursuit"])
+def test_laws_that_only_drive_forwards_are_told_so_not_to_have_lower_gains(
+    law: str, preset: str
+) -> None:
+    back = load_scenario(preset, {"reference.rate": -0.1})
+    (told,) = sample_time(loop_of(settle(back, law)))
+
+    assert told.key == "reference"
+    assert "v1_d of this one falls to" in told.sentence
+    assert not list(sample_time(loop_of(settle(load_scenario(preset), law))))

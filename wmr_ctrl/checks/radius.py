@@ -12,7 +12,7 @@ from wmr_ctrl.checks.sampled_plant import Point
 from wmr_ctrl.checks.surroundings import DriveTimes
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.scenario import Robot, Scenario
-from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.references import reference_bounds, sample
 
 POINTS = 9
 INSIDE = 0.99
@@ -83,6 +83,17 @@ def from_pose_to_pose(
     if np.isfinite(whole).all() or not np.isfinite(none).all():
         return whole
     return np.eye(len(none)) * min(radius(none) ** samples, np.finfo(float).max)
+
+
+def only_forwards(loop: Loop) -> float:
+    """The least v1_d [m/s] of a reference if errors fade there only forwards; 0.0 if not."""
+    period, slowest = loop.scenario.clock.control, reference_bounds(loop.scenario)[0]
+
+    def fades(v1_d: float) -> bool:
+        there = loop.on_reference(np.array((v1_d, 0.0)))
+        return radius(from_pose_to_pose(loop, there, period)) < 1 - MARGIN
+
+    return slowest if slowest < -SAME and fades(-slowest) and not fades(slowest) else 0.0
 
 
 def radius(matrix: Floats) -> float:

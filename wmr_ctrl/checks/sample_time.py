@@ -14,7 +14,15 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Loop
-from wmr_ctrl.checks.radius import MARGIN, RATIO, SHORTEST, edge, largest_radius, supremum
+from wmr_ctrl.checks.radius import (
+    MARGIN,
+    RATIO,
+    SHORTEST,
+    edge,
+    largest_radius,
+    only_forwards,
+    supremum,
+)
 from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.surroundings import delays_by_name, oldest_shown
 from wmr_ctrl.checks.torques import first_torques
@@ -73,6 +81,15 @@ def _linear(loop: Loop) -> Iterator[Warning]:
             "base stops before each command, and stability is not computed for that. Shorten "
             "clock.control, or raise base.timeout if the base has a longer one.",
             "docs/linear.md",
+        )
+        return
+    if not loop.traits.auxiliary and (slowest := only_forwards(loop)):
+        yield Warning(
+            "reference",
+            f"{loop.law} follows a reference that moves forwards, and v1_d of this one falls to "
+            f"{slowest:.4g} m/s, that is backwards, where errors do not fade. Ask for a reference "
+            "that keeps moving forwards, or take another law.",
+            f"{loop.equations}, linearised",
         )
         return
     words = delays_by_name(loop.setup)
