@@ -202,7 +202,7 @@ def _rims(run: Run) -> Iterator[Row]:
     if case is None or not takes_velocity(case) or (limit := case.filter.wheel_speed) is None:
         return
     most = float(np.max(abs(run["v1"]) + case.robot.l * abs(run["omega"]), initial=0.0))
-    broken = first is not None and (first[1] == 3 or most > limit)
+    broken = most > limit * (1 + 1e-9) or (first is not None and first[1] == 3)
     verdict = ": BROKEN" if broken else ": kept" if first is None else ""
     yield "largest of a wheel", _number(most, "m/s"), f"at samples, limit {limit:g} m/s{verdict}"
 
