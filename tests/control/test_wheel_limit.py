@@ -12,7 +12,7 @@ from tests.control.bases import VELOCITY, based
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results import Monitor
+from wmr_ctrl.results import Monitor, outcome_of
 from wmr_ctrl.scenario import load_scenario
 
 
@@ -35,7 +35,8 @@ def test_a_wheel_beyond_its_limit_is_an_outcome(engine: str) -> None:
     (told,) = (item.text for item in low.remarks if item.key == "limit-violated")
     assert f"first by the speed of a wheel (filter.wheel_speed) at t = {0.01 * first:g} s" in told
     assert high.monitor.violations == 0
-    earlier = replace(low, monitor=Monitor(low.monitor.max_abs_v))  # saved before it was judged
+    unjudged = Monitor(low.monitor.max_abs_v)  # as in runs that were saved before wheels were
+    earlier = replace(low, monitor=unjudged, outcome=outcome_of(unjudged))
     shown = [" ".join(summary_text(run).split()) for run in (low, high, earlier)]
     row = f"largest of a wheel {rims[:-1].max():.4g} m/s at samples, limit"
     assert f"{row} {0.9 * rims.max():g} m/s: BROKEN" in shown[0]
