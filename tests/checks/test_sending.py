@@ -16,7 +16,7 @@ from wmr_ctrl.checks.sample_time import (
     stable_masses,
 )
 from wmr_ctrl.checks.sending import loop_of
-from wmr_ctrl.checks.surroundings import IDLE, lost_samples
+from wmr_ctrl.checks.surroundings import IDLE, lost_samples, rounded_effects
 from wmr_ctrl.cli.check_sentences import stable
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import Scenario, load_scenario, override
@@ -136,6 +136,10 @@ def test_what_cuts_and_loses_is_left_out_and_said() -> None:
         "may be"
     )
     assert lost_samples(moving({})) == ""
+    dead = override(moving(cut), {"base.deadband": [0.0, 0.1], "base.quantum": [0.01, 0.0]})
+    assert rounded_effects(dead) == (
+        "as if there were no rounding in [base] and as if base.deadband let every command pass"
+    )
     assert override(moving(cut), IDLE).base.losses == 0
 
 

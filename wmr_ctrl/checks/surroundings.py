@@ -321,14 +321,17 @@ def lost_samples(scenario: Scenario) -> str:
 
 
 def rounded_effects(scenario: Scenario) -> str:
-    """Words on effects that round, which has no derivative; empty if none."""
+    """Words on effects that round and on a dead band, without derivative; empty if none."""
     rounding = []
     for item in EFFECTS.present(scenario):
         system = item.system(scenario)
         seen = (p.sym for p in system.inputs if p.signal not in (TIME, SAMPLE, STEP))
         if rounds(ca.vertcat(system.update, system.y), ca.vertcat(*seen, system.x)):
             rounding.append(f"[{item.section.KEY}]")
-    return f"as if there were no rounding in {' and '.join(rounding)}" if rounding else ""
+    texts = [f"as if there were no rounding in {' and '.join(rounding)}"] if rounding else []
+    if takes_velocity(scenario) and max(scenario.base.deadband) > 0:
+        texts.append("as if base.deadband let every command pass")
+    return " and ".join(texts)
 
 
 def rare_poses(scenario: Scenario) -> str:
