@@ -53,7 +53,7 @@ REMEDIES = {
     "goal-not-reached": "see the other findings; or change gains or clock.duration",
     "too-fast": "ask for a slower reference, or raise limits.v_u1",
     "oscillates": "lower the gains, or shorten clock.control and the delay",
-    "chatter": "lower the gains, measure better, or raise a limits.v_u2 too close",
+    "chatter": "lower the gains, measure better, or raise limits.v_u2 if it is close",
     "saturated": "raise actuator.tau_max, or ask for a slower reference",
     "guard-holds-back": "raise guard.alpha or shorten clock.control, or drive slower",
     "obstacle": "choose another path, or start elsewhere",
