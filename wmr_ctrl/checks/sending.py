@@ -41,7 +41,7 @@ class SendingLoop(Loop):
             return self.sender
         period = self.scenario.clock.control if self.period is None else self.period
         delay = self.scenario.base.delay if self.delay is None else self.delay
-        timed = surroundings(self.scenario).at_period(period, delay)
+        timed = surroundings(self.scenario).scenario_at(period, delay)
         plain = replace(self.setup, scenario=timed)
         sent = velocity_sender(plain, _law_graph(self.setup, self.in_flight))
         return replace(sent.system(), outputs=(Output(ASKED, sent.asked),), diagnostics=())

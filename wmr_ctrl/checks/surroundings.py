@@ -136,7 +136,7 @@ class Surroundings:
         alike = np.abs(here - there).max() < GRID
         return (0.0,) if alike else tuple(np.arange(8) * math.pi / 4)
 
-    def at_period(self, period: float, delay: float) -> Scenario:
+    def scenario_at(self, period: float, delay: float) -> Scenario:
         """The scenario at a control period [s], with a ``delay`` of commands [s].
 
         What its sensors count is the nearest whole number of samples, and of plant steps a delay.
