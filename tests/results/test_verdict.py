@@ -168,6 +168,14 @@ def test_what_is_faster_than_half_a_hertz_swings() -> None:
     assert fast_swing_rms(signal, 0.01) == pytest.approx(3 / np.sqrt(2))
 
 
+@pytest.mark.parametrize(("periods", "rms"), [(1, 0.0), (3, 0.0), (5, 1 / np.sqrt(2))])
+def test_less_than_four_periods_in_a_window_is_a_start_no_swing(periods: int, rms: float) -> None:
+    """A window of half a second, however fast they are."""
+    signal = np.sin(2 * np.pi * periods * np.arange(50) / 50)[:, None]
+
+    assert fast_swing_rms(signal, 0.01) == pytest.approx(rms, abs=1e-9)
+
+
 def test_encoders_beside_the_true_pose_are_told() -> None:
     counted = {"encoder.counts": 8192.0, "clock.duration": 20.0}
     for noise, told in ((0.0, True), (0.01, False)):

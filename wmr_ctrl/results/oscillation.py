@@ -93,9 +93,12 @@ def _velocity_cycles(run: Run, rows: slice) -> list[Oscillation]:
 
 
 def fast_swing_rms(signal: Floats, period: float) -> float:
-    """RMS over rows and columns of a signal's (N, n) content above `SLOWEST` [its unit]."""
+    """RMS over rows and columns of a signal's (N, n) content above `SLOWEST` [its unit].
+
+    What has fewer than `PERIODS` periods in them may be a start or a change of the motion.
+    """
     power = np.abs(np.fft.rfft(signal, axis=0)) ** 2
-    power[np.fft.rfftfreq(len(signal), period) < SLOWEST] = 0.0
+    power[np.fft.rfftfreq(len(signal), period) < SLOWEST] = power[:PERIODS] = 0.0
     power[1 : len(power) - (len(signal) % 2 == 0)] *= 2.0  # both halves of the spectrum
     return float(np.sqrt(np.sum(power) / len(signal) ** 2 / signal.shape[1]))
 
