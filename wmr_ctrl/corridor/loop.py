@@ -27,7 +27,7 @@ from wmr_ctrl.corridor.condition import AXES, Asked, Condition
 from wmr_ctrl.corridor.enclosure import Balls, BentEnclosure, Enclosure, upper
 from wmr_ctrl.corridor.late_guard import commands_counted, late_conditions
 from wmr_ctrl.corridor.overlap import ALONE, Overlap
-from wmr_ctrl.corridor.sender import balanced, base_numbers, base_world, sending
+from wmr_ctrl.corridor.sender import balanced, sending
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.observer import FORCE_HAT, OLD_VELOCITY
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -133,19 +133,16 @@ class SampledLoop:
 
     def _prepare(self, setup: Setup, asked: Asked) -> tuple[Loop, World]:
         """The law's loop without limits, and the graphs around it."""
-        scenario, clock = setup.scenario, setup.scenario.clock
+        clock, around = setup.scenario.clock, surroundings(punctual(setup.scenario))
         self.setup, self.steps = setup, clock.substeps
         self._asked = asked
         if setup.takes_velocity:
             loop: Loop = SendingLoop(setup, sender=self._inside(LawContext(setup)))
-            world = base_world(scenario)
-            late = scenario.base.delay
         else:
             loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
-            world = surroundings(punctual(scenario)).worlds(clock.control)[0][1]
-            late = scenario.actuator.delay + scenario.actuator.unmodelled_delay
+        world = around.worlds(clock.control)[0][1]
         self.names = world.names
-        self.late = int(np.floor(late / clock.plant + 0.5))
+        self.late = int(np.floor(around.drives.delay / clock.plant + 0.5))
         return loop, world
 
     @cached_property
@@ -183,12 +180,9 @@ class SampledLoop:
         scenario, clock = self.setup.scenario, self.setup.scenario.clock
         sizes = (("z", world.size), ("u", COMMAND), ("d", COMMAND), ("body", COMMAND))
         z, u, push, body = (ca.SX.sym(name, n) for name, n in sizes)
-        if self.setup.takes_velocity:
-            sent, known = u, base_numbers(world, scenario)
-        else:
-            sent = force_to_wheel(*_wheels(scenario.robot), u)
-            around = surroundings(punctual(scenario))
-            known = around.numbers(world, clock.control, clock.plant, None)
+        sends, around = self.setup.takes_velocity, surroundings(punctual(scenario))
+        sent = u if sends else force_to_wheel(*_wheels(scenario.robot), u)
+        known = around.numbers(world, clock.control, clock.plant, None)
         held = ca.vertcat(sent, push, ca.SX.zeros(world.held - 2 * COMMAND))
         numbers = ca.SX(ca.DM(known))
         for name, value in {**dict(zip(BODY, ca.vertsplit(body), strict=True)), **changed}.items():

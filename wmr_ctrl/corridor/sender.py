@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.surroundings import idle_base
-from wmr_ctrl.checks.world import Floats, World, world_of
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.control.velocity import SentVelocity
 from wmr_ctrl.corridor.condition import Asked, Condition
@@ -50,18 +50,6 @@ def _passing(setup: Setup, command: ca.SX) -> Iterator[Condition]:
         for side, way in (("right", 1), ("left", -1)):
             speed = command[0] + way * scenario.robot.l * command[1]
             yield Condition(f"the firmware's limit of the {side} wheel's speed", speed, ca.SX(rim))
-
-
-def base_world(scenario: Scenario) -> World:
-    """Graphs of the idle base's plant steps."""
-    return world_of(idle_base(scenario))
-
-
-def base_numbers(world: World, scenario: Scenario) -> list[float]:
-    """Parameters of these graphs for the scenario's own robot and clock."""
-    own = {f"robot.{key}": value for key, value in vars(scenario.robot).items()}
-    clock = {"clock.control": scenario.clock.control, "clock.plant": scenario.clock.plant}
-    return world.numbers({**own, **clock})
 
 
 def balanced(scenario: Scenario, state: tuple[Port, ...], v_d: Floats) -> Floats:
