@@ -211,15 +211,17 @@ def _chatters(run: Run) -> Iterator[str]:
         return measures.change_rms(torque, rows), fast_swing_rms(extra[rows], period)
 
     change, swing = np.max([*map(moved, judged), (0.0, 0.0)], axis=0)
-    when, bursts = "", [(moved(rows), rows) for window in judged for rows in _parts(window)]
-    if max(change, swing) <= allowed and bursts:
-        (change, swing), rows = max(bursts, key=lambda item: max(item[0]))
+    those, parts = "The", [part for rows in judged for part in _parts(rows)]
+    if max(change, swing) <= allowed and parts:
+        (change, swing), rows = max(
+            zip(map(moved, parts), parts, strict=True), key=lambda item: max(item[0])
+        )
         first, end = run.time[rows.start], run.time[rows.stop - 1]
-        when, allowed = f"From {first:.4g} to {end:.4g} s", BURST * allowed
+        those, allowed = f"From {first:.4g} to {end:.4g} s the", BURST * allowed
     if max(change, swing) > allowed:
         movers, first = _movers(run, outlook.barrier)
         yield (
-            f"{f'{when} the' if when else 'The'} wheel torques change by {change:.3g} N m RMS from "
+            f"{those} wheel torques change by {change:.3g} N m RMS from "
             f"sample to sample and swing by {swing:.3g} N m RMS, where the desired motion needs "
             f"{needed:.3g} N m RMS in all: {movers} move them, not the motion. {first} the law's "
             "gains, or measure better (finer encoders, a longer encoder.window or "
