@@ -6,9 +6,15 @@ from collections.abc import Iterator
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, is_taken
 from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.guard.contradictions import contradictions
-from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price
+from wmr_ctrl.guard.price import (
+    SpeedPrice,
+    early_speed,
+    speed_price,
+    torque_swing,
+    usable_formula,
+)
+from wmr_ctrl.results.settings import TIGHTER
 from wmr_ctrl.world.phases import largest_friction
 
 PLACE = "guard, docs/guarantee.md"
@@ -17,7 +23,7 @@ OTHER_REMEDY = (
     "Take it out of the scenario, or keep away from the limit with a smaller guard.alpha."
 )
 """Remedies for an effect that breaks an assumption, by the key at fault."""
-AGAINST, BRAKES = ("against friction ", ""), ("friction + ", "")
+AGAINST = ("against friction ", "")
 MOTIONLESS = ("no motion at all", "no turn at all")
 """Words for the way ahead, and for a turn, which no friction brakes."""
 
@@ -81,38 +87,30 @@ def _too_fast(loop: Loop, price: SpeedPrice, axis: int) -> Warning:
     guard, unit = loop.setup.guard, UNITS[axis]
     usable, best = price.usable[axis], price.unbeatable[axis]
     can = f"at most {usable:.3g} {unit}" if usable > 0 else MOTIONLESS[axis]
-    simple = not (guard.age[axis] or guard.window[axis] or guard.slowest)
-    time = "delay" if simple else "age + window/2 + delay + lag"
-    other = "" if simple else f" No guard at all could leave more than {max(best, 0):.3g} {unit}."
+    late = guard.age[axis] or guard.window[axis] or guard.slowest
+    other = f" No guard at all could leave more than {max(best, 0):.3g} {unit}." if late else ""
     sooner = "Shorten clock.control"
     if float(guard.alpha or 0.0) * loop.scenario.clock.control < NEARLY:
         sooner = "Raise guard.alpha"
     return Warning(
         "guard.dbar",
         f"The reference asks for {price.asked[axis]:.3g} {unit}, and {AGAINST[axis]}the guard "
-        f"leaves {can}, v_u1 - nbar - ({BRAKES[axis]}dbar - f_min) (1/alpha + {time})/M_min: it "
-        f"falls behind.{other} {sooner}, or state a larger guard.M_min or a smaller guard.dbar if "
-        "they are true.",
+        f"leaves {can}, {usable_formula(guard, axis)}: it falls behind.{other} {sooner}, or "
+        f"{TIGHTER}.",
         PLACE,
     )
 
 
 def violent_alpha(loop: Loop) -> Iterator[Warning]:
-    """Yield where the velocity's error, through the guard's slope, shakes the torques at the limit.
-
-    The guard's ceiling falls by M_min alpha for each m/s of measured velocity.  At the limit errors
-    of -nbar to nbar move it, and the velocity that they cause moves it as much again: together by
-    up to 4 nbar M_min alpha, the sum of the response's absolute values being 2 for alpha T <= 1.
-    """
+    """Yield where the velocity's error, through the guard's slope, shakes the torques."""
     if not loop.guarded:
         return
     guard, robot, numbers = loop.scenario.guard, loop.scenario.robot, loop.setup
     (alpha,), nbar = numbers.value("guard.alpha"), numbers.value("guard.nbar")
-    arms = (robot.r / 2, robot.r / (2 * robot.l))
-    usual = largest_friction(loop.scenario) * arms[0]
+    usual = largest_friction(loop.scenario) * robot.r / 2
     bound = usual if math.isinf(numbers.tau_max) else SHAKEN * numbers.tau_max
     for axis, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
-        swing = 4 * nbar[axis] * mass_range(numbers.guard, axis)[0] * alpha * arms[axis]
+        swing = torque_swing(robot, numbers.guard, axis)
         if nbar[axis] and swing > bound > 0:
             calm = rounded(alpha * bound / swing, 2, up=False)
             origin = "" if guard.alpha is not None else " (1/T unless it is stated)"

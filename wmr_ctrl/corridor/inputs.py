@@ -21,7 +21,7 @@ from wmr_ctrl.corridor.loop import MOST_NUMBERS, SampledLoop, punctual
 from wmr_ctrl.corridor.overlap import ramps
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
+from wmr_ctrl.guard.bounds import aim, net, pair_of, slope
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.scenario import Scenario
@@ -324,15 +324,14 @@ def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
         return
     errors = pair_of(guard.nbar)
     for i, axis in enumerate(AXES):
-        slope = mass_range(guard, i)[0] * (guard.alpha or 0.0)
-        top, left = aim(scenario, guard, i), net(guard, i)
+        steep, top, left = slope(guard, i), aim(scenario, guard, i), net(guard, i)
         sizes = {
-            f"the guard's ceiling ({axis})": (force[i] + slope * v[i], top - errors[i]),
+            f"the guard's ceiling ({axis})": (force[i] + steep * v[i], top - errors[i]),
             f"the guard's largest force ({axis})": (force[i], top - guard.f_speed[i]),
-            f"the guard's safe point ({axis})": (slope * v[i], top - errors[i]),
+            f"the guard's safe point ({axis})": (steep * v[i], top - errors[i]),
         }
         for name, (value, room) in sizes.items():
-            yield Condition(name, value, ca.SX(slope * room - left))
+            yield Condition(name, value, ca.SX(steep * room - left))
 
 
 def product(a: int, b: int) -> str:

@@ -1,7 +1,7 @@
 """Conditions on which a guard that counts late commands changes no force.
 
-With S = M_min alpha, commands F_j that may still act for tau_j, all within a size N >= net, and
-P = sum tau_j F_j, the guard's ceiling is at least F where
+With the slope S of the guard's ceiling, commands F_j that may still act for tau_j, all within a
+size N >= net, and P = sum tau_j F_j, the ceiling is at least F where
 
     |F + S y + alpha P| <= S (u1 - nbar) - net - alpha N sum tau_j,
 
@@ -20,9 +20,9 @@ import numpy as np
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor.condition import AXES, Condition
-from wmr_ctrl.guard.bounds import aim, mass_range, net, pair_of
+from wmr_ctrl.guard.bounds import aim, net, pair_of, slope
 from wmr_ctrl.guard.delay import largest_force
-from wmr_ctrl.guard.guard import Bounds
+from wmr_ctrl.guard.guard import numeric_bounds
 from wmr_ctrl.guard.lateness import Counting
 
 ROOM = 1.6
@@ -66,10 +66,10 @@ def late_conditions(
     errors = pair_of(guard.nbar)
     for i, (axis, late) in enumerate(zip(AXES, guard.lateness(scenario.clock), strict=True)):
         alpha, N, spare = float(guard.alpha or 0.0), float(sizes[i]), net(guard, i)
-        slope = mass_range(guard, i)[0] * alpha
-        near = slope * (aim(scenario, guard, i) - errors[i])
-        far = slope * (aim(scenario, guard, i) - guard.f_speed[i])
-        most = float(ca.evalf(largest_force(_numbers(setup, i, late)))) * (1 - 1e-12)
+        steep = slope(guard, i)
+        near = steep * (aim(scenario, guard, i) - errors[i])
+        far = steep * (aim(scenario, guard, i) - guard.f_speed[i])
+        most = float(ca.evalf(largest_force(numeric_bounds(scenario, guard, i)))) * (1 - 1e-12)
         yield Condition(f"the guard's largest force ({axis})", force[i], ca.SX(most))
         yield Condition(f"the guard's count of a force ({axis})", force[i], ca.SX(N), inner=True)
         for share, pieces in _lines(late, alpha * period):
@@ -82,7 +82,7 @@ def late_conditions(
                     ca.SX(0),
                 )
                 taken = alpha * period * N * sum(time for _, time in pieces)
-                for moving, room in ((slope * v[i], near), (ca.SX(0), far)):
+                for moving, room in ((steep * v[i], near), (ca.SX(0), far)):
                     for new in (share * force[i], ca.SX(0)):
                         value = new + moving + in_flight
                         left = ca.SX(room - spare * share - taken)
@@ -98,17 +98,3 @@ def _lines(late: Counting, alpha: float) -> list[tuple[float, list[tuple[tuple[i
     if not late.jitter:
         return [(1.0, pieces)]
     return [(1.0, [*pieces, ((1,), late.jitter)]), (1.0 + alpha * late.jitter, pieces)]
-
-
-def _numbers(setup: Setup, i: int, late: Counting) -> Bounds:
-    """An axis' numbers as the guard's graph has them."""
-    guard, period = setup.guard, setup.scenario.clock.control
-    (low, high), times = mass_range(guard, i), (late.most, late.jitter, late.mixed)
-    delay, jitter, mixed = (ca.SX(period * time) if time else None for time in times)
-    pairs = pair_of(guard.dbar), pair_of(guard.nbar), pair_of(guard.brake), guard.f_min
-    dbar, nbar, brake, f_min = (ca.SX(pair[i]) for pair in pairs)
-    return Bounds(
-        u1=ca.SX(aim(setup.scenario, guard, i)), period=ca.SX(period), M_min=ca.SX(low),
-        M_max=ca.SX(high), dbar=dbar, nbar=nbar, alpha=ca.SX(guard.alpha or 0.0), brake=brake,
-        f_min=f_min, f_speed=ca.SX(guard.f_speed[i]), delay=delay, jitter=jitter, mixed=mixed,
-    )  # fmt: skip

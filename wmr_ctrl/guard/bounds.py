@@ -140,6 +140,11 @@ def mass_range(guard: Guard, axis: int) -> Pair:
     return pair_of(guard.M_min)[axis], pair_of(guard.M_max)[axis]
 
 
+def slope(guard: Guard, axis: int) -> float:
+    """M_min alpha of one axis: by this the guard's ceiling falls with the speed [N s/m, N m s]."""
+    return mass_range(guard, axis)[0] * float(guard.alpha or 0.0)
+
+
 def net(guard: Guard, axis: int) -> float:
     """dbar less f_min of one axis [N or N m]."""
     return pair_of(guard.dbar)[axis] - guard.f_min[axis]
@@ -167,12 +172,12 @@ def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
     With jitter at most M_min (v_u1 - 2 nbar)/mixed, too.
     """
     alpha, mixed = float(guard.alpha or 0.0), mixed_time(scenario, guard, axis)
-    u1, mass = aim(scenario, guard, axis), mass_range(guard, axis)[0]
+    u1 = aim(scenario, guard, axis)
     slowed = 1.0 + alpha * lateness_time(scenario, guard, axis)
-    braking = mass * alpha * (u1 - guard.f_speed[axis]) / slowed
+    braking = slope(guard, axis) * (u1 - guard.f_speed[axis]) / slowed
     if not mixed:
         return braking
-    return min(braking, mass * (u1 - 2.0 * pair_of(guard.nbar)[axis]) / mixed)
+    return min(braking, mass_range(guard, axis)[0] * (u1 - 2.0 * pair_of(guard.nbar)[axis]) / mixed)
 
 
 def pair_of(pair: Pair | None) -> Pair:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmr_ctrl.guard.bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.guard.bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
+from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.world.phases import largest_friction
 from wmr_ctrl.world.references.kind import reference_bounds
 
@@ -42,13 +42,18 @@ def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
 def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
     """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
 
-    v_u1 - nbar - (friction + dbar - f_min) (1/alpha + age + window/2 + delay + lag)/M [m/s, rad/s]
-    with M the smallest mass or inertia; negative where the guard would not let the robot move at
-    all, which is also where the same with the whole window is above v_u1 - f_speed, the measured
-    speed left out.
+    See `usable_formula`.  Negative where the guard would not let the robot move at all, which is
+    also where the same with the whole window is above v_u1 - f_speed, the measured speed left out.
     """
     first, second = (_usable(scenario, guard, friction[i], i) for i in AXES)
     return first, second
+
+
+def usable_formula(guard: GuardNumbers, axis: int) -> str:
+    """The formula of `usable_speed`, with the times that ``guard`` has."""
+    late = guard.age[axis] or guard.window[axis] or guard.slowest
+    time = "age + window/2 + delay + lag" if late else "delay"
+    return f"v_u1 - nbar - ({('friction + ', '')[axis]}dbar - f_min) (1/alpha + {time})/M_min"
 
 
 def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) -> float:
@@ -86,3 +91,14 @@ def early_speed(guard: GuardNumbers) -> Pair:
     time = guard.latest + guard.slowest
     first, second = (time * max(net(guard, i), 0.0) / mass_range(guard, i)[0] for i in AXES)
     return first, second
+
+
+def torque_swing(robot: Robot, guard: GuardNumbers, axis: int) -> float:
+    """Swing of a wheel's torque [N m] that errors of the measured velocity cause at the limit.
+
+    The guard's ceiling falls by M_min alpha for each m/s of measured velocity.  Errors of -nbar to
+    nbar move it, and the velocity that they cause moves it as much again: together by up to
+    4 nbar M_min alpha, the sum of the response's absolute values being 2 for alpha T <= 1.
+    """
+    arm = robot.r / 2 if axis == 0 else robot.r / (2 * robot.l)
+    return 4 * pair_of(guard.nbar)[axis] * slope(guard, axis) * arm

@@ -8,12 +8,9 @@ import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeAlias
 
 from wmr_ctrl.errors import ArgumentError
-
-Event: TypeAlias = tuple[float, int]
-"""A time [s] and a velocity axis: 1 linear, 2 angular, 3 a wheel over the ground."""
+from wmr_ctrl.results.settings import UNCOVERED, WIDER, Event
 
 DIVERGENCE = 1e3
 """A run ends where |v1| [m/s] or |omega| [rad/s] reaches this."""
@@ -24,15 +21,9 @@ _AXES = {
     2: ("angular velocity omega", "rad/s"),
     3: ("speed of a wheel (filter.wheel_speed)", "m/s"),
 }
-TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
-"""Remedy where a guard holds back more than it must."""
 _GUARDED = (
     "The velocity limit was broken although the guard was on, first by the {violation}; {steps} "
     "beyond a limit ({extremes}). {cause}"
-)
-_UNCOVERED = (
-    "The run left what the guard assumes: compare guard.dbar, M_min, M_max and nbar with the "
-    "robot, state the drives' delay and lag in full."
 )
 
 
@@ -158,7 +149,7 @@ class Outcome(StrEnum):
 def _cause(outside: bool, guard: bool) -> str:
     """Reason why a limit was broken, with the remedy; a start outside may not be the only one."""
     if not outside:
-        return _UNCOVERED if guard else f"Switch {_UNGUARDED}"
+        return UNCOVERED if guard else f"Switch {_UNGUARDED}"
     text = "The run started outside the limits: start inside them."
     return text if guard else f"{text} If it breaks them then, too: switch {_UNGUARDED}"
 
@@ -167,10 +158,7 @@ _UNGUARDED = (
     "the guard on (on a base that takes velocities: the filter, without filter.trust), or ask for "
     "a slower reference."
 )
-_NOT_COVERED = (
-    "its guarantee does not cover this run. Widen guard.dbar, or guard.M_min and guard.M_max, "
-    "unless a remark names another cause."
-)
+_NOT_COVERED = f"its guarantee does not cover this run. {WIDER}"
 
 _SENTENCES = {
     Outcome.COMPLETED: (

@@ -14,7 +14,8 @@ import numpy as np
 from wmr_ctrl.results import measures
 from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
-from wmr_ctrl.results.outcomes import TIGHTER, Outcome, beyond_bounds
+from wmr_ctrl.results.outcomes import Outcome, beyond_bounds
+from wmr_ctrl.results.settings import TIGHTER
 from wmr_ctrl.results.windows import at_rest, drive, driving, rows_of, working
 
 if TYPE_CHECKING:

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.orientation import PAPER
 from wmr_ctrl.results.obstacles import Shape
-from wmr_ctrl.results.outcomes import Event
 
 Pair: TypeAlias = tuple[float, float]
+Event: TypeAlias = tuple[float, int]
+"""A time [s] and a velocity axis: 1 linear, 2 angular, 3 a wheel over the ground."""
 
 _GRID = 1e-6
 """Times this close to a sample, in sample periods, count as that sample: 0.3/0.1 is not 3."""
@@ -23,6 +24,14 @@ PLANTS = ("ode", "mujoco")
 
 COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
 """Numbers of Settings and Assumptions that a guard counts on."""
+TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
+"""Remedy where a guard holds back more than it must."""
+UNCOVERED = (
+    "The run left what the guard assumes: compare guard.dbar, M_min, M_max and nbar with the "
+    "robot, state the drives' delay and lag in full."
+)
+WIDER = "Widen guard.dbar, or guard.M_min and guard.M_max, unless a remark names another cause."
+"""Remedy where a run moved in a way that these numbers do not explain."""
 ROUNDING = 1e-6
 """Share of the largest force that may be an error of integration and rounding."""
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from wmr_ctrl.fields.orientation import outward
 from wmr_ctrl.results import Monitor, Settings, outcome_of
 from wmr_ctrl.results.figures import STATE, SUMMED, Sum
-from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS, Event
+from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS
+from wmr_ctrl.results.settings import Event
 from wmr_ctrl.results.windows import at_rest, windows_of
 from wmr_ctrl.sim.memory import Results, Task
 from wmr_ctrl.sim.runnable import RunnableLoop

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wmr_ctrl.results import Floats, Monitor, Settings, split_columns
-from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS, Event
+from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS
+from wmr_ctrl.results.settings import Event
 from wmr_ctrl.signals import PLANT_STATE, VELOCITY
 from wmr_ctrl.sim.memory import noise_key
 
