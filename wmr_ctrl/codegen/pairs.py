@@ -191,11 +191,7 @@ class _Pairing:
         return two in self.names or two[0] == two[1] or self.beside(two) is not None
 
     def _add(
-        self,
-        two: Two,
-        op: int | None,
-        operands: tuple[Two, ...],
-        needs: tuple[frozenset[int], ...],
+        self, two: Two, op: int | None, operands: tuple[Two, ...], needs: tuple[frozenset[int], ...]
     ) -> None:
         self.names[two] = f"r{len(self.made) + 1}"
         defines = (-1 - len(self.made),) if op is None else two

@@ -5,8 +5,6 @@ from what was commanded; nothing has to be measured.  The value is the mean over
 of the torque behind delay and lag, before noise, and 0 at the first sample.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeVar
 

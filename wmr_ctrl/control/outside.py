@@ -1,7 +1,5 @@
 """Outputs that hold only a part of the loop, and the effects that they would miss."""
 
-from __future__ import annotations
-
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.scenario import Scenario

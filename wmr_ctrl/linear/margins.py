@@ -59,11 +59,7 @@ class Margins:
 
 @checks_arguments
 def open_loop(
-    scenario: Scenario,
-    law: str,
-    axis: int,
-    point: Point | None = None,
-    period: float | None = None,
+    scenario: Scenario, law: str, axis: int, point: Point | None = None, period: float | None = None
 ) -> ct.StateSpace:
     """The loop cut at force ``axis`` (0 thrust, 1 moment) as a negative-feedback loop L.
 
@@ -85,11 +81,7 @@ def open_loop(
 
 @checks_arguments
 def margins_at(
-    scenario: Scenario,
-    law: str,
-    axis: int,
-    point: Point | None = None,
-    period: float | None = None,
+    scenario: Scenario, law: str, axis: int, point: Point | None = None, period: float | None = None
 ) -> Margins | None:
     """Margins at force ``axis``; None where the closed loop is unstable."""
     loop = open_loop(scenario, law, axis, point, period)

@@ -3,8 +3,6 @@
 Source: firmware that does not let motors hum at rest.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Parameters, System, outputs, ports, stack
 from wmr_ctrl.signals import COMMAND

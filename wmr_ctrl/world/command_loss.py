@@ -4,8 +4,6 @@ Source: radio and buses.  Each command is lost with an even chance, but never mo
 in a row; a base that heard nothing for ``timeout`` takes 0 for its command until it hears again.
 """
 
-from __future__ import annotations
-
 import math
 
 from wmr_ctrl.fields.section import Section, quantity

@@ -18,8 +18,6 @@ the measured quantities, a drive the torque that those before it let through; di
 Names that an effect does not read or write stay as they are.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import KW_ONLY, dataclass, replace

@@ -4,8 +4,6 @@ Source: none in the paper; the worst disturbance of a given size for a limit on 
 acts as torque at the wheels and is held over a control period.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.system import Parameters, System, outputs, ports, stack

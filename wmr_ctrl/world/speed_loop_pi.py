@@ -7,8 +7,6 @@ winds up; with ``antiwindup`` it rests while the wheels give another force than 
 the error would drive it further that way.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import System, port

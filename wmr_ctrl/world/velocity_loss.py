@@ -5,8 +5,6 @@ with an even chance, but never more than ``velocity_losses`` in a row, and the f
 age of the velocity that is shown is an output; a governor of commands uses it (`filter`).
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, ODOMETRY_AGE, SAMPLE, Signal

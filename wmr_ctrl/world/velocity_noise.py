@@ -1,7 +1,5 @@
 """Velocity noise: a uniform error of each measured velocity, anew at every sample."""
 
-from __future__ import annotations
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, Signal

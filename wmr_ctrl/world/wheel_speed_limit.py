@@ -5,8 +5,6 @@ clip each at ``w_max``.  A fast turn loses speed and curvature at once.  |v| and
 and never change their sign by it, since clipping is odd and monotone.
 """
 
-from __future__ import annotations
-
 import math
 
 from wmr_ctrl.fields.section import Section, quantity

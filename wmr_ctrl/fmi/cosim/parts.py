@@ -13,12 +13,7 @@ from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.scenario import Robot
-from wmr_ctrl.signals import (
-    FORCE,
-    GUARD_DIAGNOSTICS,
-    VELOCITY,
-    Signal,
-)
+from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS, VELOCITY, Signal
 
 GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
 """Sources of a guard."""

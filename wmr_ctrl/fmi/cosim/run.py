@@ -16,14 +16,7 @@ from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.blocks import guard_model, parallel
 from wmr_ctrl.fmi.cosim import fitting
-from wmr_ctrl.fmi.cosim.mapping import (
-    NOISES,
-    TORQUES,
-    MapRow,
-    PartMap,
-    load_map,
-    parameter_rows,
-)
+from wmr_ctrl.fmi.cosim.mapping import NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
 from wmr_ctrl.fmi.cosim.parts import (
     GuardedController,

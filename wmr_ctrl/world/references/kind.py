@@ -37,10 +37,7 @@ class Reference(Section, key="reference"):
     """Base of the sections of all kinds; theta_d is 0 along +Y, and the motion starts at t = 0."""
 
     keep_out: tuple[tuple[float, ...] | tuple[tuple[float, float], ...], ...] = quantity(
-        (),
-        "m",
-        "obstacles: circles [x, y, r], polygons [[x, y], ...]",
-        kind="shapes",
+        (), "m", "obstacles: circles [x, y, r], polygons [[x, y], ...]", kind="shapes"
     )
 
     @property
