@@ -21,18 +21,6 @@ class Symbols(dict[str, ca.SX]):
         return Symbols({**more, **self})
 
 
-class Named:
-    """Base of a setting: its ``symbols`` are items and attributes of it, too."""
-
-    def __getitem__(self, name: str) -> ca.SX:
-        return getattr(self.symbols, name)
-
-    def __getattr__(self, name: str) -> ca.SX:
-        if name == "symbols":
-            raise AttributeError(name)
-        return self[name]
-
-
 def symbols(names: str, fixed: str = "") -> Symbols:
     """Fresh scalar symbols by name; those in ``fixed`` are parameters to the compiler."""
     known = set(fixed.split())
@@ -43,6 +31,12 @@ def column(name: str, size: int, fixed: bool = False) -> Symbols:
     """Fresh scalar symbols name1 to name<size>; ``fixed`` makes them parameters."""
     names = " ".join(f"{name}{i}" for i in range(1, size + 1))
     return symbols(names, names if fixed else "")
+
+
+def exchanged(expr: ca.SX, old: Mapping[str, ca.SX], new: Mapping[str, ca.SX]) -> ca.SX:
+    """The expression with the symbols of one table in the place of the other's of these names."""
+    both = [(old[name], new[name]) for name in old if name in new]
+    return ca.substitute(expr, *(ca.vertcat(*side) for side in zip(*both, strict=True)))
 
 
 def stacked(table: Mapping[str, ca.SX], name: str, size: int) -> ca.SX:

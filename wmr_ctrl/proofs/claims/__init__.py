@@ -8,66 +8,56 @@ from importlib.resources import files
 
 from wmr_ctrl.paper import equations
 from wmr_ctrl.proofs.claim import PRINTED, Claim
+from wmr_ctrl.proofs.ledger import DEFINITION
 
 THEMES = (
-    ("kinematics", "Motion of the robot"),
-    ("cover", "Regions"),
-    ("barrier", "The barrier function"),
-    ("structure", "Why it works"),
-    ("compiled_forms", "What the generated C evaluates"),
-    ("lyapunov", "The model-based law"),
-    ("tracking", "Position errors"),
-    ("theorem1", "The window argument of Theorem 1"),
-    ("theorem1_turn", "The window argument of Theorem 1"),
-    ("network", "The adaptive network"),
-    ("errata", "What does not hold as printed"),
-    ("authority", "Which disturbance the barrier withstands"),
-    ("gain", "No finite gain from a disturbance"),
-    ("sampled", "The limits under a held command"),
-    ("strict", "A strict Lyapunov function and an invariant set"),
-    ("guard", "The velocity guard"),
-    ("guard_sent", "What commands under way count for in the guard"),
-    ("guard_lag", "The velocity guard behind a lag that varies"),
-    ("guard_limits", "What limits the velocity guard, and its theorems"),
-    ("guard_exported", "The guard as it is exported"),
-    ("guard_exported_late", "The guard as it is exported"),
-    ("guard_flag", "The guard as it is exported"),
-    ("guard_assembled", "The guard's parts in controller and simulator"),
-    ("guard_assembled:map_claim", "Wheels behind the guard"),
-    ("guard_rounding", "The velocity guard in rounded arithmetic"),
-    ("guard_delay_sums", "The velocity guard behind a delay in rounded arithmetic"),
-    ("guard_delay_rounding", "The velocity guard behind a delay in rounded arithmetic"),
-    ("guard_flag:watched_claim", "The guard as it is exported"),
-    ("command_filter", "The command filter of bases that take velocities"),
-    ("filter_assembled", "The command filter of bases that take velocities"),
-    ("gate", "The gate before a base"),
-    ("filter_loops", "The command filter of bases that take velocities"),
-    ("filter_kick", "The command filter of bases that take velocities"),
-    ("filter_band", "The command filter of bases that take velocities"),
-    ("filter_band_times", "The command filter of bases that take velocities"),
-    ("filter_force", "The command filter of bases that take velocities"),
-    ("filter_rounding", "The command filter of bases that take velocities"),
-    ("filter_command_rounding", "The command filter of bases that take velocities"),
-    ("filter_band_rounding", "The command filter of bases that take velocities"),
-    ("filter_force_rounding", "The command filter of bases that take velocities"),
-    ("world", "Encoders and wheels"),
-    ("drive_bounds", "Motors and late drives"),
-    ("effect_bounds:command_claim", "Commands on their way to a base"),
-    ("effect_bounds", "Ground, air and sensors"),
-    ("prox:map_claim", "The barrier's proximal map"),
-    ("transport", "The level transport"),
-    ("prox", "The sampled-data law"),
-    ("prox_push", "The sampled-data law under a push"),
-    ("prox_wrong_mass", "The sampled-data law with a wrong mass"),
-    ("composition:prediction_claim", "Prediction over a delay"),
-    ("sampled:newton_claim", "The decay of a whole period"),
-    ("compiled_forms:smooth_claim", "The smooth barrier"),
-    ("corridor", "The certified corridor"),
-    ("corridor_bases", "The certified corridor"),
-    ("composition:piece_claim", "Parts of the arguments by hand"),
-    ("composition", "How the parts are put together"),
-)
-"""(file, or file and name of its claims; title)."""
+    ("Motion of the robot", "kinematics"),
+    ("Regions", "cover"),
+    ("The barrier function", "barrier"),
+    ("Why it works", "structure"),
+    ("What the generated C evaluates", "compiled_forms"),
+    ("The model-based law", "lyapunov"),
+    ("Position errors", "tracking"),
+    ("The window argument of Theorem 1", "theorem1 theorem1_turn"),
+    ("The adaptive network", "network"),
+    ("What does not hold as printed", "errata"),
+    ("Which disturbance the barrier withstands", "authority"),
+    ("No finite gain from a disturbance", "gain"),
+    ("The limits under a held command", "sampled"),
+    ("A strict Lyapunov function and an invariant set", "strict"),
+    ("The velocity guard", "guard"),
+    ("What commands under way count for in the guard", "guard_sent"),
+    ("The velocity guard behind a lag that varies", "guard_lag"),
+    ("What limits the velocity guard, and its theorems", "guard_limits"),
+    ("The guard as it is exported", "guard_exported guard_exported_late guard_flag"),
+    ("The guard's parts in controller and simulator", "guard_assembled"),
+    ("Wheels behind the guard", "guard_assembled:map_claim"),
+    ("The velocity guard in rounded arithmetic", "guard_rounding"),
+    ("The velocity guard behind a delay in rounded arithmetic",
+     "guard_delay_sums guard_delay_rounding"),
+    ("The guard as it is exported", "guard_flag:watched_claim"),
+    ("The command filter of bases that take velocities", "command_filter filter_assembled"),
+    ("The gate before a base", "gate"),
+    ("The command filter of bases that take velocities",
+     "filter_loops filter_kick filter_band filter_band_times filter_force filter_rounding "
+     "filter_command_rounding filter_band_rounding filter_force_rounding"),
+    ("Encoders and wheels", "world"),
+    ("Motors and late drives", "drive_bounds"),
+    ("Commands on their way to a base", "effect_bounds:command_claim"),
+    ("Ground, air and sensors", "effect_bounds"),
+    ("The barrier's proximal map", "prox:map_claim"),
+    ("The level transport", "transport"),
+    ("The sampled-data law", "prox"),
+    ("The sampled-data law under a push", "prox_push"),
+    ("The sampled-data law with a wrong mass", "prox_wrong_mass"),
+    ("Prediction over a delay", "composition:prediction_claim"),
+    ("The decay of a whole period", "sampled:newton_claim"),
+    ("The smooth barrier", "compiled_forms:smooth_claim"),
+    ("The certified corridor", "corridor corridor_bases"),
+    ("Parts of the arguments by hand", "composition:piece_claim"),
+    ("How the parts are put together", "composition"),
+)  # fmt: skip
+"""Titles, with the files whose claims are below them; of some a list named behind the file."""
 BY_HAND, DEFINITIONS = "Arguments by hand, assumptions, open ends", "Definitions"
 
 
@@ -75,10 +65,11 @@ BY_HAND, DEFINITIONS = "Arguments by hand, assumptions, open ends", "Definitions
 def all_claims() -> tuple[Claim, ...]:
     """Every claim, with its theme; definitions come last."""
     found: list[Claim] = []
-    for place, title in THEMES:
-        file, _, name = place.partition(":")
-        claims = vars(import_module(f"wmr_ctrl.proofs.claims.{file}"))[name or "claim"]
-        found += [replace(claim, theme=title) for claim in claims.listed]
+    for title, places in THEMES:
+        for place in places.split():
+            file, _, name = place.partition(":")
+            claims = vars(import_module(f"wmr_ctrl.proofs.claims.{file}"))[name or "claim"]
+            found += [replace(claim, theme=title) for claim in claims.listed]
     return (*found, *_by_hand(), *_definitions())
 
 
@@ -104,14 +95,9 @@ def _definitions() -> list[Claim]:
     """One entry for each equation that only gives a name to something."""
     return [
         Claim(
-            f"def{row.number:02}",
-            (row.number,),
-            PRINTED,
-            row.title,
-            f"{row.note} In the code: {row.home}.".strip(),
-            verdict="DEFINITION",
-            theme=DEFINITIONS,
+            f"def{row.number:02}", (row.number,), PRINTED, row.title,
+            f"{row.note} In the code: {row.home}.".strip(), verdict=DEFINITION, theme=DEFINITIONS,
         )
         for row in equations()
         if row.role == "definition"
-    ]
+    ]  # fmt: skip

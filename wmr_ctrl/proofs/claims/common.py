@@ -1,6 +1,6 @@
 """Common to the claims: one axis of the barrier, and a law's System with free inner quantities."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import cached_property
 
 import casadi as ca
@@ -12,8 +12,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.system import Port
 from wmr_ctrl.proofs.relation import Relation, above
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, symbols
+from wmr_ctrl.proofs.statement import Named
+from wmr_ctrl.proofs.symbols import Symbols, exchanged, symbols
 from wmr_ctrl.scenario import load_scenario
 
 PRESET = "paper-simulation"
@@ -57,7 +57,12 @@ def elements_of(*ports: Port) -> Symbols:
     return Symbols({f"{item.signal.name}.{k + 1}": item.sym[k] for item, k in sizes})
 
 
-class BarrierAxis:
+def named_ports(*ports: Port) -> Symbols:
+    """Symbols of ports by their names, columns as they are."""
+    return Symbols({item.signal.name: item.sym for item in ports})
+
+
+class BarrierAxis(Named):
     """Symbols v, c, u1, u2 of one axis with the paper's functions of them.
 
     ``all`` are these four, ``x`` is v_c1 of Eq. (18), ``w`` is v - v_c1.
@@ -86,15 +91,6 @@ class BarrierAxis:
         """Compiled form."""
         v, c, u1, u2 = self.all
         return stable_barrier(c, v, u1, u2)
-
-    def states(
-        self,
-        *goals: Relation,
-        given: Iterable[Relation] = (),
-        cuts: Mapping[str, ca.SX] | None = None,
-    ) -> Statement:
-        """The statement about this axis alone."""
-        return Statement(self.symbols, goals, tuple(given), cuts or {})
 
     @property
     def inside(self) -> tuple[Relation, ...]:
@@ -131,15 +127,9 @@ class LawGraph:
 
     def own(self, expr: ca.SX) -> ca.SX:
         """An expression of `context` in the System's symbols."""
-        named = {port.signal.name: port.sym for port in (*self.system.inputs, *self.system.params)}
-        ports = [
-            p
-            for p in (*self.context.inputs, *self.context.parameters.ports)
-            if p.signal.name in named
-        ]
-        old = ca.vertcat(*(port.sym for port in ports))
-        new = ca.vertcat(*(named[port.signal.name] for port in ports))
-        return ca.substitute(expr, old, new)
+        context, system = self.context, self.system
+        shared = named_ports(*context.inputs, *context.parameters.ports)
+        return exchanged(expr, shared, named_ports(*system.inputs, *system.params))
 
     def clipped(self, axis: int) -> ca.SX:
         """The velocity that barrier quantities see: kept off the limit by limits.clip."""
@@ -150,3 +140,12 @@ class LawGraph:
         """Cuts: v_c0 and its rate as c and cdot, the velocity behind the clip as the velocity."""
         target, rate = self.own(self.context.v_c0), self.own(self.context.v_c0_dot)
         return {"c": target[axis], "cdot": rate[axis], VELOCITY_NAMES[axis]: self.clipped(axis)}
+
+    def parts(self, axis: int, names: str) -> dict[str, ca.SX]:
+        """Cuts of these names: V1/A (quotient), q, w, v_c0' (cdot) and friction of one axis."""
+        own, context = self.context.barrier[axis], self.context
+        known = {
+            "quotient": own.V1_over_A, "q": own.q, "w": own.w,
+            "cdot": context.v_c0_dot[axis], "friction": context.friction[axis],
+        }  # fmt: skip
+        return {name: self.own(known[name]) for name in names.split()}

@@ -32,7 +32,7 @@ from wmr_ctrl.proofs.relation import (
     within,
 )
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, symbols
+from wmr_ctrl.proofs.symbols import Symbols, exchanged, symbols
 from wmr_ctrl.proofs.traced import Traced, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
@@ -52,9 +52,7 @@ def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
                    for name in ("push", "error"))  # fmt: skip
     with functions_for_traced("wmr_ctrl.filter", but="wmr_ctrl.filter.hypotheses"):
         speeds = push_speeds(scenario, Bound(dbar=(push[0], push[1]), command=(error[0], error[1])))
-    known = [key for key in trace.symbols if key in g.symbols]
-    own = (ca.vertcat(*(table[key] for key in known)) for table in (trace.symbols, g.symbols))
-    return ca.substitute(ca.vertcat(*map(expression, speeds)), *own), told
+    return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g.symbols), told
 
 
 @claim(

@@ -102,21 +102,7 @@ def charted(target: str) -> Case:
     return Case(f"v_c0 {target}, v >= v*", dict.fromkeys(names, POSITIVE), values)
 
 
-INNER = ("quotient", "q", "w", "cdot")
-
-
-def _inner(law: LawGraph, axis: int) -> list[ca.SX]:
-    found = law.context.barrier[axis]
-    return [law.own(x) for x in (found.V1_over_A, found.q, found.w, law.context.v_c0_dot[axis])]
-
-
-def _premises(
-    A: ca.SX, J: ca.SX, pull: ca.SX, D: ca.SX, inner: list[ca.SX]
-) -> tuple[Relation, ...]:
-    """A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held."""
-    quotient, _, _, c_dot = inner
-    fades = at_least(0.5 * D * A, pull * J)
-    return above(A), at_least(J, A * quotient), fades, above(D), equal(c_dot)
+INNER = "quotient q w cdot"
 
 
 def held_back() -> list[Point]:
@@ -266,15 +252,17 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
     every, cuts = dict(law.symbols), dict[str, ca.SX]()
     goals, given = list[Relation](), list[Relation]()
     for axis in (0, 1):
-        t = symbols(" ".join(f"{name}{axis + 1}" for name in ("A", "J", "D", *INNER)))
-        A, J, D, *inner = t.values()
+        t = symbols(" ".join(f"{name}{axis + 1}" for name in f"A J D {INNER}".split()))
+        A, J, D, quotient, _, _, c_dot = t.values()
         rho = law.symbols[f"gains.mb.rho[{axis + 1}]"]
-        cuts |= dict(zip(list(t)[3:], _inner(law, axis), strict=True))
+        cuts |= {f"{name}{axis + 1}": part for name, part in law.parts(axis, INNER).items()}
         cuts[f"friction{axis + 1}"] = friction[axis]
         nominal = acceleration(mass[axis], law.force[axis], friction[axis])
         rate = mutation(nominal, -0.5 * rho * A)
         goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
-        given += [*_premises(A, J, rho * mass[axis], D, inner), *positive(mass[axis], rho)]
+        # A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held.
+        given += [above(A), at_least(J, A * quotient), at_least(0.5 * D * A, rho * mass[axis] * J)]
+        given += [above(D), equal(c_dot), *positive(mass[axis], rho)]
         every |= t
     return Statement(every, tuple(goals), tuple(given), cuts)
 

@@ -15,10 +15,11 @@ from wmr_ctrl.filter.gate import (
     gate_and_goal,
 )
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import elements_of
+from wmr_ctrl.proofs.claims.common import elements_of, named_ports
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal
 from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import exchanged
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import Signal
 
@@ -42,15 +43,10 @@ class GateStep:
         self.ports = {item.signal: item.sym for item in ports}
         self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
         clip = Clip(scenario)
-        known = {item.signal: item.sym for item in self.system.params}
-        own = ca.vertcat(*(item.sym for item in clip.p.ports))
-        same = ca.vertcat(*(known[item.signal] for item in clip.p.ports))
-        bounds = [
-            x
-            for c in clip.channels
-            for x in (c.bounds.V, c.bounds.dbar, c.bounds.K_min, c.bounds.K_max)
-        ]
-        *numbers, hi1, hi2 = ca.substitute([*bounds, *clip.limits], [own], [same])
+        each = (channel.bounds for channel in clip.channels)
+        bounds = ca.vertcat(*(x for b in each for x in (b.V, b.dbar, b.K_min, b.K_max)))
+        own = named_ports(*clip.p.ports), named_ports(*self.system.params)
+        *numbers, hi1, hi2 = ca.vertsplit(exchanged(ca.vertcat(bounds, *clip.limits), *own))
         self.limits, self.bounds = (hi1, hi2), [numbers[:4], numbers[4:]]
 
     def __getitem__(self, signal: Signal) -> ca.SX:

@@ -5,15 +5,15 @@ reads; what it makes of the room to the limit is one function.  What commands un
 are free sums, so that a statement holds for any number of them; exponentials are symbols.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor, room
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between
-from wmr_ctrl.proofs.symbols import Named, symbols
+from wmr_ctrl.proofs.statement import Named
+from wmr_ctrl.proofs.symbols import symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
@@ -59,17 +59,6 @@ class GuardAxis(Named):
     def __call__(self, name: str, way: int) -> ca.SX:
         """The symbol of one direction."""
         return self.symbols[name + ("ahead" if way > 0 else "back")]
-
-    @cached_property
-    def bounds(self) -> Bounds:
-        """Bounds in the guard's graph."""
-        b = Bounds(**{name: self[name] for name in NUMBERS.split()})
-        if self.lateness >= DELAYED:
-            b = replace(b, delay=self.delay)
-        if self.lateness >= LATE and self.varies:
-            b = replace(b, jitter=self.jitter)
-        mixed = self.lateness == LAGGING or b.jitter is not None
-        return replace(b, mixed=self.mixed) if mixed else b
 
     @property
     def again(self) -> InFlight:
@@ -166,10 +155,8 @@ class GuardAxis(Named):
     def feasible(self, pushed: float = 1, faster: float = 1) -> tuple[Relation, ...]:
         """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
         b = self.bounds
-        have, need = (
-            b.M_min * b.alpha * (b.u1 - b.f_speed),
-            2 * self.net * (1 + b.alpha * self.late),
-        )
+        have = b.M_min * b.alpha * (b.u1 - b.f_speed)
+        need = 2 * self.net * (1 + b.alpha * self.late)
         return (
             *self._signs, at_least(ca.SX(faster), b.alpha * b.period),
             at_least(pushed * have, need), at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net),
@@ -310,9 +297,8 @@ class GuardAxis(Named):
     def withstands(self, extra: ca.SX) -> Relation:
         """The brakes do, a push that is ``extra`` too large."""
         b, spare = self.bounds, self.bounds.braking - self.net
-        return (
-            at_least(spare, extra) if self.lateness else at_least(spare * b.M_min, b.M_max * extra)
-        )
+        lightest, heaviest = (1, 1) if self.lateness else (b.M_min, b.M_max)
+        return at_least(spare * lightest, heaviest * extra)
 
     def lasts(self, way: int) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Z now and later, and M_min times what the last command adds, of one direction."""

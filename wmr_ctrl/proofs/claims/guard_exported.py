@@ -15,7 +15,7 @@ from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.system import System
 from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
-from wmr_ctrl.proofs.claims.common import PRESET, scalars
+from wmr_ctrl.proofs.claims.common import PRESET, named_ports, scalars
 from wmr_ctrl.proofs.claims.guard import anchor, solver, upper
 from wmr_ctrl.proofs.claims.guard import feasible as not_empty
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, NUMBERS, GuardAxis
@@ -56,7 +56,7 @@ class Assembled:
         self.setup, self.system = loop, assemble(loop)
         ports = (*self.system.inputs, *self.system.state, *self.system.params)
         self.symbols = scalars(ports)
-        self.p = p = {port.signal.name: port.sym for port in ports}
+        self.p = p = named_ports(*ports)
         self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
         self.torque = ca.vertcat(*(output.expr for output in self.system.outputs))
         self.asked = p["force"] if "force" in p else self.told["force"]

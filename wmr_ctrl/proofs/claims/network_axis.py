@@ -48,11 +48,9 @@ class NetworkAxis:
         self.rate = ca.substitute(rate, state, ca.vertcat(f.V, self.error))
 
     def _inner(self, context: LawContext) -> dict[str, ca.SX]:
-        axis = context.barrier[self.axis]
         basis = nn.corner_basis(nn.regressor(context), context.gain("eta"), context.gain("node"))
-        found = {"quotient": axis.V1_over_A, "q": axis.q, "w": axis.w}
-        found |= {f"S{j + 1}": basis[j] for j in range(NODES)}
-        return {name: self.law.own(expr) for name, expr in found.items()}
+        found = {f"S{j + 1}": self.law.own(basis[j]) for j in range(NODES)}
+        return self.law.parts(self.axis, "quotient q w") | found
 
     def gain(self, name: str) -> ca.SX:
         """A gain of this axis."""
@@ -76,25 +74,19 @@ def free_chart(n: Mapping[str, Any]) -> dict[str, Any]:
 
 def vanishing_chart(n: Mapping[str, Any]) -> dict[str, Any]:
     """A = 0, which happens only with V1 = 0 and w = 0; the compiled quotients are then limits."""
-    return {
-        "A": 0 * n["quotient"],
-        "V": 0 * n["quotient"],
-        "w": 0 * n["quotient"],
-        "quotient": n["quotient"],
-        "q": n["q"],
-    }
+    return {**dict.fromkeys(("A", "V", "w"), 0 * n["quotient"]), **n}
 
 
 def residual_chart(n: Mapping[str, Any]) -> dict[str, Any]:
     """F1 chosen such that eps2 = w - n with a free n; V1 = w^2/2 + p, W* = W^ - E."""
     w = n["y"]
-    value = w**2 / 2 + n["p"]
-    best = {f"best{j}": n[f"X{j}"] - n[f"E{j}"] for j in range(1, NODES + 1)}
-    weights = {f"W_hat1[{j}]": n[f"X{j}"] for j in range(1, NODES + 1)}
-    learnt = sum((best[f"best{j}"] * n[f"S{j}"] for j in range(1, NODES + 1)), 0 * w)
+    value, nodes = w**2 / 2 + n["p"], range(1, NODES + 1)
+    best = {f"best{j}": n[f"X{j}"] - n[f"E{j}"] for j in nodes}
+    weights = {f"W_hat1[{j}]": n[f"X{j}"] for j in nodes}
+    learnt = sum((best[f"best{j}"] * n[f"S{j}"] for j in nodes), 0 * w)
     friction = (learnt - n["mass"] * n["cdot"] - (w - n["n"])) * w / n["A"]
     found = {"V": value, "w": w, "quotient": value / n["A"], "q": w / n["A"], "friction": friction}
-    kept = ["A", "mass", "cdot", *(f"S{j}" for j in range(1, NODES + 1))]
+    kept = ["A", "mass", "cdot", *(f"S{j}" for j in nodes)]
     return {**found, **best, **weights, **{name: n[name] for name in kept}}
 
 

@@ -183,15 +183,8 @@ class NewtonStep:
     def cuts(self) -> dict[str, ca.SX]:
         """Expressions of the first four, and the friction, which is compensated whatever it is."""
         law, k = self.law, self.axis
-        found = law.context.barrier[k]
         rate = law.symbols[f"gains.mb.rho[{k + 1}]"] * law.symbols["clock.control"]
-        return {
-            "quotient": law.own(found.V1_over_A),
-            "q": law.own(found.q),
-            "cdot": law.own(law.context.v_c0_dot)[k],
-            "fall": ca.expm1(-rate),
-            "friction": law.own(law.context.friction)[k],
-        }
+        return law.parts(k, "quotient q cdot friction") | {"fall": ca.expm1(-rate)}
 
     @property
     def moved(self) -> ca.SX:

@@ -146,18 +146,10 @@ def bounded_command(mutation: Mutation) -> Statement:
     t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
     force = law.force[0] - t.friction
-    axis = law.context.barrier[0]
-    inner = {
-        "quotient": law.own(axis.V1_over_A),
-        "q": law.own(axis.q),
-        "cdot": law.own(law.context.v_c0_dot)[0],
-        "friction": law.own(law.context.friction)[0],
-    }
     given = (
-        *positive(rho, mass),
-        *between(0, t.q, 1),
-        *between(0, t.quotient * t.w, t.w**2),
+        *positive(rho, mass), *between(0, t.q, 1), *between(0, t.quotient * t.w, t.w**2),
         at_least(t.w**2, t.quotient**2),
-    )
+    )  # fmt: skip
     bound = mutation * rho * ca.fabs(t.w) + ca.fabs(t.cdot)
+    inner = law.parts(0, "quotient q cdot friction")
     return Statement(t, (at_least(bound * mass, ca.fabs(force)),), given, inner)

@@ -1,7 +1,5 @@
 """Position errors: Eqs. (31)-(39), on V2 and the error dynamics of the product."""
 
-from collections.abc import Iterable
-
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
@@ -9,9 +7,9 @@ from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case, at
-from wmr_ctrl.proofs.relation import Relation, above, at_least, equal
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Named, column, stacked, symbols
+from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.statement import Named, Statement
+from wmr_ctrl.proofs.symbols import column, stacked, symbols
 
 
 class Tracking(Named):
@@ -30,10 +28,6 @@ class Tracking(Named):
         self.followed = auxiliary_velocity(self.e, self.v_d, self.k) + self.z
         self.rate = error_rate(self.e, self.followed, self.v_d)
         self.fall = analysis.position_rate(self.e, self.followed, self.v_d, self.k[1])
-
-    def states(self, *goals: Relation, given: Iterable[Relation] = ()) -> Statement:
-        """The statement about these symbols alone."""
-        return Statement(self.symbols, goals, tuple(given))
 
 
 SIGNED = Case(

@@ -14,7 +14,7 @@ from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, positive, within
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.symbols import exchanged, symbols
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
@@ -63,11 +63,10 @@ class EffectGraph:
         """
         pairs = []
         for told, trace in ((self.told, self.trace), self._bounded(1.25)):
-            names = ca.vertcat(*(self.symbols[key] for key in trace.symbols))
             value = vars(told)[name]
             pair = value if isinstance(value, tuple) else (value,)
             found = ca.vertcat(*map(expression, pair), *trace.met)
-            pairs.append(ca.substitute(found, ca.vertcat(*trace.symbols.values()), names))
+            pairs.append(exchanged(found, trace.symbols, self.symbols))
         if not ca.is_equal(pairs[0], pairs[1], 100):
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
         parts = ca.vertsplit(pairs[0])
