@@ -25,7 +25,6 @@ AXES = (
     {"axis": 0, "name": "linear", "unit": "m/s^2"},
     {"axis": 1, "name": "angular", "unit": "rad/s^2"},
 )
-
 claim = Claims(given=PAPER)
 
 
@@ -93,11 +92,8 @@ def high(mutation: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = a.symbols | symbols("b rho high", "rho")
     later = barrier.lyapunov(t.b, c, u1, u2)
-    return Statement(
-        t,
-        (at_least(mutation(t.high, 0.99 * t.high) * a.A, t.rho * later), above(a.A)),
-        (*a.inside, above(t.b, v), above(u1, t.b)),
-    )
+    goals = at_least(mutation(t.high, 0.99 * t.high) * a.A, t.rho * later), above(a.A)
+    return Statement(t, goals, (*a.inside, above(t.b, v), above(u1, t.b)))
 
 
 @claim("authority.links-{name}", (9,), by=of_axis(table.link_points), over=AXES)

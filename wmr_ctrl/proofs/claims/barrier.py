@@ -27,9 +27,8 @@ def parts(mutation: Mutation) -> Statement:
     """
     a, v, c, u1, u2 = barrier_axis()
     z = v - c
-    return a.states(
-        equal(a.V, 0.5 * z * z + barrier.f(v, u1, u2) + mutation * barrier.g(c, u1, u2))
-    )
+    written = 0.5 * z * z + barrier.f(v, u1, u2) + mutation * barrier.g(c, u1, u2)
+    return a.states(equal(a.V, written))
 
 
 @claim("eq19", (19,), given=OFF_EDGES, by=Ring(PAIRS, spare=12))
@@ -40,9 +39,8 @@ def two_axes(mutation: Mutation) -> Statement:
     """
     one, two = BarrierAxis("1"), BarrierAxis("2")
     columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
-    return Statement(
-        one.symbols | two.symbols, (equal(total_barrier(*columns), one.V + mutation * two.V),)
-    )
+    goal = equal(total_barrier(*columns), one.V + mutation * two.V)
+    return one.states(goal, more=two.symbols)
 
 
 @claim("eq20", (20,), by=Ring(all_cases()))
@@ -51,9 +49,8 @@ def spelt_out(mutation: Mutation) -> Statement:
 
     The barrier function measures how much worse the present velocity is than the best allowed one.
     """
-    a, v, c, u1, u2 = barrier_axis()
-    at_target = 0.5 * (a.x - c) ** 2 + barrier.f(a.x, u1, u2)
-    return a.states(equal(a.V, 0.5 * (v - c) ** 2 + barrier.f(v, u1, u2) - mutation * at_target))
+    a = BarrierAxis()
+    return a.states(equal(a.V, a.cost(a.all[0]) - mutation * a.cost(a.x)))
 
 
 @claim("eq17-18", (17, 18), by=Ring(all_cases(), log_lemma=True), premises="lemma.log")
@@ -63,10 +60,9 @@ def minimum(mutation: Mutation) -> Statement:
 
     The target velocity is the best one that the limit allows, and there is no second best.
     """
-    a, v, c, u1, u2 = barrier_axis()
-    cost = 0.5 * (v - c) ** 2 + barrier.f(v, u1, u2)
-    least = 0.5 * (a.x - c) ** 2 + barrier.f(a.x, u1, u2)
-    return a.states(at_least(cost - least, mutation(mutation * 0.5 * a.w**2, 0.6 * a.w**2)))
+    a, v, _, _, _ = barrier_axis()
+    least = mutation(mutation * 0.5 * a.w**2, 0.6 * a.w**2)
+    return a.states(at_least(a.cost(v) - a.cost(a.x), least))
 
 
 @claim("eq17-18.slope", (10, 18), form=OURS, by=Both(Ring(all_cases()), Z3()))
@@ -137,9 +133,8 @@ def half_square(mutation: Mutation) -> Statement:
     """
     a, v, _, _, _ = barrier_axis()
     square = 0.5 * a.w**2
-    return a.states(
-        equal(ca.gradient(square, v), mutation * a.w), equal(ca.hessian(square, v)[0], 1)
-    )
+    second = ca.hessian(square, v)[0]
+    return a.states(equal(ca.gradient(square, v), mutation * a.w), equal(second, 1))
 
 
 @claim("eq78", (78,), by=Ring(target_cases()))

@@ -86,6 +86,11 @@ class BarrierAxis(Named):
         """V1i of Eq. (20)."""
         return barrier.lyapunov(*self.all)
 
+    def cost(self, v: ca.SX) -> ca.SX:
+        """(v - v_c0)^2/2 + f(v), which v_c1 makes least."""
+        _, c, u1, u2 = self.all
+        return 0.5 * (v - c) ** 2 + barrier.f(v, u1, u2)
+
     @cached_property
     def stable(self) -> Barrier:
         """Compiled form."""

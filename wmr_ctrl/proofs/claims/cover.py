@@ -15,17 +15,13 @@ from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 
 
-def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX | None, ca.SX | None]]:
+def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX, ca.SX | None]]:
     """Open interval of each region's size; None: no bound."""
     edge = u2 + 1 / b
     return {
-        "near": (ca.SX(0), u2),
-        "middle": (u2, edge),
-        "far": (edge, None),
-        "beyond": (u2, None),
-        "in": (ca.SX(0), u2),
-        "out": (u2, u2 + b),
-    }
+        "near": (ca.SX(0), u2), "middle": (u2, edge), "far": (edge, None), "beyond": (u2, None),
+        "in": (ca.SX(0), u2), "out": (u2, u2 + b),
+    }  # fmt: skip
 
 
 def _inside(size: ca.SX, region: str, u2: ca.SX, b: ca.SX) -> ca.SX:
@@ -33,7 +29,6 @@ def _inside(size: ca.SX, region: str, u2: ca.SX, b: ca.SX) -> ca.SX:
     if region in points:
         return ca.eq(size, points[region])
     low, high = _bounds(u2, b)[region]
-    assert low is not None
     return size > low if high is None else ca.logic_and(size > low, size < high)
 
 
@@ -72,16 +67,11 @@ def charted(mutation: Mutation) -> Statement:
     y, u2, b = t.values()
     n = y / (1 - y)
     goals: list[Relation] = []
-    for name, value in (
-        ("near+", regions.target_value),
-        ("middle+", regions.target_value),
-        ("in+", regions.side_value),
-        ("out+", regions.side_value),
-    ):
-        low, high = _bounds(u2, b)[name[:-1]]
-        assert low is not None
+    for name in ("near", "middle", "in", "out"):
+        value = regions.side_value if name in ("in", "out") else regions.target_value
+        low, high = _bounds(u2, b)[name]
         assert high is not None
-        goals.append(equal(value(name, u2, b, n), low + mutation * y * (high - low)))
+        goals.append(equal(value(f"{name}+", u2, b, n), low + mutation * y * (high - low)))
     return Statement(t, tuple(goals), (above(y), above(1, y), *positive(u2, b)))
 
 

@@ -57,16 +57,8 @@ def omega(_: Mutation) -> Statement:
     t = Tracking("eps0 l")
     radius = analysis.ball_radius(t.eps0, t.l, t.k)
     given = (at_least(radius**2, ca.sumsqr(t.e)), above(t.l, 5), above(t.eps0))
-    other = ca.vertcat(0, 0, radius)
-    return Statement(
-        t.symbols,
-        (
-            at_least(
-                analysis.position_lyapunov(other, t.k[1]), analysis.position_lyapunov(t.e, t.k[1])
-            ),
-        ),
-        given,
-    )
+    edge = analysis.position_lyapunov(ca.vertcat(0, 0, radius), t.k[1])
+    return t.states(at_least(edge, analysis.position_lyapunov(t.e, t.k[1])), given=given)
 
 
 @claim("eq09.pseudo-inverse", (9,), given="v = v_c0, |v| < v_u2", by=Refute(ON_TARGET))
@@ -78,11 +70,9 @@ def stays_on_target(_: Mutation) -> Statement:
     """
     a, v, c, u1, u2 = barrier_axis()
     t = a.symbols | symbols("rho cdot")
-    return Statement(
-        t,
-        (equal(analysis.printed_command(t.rho, v, c, t.cdot, u1, u2), t.cdot),),
-        (*a.inside, equal(v, c), above(u2, ca.fabs(v)), above(t.rho)),
-    )
+    command = analysis.printed_command(t.rho, v, c, t.cdot, u1, u2)
+    given = (*a.inside, equal(v, c), above(u2, ca.fabs(v)), above(t.rho))
+    return Statement(t, (equal(command, t.cdot),), given)
 
 
 @claim(
@@ -99,13 +89,8 @@ def one_rate(_: Mutation) -> Statement:
     t = column("V", 2) | column("rho", 2) | symbols("rho")
     total = t.V1 + t.V2
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
-    paper = (
-        equal(t.rho1, 15),
-        equal(5 * t.rho2, 288),
-        *nonnegative(t.V1, t.V2),
-        equal(t.rho, t.rho1),
-    )
-    return Statement(t, (equal(rate, -t.rho * total),), paper)
+    given = (equal(t.rho1, 15), equal(5 * t.rho2, 288), *nonnegative(t.V1, t.V2))
+    return Statement(t, (equal(rate, -t.rho * total),), (*given, equal(t.rho, t.rho1)))
 
 
 @claim(

@@ -16,7 +16,6 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.stable import Axis, SmoothAxis, smooth_barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -60,12 +59,6 @@ def level(c: ca.SX, u1: ca.SX, u2: ca.SX, k: ca.SX) -> ca.SX:
     return u1 - delta / (3 + 2 * delta * B + k * reach(delta, B)) ** 2
 
 
-def cost(a: BarrierAxis) -> ca.SX:
-    """(v - v_c0)^2/2 + f(v)."""
-    v, c, u1, u2 = a.all
-    return 0.5 * (v - c) ** 2 + barrier.f(v, u1, u2)
-
-
 def smaller_slope(a: BarrierAxis) -> ca.SX:
     """A - 1/delta: the slope of the smooth barrier for v > v_u2, below that of the paper's."""
     return a.A - 1 / (a.all[2] - a.all[3])
@@ -79,9 +72,8 @@ def near_limit(sign: int) -> Case:
         k = n["e"] / (reach(b, B) * (1 + n["i"]))
         v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
         rho = k * n["D"] / n["M"]
-        return {"u1": u2 + b, "u2": u2, "c": sign * n["m"], "v": v, "rho": rho} | {
-            name: n[name] for name in ("M", "D")
-        }
+        put = {"u1": u2 + b, "u2": u2, "c": sign * n["m"], "v": v, "rho": rho}
+        return put | {name: n[name] for name in ("M", "D")}
 
     numbers = dict.fromkeys(("u2", "b", "e", "D", "M"), POSITIVE)
     ends = dict.fromkeys(("m", "i"), NONNEGATIVE)
@@ -143,7 +135,7 @@ def ceiling(mutation: Mutation) -> Statement:
     The barrier function grows no faster than its logarithm.
     """
     a, v, c, _, _ = barrier_axis()
-    J = cost(a)
+    J = a.cost(v)
     return a.states(at_least(mutation(J, J - 0.1 * (v - c) ** 2), a.V))
 
 
@@ -163,7 +155,7 @@ def ceiling_smooth(mutation: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     found = smooth_barrier(c, v, u1, u2)
     slope = equal(found.w, mutation * found.q * smaller_slope(a))
-    return a.states(at_least(cost(a), found.V1), slope)
+    return a.states(at_least(a.cost(v), found.V1), slope)
 
 
 @claim(
@@ -183,12 +175,10 @@ def fades(mutation: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = symbols("rho M D", "rho M")
     A = smaller_slope(a)
-    pull = mutation(cost(a), 0.5 * A**2)
-    return Statement(
-        a.symbols | t,
-        (above(A), at_least(0.5 * t.D * A, t.rho * t.M * pull)),
-        (above(u1, v), at_least(v, level(c, u1, u2, t.rho * t.M / t.D))),
-    )
+    pull = mutation(a.cost(v), 0.5 * A**2)
+    goals = above(A), at_least(0.5 * t.D * A, t.rho * t.M * pull)
+    given = above(u1, v), at_least(v, level(c, u1, u2, t.rho * t.M / t.D))
+    return a.states(*goals, given=given, more=t)
 
 
 @claim(

@@ -46,9 +46,7 @@ def null_space(mutation: Mutation) -> Statement:
     The forces that keep the wheels from sliding drop out of the equations of motion.
     """
     t = symbols("theta")
-    h = velocity_map(t.theta) * ca.vertcat(
-        ca.horzcat(mutation, 1), ca.horzcat(1, 1), ca.horzcat(1, 1)
-    )
+    h = velocity_map(t.theta) * ca.vertcat(ca.horzcat(mutation, 1), ca.SX.ones(2, 2))
     return Statement(t, every(h.T @ constraint(t.theta), ca.SX(2, 1)))
 
 
@@ -60,9 +58,8 @@ def rate_is_map(mutation: Mutation) -> Statement:
     """
     t = symbols("theta v1 v2")
     v = ca.vertcat(t.v1, t.v2)
-    return Statement(
-        t, every(pose_rate(t.theta, v), velocity_map(t.theta) @ (v * ca.vertcat(mutation, 1)))
-    )
+    mapped = velocity_map(t.theta) @ (v * ca.vertcat(mutation, 1))
+    return Statement(t, every(pose_rate(t.theta, v), mapped))
 
 
 @claim("eq06", (6,), given=ANY)
@@ -141,9 +138,8 @@ def eq04_plant(mutation: Mutation) -> Statement:
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
     left = inertial + dynamics.friction(mu, m, g, v_s, v)
     force = dynamics.wheel_to_force(r, l, tau) + ca.vertcat(t.thrust, t.moment)
-    return Statement(
-        t, (*every(left, force), *every(system.update[0:3], velocity_map(t.theta) @ v))
-    )
+    moves = every(system.update[0:3], velocity_map(t.theta) @ v)
+    return Statement(t, (*every(left, force), *moves))
 
 
 @claim("eq04.wheels", (4,), form=OURS, given="r, l > 0", by=Ring(DECLARED))

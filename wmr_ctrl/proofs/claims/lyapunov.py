@@ -84,11 +84,8 @@ def sum_rule(mutation: Mutation) -> Statement:
     m = Moving()
     v, c, u1, u2 = m.all
     v_dot, c_dot = m.rates.values()
-    parts = (
-        (v - c) * (v_dot - c_dot)
-        + m.along(barrier.f(v, u1, u2))
-        + mutation * m.along(barrier.g(c, u1, u2))
-    )
+    parts = (v - c) * (v_dot - c_dot) + m.along(barrier.f(v, u1, u2))
+    parts += mutation * m.along(barrier.g(c, u1, u2))
     return m.states(equal(m.along(m.V), parts))
 
 
@@ -100,10 +97,8 @@ def barrier_rate(mutation: Mutation) -> Statement:
     """
     m = Moving()
     v, _, u1, u2 = m.all
-    written = ca.if_else(
-        barrier.h(v, u2), mutation * barrier.sign(v) * m.rates.vdot / (u1 - ca.fabs(v)), 0
-    )
-    return m.states(equal(m.along(barrier.f(v, u1, u2)), written))
+    near = mutation * barrier.sign(v) * m.rates.vdot / (u1 - ca.fabs(v))
+    return m.states(equal(m.along(barrier.f(v, u1, u2)), ca.if_else(barrier.h(v, u2), near, 0)))
 
 
 @claim("eq23", (23,), given=OFF_EDGES, by=TARGETS7)
@@ -192,13 +187,11 @@ def command(mutation: Mutation, axis: int) -> Statement:
     law = LawGraph("mb")
     k, t = axis + 1, law.symbols
     v, u1, u2 = t[("v1", "omega")[axis]], t[f"limits.v_u1[{k}]"], t[f"limits.v_u2[{k}]"]
-    free = symbols("c cdot")
+    free, rho = symbols("c cdot"), t[f"gains.mb.rho[{k}]"]
     c = free.c
     mass, friction = (law.own(item)[axis] for item in (law.context.mass, law.context.friction))
     a, value = barrier.a_term(v, c, u1, u2), barrier.lyapunov(v, c, u1, u2)
-    bracket = (
-        -t[f"gains.mb.rho[{k}]"] * value + mutation * (v - barrier.minimiser(c, u1, u2)) * free.cdot
-    )
+    bracket = -rho * value + mutation * (v - barrier.minimiser(c, u1, u2)) * free.cdot
     goal = equal(a * law.force[axis], mass * bracket + a * friction)
     return Statement(t | free, (goal,), (), law.inner(axis))
 

@@ -1,7 +1,5 @@
 """The adaptive network: Eqs. (57)-(73), (82)-(88), all 64 nodes of one axis on the law's graph."""
 
-from dataclasses import replace
-
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
@@ -30,43 +28,22 @@ def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:
     return ca.dot(n.error, rate) / (n.free.mass * n.gain("Gamma"))
 
 
-GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {
-    "clock.control": POSITIVE
-}
+TIMED = {"clock.control": POSITIVE}
+GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | TIMED
 VECTORS = {f"{name}{j}": FREE for j in range(1, NODES + 1) for name in ("S", "X", "E")}
-SOLVED = {
-    "A": NONZERO,
-    "mass": POSITIVE,
-    "cdot": FREE,
-    "y": NONZERO,
-    "n": FREE,
-    "p": NONNEGATIVE,
-    **VECTORS,
-}
-FREE_CASES = (
-    Case("A != 0", {"A": NONZERO, "V": FREE, "w": FREE}, free_chart, {"mass": POSITIVE, **GAINS}),
-)
-OFF_CASES = (replace(FREE_CASES[0], numbers={"A": NONZERO, "V": FREE, "w": NONZERO}),)
-BOTH_CASES = (
-    *FREE_CASES,
-    Case(
-        "A = 0",
-        dict.fromkeys(("quotient", "q"), FREE),
-        vanishing_chart,
-        {"mass": POSITIVE, **GAINS},
-    ),
-)
-BOUND_CASES = (Case("A != 0", SOLVED, residual_chart, GAINS),)
+SOLVED = {"A": NONZERO, "mass": POSITIVE, "cdot": FREE, "y": NONZERO, "n": FREE}
+SOLVED |= {"p": NONNEGATIVE, **VECTORS}
+DECLARED = {"mass": POSITIVE, **GAINS}
+ANYWHERE = Case("A != 0", {"A": NONZERO, "V": FREE, "w": FREE}, free_chart, DECLARED)
+OFF_TARGETS = Case("A != 0", {"A": NONZERO, "V": FREE, "w": NONZERO}, free_chart, DECLARED)
+AT_ZERO = Case("A = 0", dict.fromkeys(("quotient", "q"), FREE), vanishing_chart, DECLARED)
 RATES = dict.fromkeys(("rho2", "gamma"), POSITIVE) | dict.fromkeys(("a", "b"), NONNEGATIVE)
-DECAY_CASES = (
-    Case("rho2 below both rates", {**SOLVED, **RATES}, decay_chart, {"clock.control": POSITIVE}),
-)
+DECAYING = Case("rho2 below both rates", {**SOLVED, **RATES}, decay_chart, TIMED)
 ALL_NODES = "all 64 weights, any S(Z), any A, V1, w with A != 0 or A = V1 = w = 0, W* constant"
 OFF_TARGET = "all 64 weights, any S(Z); A and v - v_c1 not 0 (there (59) cannot be written down)"
-ONE = Ring(FREE_CASES, spare=0)
-OFF = Ring(OFF_CASES, spare=0)
-TWO = Ring(BOTH_CASES, spare=0)
-BOUND = Ring(BOUND_CASES, spare=0)
+ONE, OFF = Ring((ANYWHERE,), spare=0), Ring((OFF_TARGETS,), spare=0)
+TWO = Ring((ANYWHERE, AT_ZERO), spare=0)
+BOUND = Ring((Case("A != 0", SOLVED, residual_chart, GAINS),), spare=0)
 FAR_POINT = (at(v="7999999/10000000", c=3, u1=1, u2="4/5"),)
 claim = Claims(by=ONE, form=PRINTED)
 
@@ -167,10 +144,8 @@ def substituted(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    pushed = f.A / f.mass * (n.law.force[0] - f.friction)
-    return n.statement(
-        equal(n.rate, pushed - mutation * f.w * f.cdot + weights_part(n, n.weight_rate))
-    )
+    pushed = f.A / f.mass * (n.law.force[0] - f.friction) - mutation * f.w * f.cdot
+    return n.statement(equal(n.rate, pushed + weights_part(n, n.weight_rate)))
 
 
 @claim("eq69", (69,), given=ALL_NODES, by=TWO)
@@ -237,9 +212,8 @@ def eq72(mutation: Mutation, combined: bool) -> Statement:
     leak = -sigma / mass * ca.dot(n.error, n.error + n.best)
     if combined:
         leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
-    return n.statement(
-        at_least(base + mutation(1, 9) * leak - (mutation < 0) * n.residual**2, n.rate)
-    )
+    bound = base + mutation(1, 9) * leak - (mutation < 0) * n.residual**2
+    return n.statement(at_least(bound, n.rate))
 
 
 @claim(
@@ -266,7 +240,7 @@ def printed_step(mutation: Mutation) -> Statement:
     (84, 85, 87),
     given=OFF_TARGET
     + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
-    by=Ring(DECAY_CASES, spare=0),
+    by=Ring((DECAYING,), spare=0),
     premises="eq81",
 )
 def decay(mutation: Mutation) -> Statement:

@@ -96,18 +96,15 @@ SETTINGS = (
     Held("sampled.10ms", 0, "1/100", "5", "10", "0.3", "0.9292"),
     Held("sampled.10ms-angular", 1, "1/100", "6", "10", "1.1", "1.4335"),
 )
-SLOW = (
-    {
-        "s": Held("sampled.100ms", 0, "1/10", "10", "0", "0.01", "0.9999"),
-        "points": tuple(
-            at(v1=v, c=10, cdot=0, d=0) for v in ("0", "1/5", "-1/2", "-4/5", "-9/10", "-99/100")
-        ),
-    },
-    {
-        "s": Held("sampled.100ms-angular", 1, "1/10", "6", "0", "0.01", "1.4335"),
-        "points": tuple(at(omega=w, c=6, cdot=0, d=0) for w in ("0", "1/2", "-1/2", "-1")),
-    },
-)
+SLOW = tuple(
+    {"s": s, "points": tuple(at(**{s.velocity: v}, c=s.target, cdot=0, d=0) for v in speeds)}
+    for s, speeds in (
+        (Held("sampled.100ms", 0, "1/10", "10", "0", "0.01", "0.9999"),
+         ("0", "1/5", "-1/2", "-4/5", "-9/10", "-99/100")),
+        (Held("sampled.100ms-angular", 1, "1/10", "6", "0", "0.01", "1.4335"),
+         ("0", "1/2", "-1/2", "-1")),
+    )
+)  # fmt: skip
 claim = Claims()
 
 
@@ -268,13 +265,10 @@ def falls(mutation: Mutation, axis: int) -> Statement:
     s = NewtonStep(axis)
     _, _, _, fall, w, before, after, slope, slope_after = s.free.values()
     given = (
-        equal(slope * s.free.quotient, before),
-        at_least(slope * w, before + 0.5 * w**2),
-        at_least(before, 0.5 * w**2),
-        at_least(after, before + slope * s.moved),
+        equal(slope * s.free.quotient, before), at_least(slope * w, before + 0.5 * w**2),
+        at_least(before, 0.5 * w**2), at_least(after, before + slope * s.moved),
         at_least(before, after - slope_after * s.moved),
-        at_least(0, after - slope_after * (w + s.moved)),
-        above(w**2),
-    )
+        at_least(0, after - slope_after * (w + s.moved)), above(w**2),
+    )  # fmt: skip
     level = mutation((1 + fall) * before, before)
     return s.states((above(before, after), at_least(after, level)), given)

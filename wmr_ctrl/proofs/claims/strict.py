@@ -60,12 +60,10 @@ RATES = tuple(at(e1=1, e2=0, e3=0, value=1, rate=rate) for rate in ("-1/2000", "
 START = {
     name: (Fraction(low), Fraction(high))
     for name, low, high in (
-        ("e1", "0.70452", "0.70454"),
-        ("e2", "-0.06032", "-0.06030"),
-        ("e3", "-0.87081", "-0.87079"),
-        ("k2", "5", "5"),
+        ("e1", "0.70452", "0.70454"), ("e2", "-0.06032", "-0.06030"),
+        ("e3", "-0.87081", "-0.87079"), ("k2", "5", "5"),
     )
-}
+}  # fmt: skip
 NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
 TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
 FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
@@ -193,10 +191,8 @@ def level_invariant(mutation: Mutation) -> Statement:
     t = Tracking("x1 x2")
     e, k, x, p = t.e, t.k, ca.vertcat(t.x1, t.x2), _undisturbed(t)
     pulls = e[0], ca.sin(e[2])
-    given = (
-        *(above(k[i]) for i in range(3)),
-        *(at_least((x[i] - p[i]) * k[2 * i] * pulls[i]) for i in (0, 1)),
-    )
+    pulled = (at_least((x[i] - p[i]) * k[2 * i] * pulls[i]) for i in (0, 1))
+    given = (*positive(*ca.vertsplit(k)), *pulled)
     behind = ca.if_else(ca.cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
     rate = analysis.position_rate(e, x, t.v_d, k[1])
     return t.states(at_least(0, mutation * rate), at_least(behind), given=given)

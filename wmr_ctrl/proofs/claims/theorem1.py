@@ -78,12 +78,8 @@ def growth(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 E V0 eps1 root")
     l, k2, k3, E, V0, eps1, root = t.values()
-    given = (
-        *positive(l, k2, k3, E, root),
-        equal(root**2 * k3, k2 * eps1),
-        above(E, 2 * l * root),
-        above(2 * V0, E**2),
-    )
+    large = above(E, 2 * l * root), above(2 * V0, E**2)
+    given = (*positive(l, k2, k3, E, root), equal(root**2 * k3, k2 * eps1), *large)
     return Statement(t, (above(k3 * V0, mutation(1, 4) * 2 * l**2 * k2 * eps1),), given)
 
 
@@ -96,14 +92,8 @@ def window_value(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 T V0 E")
     l, k2, k3, T, V0, E = t.values()
     grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
-    given = (
-        above(l, 5),
-        at_least(k2, 1),
-        *positive(k3, T, V0, E),
-        above(1, 5 * T),
-        above(1, k3 / (k2 * l**2)),
-        above(analysis.start_bound(l, k2, E), V0),
-    )
+    small = above(1, 5 * T), above(1, k3 / (k2 * l**2)), above(analysis.start_bound(l, k2, E), V0)
+    given = (above(l, 5), at_least(k2, 1), *positive(k3, T, V0, E), *small)
     limit = mutation(594, 500)
     return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
 
@@ -175,17 +165,10 @@ def angle_bound(mutation: Mutation) -> Statement:
     l, k2, k3, low, high, E, e3, z2 = t.values()
     T = analysis.window(l, k2, low)
     start = 10 * ca.fabs(e3) + (11 * k2 * high * E + 10 * ca.fabs(z2)) * T
-    given = (
-        above(l, 5),
-        *positive(k2, k3, low, E),
-        at_least(high, low),
-        above(1, 5 * T),
-        at_least(E, l * ca.fabs(e3)),
-        at_least(k3 * E, l * ca.fabs(z2)),
-    )
-    return Statement(
-        t, (at_least(mutation(10, 5) * analysis.angle_bound(l, k3, low, high, E), start),), given
-    )
+    small = above(1, 5 * T), at_least(E, l * ca.fabs(e3)), at_least(k3 * E, l * ca.fabs(z2))
+    given = (above(l, 5), *positive(k2, k3, low, E), at_least(high, low), *small)
+    bound = mutation(10, 5) * analysis.angle_bound(l, k3, low, high, E)
+    return Statement(t, (at_least(bound, start),), given)
 
 
 @claim("eq48", (48,), given="|sin t| <= |t|", premises="lemma.sine lemma.integration")

@@ -1,7 +1,5 @@
 """The window argument of Theorem 1, continued: the robot turns, Eqs. (50)-(56); conditions on l."""
 
-from collections.abc import Sequence
-
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
@@ -19,6 +17,7 @@ BARELY_PAST = tuple(
     for angle in ("-0.42", "0.42")
 )
 """Angles just beyond 4 x: V2 falls there by 14.6 eps1, less than the altered claim says."""
+NUMBERS = "l k2 k3 v1dmin v1dmax E"
 LATE: dict[str, str | int] = {"e1": 0, "e2": 0, "z1": 0, "z2": 0, "k1": 1, "k2": 1, "k3": 1}
 
 
@@ -38,11 +37,8 @@ def angle_falls(mutation: Mutation) -> Statement:
     """e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)."""
     t = Tracking("l E")
     l, E = t.l, t.E
-    given = (
-        *positive(l, E, t.k[1], t.k[2], t.v_d[0]),
-        above(5 * t.e[1], 4 * E),
-        above(t.k[2] * E, l * ca.fabs(t.z[1])),
-    )
+    stays = above(5 * t.e[1], 4 * E), above(t.k[2] * E, l * ca.fabs(t.z[1]))
+    given = (*positive(l, E, t.k[1], t.k[2], t.v_d[0]), *stays)
     bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * ca.fabs(ca.sin(t.e[2])), E)
     return Statement(t.symbols, (above(bound, 5 * t.rate[2]),), given)
 
@@ -70,16 +66,14 @@ def printed_share(_: Mutation) -> Statement:
     (51,),
     form=CORRECTED,
     given="l, k2, k3, v1dmin, v1dmax, E > 0",
-    by=Ring(
-        (Case("any", declared=dict.fromkeys(["l", "k2", "k3", "v1dmin", "v1dmax", "E"], POSITIVE)),)
-    ),
+    by=Ring((Case("any", declared=dict.fromkeys(NUMBERS.split(), POSITIVE)),)),
 )
 def share(mutation: Mutation) -> Statement:
     """the share in (51) is 1 + 11 v1dmax/v1dmin + k3/5.
 
     What (47) gives.
     """
-    t = symbols("l k2 k3 v1dmin v1dmax E")
+    t = symbols(NUMBERS)
     l, k2, k3, low, high, E = t.values()
     share = analysis.angle_share(k2, k3, low, high, printed=mutation < 0)
     left = k3 * analysis.angle_bound(l, k3, low, high, E)
@@ -101,12 +95,8 @@ def angle_speed(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 v1dmin v1dmax v2max E v1d sine")
     l, k2, k3, low, high, _, E, v1d, sine = t.values()
     six = conditions(t)
-    given = (
-        *positive(l, k2, k3, low, E, six[3], six[5]),
-        *between(low, v1d, high),
-        at_least(analysis.angle_bound(l, k3, low, high, E), sine),
-        at_least(sine),
-    )
+    turned = at_least(analysis.angle_bound(l, k3, low, high, E), sine), at_least(sine)
+    given = (*positive(l, k2, k3, low, E, six[3], six[5]), *between(low, v1d, high), *turned)
     gains = ca.vertcat(1, k2, k3)
     bound = analysis.angle_rate_bound(l, gains, v1d, sine, E)
     return Statement(t, (above(-mutation(2.5, 3.5) * k2 * low * E, bound),), given)
@@ -141,15 +131,10 @@ def angle_end(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
-    T = analysis.window(l, k2, low)
-    given = (
-        *positive(l, k2, k3, low, E, eps0),
-        at_least(root),
-        equal(side**2, 1),
-        at_least(eps0, ca.fabs(z2)),
-        at_least(E, l * ca.fabs(e3)),
-        above(E, 2 * l * (root + eps0 / (2 * k3)) * mutation(1, 0.25)),
-    )
+    T, least = analysis.window(l, k2, low), 2 * l * (root + eps0 / (2 * k3))
+    sizes = at_least(root), equal(side**2, 1), at_least(eps0, ca.fabs(z2))
+    large = at_least(E, l * ca.fabs(e3)), above(E, least * mutation(1, 0.25))
+    given = (*positive(l, k2, k3, low, E, eps0), *sizes, *large)
     moved = side * e3 - 3 * T * k2 * low * E / 10
     end = analysis.angle_after(l, side * e3, E)
     passed = above(-4 * (root + ca.fabs(z2) / (2 * k3)), end)
@@ -169,24 +154,16 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
     """
     t = Tracking("root eps1 x")
     e3, z2, k2, k3 = t.e[2], t.z[1], t.k[1], t.k[2]
-    root, eps1, x = (t[n] for n in ("root", "eps1", "x"))
-    given: Sequence[Relation] = (
-        *positive(t.k[0], k2, k3, eps1, root),
-        equal(root**2 * k3, k2 * eps1),
-        equal(x, root + ca.fabs(z2) / (2 * k3)),
-        above(-4 * x, mutation * e3),
-        above(11, 14 * x),
-        above(22, -7 * e3),
-        above(22, 7 * e3),
-    )
+    root, eps1, x = t.root, t.eps1, t.x
+    given = [
+        *positive(t.k[0], k2, k3, eps1, root), equal(root**2 * k3, k2 * eps1),
+        equal(x, root + ca.fabs(z2) / (2 * k3)), above(-4 * x, mutation * e3), above(11, 14 * x),
+        above(22, -7 * e3), above(22, 7 * e3),
+    ]  # fmt: skip
     if repaired:
-        given = (
-            *given,
-            at_least(11 * ca.fabs(ca.sin(e3)), 7 * ca.fabs(e3)),
-            at_least(e3 * ca.sin(e3)),
-        )
+        given += [at_least(11 * ca.fabs(ca.sin(e3)), 7 * ca.fabs(e3)), at_least(e3 * ca.sin(e3))]
     bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
-    return Statement(t.symbols, (above(-mutation(3, 40) * eps1, bound + eps1),), tuple(given))
+    return t.states(above(-mutation(3, 40) * eps1, bound + eps1), given=given)
 
 
 @claim(
@@ -225,7 +202,7 @@ def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     six = conditions(t, printed)
     start = above(t.l, mutation(least, least - 1))
-    return Statement(t, tuple(above(six[i]) for i in range(6)), (*paper_gains(t), start))
+    return Statement(t, positive(*ca.vertsplit(six)), (*paper_gains(t), start))
 
 
 @claim("conditions.256", (40,), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
@@ -236,8 +213,8 @@ def at_256(_: Mutation) -> Statement:
     Floating-point arithmetic hides this. A least real l, which the paper takes, does not exist.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
-    six = conditions(t)
-    return Statement(t, tuple(above(six[i]) for i in range(6)), (*paper_gains(t), equal(t.l, 256)))
+    given = (*paper_gains(t), equal(t.l, 256))
+    return Statement(t, positive(*ca.vertsplit(conditions(t))), given)
 
 
 @claim("conditions.printed", (40, 51), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")

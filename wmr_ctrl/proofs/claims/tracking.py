@@ -7,7 +7,7 @@ from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case, at
-from wmr_ctrl.proofs.relation import above, at_least, equal
+from wmr_ctrl.proofs.relation import above, at_least, equal, positive
 from wmr_ctrl.proofs.statement import Named, Statement
 from wmr_ctrl.proofs.symbols import column, stacked, symbols
 
@@ -30,17 +30,17 @@ class Tracking(Named):
         self.fall = analysis.position_rate(self.e, self.followed, self.v_d, self.k[1])
 
 
+ABOVE_0 = dict.fromkeys(("k1", "k2", "k3"), POSITIVE)
+GAINS = (Case("any", declared=ABOVE_0),)
 SIGNED = Case(
     "|z| < eps0",
-    {"eps0": POSITIVE, "s1": POSITIVE, "s2": POSITIVE},
-    lambda n: {
-        "eps0": n["eps0"],
-        "z1": n["eps0"] * (1 - n["s1"]) / (1 + n["s1"]),
-        "z2": n["eps0"] * (1 - n["s2"]) / (1 + n["s2"]),
-    },
-    {"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE, "e3": FREE},
+    dict.fromkeys(("eps0", "s1", "s2"), POSITIVE),
+    lambda n: (
+        {"eps0": n["eps0"]}
+        | {f"z{i}": n["eps0"] * (1 - n[f"s{i}"]) / (1 + n[f"s{i}"]) for i in (1, 2)}
+    ),
+    ABOVE_0 | {"e3": FREE},
 )
-GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 ANY = "any e, z, v_d and k2 != 0"
 PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
 QUARTER = at(e3="3/2", share="13/20", x="37/50")
@@ -91,9 +91,8 @@ def squares(mutation: Mutation) -> Statement:
     """the same with completed squares."""
     t = Tracking()
     z, k = t.z, t.k
-    written = analysis.position_rate_bound(t.e, mutation * z, k) + analysis.square_rest(
-        z[0] ** 2, z[1] ** 2, k
-    )
+    rest = analysis.square_rest(z[0] ** 2, z[1] ** 2, k)
+    written = analysis.position_rate_bound(t.e, mutation * z, k) + rest
     return t.states(equal(t.fall, written))
 
 
@@ -123,16 +122,11 @@ def beyond(mutation: Mutation) -> Statement:
     t = Tracking("eps0 root")
     e, z, k, eps0, root = t.e, t.z, t.k, t.eps0, t.root
     rest = analysis.square_rest(eps0**2, eps0**2, k)
-    given = (
-        above(eps0),
-        *(above(k[i]) for i in range(3)),
-        at_least(eps0, ca.fabs(z[1])),
-        above(root),
-        equal(root**2 * k[2], k[1] * rest),
-        above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation),
-    )
+    root_of = above(root), equal(root**2 * k[2], k[1] * rest)
+    turned = above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation)
+    sizes = *positive(eps0, *ca.vertsplit(k)), at_least(eps0, ca.fabs(z[1]))
     only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
-    return Statement(t.symbols, (above(0, only_angle + rest),), given)
+    return t.states(above(0, only_angle + rest), given=(*sizes, *root_of, turned))
 
 
 @claim(
@@ -149,13 +143,8 @@ def twice_threshold(_: Mutation) -> Statement:
     """
     t = Tracking("eps0")
     x = analysis.threshold(t.eps0, t.k)
-    given = (
-        above(ca.fabs(t.e[2]), 2 * x),
-        above(7, 9 * x),
-        above(22, 7 * ca.fabs(t.e[2])),
-        at_least(t.eps0**2, ca.sumsqr(t.z)),
-    )
-    return Statement(t.symbols, (above(0, t.fall),), given)
+    turned = above(ca.fabs(t.e[2]), 2 * x), above(7, 9 * x), above(22, 7 * ca.fabs(t.e[2]))
+    return t.states(above(0, t.fall), given=(*turned, at_least(t.eps0**2, ca.sumsqr(t.z))))
 
 
 @claim(
