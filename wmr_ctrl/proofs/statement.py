@@ -7,7 +7,7 @@ all such numbers is shown of the compiled text (`assumption.libm`).
 """
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from math import frexp
@@ -16,7 +16,6 @@ import casadi as ca
 
 from wmr_ctrl.proofs.graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
 from wmr_ctrl.proofs.relation import ABOVE, AT_LEAST, EQUAL, Relation, when
-from wmr_ctrl.proofs.symbols import Symbols
 
 UNIT = 2.0**-53
 """Largest relative error of one operation in double precision."""
@@ -137,30 +136,6 @@ class Statement:
         """Relation of each hypothesis to 0, the bounds of all roundings included."""
         roundings = len(self.graph.outputs) - len(self.goals) - len(self.given)
         return (*(r.kind for r in self.given), *[AT_LEAST] * roundings)
-
-
-class Named:
-    """Base of a setting: its ``symbols`` are items and attributes of it, too."""
-
-    symbols: Symbols
-
-    def __getitem__(self, name: str) -> ca.SX:
-        return self.symbols[name]
-
-    def __getattr__(self, name: str) -> ca.SX:
-        if name == "symbols":
-            raise AttributeError(name)
-        return getattr(self.symbols, name)
-
-    def states(
-        self,
-        *goals: Relation,
-        given: Iterable[Relation] = (),
-        cuts: Mapping[str, ca.SX] | None = None,
-        more: Mapping[str, ca.SX] | None = None,
-    ) -> Statement:
-        """The statement about these symbols, and ``more``."""
-        return Statement(self.symbols | (more or {}), goals, tuple(given), cuts or {})
 
 
 def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, ...]:

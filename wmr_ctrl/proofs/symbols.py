@@ -1,8 +1,11 @@
 """Symbols that a claim speaks of, by their names."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import casadi as ca
+
+from wmr_ctrl.proofs.relation import Relation
+from wmr_ctrl.proofs.statement import Statement
 
 
 class Symbols(dict[str, ca.SX]):
@@ -19,6 +22,30 @@ class Symbols(dict[str, ca.SX]):
 
     def __ror__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
         return Symbols({**more, **self})
+
+
+class Named:
+    """Base of a setting: its ``symbols`` are items and attributes of it, too."""
+
+    symbols: Symbols
+
+    def __getitem__(self, name: str) -> ca.SX:
+        return self.symbols[name]
+
+    def __getattr__(self, name: str) -> ca.SX:
+        if name == "symbols":
+            raise AttributeError(name)
+        return getattr(self.symbols, name)
+
+    def states(
+        self,
+        *goals: Relation,
+        given: Iterable[Relation] = (),
+        cuts: Mapping[str, ca.SX] | None = None,
+        more: Mapping[str, ca.SX] | None = None,
+    ) -> Statement:
+        """The statement about these symbols, and ``more``."""
+        return Statement(self.symbols | (more or {}), goals, tuple(given), cuts or {})
 
 
 def symbols(names: str, fixed: str = "") -> Symbols:

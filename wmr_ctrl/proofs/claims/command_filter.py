@@ -18,8 +18,8 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal
-from wmr_ctrl.proofs.statement import Named, Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Named, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"

@@ -12,8 +12,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.system import Port
 from wmr_ctrl.proofs.relation import Relation, above
-from wmr_ctrl.proofs.statement import Named
-from wmr_ctrl.proofs.symbols import Symbols, exchanged, symbols
+from wmr_ctrl.proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_ctrl.scenario import load_scenario
 
 PRESET = "paper-simulation"

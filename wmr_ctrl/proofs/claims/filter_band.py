@@ -10,8 +10,8 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between
-from wmr_ctrl.proofs.statement import Named, Statement
-from wmr_ctrl.proofs.symbols import stacked, symbols
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Named, stacked, symbols
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
 claim = Claims(by=Z3(effort=100))

@@ -22,8 +22,8 @@ from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, positive
-from wmr_ctrl.proofs.statement import Named, Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Named, symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=100))

@@ -12,8 +12,7 @@ import casadi as ca
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor, room
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between
-from wmr_ctrl.proofs.statement import Named
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.symbols import Named, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"

@@ -14,8 +14,8 @@ from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, at_least, between, nonnegative, positive
-from wmr_ctrl.proofs.statement import UNIT, Named, Statement
-from wmr_ctrl.proofs.symbols import column, symbols
+from wmr_ctrl.proofs.statement import UNIT, Statement
+from wmr_ctrl.proofs.symbols import Named, column, symbols
 
 SENT = 5
 """Commands of the queue that is written out."""

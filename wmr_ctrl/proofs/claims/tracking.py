@@ -8,8 +8,8 @@ from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.relation import above, at_least, equal, positive
-from wmr_ctrl.proofs.statement import Named, Statement
-from wmr_ctrl.proofs.symbols import column, stacked, symbols
+from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.symbols import Named, column, stacked, symbols
 
 
 class Tracking(Named):
