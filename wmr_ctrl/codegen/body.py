@@ -135,11 +135,9 @@ class _Writer:
 
     def text(self) -> list[str]:
         """All lines, with the local arrays first."""
-        return [*self._arrays(), *self._lines(self.items, _STEP)]
-
-    def _arrays(self) -> list[str]:
         real = self.dialect.real
-        return [f"{_STEP}{real} {name}[{size}];" for name, size in self.sizes.items()]
+        arrays = [f"{_STEP}{real} {name}[{size}];" for name, size in self.sizes.items()]
+        return [*arrays, *self._lines(self.items, _STEP)]
 
     def _lines(self, items: Iterable[Item], indent: str) -> list[str]:
         found: list[str] = []

@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import casadi as ca
-
 from wmr_ctrl.codegen.build import filled, program_of
 from wmr_ctrl.codegen.kernels import logged_kernels
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.loop import CLOCK
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.model.evaluate import InPlace
 from wmr_ctrl.world.effect import Rate
 
 
@@ -31,7 +30,7 @@ class StreamNumbers:
 
 @dataclass(frozen=True)
 class LoopFunctions:
-    """A loop's graphs as functions that CasADi evaluates, with the numbers of a scenario.
+    """A loop's graphs as functions that CasADi evaluates in place, with the numbers of a scenario.
 
     ``sample``: from (k, x, p, draws) to the next slow state, what is held, and the log's row;
     ``step``: from (step, held, fast state, p, draws) to the next fast state; ``sampled`` and
@@ -39,8 +38,8 @@ class LoopFunctions:
     """
 
     numbers: CompiledLoop
-    sample: ca.Function
-    step: ca.Function
+    sample: InPlace
+    step: InPlace
     sampled: tuple[StreamNumbers, ...]
     stepped: tuple[StreamNumbers, ...]
     limits: tuple[float, ...]
@@ -59,6 +58,6 @@ def loop_functions(setup: Setup) -> LoopFunctions:
         made = (item.number, item.size, item.normal, item.draw.held)
         rates[item.rate].append(StreamNumbers(*made, wanted=next(said) != 0.0, bound=next(said)))
     limits = tuple(clock[CLOCK.index("v_u1_linear") : len(CLOCK)])
-    graphs = functions["sample_logged"], functions["step"]
+    sample, step = map(InPlace.with_arrays, (functions["sample_logged"], functions["step"]))
     streams = tuple(rates[Rate.SAMPLE]), tuple(rates[Rate.STEP])
-    return LoopFunctions(numbers, *graphs, *streams, limits)
+    return LoopFunctions(numbers, sample, step, *streams, limits)

@@ -306,13 +306,13 @@ def in_step(graph: Graph, items: Sequence[Item]) -> list[Item]:
         start[item] = _waits(graph, item) + behind
         for number in item.reads:
             left[number] = max(left.get(number, 0), start[item])
-    found = sorted(items, key=lambda item: -start[item])
-    return [_inside(graph, item) if isinstance(item, IfElse) else item for item in found]
-
-
-def _inside(graph: Graph, item: IfElse) -> IfElse:
-    then, other = (tuple(in_step(graph, side)) for side in (item.then, item.other))
-    return replace(item, then=then, other=other)
+    found = list[Item]()
+    for item in sorted(items, key=lambda item: -start[item]):
+        if isinstance(item, IfElse):
+            then, other = (tuple(in_step(graph, side)) for side in (item.then, item.other))
+            item = replace(item, then=then, other=other)
+        found.append(item)
+    return found
 
 
 def _waits(graph: Graph, item: Item) -> int:

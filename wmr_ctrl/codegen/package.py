@@ -172,6 +172,7 @@ def _context(
     periods = single_precision.PERIODS.get((law, guarded), ())
     vectors = vectors_of(system, scenario.limits, float32=float32)
     made_of, prepared = prepared_from(step) if law == FILTER else ((), 0)
+    form = "slew" if scenario.filter.slew is not None else scenario.filter.kind
     tabled = law == FILTER and scenario.filter.kind == "band"
     text = cached_definition(replace(step, prepared=prepared > 0), dialect)
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
@@ -201,7 +202,7 @@ def _context(
         "first_order": scenario.filter.loop == "first-order", "gain": scenario.filter.gain[1],
         "made_of": made_of, "prepared": prepared, "tabled": tabled,
         "made_of_all": made_of == tuple(range(system.p.numel())),
-        "tables": TABLE, "form": (form := _form(scenario)),
+        "tables": TABLE, "form": form,
         "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
         "idle": ["filter_d"] if form == "slew" else [],
         "derived": [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else [],
@@ -225,10 +226,6 @@ STARTED = {
     "band": "Start where the base rests at the command 0: started in motion it breaks the limit.",
 }
 """When a filter may be started, by its form."""
-
-
-def _form(scenario: Scenario) -> str:
-    return "slew" if scenario.filter.slew is not None else scenario.filter.kind
 
 
 def _margin(law: str, scenario: Scenario) -> float:

@@ -158,7 +158,8 @@ class _Pairing:
         waiting, begun = [(two, False)], set[Two]()
         while waiting:
             own, ready = waiting.pop()
-            if self._known(own) or (own in begun and not ready):
+            known = own in self.names or own[0] == own[1] or self.beside(own) is not None
+            if known or (own in begun and not ready):
                 continue
             begun.add(own)
             if not self._alike(own):
@@ -187,9 +188,6 @@ class _Pairing:
             return None
         return one
 
-    def _known(self, two: Two) -> bool:
-        return two in self.names or two[0] == two[1] or self.beside(two) is not None
-
     def _add(
         self, two: Two, op: int | None, operands: tuple[Two, ...], needs: tuple[frozenset[int], ...]
     ) -> None:
@@ -216,7 +214,7 @@ class _Pairing:
             and nodes[0].op == nodes[1].op
             and nodes[0].op in PAIRED
             and not any(map(self.graph.is_logical, two))
-            and (nodes[0].op != SELECT or self._chosen(_condition(nodes[0]), _condition(nodes[1])))
+            and (nodes[0].op != SELECT or self._compared(*map(_condition, nodes)))
             and self._levelled(two)
         )
 
@@ -242,15 +240,11 @@ class _Pairing:
                 waiting.append((self.halves[number], depth))
         return True
 
-    def _chosen(self, one: int, other: int) -> bool:
-        """True where pairs can be chosen by these conditions."""
-        return one == other or self._compared((one, other))
-
-    def _compared(self, two: Two) -> bool:
-        """True for two comparisons that can be one."""
-        ops = {self.graph.nodes[number].op for number in two}
-        depths = {self.depth.get(number) for number in two}
-        return len(ops) == len(depths) == 1 and two[0] != two[1] and ops <= set(COMPARED)
+    def _compared(self, one: int, other: int) -> bool:
+        """True where pairs can be chosen by these conditions: one, or two comparisons alike."""
+        ops = {self.graph.nodes[number].op for number in (one, other)}
+        depths = {self.depth.get(number) for number in (one, other)}
+        return one == other or (len(ops) == len(depths) == 1 and ops <= set(COMPARED))
 
     def _is_choice(self, two: Two) -> bool:
         """True for a choice in which each has its own condition."""

@@ -1,6 +1,5 @@
 """controller: law, guard and map onto the wheels, as one sampled System; watched or not."""
 
-from dataclasses import dataclass
 from math import inf, nextafter
 
 import casadi as ca
@@ -15,17 +14,8 @@ from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import TorqueLimited
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
-from wmr_ctrl.model.system import Output, Parameters, Port, System, outputs, port, ports, stack
+from wmr_ctrl.model.system import Output, Parameters, System, outputs, port, ports, stack
 from wmr_ctrl.signals import ASKED, FORCE, TORQUE, VELOCITY
-
-
-@dataclass(frozen=True)
-class Remembered:
-    """State behind a law, its next value, and its published diagnostics."""
-
-    state: tuple[Port, ...]
-    update: ca.SX
-    diagnostics: tuple[Output, ...]
 
 
 def controller(setup: Setup) -> System:
@@ -96,7 +86,7 @@ def guard(setup: Setup) -> System:
 
 def _guarded_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
-) -> tuple[ca.SX, Remembered]:
+) -> tuple[ca.SX, GuardMonitor]:
     """Wheel torques (2,) [N m] of a guarded force, with the memory and the monitor behind it."""
     r, half_track, phi = _wheels(setup, p)
     late = setup.guard.lateness(setup.scenario.clock)
@@ -109,21 +99,10 @@ def _guarded_torque(
     mapped = MAPS[setup.guard.map](held.force, phi, half_track, held.safe)
     torque = force_to_wheel(r, half_track, mapped)
     monitor = _monitor(setup, p, both, v, applied, torque, held.active)
-    if not tails.state:
-        return torque, Remembered(monitor.state, monitor.update, monitor.diagnostics)
-    following = tails.following([mapped, *sent], both)
-    update = ca.vertcat(monitor.update, following)
-    return torque, Remembered((*monitor.state, *tails.state), update, monitor.diagnostics)
-
-
-def _watched_torque(
-    setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
-) -> tuple[ca.SX, Remembered]:
-    """`_limited_torque`, with the monitor of the bounds that a guard would use."""
-    torque = _limited_torque(setup, p, asked)
-    both = bounds_of(p, setup.guard.lateness(setup.scenario.clock))
-    monitor = _monitor(setup, p, both, v, applied, torque, ca.SX.zeros(2))
-    return torque, Remembered(monitor.state, monitor.update, monitor.diagnostics)
+    if tails.state:
+        monitor.state = (*monitor.state, *tails.state)
+        monitor.update = ca.vertcat(monitor.update, tails.following([mapped, *sent], both))
+    return torque, monitor
 
 
 def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
@@ -221,20 +200,37 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     if setup.takes_velocity:
         return velocity_sender(setup, core).system()
     p = Parameters(setup, core.params)
-    asked = core.outputs[0].expr
-    wish = (Output(FORCE, asked),) if asking else ()
-    known = remembered(core)
-    if not (watched or known):
-        return _finished(core, p, _limited_torque(setup, p, asked))
-    applied = Applied(setup, p, known)
-    if not watched:
+    asked, known = core.outputs[0].expr, remembered(core)
+    state, update, shown = [*core.state], [core.update], [*core.diagnostics]
+    applied = Applied(setup, p, known) if watched or known else None
+    v, monitor = stack(item.sym for item in core.inputs if item.signal in VELOCITY), None
+    if applied and setup.scenario.guard.enabled:
+        torque, monitor = _guarded_torque(setup, p, asked, v, applied)
+    else:
         torque = _limited_torque(setup, p, asked)
-        return _finished(core, p, torque, applied.state, applied.following(torque))
-    act = _guarded_torque if setup.scenario.guard.enabled else _watched_torque
-    torque, memory = act(setup, p, asked, _velocity(core), applied)
-    update = [*applied.following(torque), memory.update]
-    state = (*applied.state, *memory.state)
-    return _finished(core, p, torque, state, update, (*memory.diagnostics, *wish))
+    if applied and watched and monitor is None:  # of the bounds that a guard would use
+        both = bounds_of(p, setup.guard.lateness(setup.scenario.clock))
+        monitor = _monitor(setup, p, both, v, applied, torque, ca.SX.zeros(2))
+    if applied:
+        state += applied.state
+        update += applied.following(torque)
+    if monitor:
+        state += monitor.state
+        update.append(monitor.update)
+        shown += monitor.diagnostics
+    if asking:
+        shown.append(Output(FORCE, asked))
+    return System(
+        core.name,
+        core.title,
+        inputs=tuple(item for item in core.inputs if item not in known),
+        state=tuple(state),
+        params=p.ports,
+        update=ca.vertcat(*update),
+        outputs=outputs(TORQUE, torque),
+        diagnostics=tuple(shown),
+        period=core.period,
+    )
 
 
 def velocity_sender(setup: Setup, core: System) -> SentVelocity:
@@ -243,31 +239,3 @@ def velocity_sender(setup: Setup, core: System) -> SentVelocity:
     asked = core.outputs[0].expr
     direct = core.outputs[0].signal == ASKED
     return SentVelocity(setup, core, p, asked if direct else _reached(setup, p, asked))
-
-
-def _velocity(core: System) -> ca.SX:
-    names = [item.name for item in VELOCITY]
-    return stack(item.sym for item in core.inputs if item.signal.name in names)
-
-
-def _finished(
-    core: System,
-    p: Parameters,
-    torque: ca.SX,
-    state: tuple[Port, ...] = (),
-    update: list[ca.SX] | None = None,
-    diagnostics: tuple[Output, ...] = (),
-) -> System:
-    """The law's System with the torques as outputs, further state and further diagnostics."""
-    known = remembered(core)
-    return System(
-        core.name,
-        core.title,
-        inputs=tuple(item for item in core.inputs if item not in known),
-        state=(*core.state, *state),
-        params=p.ports,
-        update=ca.vertcat(core.update, *(update or [])),
-        outputs=outputs(TORQUE, torque),
-        diagnostics=(*core.diagnostics, *diagnostics),
-        period=core.period,
-    )

@@ -46,7 +46,8 @@ def structure_of(setup: Setup) -> Hashable:
     tables = tuple(_form(scenario.table(key)) for key in known)
     shape = tuple(scenario.value(key) for item in setup.effects for key in item.shape)
     guard = (scenario.guard.enabled, scenario.guard.map)
-    steps = _steps(setup), setup.predicted, _velocity(setup)
+    sent = (scenario.filter, scenario.clock, scenario.base)  # the filter counts in samples
+    steps = _steps(setup), setup.predicted, sent if setup.takes_velocity else None
     return parts, sizes, tables, shape, guard, steps, _form(setup.gains), _form(setup.kinematics)
 
 
@@ -57,12 +58,6 @@ def _steps(setup: Setup) -> Hashable:
     if actuator.ideal and not any(any(pair) for pair in times):
         return None
     return clock.control, clock.plant, actuator.delay, times
-
-
-def _velocity(setup: Setup) -> Hashable:
-    """Filter and clock of a base that takes velocities: the filter counts in samples."""
-    scenario = setup.scenario
-    return (scenario.filter, scenario.clock, scenario.base) if setup.takes_velocity else None
 
 
 def _form(section: Section) -> Hashable:

@@ -59,7 +59,11 @@ class SentVelocity:
         own = {item.signal: item for item in core.inputs}
         before = own.get(SENT_BEFORE) or port(SENT_BEFORE)
         ages = range(2, 2 + self.whole + bool(self.part) - 1)
-        self.earlier = (before, *(port(_sent(age)) for age in ages))
+        sent = (
+            Signal(f"v_sent_before{age}", "m/s, rad/s", f"velocity sent {age} samples ago", 2)
+            for age in ages
+        )
+        self.earlier = (before, *map(port, sent))
         self.applied = own.get(TAU_APPLIED)
         kind = setup.scenario.filter.kind
         self.filter = None if kind == "none" else filter_system(setup.scenario)
@@ -196,7 +200,3 @@ class SentVelocity:
         midway = self.v + a * self.p.take("clock.control") / 2
         force = self.mass * a + self._friction(midway)
         return force_to_wheel(self.p.take("robot.r"), self.p.take("robot.l"), force)
-
-
-def _sent(age: int) -> Signal:
-    return Signal(f"v_sent_before{age}", "m/s, rad/s", f"velocity sent {age} samples ago", 2)

@@ -12,15 +12,7 @@ from wmr_ctrl import __version__
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.fmi import extra, xml
-from wmr_ctrl.fmi.blocks import (
-    corridor_model,
-    filter_model,
-    guard_model,
-    law_model,
-    plant_model,
-    reference_model,
-)
+from wmr_ctrl.fmi import blocks, extra, xml
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.files import LEVEL, render, sources_of, write_archive
 from wmr_ctrl.fmi.model import FmuModel
@@ -104,19 +96,19 @@ def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
         check_takes_torques(scenario, "parts of the loop are exported")
     match what:
         case "plant":
-            return plant_model(scenario)
+            return blocks.plant_model(scenario)
         case "reference":
-            return reference_model(scenario)
+            return blocks.reference_model(scenario)
         case "guard":
-            return guard_model(settle(scenario, None))
+            return blocks.guard_model(settle(scenario, None))
         case "filter":
-            return filter_model(scenario)
+            return blocks.filter_model(scenario)
         case "corridor":
-            return corridor_model(scenario, law)
+            return blocks.corridor_model(scenario, law)
         case "closed-loop":
             return closed_loop_model(settle(scenario, law))
         case _ if what in LAWS:
-            return law_model(settle(scenario, what))
+            return blocks.law_model(settle(scenario, what))
     parts = ("plant", "reference", "guard", "filter", "corridor", "closed-loop")
     raise UnknownNameError("FMU", what, (*parts, *LAWS))
 

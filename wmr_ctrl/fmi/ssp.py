@@ -12,19 +12,12 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from wmr_ctrl import signals
 from wmr_ctrl.control.outside import check_plain_loop
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.cosim.mapping import (
-    MapRow,
-    PartMap,
-    controller_outputs,
-    identity,
-    input_rows,
-    load_map,
-    plant_outputs,
-)
+from wmr_ctrl.fmi.cosim import mapping
 from wmr_ctrl.fmi.cosim.slave import FmuFile
 from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, versions_of, write_fmu
 from wmr_ctrl.fmi.files import render, write_archive
@@ -32,31 +25,21 @@ from wmr_ctrl.fmi.model import FmuModel, Role
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.units import units_of
 from wmr_ctrl.scenario import Scenario, title_of
-from wmr_ctrl.signals import (
-    BODY_FORCE,
-    DIAGNOSTICS,
-    GUARD_DIAGNOSTICS,
-    POSE,
-    TAU_APPLIED,
-    TORQUE,
-    TORQUE_NOISE,
-    VELOCITY,
-)
 
-MARGIN = next(signal for signal in DIAGNOSTICS if signal.name == "margin")
+MARGIN = next(signal for signal in signals.DIAGNOSTICS if signal.name == "margin")
 SHOWN = {
     name: unit
-    for signal in (*POSE, *VELOCITY, *TORQUE, MARGIN, *GUARD_DIAGNOSTICS)
+    for signal in (*signals.PLANT_STATE, *signals.TORQUE, MARGIN, *signals.GUARD_DIAGNOSTICS)
     for name, unit in zip(signal.elements, signal.units, strict=True)
 }
 """Outputs of the whole system, with units: its motion, and what the controller's monitor says."""
-DISTURBANCE = {s.name: s.unit for s in (*TORQUE_NOISE, *BODY_FORCE)}
+DISTURBANCE = {s.name: s.unit for s in (*signals.TORQUE_NOISE, *signals.BODY_FORCE)}
 """Inputs of the whole system, with units; zero where nobody connects them."""
 ORDER = ("reference", "controller", "plant")
 SAME_AS = {
-    **dict(zip(TAU_APPLIED.elements, (s.name for s in TORQUE), strict=True)),
-    "torque_right": TORQUE[0].name,
-    "torque_left": TORQUE[1].name,
+    **dict(zip(signals.TAU_APPLIED.elements, (s.name for s in signals.TORQUE), strict=True)),
+    "torque_right": signals.TORQUE[0].name,
+    "torque_left": signals.TORQUE[1].name,
 }
 """Quantities that are others here: torques act as they are commanded, and there is no noise."""
 INNER = ("startElement", "startConnector", "endElement", "endConnector")
@@ -76,8 +59,8 @@ class Component:
     identifier: str
     content: bytes
     ports: list[dict[str, str]]
-    inputs: list[MapRow]
-    outputs: list[MapRow]
+    inputs: list[mapping.MapRow]
+    outputs: list[mapping.MapRow]
     parameters: list[dict[str, str]]
 
 
@@ -122,13 +105,13 @@ def export_ssp(
     setup = settle(scenario_given(scenario), law)
     check_plain_loop(setup, "an SSP package")
     own = one_period_later(setup) if delay_known else setup
-    maps = load_map(map_file) if map_file is not None else {}
+    maps = mapping.load_map(map_file) if map_file is not None else {}
     given = {"controller": controller, "plant": plant}
     parts: dict[str, Component] = {}
     for name in ORDER:
         theirs = given.get(name)
         if theirs is not None:
-            parts[name] = _theirs(name, theirs, maps, setup)
+            parts[name] = _theirs(name, theirs, maps.get(name), setup)
         else:
             law_setup, what = (own, law) if name == "controller" else (setup, name)
             parts[name] = _ours(parallel(model_of(what, law, law_setup.scenario)), target)
@@ -159,15 +142,15 @@ def _ours(model: FmuModel, target: str) -> Component:
         if v.parameter and not v.integer
     ]
     inputs, outputs = (
-        identity([port["name"] for port in ports if port["kind"] == kind])
+        mapping.identity([port["name"] for port in ports if port["kind"] == kind])
         for kind in ("input", "output")
     )
     return Component(model.identifier, content, ports, inputs, outputs, parameters)
 
 
-def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Setup) -> Component:
+def _theirs(name: str, path: str | Path, part: mapping.PartMap | None, setup: Setup) -> Component:
     """Somebody else's FMU with the map of its names and units."""
-    if name not in maps:
+    if part is None:
         raise ArgumentError(
             f"{name} = {str(path)!r}: a package needs the map of its names and units, with a part "
             f"[{name}] (--map FILE.toml)."
@@ -177,9 +160,9 @@ def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Set
             f"guard.enabled is true, but the guard is part of our controllers and not in {path}. "
             "Set guard.enabled = false."
         )
-    part, unit = maps[name], FmuFile(path, name).unit
-    inputs = input_rows(part, unit, name)
-    ours = controller_outputs if name == "controller" else plant_outputs
+    unit = FmuFile(path, name).unit
+    inputs = mapping.input_rows(part, unit, name)
+    ours = mapping.controller_outputs if name == "controller" else mapping.plant_outputs
     outputs = ours(part, unit, setup.scenario.robot)
     for row in (*inputs, *outputs):
         if len(row.terms) != 1:
@@ -258,7 +241,7 @@ def _connections(parts: dict[str, Component]) -> Iterator[dict[str, Any]]:
 
 
 def _joined(
-    owner: Mapping[str, tuple[str, MapRow]],
+    owner: Mapping[str, tuple[str, mapping.MapRow]],
     quantity: str,
     end: list[tuple[str, str]],
     factor: float,

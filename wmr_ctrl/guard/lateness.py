@@ -192,9 +192,15 @@ def _lateness(
     mean, rest = _mean_weight(age, window, lag), _rest_weight(oldest, lag)
     pieces = [(*_group(j, lo, hi, mean), *_group(j, lo, hi, rest)) for j in range(1, count + 2)]
     listed = pieces[:count]
-    tail = _tail(pieces[count][2:], window, lag) if lag else None
-    lost = Decimal(1) - number(-1 / lag).exp() if lag else Decimal(1)
-    mixed = sum((item[1] for item in listed), Decimal(0)) + (pieces[count][1] / lost if lag else 0)
+    mixed, tail = sum((item[1] for item in listed), Decimal(0)), None
+    if lag:
+        _, over, sure, either = pieces[count]
+        decay, share = number(-1 / lag).exp(), Decimal(1)
+        if window:
+            share = number(lag / window) * (1 - number(-window / lag).exp())
+        mixed += over / (1 - decay)
+        steady = (sure + either) / (1 - decay)
+        tail = Tail(float(decay), (float(sure), float(either)), float(share), float(steady))
     return Counting(
         mean=_pieces([(item[0], item[1]) for item in listed], bool(jitter)),
         rest=_pieces([(item[2], item[3]) for item in listed], bool(jitter)),
@@ -227,13 +233,6 @@ def _group(j: int, lo: Fraction, hi: Fraction, weight: Weight) -> tuple[Decimal,
     """Weights of command j: where it is sure to act, and where the next one may act too."""
     begin, sure, over = j - hi, j - 1 - lo, j - 1 - hi
     return weight(sure) - weight(begin), weight(over) - weight(sure)
-
-
-def _tail(entering: tuple[Decimal, Decimal], window: Fraction, lag: Fraction) -> Tail:
-    decay = number(-1 / lag).exp()
-    share = number(lag / window) * (1 - number(-window / lag).exp()) if window else Decimal(1)
-    steady = (entering[0] + entering[1]) / (1 - decay)
-    return Tail(float(decay), (float(entering[0]), float(entering[1])), float(share), float(steady))
 
 
 def _rest_weight(oldest: Fraction, lag: Fraction) -> Weight:

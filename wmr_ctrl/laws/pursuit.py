@@ -20,14 +20,9 @@ No barrier and no theorem.  Choose it to compare with what most robots with ROS 
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws import velocity_loop
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.laws.velocity_loop import (
-    VelocityLoopGains,
-    largest_command,
-    with_command,
-    with_torque,
-)
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario.sections import check_intervals
 
@@ -38,7 +33,7 @@ WIDEST = 1.5
 """Angle [rad] of the reference's arc up to the point: no farther round."""
 
 
-class PursuitGains(VelocityLoopGains, key="gains.pursuit"):
+class PursuitGains(velocity_loop.VelocityLoopGains, key="gains.pursuit"):
     """Lengths and speeds of the pursuit, and gains of the velocity loop below it."""
 
     lookahead: float = quantity(1.5, "s", "lookahead time along the reference", above=0.0)
@@ -65,17 +60,17 @@ class PursuitGains(VelocityLoopGains, key="gains.pursuit"):
 
 def build(context: LawContext) -> System:
     """F of the velocity loop, for the wanted velocity above."""
-    return with_torque(context, TITLE, wanted_velocity)
+    return velocity_loop.with_torque(context, TITLE, wanted_velocity)
 
 
 def build_command(context: LawContext) -> System:
     """Velocity that is sent to a base which follows it by a loop of its own."""
-    return with_command(context, TITLE, wanted_velocity)
+    return velocity_loop.with_command(context, TITLE, wanted_velocity)
 
 
 def wanted_velocity(context: LawContext) -> ca.SX:
     """The pursuit's velocity (2,) [m/s, rad/s], within the share of the limits."""
-    top = largest_command(context)
+    top = velocity_loop.largest_command(context)
     point, way = point_ahead(context)
     square = ca.dot(point, point)
     kappa = 2 * point[1] / ca.fmax(square, way**2 / 4)

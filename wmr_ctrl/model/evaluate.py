@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,12 +23,20 @@ class InPlace:
     def __init__(
         self, function: ca.Function, inputs: Sequence[Floats], outputs: Sequence[Floats]
     ) -> None:
+        self.inputs, self.outputs = inputs, outputs
         self._buffer: Any  # its library frees what a call uses with it
         self._buffer, self._run = function.buffer()
         for k, item in enumerate(inputs):
             self._buffer.set_arg(k, item.data)
         for k, item in enumerate(outputs):
             self._buffer.set_res(k, item.data)
+
+    @classmethod
+    def with_arrays(cls, function: ca.Function) -> Self:
+        """The function between arrays of its own, which are 0."""
+        inputs = [np.zeros(function.numel_in(k)) for k in range(function.n_in())]
+        outputs = [np.zeros(function.numel_out(k)) for k in range(function.n_out())]
+        return cls(function, inputs, outputs)
 
     def __call__(self) -> None:
         """Evaluate it."""

@@ -93,18 +93,14 @@ class System:
         try:
             self.function("check", [self.update, self.y, self.d])
         except RuntimeError:
-            self._check_names()
-            raise  # the symbol of another port of the same name
-
-    def _check_names(self) -> None:
-        """Raise ValueError for symbols of names that no port has."""
-        free = {str(item) for item in ca.symvar(ca.vertcat(self.update, self.y, self.d))}
-        owned = {str(item) for item in ca.symvar(ca.vertcat(self.u, self.x, self.p, self.w))}
-        if free - owned:
+            free = {str(item) for item in ca.symvar(ca.vertcat(self.update, self.y, self.d))}
+            free -= {str(item) for item in ca.symvar(ca.vertcat(self.u, self.x, self.p, self.w))}
+            if not free:
+                raise  # the symbol of another port of the same name
             raise ValueError(
-                f"{self.name}: {', '.join(sorted(free - owned))} belongs to no port. Take a "
-                "parameter before `ports` of its Parameters is read."
-            )
+                f"{self.name}: {', '.join(sorted(free))} belongs to no port. Take a parameter "
+                "before `ports` of its Parameters is read."
+            ) from None
 
     @cached_property
     def u(self) -> ca.SX:

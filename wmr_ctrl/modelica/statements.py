@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.dialect import TRUTHS
+from wmr_ctrl.codegen.dialect import SCALAR, TRUTHS
 from wmr_ctrl.codegen.items import (
     ArrayLoop,
     IfElse,
@@ -31,22 +31,11 @@ LARGEST = 1e300
 _LONGEST = 56
 """Characters of an expression that is written where it is used, if it is used once."""
 _STEP = "  "
-_PATTERNS = {
-    ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}",
-    ca.OP_DIV: "{0} / {1}", ca.OP_NEG: "-{0}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "2.0 * {0}",
-    ca.OP_INV: "1.0 / {0}", ca.OP_FMIN: "min({0}, {1})", ca.OP_FMAX: "max({0}, {1})",
-    ca.OP_FABS: "abs({0})", ca.OP_SIGN: "sign({0})", ca.OP_SQRT: "sqrt({0})",
-    ca.OP_EXP: "exp({0})", ca.OP_EXPM1: "expm1({0})", ca.OP_LOG: "log({0})",
-    ca.OP_LOG1P: "log1p({0})", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})",
-    ca.OP_TAN: "tan({0})", ca.OP_ASIN: "asin({0})", ca.OP_ACOS: "acos({0})",
-    ca.OP_ATAN: "atan({0})", ca.OP_ATAN2: "atan2({0}, {1})", ca.OP_SINH: "sinh({0})",
-    ca.OP_COSH: "cosh({0})", ca.OP_TANH: "tanh({0})", ca.OP_HYPOT: "hypot({0}, {1})",
-    ca.OP_POW: "{0} ^ {1}", ca.OP_CONSTPOW: "{0} ^ {1}", ca.OP_FLOOR: "floor({0})",
-    ca.OP_CEIL: "ceil({0})", ca.OP_COPYSIGN: "copysign({0}, {1})",
-    ca.OP_LT: "{0} < {1}", ca.OP_LE: "{0} <= {1}", ca.OP_EQ: "{0} == {1}",
-    ca.OP_NE: "{0} <> {1}", ca.OP_AND: "{0} and {1}", ca.OP_OR: "{0} or {1}",
-    ca.OP_NOT: "not {0}",
+_PATTERNS = {op: text.replace("wmr_", "") for op, text in SCALAR.patterns.items()} | {
+    ca.OP_POW: "{0} ^ {1}", ca.OP_CONSTPOW: "{0} ^ {1}", ca.OP_NE: "{0} <> {1}",
+    ca.OP_AND: "{0} and {1}", ca.OP_OR: "{0} or {1}", ca.OP_NOT: "not {0}",
 }  # fmt: skip
+"""As in C, but for powers and for signs of Modelica's own."""
 _TWICE_READ = frozenset({ca.OP_SQ})
 """Operations whose pattern names an operand twice."""
 

@@ -173,18 +173,15 @@ class _Scenery:
         for way, colour in ((target, _GOAL), (driven, _TRAIL)):
             for point in way[:: -(-len(way) // _DOTS)]:
                 self._dot(point, 0.012, colour)
-        self._post(target[-1])
+        # A post with a ball on top.
+        size, level = np.array([0.01, _POST / 2, 0.0]), np.eye(3).flatten()
+        middle = np.array([*target[-1], _POST / 2])
+        self._add(self._engine.mjtGeom.mjGEOM_CYLINDER, size, middle, level, _GOAL)
+        self._dot(target[-1], 0.04, _GOAL, _POST)
         for slab in self._slabs:
             self._add(self._engine.mjtGeom.mjGEOM_BOX, *slab, _BAND)
         painted: Picture = self._renderer.render()
         return painted
-
-    def _post(self, point: NDArray[np.float64]) -> None:
-        """A post with a ball on top, on a place of the ground."""
-        size, level = np.array([0.01, _POST / 2, 0.0]), np.eye(3).flatten()
-        kind = self._engine.mjtGeom.mjGEOM_CYLINDER
-        self._add(kind, size, np.array([*point, _POST / 2]), level, _GOAL)
-        self._dot(point, 0.04, _GOAL, _POST)
 
     def _dot(
         self, point: NDArray[np.float64], size: float, colour: Sequence[float], up: float = 0.0

@@ -99,16 +99,13 @@ def _batches(tasks: Sequence[Task], log: bool) -> list[list[int]]:
         groups.setdefault((*structure, *timed), []).extend(same)
     batches = []
     for places in groups.values():
-        lanes = _lanes(tasks[places[0]], log)
+        task = tasks[places[0]]
+        if is_for_gpu(task):
+            lanes = robots_of(task, len(windows_of(task.loop.settings)), log=log)
+        else:
+            lanes = vector_set(task.loop.compiled.library, task.vectors).lanes
         batches += [places[k : k + lanes] for k in range(0, len(places), lanes)]
     return batches
-
-
-def _lanes(task: Task, log: bool) -> int:
-    """Runs of one batch."""
-    if is_for_gpu(task):
-        return robots_of(task, len(windows_of(task.loop.settings)), log=log)
-    return vector_set(task.loop.compiled.library, task.vectors).lanes
 
 
 def _made(chosen: Sequence[Task], log: bool, cancelled: ct.c_int32) -> Results | None:

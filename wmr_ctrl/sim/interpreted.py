@@ -7,9 +7,9 @@ agrees with the compiled loop but for their rounding.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,8 +20,6 @@ from wmr_ctrl.signals import PLANT_STATE, VELOCITY
 from wmr_ctrl.sim.memory import noise_key
 
 if TYPE_CHECKING:
-    import casadi as ca
-
     from wmr_ctrl.codegen.functions import LoopFunctions, StreamNumbers
 
 _ATTEMPTS = 64
@@ -57,7 +55,7 @@ class _Run:
 
     def __init__(self, loop: LoopFunctions, seed: int, settings: Settings) -> None:
         self.numbers, self.substeps = loop.numbers, round(settings.control / settings.plant)
-        self.sampled, self.stepped = _Graph(loop.sample), _Graph(loop.step)
+        self.sampled, self.stepped = loop.sample, loop.step
         self.fast = len(self.stepped.outputs[0])
         self.x, self.phase = np.array(loop.numbers.start), -1
         self.queue = np.zeros((loop.numbers.delay_steps, 2))
@@ -70,9 +68,10 @@ class _Run:
     def sample(self, k: int) -> Floats:
         """Sample ``k`` and the plant's steps until the next; returns the row of the log."""
         self._change(k * self.substeps)
-        (number, x, _, draws), (following, held, row) = self.sampled
+        number, x, _, draws = self.sampled.inputs
+        following, held, row = self.sampled.outputs
         number[:], x[:], draws[:] = k, self.x, _joined(self.draws, k)
-        self.sampled.evaluate()
+        self.sampled()
         self.x[self.fast :] = following
         for step in range(k * self.substeps, (k + 1) * self.substeps):
             if self.watch.stopped is None:
@@ -81,14 +80,14 @@ class _Run:
 
     def _step(self, step: int, sample: int, held: Floats) -> None:
         self._change(step)
-        (number, u, x, _, draws), (following,) = self.stepped
+        number, u, x, _, draws = self.stepped.inputs
         number[:], u[:], x[:] = step, held, self.x[: self.fast]
         if len(self.queue):
             slot = self.queue[step % len(self.queue)]
             u[:2], slot[:] = slot.copy(), held[:2]
         draws[:] = _joined(self.step_draws, step, sample)
-        self.stepped.evaluate()
-        self.x[: self.fast] = following
+        self.stepped()
+        self.x[: self.fast] = self.stepped.outputs[0]
         self.watch.see(step + 1, self.x)
 
     def _change(self, step: int) -> None:
@@ -98,24 +97,6 @@ class _Run:
             self.phase += 1
             for graph, place in ((self.sampled, 2), (self.stepped, 3)):
                 graph.inputs[place][:] = self.numbers.parameters[self.phase]
-
-
-class _Graph:
-    """A CasADi function between arrays that stay where they are."""
-
-    def __init__(self, function: ca.Function) -> None:
-        self.inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
-        self.outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
-        self._buffer: Any  # its library frees what `evaluate` uses with it
-        self._buffer, self.evaluate = function.buffer()
-        for place, array in enumerate(self.inputs):
-            self._buffer.set_arg(place, array.data)
-        for place, array in enumerate(self.outputs):
-            self._buffer.set_res(place, array.data)
-
-    def __iter__(self) -> Iterator[list[Floats]]:
-        yield self.inputs
-        yield self.outputs
 
 
 class _Draws:
@@ -134,7 +115,7 @@ class _Draws:
         return self.block[index % _BLOCK]
 
     def _pairs(self, pair: int) -> Floats:
-        """Pairs (_BLOCK, 2) from ``first`` on: uniform in [-1, 1), or normal within the bound."""
+        """Pairs (_BLOCK, 2) from ``first`` on: uniform in [-1, 1), or normal (Box-Muller)."""
         if not self.stream.normal:
             return 2.0 * self._uniforms(pair, 0) - 1.0
         bound, drawn = self.stream.bound, np.full((_BLOCK, 2), np.inf)
@@ -142,7 +123,9 @@ class _Draws:
             outside = (np.abs(drawn) > bound).any(axis=1) if attempt else np.full(_BLOCK, True)
             if not outside.any():
                 break
-            drawn[outside] = _normal(self._uniforms(pair, attempt))[outside]
+            first, second = self._uniforms(pair, attempt)[outside].T
+            radius, angle = np.sqrt(-2.0 * np.log(1.0 - first)), 2.0 * np.pi * second
+            drawn[outside] = np.column_stack((radius * np.cos(angle), radius * np.sin(angle)))
         return np.clip(drawn, -bound, bound)
 
     def _uniforms(self, pair: int, attempt: int) -> Floats:
@@ -151,12 +134,6 @@ class _Draws:
         before = (counter - 1) % 2**256  # the generator counts up before it draws
         words = np.random.Philox(key=self.key, counter=before).random_raw(4 * _BLOCK)
         return (words.reshape(-1, 4)[:, :2] >> np.uint64(11)).astype(np.float64) * 2.0**-53
-
-
-def _normal(u: Floats) -> Floats:
-    """Independent normal pairs (N, 2) of uniform ones (Box-Muller)."""
-    radius, angle = np.sqrt(-2.0 * np.log(1.0 - u[:, 0])), 2.0 * np.pi * u[:, 1]
-    return np.column_stack((radius * np.cos(angle), radius * np.sin(angle)))
 
 
 def _joined(draws: list[_Draws], index: int, sample: int = 0) -> Floats:

@@ -25,8 +25,8 @@ class Part:
     """An FMU with the maps of its inputs and outputs.
 
     ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``; ``uses`` are the
-    sources that the inputs are made of; ``foreign``: somebody else's, described by a map;
-    ``strict``: what is read must be finite.
+    sources that the inputs are made of; ``foreign``: somebody else's, described by a map, of which
+    what is read must be finite.
     """
 
     def __init__(
@@ -38,10 +38,9 @@ class Part:
         step: float | None = None,
         *,
         foreign: bool = False,
-        strict: bool = False,
     ) -> None:
         self.slave, self.targets, self.step_size = slave, tuple(row.target for row in outputs), step
-        self.foreign, self._strict = foreign, strict
+        self.foreign = foreign
         theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
         self.uses = frozenset(name for row in inputs for name, _ in row.terms)
         self.wants_ready = not self.uses.isdisjoint(mapping.READY)
@@ -59,7 +58,7 @@ class Part:
     def read(self) -> Sequence[float]:
         """Our quantities from the outputs; raises FmuError where one must be finite and is not."""
         values = self._read() if self._same else self._outward(self._read())
-        if self._strict and not all(map(math.isfinite, values)):
+        if self.foreign and not all(map(math.isfinite, values)):
             pairs = zip(self.targets, values, strict=True)
             lost = (f"{name} = {value}" for name, value in pairs if not math.isfinite(value))
             raise self.slave.failure(f"its outputs, which give {', '.join(lost)}")
@@ -146,15 +145,9 @@ def controller_part(
         outputs = (*asked, *(name for name in diagnostics if name in slave.variables))
         _check_variables(slave, outputs[:2])
         return Part(slave, mapping.identity(inputs), mapping.identity(outputs), mapping.SEEN)
-    return Part(
-        slave,
-        mapping.input_rows(part, slave.unit, "controller"),
-        mapping.controller_outputs(part, slave.unit, robot, asked),
-        mapping.SEEN,
-        part.step,
-        foreign=True,
-        strict=True,
-    )
+    theirs = mapping.input_rows(part, slave.unit, "controller")
+    given = mapping.controller_outputs(part, slave.unit, robot, asked)
+    return Part(slave, theirs, given, mapping.SEEN, part.step, foreign=True)
 
 
 def plant_part(
@@ -173,15 +166,9 @@ def plant_part(
             if name in slave.variables and name not in mapping.DISTURBED
         ]
         return Part(slave, mapping.identity(inputs), mapping.identity(shown), mapping.DRIVEN)
-    return Part(
-        slave,
-        mapping.input_rows(part, slave.unit, "plant"),
-        mapping.plant_outputs(part, slave.unit, robot, rolling),
-        mapping.DRIVEN,
-        part.step,
-        foreign=True,
-        strict=True,
-    )
+    theirs = mapping.input_rows(part, slave.unit, "plant")
+    given = mapping.plant_outputs(part, slave.unit, robot, rolling)
+    return Part(slave, theirs, given, mapping.DRIVEN, part.step, foreign=True)
 
 
 def _check_variables(slave: Slave, names: Sequence[str]) -> None:

@@ -23,20 +23,10 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.references import spline
 from wmr_ctrl.world.references.kind import Numbers, Raw, Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.point_files import SAME, read_points, read_poses
 from wmr_ctrl.world.references.speed_profile import PathLimits, SpeedProfile, fastest
-from wmr_ctrl.world.references.spline import (
-    SAMPLES,
-    Array,
-    SplinePath,
-    fit,
-    headings,
-    on_path,
-    path_numbers,
-    rounded,
-    simplified,
-)
 
 MOST_POINTS = 400
 SLOWEST = 0.1
@@ -113,7 +103,7 @@ class Waypoints(Reference):
 
 
 @lru_cache(maxsize=64)
-def waypoint_path(reference: Waypoints) -> SplinePath:
+def waypoint_path(reference: Waypoints) -> spline.SplinePath:
     """Return the path of waypoints; its parameter is its length, nearly.
 
     Raises ScenarioError if the points do not make a path that can be driven forwards.
@@ -124,7 +114,10 @@ def waypoint_path(reference: Waypoints) -> SplinePath:
         tolerance /= 2
         points = _thinned(given, tolerance, closed)
     try:
-        path = fit(points, 1.0, closed) if tolerance is None else rounded(points, tolerance, closed)
+        if tolerance is None:
+            path = spline.fit(points, 1.0, closed)
+        else:
+            path = spline.rounded(points, tolerance, closed)
     except (ValueError, np.linalg.LinAlgError) as problem:
         raise ScenarioError(
             f"reference.points: no smooth path runs through them ({problem}). "
@@ -143,19 +136,17 @@ def profile_of(reference: Waypoints) -> SpeedProfile:
         acceleration=reference.a_max,
         angular_acceleration=reference.alpha_max,
     )
-    stop = reference.at_end == STOP
+    path, stop = waypoint_path(reference), reference.at_end == STOP
     try:
-        return fastest(waypoint_path(reference), limits, stop, stop)
+        return fastest(path, limits, stop, stop)
     except ValueError as problem:
-        if isinstance(problem, ScenarioError):
-            raise
         raise ScenarioError(
             f"reference.points: the path cannot be driven ({problem}). Raise reference.omega_max "
             "or reference.alpha_max, or round the path more."
         ) from None
 
 
-def _checked_points(reference: Waypoints) -> Array:
+def _checked_points(reference: Waypoints) -> spline.Array:
     points, closed = list(reference.points), reference.returns
     if closed and len(points) > 1 and math.dist(points[0], points[-1]) < SAME:
         points.pop()
@@ -169,9 +160,9 @@ def _checked_points(reference: Waypoints) -> Array:
     return np.array(points, dtype=float)
 
 
-def _thinned(points: Array, within: float, closed: bool) -> Array:
+def _thinned(points: spline.Array, within: float, closed: bool) -> spline.Array:
     """Those of many points that a path within so many metres of all needs."""
-    left = simplified(points, within, closed)
+    left = spline.simplified(points, within, closed)
     if _least(closed) <= len(left) <= MOST_POINTS:
         return left
     change = "Raise" if len(left) > MOST_POINTS else "Lower"
@@ -202,18 +193,18 @@ def _check_count(count: int, closed: bool, tolerance: float | None) -> None:
         )
 
 
-def _check_forward(path: SplinePath, points: Array) -> None:
+def _check_forward(path: spline.SplinePath, points: spline.Array) -> None:
     """Refuse a path that nearly stops to turn; where it does not, theta_d's branch is certain."""
-    velocity = path.derivatives(1, np.linspace(0, 1, SAMPLES + 1))
+    velocity = path.derivatives(1, np.linspace(0, 1, spline.SAMPLES + 1))
     share = np.hypot(velocity[..., 0], velocity[..., 1])
-    theta = headings(path.coefficients)
+    theta = spline.headings(path.coefficients)
     steps = np.abs(np.diff(theta, axis=1)).max(axis=1)
     reach = np.abs(theta - path.headings[:, None]).max(axis=1)
     good = (share.min(axis=1) >= SLOWEST) & (steps <= SHARPEST) & (reach <= WIDEST)
     if not good.all():
         segment = int(np.argmin(good))
         sample = int(np.argmin(share[segment]))
-        place = path.derivatives(0, np.array([sample / SAMPLES]))[segment, 0]
+        place = path.derivatives(0, np.array([sample / spline.SAMPLES]))[segment, 0]
         point = int(np.argmin(np.hypot(*(points - place).T))) + 1
         raise ScenarioError(
             f"reference.points[{point}]: the path turns almost on the spot near this point, which "
@@ -224,7 +215,8 @@ def _check_forward(path: SplinePath, points: Array) -> None:
 def numbers(reference: Waypoints) -> Numbers:
     """Return the table of the path (see `path_numbers`) and of its speed."""
     profile = profile_of(reference)
-    path = [(s, v) for s, v in path_numbers(waypoint_path(reference)) if s.name != "ref_laps"]
+    table = spline.path_numbers(waypoint_path(reference))
+    path = [(s, v) for s, v in table if s.name != "ref_laps"]
     columns = profile.starts, profile.places, profile.rates, profile.accelerations
     rows = [
         (Signal(name, unit, f"{meaning} of the desired path", len(values)), tuple(values.tolist()))
@@ -248,7 +240,7 @@ def trajectory(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     late, acceleration = tau - row[0], row[3]
     place = row[1] + late * (row[2] + late * acceleration / 2)
     rate = ca.fmax(row[2] + late * acceleration, 0)
-    there = on_path(place, lap, p)
+    there = spline.on_path(place, lap, p)
     speeds, slopes = there[3:5], there[5:7]
     return ca.vertcat(there[:3], speeds * rate, slopes * rate**2 + speeds * acceleration)
 
