@@ -25,9 +25,13 @@ class Symbols(dict[str, ca.SX]):
 
 
 class Named:
-    """Base of a setting: its ``symbols`` are items and attributes of it, too."""
+    """Base of a setting: its ``symbols`` are items and attributes of it, too.
+
+    ``always`` are goals of each of its statements.
+    """
 
     symbols: Symbols
+    always: tuple[Relation, ...] = ()
 
     def __getitem__(self, name: str) -> ca.SX:
         return self.symbols[name]
@@ -45,6 +49,7 @@ class Named:
         more: Mapping[str, ca.SX] | None = None,
     ) -> Statement:
         """The statement about these symbols, and ``more``."""
+        goals = (*goals, *self.always)
         return Statement(self.symbols | (more or {}), goals, tuple(given), cuts or {})
 
 

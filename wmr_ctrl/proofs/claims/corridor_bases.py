@@ -12,6 +12,7 @@ from wmr_ctrl.filter.governor import FirstOrder
 from wmr_ctrl.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, clipped
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.drive_bounds import Jittering
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -80,7 +81,7 @@ def dead_band(mutation: Mutation) -> Statement:
         beyond = ca.fabs(g.system.u[i]) > size
         goals.append(at_least(mutation(1, 0.9) * ca.fabs(size), ca.fabs(off)))
         goals.append(at_least(0, ca.if_else(beyond, ca.fabs(off), 0)))
-    return g.states(goals, [at_least(g[f"base.deadband[{i + 1}]"]) for i in (0, 1)])
+    return g.states(*goals, given=map(at_least, ca.vertsplit(g.column("base.deadband"))))
 
 
 @claim("corridor.wheel-speed", given="r, l, w_max > 0")
@@ -91,12 +92,10 @@ def wheel_speed(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, (("base.w_max", 10.0),))
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
-    speeds = (g.system.u[0] + way * l * g.system.u[1] for way in WAYS)
-    given = (
-        *(above(item) for item in (r, l, most)),
-        *(at_least(mutation(1, 2) * r * most, ca.fabs(speed)) for speed in speeds),
-    )
-    return g.states(every(g.system.y, g.system.u), given)
+    speeds = (ca.fabs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
+    slow = (at_least(mutation(1, 2) * r * most, speed) for speed in speeds)
+    given = (*positive(r, l, most), *slow)
+    return g.states(*every(g.system.y, g.system.u), given=given)
 
 
 @claim("corridor.pi-loop", given="r, l, tau_max > 0; no wheel is at its torque limit")
@@ -105,9 +104,8 @@ def pi_loop(mutation: Mutation) -> Statement:
 
     Without a torque limit that acts, the certificate may take the loop for a linear one.
     """
-    g, plain = (
-        EffectGraph(speed_loop_pi.PI, (("base.antiwindup", resting),)) for resting in (True, False)
-    )
+    loops = ((("base.antiwindup", resting),) for resting in (True, False))
+    g, plain = (EffectGraph(speed_loop_pi.PI, numbers) for numbers in loops)
     own = g.system
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)
@@ -116,7 +114,7 @@ def pi_loop(mutation: Mutation) -> Statement:
         *g.above_zero("robot.r", "robot.l", "actuator.tau_max"),
         *(above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1)),
     ]
-    return g.states([*every(own.update, following), *every(own.y, torque)], given)
+    return g.states(*every(own.update, following), *every(own.y, torque), given=given)
 
 
 LATE = (
@@ -206,13 +204,8 @@ def overtaken(mutation: Mutation) -> Statement:
 
     Drives with jitter let one of the last two commands act, never an older one.
     """
-    g = EffectGraph(jitter.JITTER, (("actuator.jitter", 0.01),))
-    t = symbols("steps most drawn phase older")
-    h, width, number = g["clock.plant"], g["actuator.jitter"], g[f"{jitter.NUMBERS.name}[1]"]
-    steps, most = (jitter.whole(time / h) for time in (g["clock.control"], width))
-    since = g["step"] - jitter.whole((g["actuator.delay"] + g["actuator.unmodelled_delay"]) / h)
-    phase, drawn = since - steps * ca.floor(since / steps), ca.floor((number + 1) / 2 * (most + 1))
-    cuts = {"steps": steps, "most": most, "phase": phase, "drawn": drawn}
+    g = Jittering()
+    h, width, t = g["clock.plant"], g["actuator.jitter"], g.free | symbols("older")
     now, waiting, wait = (part[0] for part in ca.vertsplit(g.system.update, [0, 2, 4, 5]))
     acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
                          for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
@@ -229,7 +222,7 @@ def overtaken(mutation: Mutation) -> Statement:
         equal((now - arrived) * (now - before)), equal(waiting, arrived),
         when(t.phase >= wait, equal(now, arrived)),
     )  # fmt: skip
-    return g.states(goals, given, cuts, t)
+    return g.states(*goals, given=given, cuts=g.cuts, more=t)
 
 
 @claim("corridor.ramp", given="h, accel, decel > 0; a at most accel and decel")
@@ -252,7 +245,7 @@ def ramped(mutation: Mutation) -> Statement:
         goals.append(when(now * wanted >= 0, taken))
         goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
     goals += every(g.system.update, g.system.y)
-    return g.states(goals, [*positive(h, a["a"]), *given], None, a)
+    return g.states(*goals, given=(*positive(h, a["a"]), *given), more=a)
 
 
 @claim("corridor.reckoning", given="two poses, the second off by (dx, dy, b); one velocity")

@@ -109,7 +109,7 @@ def lag_bound(mutation: Mutation) -> Statement:
         *every(g.system.update, wanted + t.decay * (acting - wanted)),
     )  # fmt: skip
     cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
-    return g.states(goals, given, cuts, t)
+    return g.states(*goals, given=given, cuts=cuts, more=t)
 
 
 @claim("world.lag.constant", given="lag > 0, spread = 0")
@@ -120,10 +120,7 @@ def constant_lag(mutation: Mutation) -> Statement:
     What drives of one time constant add to the guard's numbers.
     """
     g = EffectGraph(lag.LAG, (("actuator.lag", 0.02),), "clock")
-    time, given = (
-        g["actuator.lag"],
-        (*g.above_zero("actuator.lag"), equal(g["actuator.lag_spread"])),
-    )
+    time = g["actuator.lag"]
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
@@ -131,7 +128,7 @@ def constant_lag(mutation: Mutation) -> Statement:
         *(equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag"))),
         *every(g.system.update, wanted + t.decay * (acting - wanted)),
     )
-    return g.states(goals, given, cuts, t)
+    return g.states(*goals, given=(above(time), equal(g["actuator.lag_spread"])), cuts=cuts, more=t)
 
 
 @claim("world.delay.bound", given="any delay and unmodelled delay")
@@ -143,7 +140,24 @@ def delay_bound(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(delay.DELAY, (("actuator.delay", 0.02), ("actuator.unmodelled_delay", 0.01)))
     assert g.system.transport is not None
-    return g.states((equal(g.bound("delay")[0], mutation * g.system.transport),), ())
+    return g.states(equal(g.bound("delay")[0], mutation * g.system.transport))
+
+
+class Jittering(EffectGraph):
+    """Drives with jitter: a period's steps, its most, what is drawn and the phase are ``free``."""
+
+    def __init__(self) -> None:
+        super().__init__(jitter.JITTER, (("actuator.jitter", 0.01),))
+        self.free, h = symbols("steps most drawn phase"), self["clock.plant"]
+        times = self["clock.control"], self["actuator.jitter"]
+        steps, most = (jitter.whole(time / h) for time in times)
+        number = self[f"{jitter.NUMBERS.name}[1]"]
+        late = self["actuator.delay"] + self["actuator.unmodelled_delay"]
+        since = self["step"] - jitter.whole(late / h)
+        self.cuts = {
+            "steps": steps, "most": most, "phase": since - steps * ca.floor(since / steps),
+            "drawn": ca.floor((number + 1) / 2 * (most + 1)),
+        }  # fmt: skip
 
 
 @claim(
@@ -158,15 +172,8 @@ def jitter_bound(mutation: Mutation) -> Statement:
 
     What the guard counts as the earliest and the latest takeover.
     """
-    g = EffectGraph(jitter.JITTER, (("actuator.jitter", 0.01),))
-    t = symbols("steps most drawn phase")
-    h, width, number = g["clock.plant"], g["actuator.jitter"], g[f"{jitter.NUMBERS.name}[1]"]
-    steps, most = (jitter.whole(time / h) for time in (g["clock.control"], width))
-    since = g["step"] - jitter.whole((g["actuator.delay"] + g["actuator.unmodelled_delay"]) / h)
-    cuts = {
-        "steps": steps, "most": most, "phase": since - steps * ca.floor(since / steps),
-        "drawn": ca.floor((number + 1) / 2 * (most + 1)),
-    }  # fmt: skip
+    g = Jittering()
+    h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
     given = (
         above(h), equal(width, t.most * h), at_least(width), *between(0, t.drawn, t.most),
@@ -178,7 +185,7 @@ def jitter_bound(mutation: Mutation) -> Statement:
         *(when(acts, goal) for goal in every(now, arrived)), at_least(t.most, wait),
         *(equal(g.bound(name)[0], width) for name in ("delay", "jitter")),
     )  # fmt: skip
-    return g.states(goals, given, cuts, t)
+    return g.states(*goals, given=given, cuts=g.cuts, more=t)
 
 
 @claim("world.motor.step", given="step > 0")
@@ -193,7 +200,8 @@ def stepped(mutation: Mutation) -> Statement:
     number = ca.floor(x)
     given = (above(step), at_least(x, number), above(1, x - number))
     most = motor.rounded_by(step) * mutation(1, 0.8)
-    return g.states(within(g.system.outputs[0].expr - told, most), given, {"number": number})
+    lost = within(g.system.outputs[0].expr - told, most)
+    return g.states(*lost, given=given, cuts={"number": number})
 
 
 @claim("world.motor.dead-zone", given="zone > 0")
@@ -206,7 +214,7 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
     told, zone = g["tau_right"], g["motor.dead_zone"]
     lost = told - g.system.outputs[0].expr
     goals = (*within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
-    return g.states(goals, (above(zone),))
+    return g.states(*goals, given=(above(zone),))
 
 
 @claim("world.motor.line", given="stall > 0, 1/free >= 0, |torque| <= tau")
@@ -296,4 +304,4 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
             lost = motor.rounded_by(step) + g["motor.dead_zone"] + ca.fmin(d, most)
             given.append(at_least(lost, way * t[name]))
     made = wheel_to_force(r, half, ca.vertcat(t.right, t.left))[axis]
-    return g.states(within(made, bound * mutation(1, 0.9)), given, None, t)
+    return g.states(*within(made, bound * mutation(1, 0.9)), given=given, more=t)

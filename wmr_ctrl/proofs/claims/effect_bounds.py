@@ -1,7 +1,6 @@
 """Ground, air, sensors, and commands on their way to a base: their bounds, on their graphs."""
 
 from dataclasses import replace
-from fractions import Fraction
 
 import casadi as ca
 
@@ -9,6 +8,7 @@ from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.regions import at
 from wmr_ctrl.proofs.relation import (
     Relation,
     above,
@@ -37,17 +37,10 @@ from wmr_ctrl.world import (
 )
 from wmr_ctrl.world.effect import ROUNDING
 
-ALONG = {
-    name: Fraction(value)
-    for name, value in {
-        "robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1, "sine": 1,
-        "slope.offset": 0, "along": 1, "across": 0
-    }.items()
-}  # fmt: skip
+HEAVIEST = {"robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1}
+ALONG = at(**HEAVIEST, sine=1, **{"slope.offset": 0}, along=1, across=0)
 """Straight uphill."""
 HEAVY = "coefficients >= 0, 0 < m <= guard.M_max; l, g > 0"
-
-
 claim = Claims(by=Z3(effort=150))
 
 
@@ -70,7 +63,7 @@ def world_slope(mutation: Mutation) -> Statement:
         *g.above_zero("robot.m", "robot.g"), at_least(g["guard.M_max[1]"], g["robot.m"]),
         at_least(sine), *within(ca.vertcat(along, across), 1),
     )  # fmt: skip
-    return g.states(goals, given, {"along": along, "across": across, "sine": sine})
+    return g.states(*goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
 
 @claim(
@@ -103,7 +96,7 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
         at_least(v if axis == 0 else omega), *within(ca.vertcat(right, left), 1),
     )  # fmt: skip
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
-    return g.states((goal,), given, {"right": right, "left": left})
+    return g.states(goal, given=given, cuts={"right": right, "left": left})
 
 
 @claim(
@@ -126,7 +119,7 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     force = wheel_to_force(*believed, g.system.y)[axis]
     drawn = within(g.column("torque"), most)
     given = (*g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), *drawn)
-    return g.states(within(force, bound * mutation(1, 0.9)), given)
+    return g.states(*within(force, bound * mutation(1, 0.9)), given=given)
 
 
 @claim(
@@ -145,7 +138,7 @@ def world_gust(mutation: Mutation) -> Statement:
     pairs = zip(*map(ca.vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
     goals = [item for x, y, most in pairs for item in (*within(x, part), *within(y, most))]
     sides = (*between(0, keep, 1), *(at_least(size[i]) for i in (0, 1)))
-    return g.states(goals, (*within(drawn, 1), *sides), {"keep": keep})
+    return g.states(*goals, given=(*within(drawn, 1), *sides), cuts={"keep": keep})
 
 
 @claim("world.gyro", given="noise >= 0; the random number within [-1, 1]")
@@ -157,7 +150,7 @@ def world_gyro(mutation: Mutation) -> Statement:
     g = EffectGraph(gyro.GYRO, (("gyro.enabled", True),))
     most = g.bound("nbar")[1] * mutation(1, 0.9)
     given = (at_least(g["gyro.noise"]), *within(g[f"{gyro.NUMBERS.name}[1]"], 1))
-    return g.states(within(g.system.y[0] - g["omega"], most), given)
+    return g.states(*within(g.system.y[0] - g["omega"], most), given=given)
 
 
 @claim("world.velocity-noise", given="half-widths >= 0; random numbers within [-1, 1]")
@@ -170,7 +163,10 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
     half = g.bound("nbar")
     goals = within(g.system.y - g.system.u, mutation(1, 0.9) * half)
     drawn = within(g.column(velocity_noise.NUMBERS.name), 1)
-    return g.states(goals, (*drawn, *(at_least(half[i]) for i in (0, 1))))
+    return g.states(*goals, given=(*drawn, *map(at_least, ca.vertsplit(half))))
+
+
+AGES = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
 
 
 @claim(
@@ -183,8 +179,7 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
 
     What the guard counts as age and window.
     """
-    ages = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
-    g = EffectGraph(velocity_mean.VELOCITY_MEAN, ages.items(), "clock limits")
+    g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES.items(), "clock limits")
     T, name = g["clock.control"], velocity_mean.PLACE.name
     seen = [g.column(f"{name}_{k}") for k in (1, 2, 3)]
     goals = [*every(g.system.update, ca.vertcat(g["path"], g["theta"], *seen[:2]))]
@@ -192,7 +187,7 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
         window, age = (g.bound(told)[axis] for told in ("window", "age"))
         way = seen[0][axis] - mutation(seen[2], seen[1])[axis]
         goals += [equal(g.system.y[axis] * window, way), equal(age, T), equal(window, 2 * T)]
-    return g.states(goals, g.above_zero("clock.control", "sample"))
+    return g.states(*goals, given=g.above_zero("clock.control", "sample"))
 
 
 @claim(
@@ -210,8 +205,7 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
 
     What a mean adds to nbar: the rounding of ways.
     """
-    ages = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
-    g = EffectGraph(velocity_mean.VELOCITY_MEAN, ages.items(), "clock limits")
+    g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES.items(), "clock limits")
     t, name = symbols("way shown"), velocity_mean.PLACE.name
     h, lasts, u1 = g["clock.plant"], g["clock.duration"], g[f"limits.v_u1[{axis + 1}]"]
     window = 2 * g["clock.control"]
@@ -223,7 +217,7 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     )  # fmt: skip
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
     off = within(t.shown * window - t.way, most * window)
-    whole = g.states(off, given, None, t)
+    whole = g.states(*off, given=given, more=t)
     return replace(whole, computed={"shown": g.system.y[axis]})
 
 
@@ -237,7 +231,7 @@ def world_push(mutation: Mutation) -> Statement:
     size = g.bound("dbar")
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
     sides = (*g.above_zero("robot.r", "robot.l"), *(at_least(size[i]) for i in (0, 1)))
-    return g.states(within(force, mutation(1, 0.9) * size), sides)
+    return g.states(*within(force, mutation(1, 0.9) * size), given=sides)
 
 
 command_claim = Claims(by=Z3(effort=150))
@@ -253,7 +247,7 @@ def command_delay_bound(mutation: Mutation) -> Statement:
     g = EffectGraph(command_delay.COMMAND_DELAY, (("base.delay", 0.02),))
     assert g.system.transport is not None
     late = equal(g.bound("delay")[0], mutation * g.system.transport)
-    return g.states((late, *every(g.system.y, g.system.u)), ())
+    return g.states(late, *every(g.system.y, g.system.u))
 
 
 @command_claim(
@@ -288,12 +282,9 @@ def command_loss_bound(mutation: Mutation) -> Statement:
         at_least(missed * t.steps + t.before, silent),
     )  # fmt: skip
     now, silence, missing = ca.vertsplit(g.system.update, [0, 2, 3, 4])
-    goals = (
-        at_least(mutation(1, 0.9) * most, missing),
-        at_least(missing * t.steps + t.phase, silence),
-        *every(g.system.y, now),
-    )
-    return g.states(goals, given, cuts, t)
+    few = at_least(mutation(1, 0.9) * most, missing)
+    goals = few, at_least(missing * t.steps + t.phase, silence), *every(g.system.y, now)
+    return g.states(*goals, given=given, cuts=cuts, more=t)
 
 
 @command_claim(
@@ -312,4 +303,4 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
         x = g.system.u[i] / ca.if_else(step > 0, step, 1) + 0.5
         cuts[f"number{i + 1}"] = number = ca.floor(x)
         given += [above(step), at_least(x, number), above(1, x - number)]
-    return g.states(within(off, mutation(1, 0.9) * most), given, cuts)
+    return g.states(*within(off, mutation(1, 0.9) * most), given=given, cuts=cuts)

@@ -72,16 +72,15 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     m, inertia, mu, r, l, gravity, v_s = (g[key] for key in KEYS)
     h, most, v = g["clock.plant"], g["actuator.tau_max"], ca.vertcat(g["v1"], g["omega"])
     force = wheel_to_force(r, l, g.system.y) - friction(mu, m, gravity, v_s, v)
-    fades = [ca.expm1(-h / g[f"base.tau[{i}]"]) for i in (1, 2)]
+    tau = ca.vertsplit(g.column("base.tau"))
+    fades = [ca.expm1(-h / time) for time in tau]
     asked = g.system.u[axis] - t[f"error{axis + 1}"]
     goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
     way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
-    given = [
-        *positive(m, inertia, r, l, v_s, h, *(g[f"base.tau[{i}]"] for i in (1, 2))),
-        *(above(-item) for item in fades),
-        *(above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1)),
-    ]
-    return g.states((equal(goes, way),), given, {"left1": fades[0], "left2": fades[1]}, t)
+    weak = (above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1))
+    given = (*positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), *weak)
+    cuts = {"left1": fades[0], "left2": fades[1]}
+    return g.states(equal(goes, way), given=given, cuts=cuts, more=t)
 
 
 class HeldStep:

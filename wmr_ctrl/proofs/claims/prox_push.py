@@ -14,12 +14,12 @@ from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph, named_axes
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, when, within
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.symbols import Named, symbols
 
 AXES = named_axes()
 
 
-class Sampled:
+class Sampled(Named):
     """One axis of the law's graph, with v+, friction and exp(-wo T) - 1 as free numbers.
 
     ``free``: v+, friction there, the observer's force, exp(-wo T) - 1, friction between samples;
@@ -31,6 +31,7 @@ class Sampled:
         self.axis, self.law = axis, LawGraph("prox")
         t = self.law.symbols
         self.free = symbols("next friction f fall drag")
+        self.symbols = t | self.free
         self.period, self.v = t["clock.control"], t[VELOCITY_NAMES[axis]]
         self.old, self.f_old = t[f"v_previous[{axis + 1}]"], t[f"f_hat[{axis + 1}]"]
         self.mass = self.law.own(self.law.context.mass)[axis]
@@ -41,11 +42,8 @@ class Sampled:
         """v+, the friction there, and the observer's force."""
         law, step = self.law, next_velocity(self.law.context)
         both = law.own(ca.vertcat(step, law.context.friction_at(step)))
-        return {
-            "next": both[self.axis],
-            "friction": both[2 + self.axis],
-            "f": law.system.update[self.axis],
-        }
+        k = self.axis
+        return {"next": both[k], "friction": both[2 + k], "f": law.system.update[k]}
 
     def moved(self, push: ca.SX) -> ca.SX:
         """v + T (F - F1(v+) + push)/M."""
@@ -81,16 +79,6 @@ class Sampled:
         """M (v - v_old) = T (F - F1 + d) since the previous sample."""
         pushed = self.applied - self.observer_cuts["drag"] + d
         return equal(self.mass * (self.v - self.old), self.period * pushed)
-
-    def states(
-        self,
-        goals: tuple[Relation, ...],
-        given: tuple[Relation, ...],
-        cuts: dict[str, ca.SX],
-        more: dict[str, ca.SX],
-    ) -> Statement:
-        """The statement on the law's graph."""
-        return Statement(self.law.symbols | self.free | more, goals, given, cuts)
 
 
 claim = Claims(by=Z3(effort=150))
@@ -134,7 +122,7 @@ def force(mutation: Mutation, axis: int) -> Statement:
     """
     s = Sampled(axis)
     goal = equal(s.moved(-mutation * s.free.f), s.free.next)
-    return s.states((goal,), s.numbers, s.force_cuts, {})
+    return s.states(goal, given=s.numbers, cuts=s.force_cuts)
 
 
 @claim(
@@ -157,7 +145,7 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     push = s.period * ca.fabs(t.d + s.free.f) / s.mass
     most = t.E * (t.w + t.way) + mutation(push, 0.9 * push) + ca.fabs(t.eps)
     goal = at_least(most, ca.fabs(s.moved(t.d) - t.x_real))
-    return s.states((goal,), (*s.numbers, nearest, moved), s.force_cuts, t)
+    return s.states(goal, given=(*s.numbers, nearest, moved), cuts=s.force_cuts, more=t)
 
 
 @claim(
@@ -178,7 +166,7 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     room = at_least(u1 - t.m, ca.fabs(s.free.next))
     push = at_least(t.m, ca.fabs(s.period * (s.free.f + t.d) / s.mass))
     goal = at_least(mutation(1, 0.9) * u1, ca.fabs(s.moved(t.d)))
-    return s.states((goal,), (*s.numbers, room, push), s.force_cuts, t)
+    return s.states(goal, given=(*s.numbers, room, push), cuts=s.force_cuts, more=t)
 
 
 def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
@@ -207,7 +195,7 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
         equal(t.W * (1 - t.E), mutation(1, 0.9) * whole),
     )  # fmt: skip
     goal = falls(ca.fabs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
-    return s.states((goal,), given, s.force_cuts, t)
+    return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
 @claim("prox.gain.observer{of}", given="as prox.observer; |d - d_old| <= L P", over=AXES)
@@ -221,7 +209,8 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
     slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
     new, old = s.law.system.update[axis] + t.d, s.f_old + t.d_old
     goal = falls(ca.fabs(new), ca.fabs(old), t.P, 1 + s.free.fall)
-    return s.states((goal,), (*s.observed, s.gained(t.d_old), *slow), s.observer_cuts, t)
+    given = (*s.observed, s.gained(t.d_old), *slow)
+    return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
 @claim("prox.observer-first", given="the state that the law starts from; any first sample")
@@ -252,7 +241,8 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("d d_old")
     left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
     goal = equal(s.law.system.update[axis] + t.d, left)
-    return s.states((goal,), (*s.observed, s.gained(t.d_old)), s.observer_cuts, t)
+    given = (*s.observed, s.gained(t.d_old))
+    return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
 @claim("prox.observer-bound{of}", given="as prox.observer; 0 < exp(-wo T) < 1", over=AXES)
@@ -269,8 +259,7 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     tight = mutation(1, 0.9)
     sizes = ca.logic_and(ca.fabs(t.d_old) <= t.most, ca.fabs(s.f_old) <= t.most)
     slow = ca.logic_and(ca.fabs(t.d - t.d_old) <= t.change, share * ca.fabs(old) <= t.change)
-    goals = (
-        when(sizes, at_least(tight * t.most, ca.fabs(f))),
-        when(slow, at_least(tight * t.change, share * ca.fabs(new))),
-    )
-    return s.states(goals, (*s.observed, s.gained(t.d_old)), s.observer_cuts, t)
+    small = when(sizes, at_least(tight * t.most, ca.fabs(f)))
+    goals = small, when(slow, at_least(tight * t.change, share * ca.fabs(new)))
+    given = (*s.observed, s.gained(t.d_old))
+    return s.states(*goals, given=given, cuts=s.observer_cuts, more=t)

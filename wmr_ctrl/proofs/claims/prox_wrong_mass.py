@@ -26,9 +26,8 @@ GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
 MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
 LOOP = "prox.loop-force prox.loop-force-angular prox.loop-observer prox.loop-observer-angular"
 BELIEFS: tuple[dict[str, Any], ...] = (
-    {"key": "", "numbers": FAST},
-    {"key": "-gentle", "numbers": GENTLE},
-)
+    {"key": "", "numbers": FAST}, {"key": "-gentle", "numbers": GENTLE},
+)  # fmt: skip
 claim = Claims(by=Z3(effort=150))
 
 
@@ -47,7 +46,7 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
     moves = s.period * t.mu * (s.force - s.force_cuts["friction"]) / s.mass
     goal = equal(w + moves, (1 - t.mu * t.a) * w + mutation * t.mu * q)
     given = (*positive(s.period, s.mass), equal(s.free.next, s.v - t.a * w))
-    return s.states((goal,), given, s.force_cuts, t)
+    return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
 def sampled_before(axis: int) -> Both:
@@ -60,9 +59,8 @@ def sampled_before(axis: int) -> Both:
         """Both hypotheses solved."""
         asked = n[f"f_hat{of}"] - n[inertia] * n["a"] * n["w"] / n["clock.control"]
         left, pushed = n["tau_applied[2]"], n["robot.r"] * asked
-        right = (
-            n["robot.r"] * n["drag"] + pushed - left if axis == 0 else left + pushed / n["robot.l"]
-        )
+        dragged, turned = n["robot.r"] * n.get("drag", 0), pushed / n["robot.l"]
+        right = dragged + pushed - left if axis == 0 else left + turned
         old = n[v] - n["mu"] * n["clock.control"] * asked / n[inertia]
         kept = {name: n[name] for name in (*names, *sure)}
         fall = -n["rate"] / (1 + n["rate"])
@@ -93,7 +91,7 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
     )
     left = (1 - share * t.mu) * q - mutation * share * t.a * (1 - t.mu) * t.w
     goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
-    return s.states((goal,), (*s.observed, *given), s.observer_cuts, t)
+    return s.states(goal, given=(*s.observed, *given), cuts=s.observer_cuts, more=t)
 
 
 @claim(
@@ -127,9 +125,8 @@ def light_model(mutation: Mutation) -> Statement:
     share = mutation(4 / ca.SX(3), ca.SX(1.5))
     edge = 4 - t.mu * (2 * (t.a + t.L) - t.a * t.L)
     det = 1 - t.mu * (t.a + t.L) + t.mu * t.a * t.L
-    return Statement(
-        t, (above(edge), above(ca.SX(1), det)), (*given, above(t.mu), at_least(share, t.mu))
-    )
+    light = above(t.mu), at_least(share, t.mu)
+    return Statement(t, (above(edge), above(ca.SX(1), det)), (*given, *light))
 
 
 @claim(

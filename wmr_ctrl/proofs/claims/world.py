@@ -14,7 +14,7 @@ from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, positive, within
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import exchanged, symbols
+from wmr_ctrl.proofs.symbols import Named, exchanged, symbols
 from wmr_ctrl.proofs.traced import Tracing, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
@@ -24,7 +24,7 @@ WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 """Structure of the graphs alone: their numbers stay symbols."""
 
 
-class EffectGraph:
+class EffectGraph(Named):
     """An effect's System for a scenario with some numbers, which stay symbols.
 
     ``symbols``: all ports' elements by name, and the numbers that the bound alone reads;
@@ -43,7 +43,6 @@ class EffectGraph:
         drawn = (item.port for item in self.system.draws)
         ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
         self.symbols = self.trace.symbols | scalars(ports)
-        self.way: tuple[Relation, ...] = ()
 
     def _bounded(self, share: float) -> tuple[Bound, Tracing]:
         scenario, trace = traced(self.scenario, self.tables, share)
@@ -70,26 +69,12 @@ class EffectGraph:
         if not ca.is_equal(pairs[0], pairs[1], 100):
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
         parts = ca.vertsplit(pairs[0])
-        self.way = tuple(at_least(item, 1) for item in parts[len(pair) :])
+        self.always = tuple(at_least(item, 1) for item in parts[len(pair) :])
         return ca.vertcat(*parts[: len(pair)])
-
-    def states(
-        self,
-        goals: Iterable[Relation],
-        given: Iterable[Relation],
-        cuts: Mapping[str, ca.SX] | None = None,
-        more: Mapping[str, ca.SX] | None = None,
-    ) -> Statement:
-        """The statement about this effect, and ``more`` symbols."""
-        table = self.symbols | (more or {})
-        return Statement(table, (*goals, *self.way), tuple(given), cuts or {})
 
     def above_zero(self, *names: str) -> tuple[Relation, ...]:
         """Each of these numbers is positive."""
         return tuple(above(self[name]) for name in names)
-
-    def __getitem__(self, name: str) -> ca.SX:
-        return self.symbols[name]
 
 
 SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
@@ -98,8 +83,6 @@ WHOLE = (
     "every turn of both wheels now and a window ago; counts are their whole parts: "
     "n <= turn < n + 1; r, l, N, w > 0; w one control period, after the first sample"
 )
-
-
 ORDERS, PLACES = "<=>", ("least", "inside", "largest")
 
 
@@ -110,11 +93,8 @@ def wheel_cases(axis: int, misread: bool) -> tuple[Case, ...]:
     1, and 1/(1 + radius_i) = c (1 +- e).  Torques: each 1 + radius_i below, at or above 1 for the
     thrust, 1 + track for the moment.
     """
-    return tuple(
-        _wheel_case(axis, misread, orders, places)
-        for orders in product(ORDERS, repeat=2)
-        for places in product(PLACES, repeat=2)
-    )
+    ways = product(product(ORDERS, repeat=2), product(PLACES, repeat=2))
+    return tuple(_wheel_case(axis, misread, *way) for way in ways)
 
 
 def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
@@ -175,12 +155,10 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     turn = symbols("old_right old_left")
     old = ca.vertcat(turn.old_right, turn.old_left)
     whole = g.column("wheel_counts_1")
-    given = [
-        item
-        for real, part in ((now, ca.floor(now)), (old, whole))
-        for i in (0, 1)
-        for item in (at_least(real[i], part[i]), above(1, real[i] - part[i]))
-    ]
+    given = list[Relation]()
+    for real, part in ((now, ca.floor(now)), (old, whole)):
+        for i in (0, 1):
+            given += at_least(real[i], part[i]), above(1, real[i] - part[i])
     exact = encoder.velocity_of((now - old) / g["clock.control"], g.parameters)
     bound = g.bound("nbar")[axis]
     off = g.system.outputs[axis].expr - exact[axis]
@@ -189,7 +167,8 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     cuts = {"turn_right": now[0], "turn_left": now[1]}
     cuts |= {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
     window = equal(g.bound("window")[axis], g["clock.control"])
-    return g.states((above(most, off), above(off, -most), window), (*sides, *given), cuts, turn)
+    goals = above(most, off), above(off, -most), window
+    return g.states(*goals, given=(*sides, *given), cuts=cuts, more=turn)
 
 
 @claim(
@@ -212,17 +191,16 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     turn = encoder.turned(g.scenario, g.parameters, t.v, t.omega)
     shown = encoder.velocity_of(turn, g.parameters)[axis]
     limits = g.column("limits.v_u1")
-    counted = encoder.rounded_by(
-        (g["robot.r"], g["robot.l"]), g["encoder.counts"], g["clock.control"]
-    )
-    most = g.bound("nbar")[axis] - counted[axis]
+    believed = g["robot.r"], g["robot.l"]
+    counted = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
+    most = g.bound("nbar")[axis] - counted
     off = shown - (t.v if axis == 0 else t.omega)
     given = (
         *g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
         *within(ca.vertcat(*t.values()), limits), *positive(limits[0], limits[1]),
     )  # fmt: skip
-    return g.states(within(off, most * mutation(1, 0.9)), given, None, t)
+    return g.states(*within(off, most * mutation(1, 0.9)), given=given, more=t)
 
 
 @claim(
@@ -250,4 +228,4 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
         *within(told, most + 0.5 * g["motor.step"]),
     )
-    return g.states(within(made - meant, bound * mutation(1, 0.9)), given)
+    return g.states(*within(made - meant, bound * mutation(1, 0.9)), given=given)
