@@ -12,18 +12,8 @@ from typing import Any
 from wmr_ctrl.proofs.alterations import functions_of
 from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim
 from wmr_ctrl.proofs.ledger import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Entry
-from wmr_ctrl.proofs.methods.spec import (
-    Z3,
-    Both,
-    Finding,
-    Method,
-    Ring,
-    described,
-    named,
-    needs,
-    trusted,
-    versions,
-)
+from wmr_ctrl.proofs.methods import spec
+from wmr_ctrl.proofs.methods.spec import Z3, Both, Finding, Method, Ring
 from wmr_ctrl.proofs.statement import Statement
 
 ENGINES, ENGINES_ALTERED = "engines", "engines of the altered claim"
@@ -32,7 +22,7 @@ ENGINES, ENGINES_ALTERED = "engines", "engines of the altered claim"
 
 def missing(method: Method | None) -> tuple[str, ...]:
     """Packages that the method needs and that are not installed."""
-    return tuple(name for name in needs(method) if find_spec(name) is None) if method else ()
+    return tuple(name for name in spec.needs(method) if find_spec(name) is None) if method else ()
 
 
 def check(claim: Claim, known: Entry | None = None) -> Entry:
@@ -58,12 +48,12 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         if ENGINES in other.evidence:
             told[ENGINES_ALTERED] = other.evidence[ENGINES]
     seconds = round(process_time() - started, 2)
-    entered, now = _hash(claimed, altered, claim.method), versions(claim.method)
+    entered, now = _hash(claimed, altered, claim.method), spec.versions(claim.method)
     same = known if known and known.is_about(entered, now) else None
     functions = functions_of(claim, tuple(known.altered) if known else ())
     then = same.altered if same and set(same.altered) == set(functions) else {}
     verdict, reason = _guarded(finding, mutated, functions)
-    asked = {**now, **(versions(Z3()) if find_spec("z3") else {})}
+    asked = {**now, **(spec.versions(Z3()) if find_spec("z3") else {})}
     cancelled = same.cancelled if same else None
     if cancelled and not (known and known.is_about(entered, asked)):
         cancelled = None
@@ -77,8 +67,8 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     return _entry(
         claim,
         verdict,
-        method=", ".join([named(claim.method), *counts]),
-        trusted=trusted(claim.method),
+        method=", ".join([spec.named(claim.method), *counts]),
+        trusted=spec.trusted(claim.method),
         mutation_refuted=mutated,
         counterexample=_text(finding.point) if verdict == REFUTED else None,
         satisfied_at=_text(finding.point) if verdict in (PROVED, LEMMA) else None,
@@ -101,7 +91,7 @@ def graph_hash(claim: Claim) -> str:
 
 
 def _hash(claimed: Statement, altered: Statement, method: Method) -> str:
-    text = json.dumps([claimed.digest, altered.digest, described(method)])
+    text = json.dumps([claimed.digest, altered.digest, spec.described(method)])
     return sha256(text.encode()).hexdigest()
 
 

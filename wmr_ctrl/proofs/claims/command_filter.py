@@ -6,14 +6,8 @@ E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean
 
 import casadi as ca
 
-from wmr_ctrl.filter.governor import (
-    FirstOrder,
-    admitted,
-    drive,
-    drive_back,
-    largest_command,
-    relaxed,
-)
+from wmr_ctrl.filter import governor
+from wmr_ctrl.filter.governor import FirstOrder, drive, drive_back, largest_command
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -157,7 +151,7 @@ def estimate(mutation: Mutation) -> Statement:
         at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least),
         *between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(ca.SX(1), t.most),
     )  # fmt: skip
-    end = relaxed(t.w, t.target, t.most, t.least)
+    end = governor.relaxed(t.w, t.target, t.most, t.least)
     goal = at_least(end, t.v + t.share * (t.mean - t.v))
     return Statement(t, (goal,), inside)
 
@@ -171,7 +165,7 @@ def curvature(mutation: Mutation) -> Statement:
     names = "r1 lo1 hi1 r2 lo2 hi2"
     t = symbols(names)
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
-    eta = mutation(1, 1.01) * ca.fmin(*admitted(r, lo, hi))
+    eta = mutation(1, 1.01) * ca.fmin(*governor.admitted(r, lo, hi))
     goals = [above(eta), at_least(ca.SX(1), eta)]
     goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
     goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]

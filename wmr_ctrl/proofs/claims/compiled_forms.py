@@ -12,6 +12,7 @@ from wmr_ctrl.barrier import stable
 from wmr_ctrl.barrier.lyapunov import smooth_f, smooth_lyapunov
 from wmr_ctrl.barrier.proximal import resolvent
 from wmr_ctrl.barrier.stable import Barrier, smooth_barrier
+from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import (
     ALL_LIMITS,
@@ -22,16 +23,7 @@ from wmr_ctrl.proofs.claims.common import (
     barrier_axis,
 )
 from wmr_ctrl.proofs.methods.spec import Ring
-from wmr_ctrl.proofs.regions import (
-    POSITIVE,
-    SIDE_EDGES,
-    SIDES,
-    Case,
-    all_cases,
-    smooth_cases,
-    tangent_case,
-    target_cases,
-)
+from wmr_ctrl.proofs.regions import POSITIVE, Case
 from wmr_ctrl.proofs.relation import at_least, equal
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
@@ -53,11 +45,11 @@ BEYOND = (
     Case("y < -0.05", {"n": POSITIVE}, lambda n: {"y": -n["n"] - 1}),
     Case("-1 < y < -0.05", {"n": POSITIVE}, lambda n: {"y": -(n["n"] + 1) / (n["n"] + 20)}),
 )
-EVERYWHERE = Ring(all_cases(), CLOSED_FORM)
+EVERYWHERE = Ring(regions.all_cases(), CLOSED_FORM)
 claim = Claims(by=EVERYWHERE)
 
 
-@claim("forms.v_c1", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(target_cases()))
+@claim("forms.v_c1", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(regions.target_cases()))
 def target(mutation: Mutation) -> Statement:
     """the compiled v_c1 equals (18).
 
@@ -67,7 +59,7 @@ def target(mutation: Mutation) -> Statement:
     return a.states(equal(stable.stable_minimiser(c, u1, u2), mutation * a.x))
 
 
-@claim("forms.w", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(all_cases()))
+@claim("forms.w", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(regions.all_cases()))
 def distance(mutation: Mutation) -> Statement:
     """the compiled v - v_c1 is the difference of v and (18).
 
@@ -145,13 +137,11 @@ def _compiled(a: BarrierAxis) -> Barrier:
     return smooth_barrier(c, v, u1, u2)
 
 
-EVERY = smooth_cases()
-OFF_CORNERS = tuple(
-    c
-    for c in EVERY
-    if c.label != "v_c0 zero, v zero" and "corner" not in c.label and "kink" not in c.label
-)
-TANGENTS = tuple(tangent_case(y, v) for y in (*SIDES, *SIDE_EDGES) for v in SIDES)
+EVERY = regions.smooth_cases()
+CORNERS = "v_c0 zero, v zero", "corner", "kink"
+OFF_CORNERS = tuple(case for case in EVERY if not any(at in case.label for at in CORNERS))
+ANYWHERE = (*regions.SIDES, *regions.SIDE_EDGES)
+TANGENTS = tuple(regions.tangent_case(y, v) for y in ANYWHERE for v in regions.SIDES)
 """v off the corner, where the slope is 0 from both sides."""
 smooth_claim = Claims(by=Ring(EVERY, CLOSED_FORM), given=ALL_LIMITS + FINITE)
 

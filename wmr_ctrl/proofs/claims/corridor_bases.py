@@ -16,17 +16,7 @@ from wmr_ctrl.proofs.claims.drive_bounds import Jittering
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import (
-    Relation,
-    above,
-    at_least,
-    between,
-    equal,
-    every,
-    nonnegative,
-    positive,
-    when,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, when
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loop_pi, wheel_speed_limit
@@ -187,7 +177,7 @@ def late_sums(mutation: Mutation) -> Statement:
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
     given = (
-        *positive(t.M_min, t.period), *nonnegative(t.t1, t.t2),
+        *positive(t.M_min, t.period), at_least(t.t1), at_least(t.t2),
         at_least(t.N, b.net), *(at_least(t.N, ca.fabs(t[name])) for name in ("F1", "F2")),
     )  # fmt: skip
     return Statement(t, tuple(goals), given)
@@ -212,7 +202,7 @@ def overtaken(mutation: Mutation) -> Statement:
     arrived = g["tau_right"]
     before = ca.if_else(t.phase <= 0, last, t.older)
     given = (
-        above(h), equal(width, t.most * h), *between(0, t.drawn, t.most),
+        above(h), equal(width, t.most * h), at_least(t.drawn), at_least(t.most, t.drawn),
         at_least(t.phase), at_least(t.steps, 1), at_least(t.steps, t.phase + 1),
         at_least(t.steps, due), at_least(due), when(t.phase > 0, equal(last, arrived)),
         equal((acting - last) * (acting - mutation(t.older, t.older + 1))),

@@ -8,17 +8,7 @@ from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import (
-    above,
-    at_least,
-    between,
-    equal,
-    every,
-    nonnegative,
-    positive,
-    when,
-    within,
-)
+from wmr_ctrl.proofs.relation import above, at_least, between, equal, every, positive, when, within
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world import delay, jitter, lag, motor
@@ -47,9 +37,9 @@ def held(mutation: Mutation) -> Statement:
         at_least(moved(z, p, (falls, rises)), after),
     )
     given = (
-        *nonnegative(z, p), *positive(h, growth), *between(a, s, b), equal(least * (1 + growth), 1),
-        *between(0, rises, least), *between(least, e, falls), above(1, falls),
-        at_least(b * (1 - falls), h * falls),
+        at_least(z), at_least(p), *positive(h, growth), *between(a, s, b),
+        equal(least * (1 + growth), 1), *between(0, rises, least), *between(least, e, falls),
+        above(1, falls), at_least(b * (1 - falls), h * falls),
     )  # fmt: skip
     return Statement(t, goals, given)
 
@@ -177,7 +167,7 @@ def jitter_bound(mutation: Mutation) -> Statement:
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
     given = (
         above(h), equal(width, t.most * h), at_least(width), *between(0, t.drawn, t.most),
-        at_least(t.most, g[jitter.DUE.name]), *nonnegative(t.phase, t.steps),
+        at_least(t.most, g[jitter.DUE.name]), at_least(t.phase), at_least(t.steps),
     )  # fmt: skip
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)

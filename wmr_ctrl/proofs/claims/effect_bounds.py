@@ -9,16 +9,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.regions import at
-from wmr_ctrl.proofs.relation import (
-    Relation,
-    above,
-    at_least,
-    between,
-    equal,
-    every,
-    nonnegative,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, every, within
 from wmr_ctrl.proofs.statement import UNIT, Statement
 from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world import (
@@ -274,8 +265,8 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     given = (
         above(h), equal(T, t.steps * h), at_least(g["base.losses"]), at_least(t.steps, 1),
         at_least(g["base.timeout"], longest * (1 - ROUNDING)), at_least(h, longest * ROUNDING),
-        *between(0, missed, most),
-        *nonnegative((most - missed) * (most - missed - 1), t.before),
+        *between(0, missed, most), at_least((most - missed) * (most - missed - 1)),
+        at_least(t.before),
         at_least(t.steps, t.before + 1), at_least(silent),
         equal(t.phase, ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1)),
         at_least((t.steps - t.before - 1) * (t.steps - t.before - 2)),

@@ -12,15 +12,7 @@ from wmr_ctrl.filter.governor import FirstOrder, largest_command
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import (
-    Relation,
-    above,
-    at_least,
-    between,
-    nonnegative,
-    positive,
-    within,
-)
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, nonnegative, within
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import Symbols, symbols
 
@@ -259,7 +251,7 @@ def slew_step(mutation: Mutation) -> Statement:
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
     given = (
-        *_slow(s), *positive(s.slew, s.T), at_least(s.share),
+        *_slow(s), above(s.slew), above(s.T), at_least(s.share),
         at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share),
     )  # fmt: skip
     goals = (*within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))

@@ -7,14 +7,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from wmr_ctrl.filter.force_band import (
-    ForceBand,
-    dragging,
-    force_response,
-    force_steps,
-    inverse_force_slopes,
-    with_drag,
-)
+from wmr_ctrl.filter import force_band
 from wmr_ctrl.filter.forecast import Forecast
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import AXES, elements_of
@@ -39,7 +32,7 @@ class ForceAxis(Named):
     def __init__(self) -> None:
         names = "above below over under past_over past_under left fading tail u to f F W"
         self.symbols = s = symbols(names)
-        self.table = force_response(s.above, s.below, s.left, s.fading)
+        self.table = force_band.force_response(s.above, s.below, s.left, s.fading)
         self.forecast = Forecast(s.over, s.under, s.tail, s.u, s.past_over, s.past_under)
 
     @property
@@ -82,7 +75,8 @@ def ramped_force(mutation: Mutation) -> Statement:
     """
     a = ForceAxis()
     s, f, to, u = a.symbols, a.f, a.to, a.u
-    rise, fall = force_steps(a.forecast, f, inverse_force_slopes(a.table.low, a.table.high))
+    inverse = force_band.inverse_force_slopes(a.table.low, a.table.high)
+    rise, fall = force_band.force_steps(a.forecast, f, inverse)
     before, after = (_parts(item) for item in (a.forecast, a.forecast.changed(to, a.table)))
     given = (
         *a.stated, *(at_least(f, part) for part, _ in before),
@@ -107,7 +101,7 @@ class DraggedAxis(Named):
         """Forecast of the force with friction after a change of the command."""
         force, speed = self.forecasts
         changed = force.changed(to, self.force.table), speed.changed(to, self.speed.table)
-        return with_drag(*changed, self.drag)
+        return force_band.with_drag(*changed, self.drag)
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -129,7 +123,7 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
     """
     a = DraggedAxis()
     force, speed = a.forecasts
-    s, both = a.symbols, with_drag(force, speed, a.drag)
+    s, both = a.symbols, force_band.with_drag(force, speed, a.drag)
     bounds = [bound_of(f, way) for f in (force, speed, both)]
     given = (
         at_least(bounds[0], way * s.F), at_least(bounds[1] + way * s.u, way * s["v of v"]),
@@ -151,8 +145,8 @@ def drag_changed(mutation: Mutation, way: int) -> Statement:
     a = DraggedAxis()
     s, (force, speed) = a.symbols, a.forecasts
     drag, to, u = s.drag, s.to, s.u
-    before, after = with_drag(force, speed, drag), a.after(to)
-    low, high = dragging(a.force.table, a.speed.table, drag)
+    before, after = force_band.with_drag(force, speed, drag), a.after(to)
+    low, high = force_band.dragging(a.force.table, a.speed.table, drag)
     ahead, back = ca.fmax(way * (to - u), 0), ca.fmax(way * (u - to), 0)
     goals = []
     for k, (old, new) in enumerate(zip(_bounds(before, way), _bounds(after, way), strict=True)):
@@ -188,7 +182,8 @@ def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> State
     low, high = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("low", "high"))
     past, f, change = (s.past_over, s.past_under), s.f, s.to - s.u
     known = Forecast(s.over, s.under, s.tail, s.u, *past)
-    rise, fall = force_steps(known, f, inverse_force_slopes(low, high), s.held)
+    inverse = force_band.inverse_force_slopes(low, high)
+    rise, fall = force_band.force_steps(known, f, inverse, s.held)
     before = _bounds(known, way)[behind] + way * s.held
     given = (
         *positive(s.high, f), at_least(high[behind], low[behind]), at_least(f, before),
@@ -227,7 +222,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 
     Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
     """
-    graph = ForceBand(load_scenario("paper-simulation", WEAK))
+    graph = force_band.ForceBand(load_scenario("paper-simulation", WEAK))
     named = elements_of(*graph.system.inputs)
     cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
     (least, most), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]

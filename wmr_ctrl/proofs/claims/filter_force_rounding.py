@@ -7,15 +7,7 @@ quantity changes by where the command moves by 1.
 
 import casadi as ca
 
-from wmr_ctrl.filter.force_band import (
-    dragging,
-    force_response,
-    force_steps,
-    inverse_force_slopes,
-    line,
-    reached,
-    with_drag,
-)
+from wmr_ctrl.filter import force_band
 from wmr_ctrl.filter.forecast import Forecast
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
@@ -68,7 +60,7 @@ def summed(mutation: Mutation) -> Statement:
     force, speed = (
         Forecast(NONE, NONE, s[name], u, s[f"past_{name}"], ZERO) for name in ("force", "speed")
     )
-    both = with_drag(force, speed, drag)
+    both = force_band.with_drag(force, speed, drag)
     computed = {"ahead": both.tail, "past": both.past_over, "ends": both.u}
     exact = {"ahead": s.force + drag * s.speed,
              "past": s.past_force + drag * s.past_speed, "ends": drag * u}  # fmt: skip
@@ -114,8 +106,8 @@ def slope(mutation: Mutation) -> Statement:
     """
     s = symbols("low high low_speed high_speed drag A least most")
     pairs = (s.high, -s.low), (s.high_speed, -s.low_speed)
-    force, speed = (force_response(*pair, ZERO, ZERO) for pair in pairs)
-    low, high = dragging(force, speed, s.drag)
+    force, speed = (force_band.force_response(*pair, ZERO, ZERO) for pair in pairs)
+    low, high = force_band.dragging(force, speed, s.drag)
     given, goals = [at_least(s.drag)], list[Relation]()
     spare = mutation(1, 2.0**-3) * 4 * UNIT * (s.A + 5 * s.drag)
     for name, made in (("low", "least"), ("high", "most")):
@@ -140,14 +132,14 @@ def lined(mutation: Mutation, sign: int) -> Statement:
     s = symbols("first slope room f c A d line")
     rising = s.slope if sign > 0 else -s.slope
     low, high = ca.vertcat(0, rising), ca.vertcat(s.first, rising)
-    inverse = inverse_force_slopes(low, high)[0 if sign > 0 else 1][1]
+    inverse = force_band.inverse_force_slopes(low, high)[0 if sign > 0 else 1][1]
     given = (
         *_strong(s, 2 * STRONGEST), above(s.first), *within(s.slope, s.A),
         *within(s.room, 16 * s.f), *_moved(s, s.line),
     )  # fmt: skip
     most = ca.fmax(s.room, 0) + mutation(1, 2.0**-8) * LINED * s.f
     goals = (at_least(most, s.d * s.slope),)
-    return Statement(s, goals, given, computed={"line": line(s.room, inverse)})
+    return Statement(s, goals, given, computed={"line": force_band.line(s.room, inverse)})
 
 
 @claim(
@@ -163,7 +155,7 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     A change of the command leaves a computed forecast of the force too low by at most 2^-40 of f.
     """
     s = symbols("low high over under u to f c A F W e made")
-    table = force_response(s.high, -s.low, ZERO, ZERO)
+    table = force_band.force_response(s.high, -s.low, ZERO, ZERO)
     known = Forecast(s.over, s.under, ZERO, s.u, ZERO, ZERO)
     changed = known.changed(s.to, table)
     given = [*_strong(s), at_least(s.e), *between(s.low, s.W, s.high)]
@@ -191,7 +183,7 @@ def end(mutation: Mutation) -> Statement:
     every = [name for pair in names for name in pair]
     s = symbols(f"u to c least most {' '.join(every)}")
     c, change = s.c, s.to - s.u
-    least, most = reached(s.u, [(s[rise], s[fall]) for rise, fall in names])
+    least, most = force_band.reached(s.u, [(s[rise], s[fall]) for rise, fall in names])
     given = [above(c), *within(s.u, 2 * c), at_least(s.most, s.to)]
     given.append(at_least(s.to, s.least))
     given += [*map(at_least, (s[name] for name in every))]
@@ -254,9 +246,9 @@ def least(mutation: Mutation, rises: bool) -> Statement:
     known, f = Forecast(s.over, s.under, s.tail, s.u, *past), s.f
     up, down = (ca.vertcat(s[name], s[f"{name}_behind"]) for name in ("up", "down"))
     inverse = up, down
-    most = force_steps(known, f, inverse, s.held)[0 if rises else 1]
+    most = force_band.force_steps(known, f, inverse, s.held)[0 if rises else 1]
     lines = [
-        line(left, inverse[(way > 0) != rises])
+        force_band.line(left, inverse[(way > 0) != rises])
         for left, way in zip(known.rooms(f, s.held), (1, -1), strict=True)
     ]
     each = {f"line{i}": item for i, item in enumerate(ca.vertsplit(ca.vertcat(*lines)))}

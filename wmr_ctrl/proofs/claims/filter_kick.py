@@ -5,15 +5,9 @@ from itertools import combinations, product
 
 import casadi as ca
 
+from wmr_ctrl.filter import held_loop
 from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.governor import FirstOrder, largest_command
-from wmr_ctrl.filter.held_loop import (
-    STABLE,
-    pace_of_friction,
-    push_of_kick,
-    push_of_share,
-    push_speeds,
-)
 from wmr_ctrl.model.dynamics import KEYS, friction, plant, rk4_step, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import AXES, PRESET, scalars
@@ -51,7 +45,8 @@ def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
     push, error = ([Traced(1.0, told[f"{name}{i}"], trace) for i in (1, 2)]
                    for name in ("push", "error"))  # fmt: skip
     with functions_for_traced("wmr_ctrl.filter", but="wmr_ctrl.filter.hypotheses"):
-        speeds = push_speeds(scenario, Bound(dbar=(push[0], push[1]), command=(error[0], error[1])))
+        off = Bound(dbar=(push[0], push[1]), command=(error[0], error[1]))
+        speeds = held_loop.push_speeds(scenario, off)
     return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g.symbols), told
 
 
@@ -113,7 +108,7 @@ class HeldStep:
     def x(self) -> ca.SX:
         """Friction's pace."""
         slope = slope_at_rest(self.mu, self.m, self.g, self.v_s)
-        return pace_of_friction(self.h, slope, self.m)
+        return held_loop.pace_of_friction(self.h, slope, self.m)
 
     def friction(self, v: ca.SX) -> ca.SX:
         """F1 at a speed."""
@@ -152,7 +147,7 @@ def held_friction(mutation: Mutation) -> Statement:
     changes = s.changes(product(("start",), STAGES))
     alike = [at_least(rise * (change - rise)) for rise, change in changes]
     goals = at_least(moved, least), *between(0, moved, s.way)
-    return Statement(s.t, goals, (*s.given, *alike, at_least(STABLE, s.x)), s.cuts)
+    return Statement(s.t, goals, (*s.given, *alike, at_least(held_loop.STABLE, s.x)), s.cuts)
 
 
 @claim("filter.held-kick", given=TANH.format("2", "each of stages and v1 behind to each other"))
@@ -188,7 +183,7 @@ class Command:
             "start bound asked gone gone_least gone_most credit left V d K_max kick",
             "V d K_max kick gone_least gone_most",
         )
-        self.push = push_of_kick(mutation(1, 0.9) * t.kick, t.gone_least)
+        self.push = held_loop.push_of_kick(mutation(1, 0.9) * t.kick, t.gone_least)
         kappa = 1 / t.gone_most - 1
         unused, d = ca.SX(0), t.d + self.push
         limits = FirstOrder(t.V, d, unused, unused, t.K_max, kappa)
@@ -298,7 +293,7 @@ def held_share(mutation: Mutation) -> Statement:
     Behind a clip a wheel that stops for a turn keeps its limit although friction holds back v.
     """
     t = symbols("v omega to turn_to share held q V W l", "held V W l")
-    d = push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held
+    d = held_loop.push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held
     after = t.v + t.share * t.q * (t.to - t.v), t.omega + t.q * (t.turn_to - t.omega)
 
     def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> tuple[Relation, ...]:

@@ -9,15 +9,9 @@ from typing import Any
 
 import casadi as ca
 
+from wmr_ctrl.filter import governor
 from wmr_ctrl.filter.channels import ROUNDING, Channel
-from wmr_ctrl.filter.governor import (
-    FirstOrder,
-    Schedule,
-    SpeedBound,
-    drive,
-    largest_command,
-    relaxed,
-)
+from wmr_ctrl.filter.governor import FirstOrder, drive, largest_command, relaxed
 from wmr_ctrl.filter.governor_step import contradiction
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.command_filter import INTERVALS
@@ -190,7 +184,7 @@ def rim(mutation: Mutation) -> Statement:
     return Statement(s, goals, (*_stated(b), above(s.l)), computed={"target": exact})
 
 
-LOOKED_BACK = Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
+LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
 """Times for the structure of the pieces that odometry looks back through; others count alike."""
 
 
@@ -211,7 +205,7 @@ def rest(mutation: Mutation) -> Statement:
     ends = {f"end{k}": piece.end * T for k, piece in enumerate(pieces)}
     starts = {"start": pieces[0].start * T}
     s |= symbols(" ".join((*ends, *starts)))
-    left = SpeedBound(LOOKED_BACK, FirstOrder(*[ca.SX(1)] * 6), (ca.SX(1), ca.SX(1)), T)
+    left = governor.SpeedBound(LOOKED_BACK, FirstOrder(*[ca.SX(1)] * 6), (ca.SX(1), ca.SX(1)), T)
     spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, list[Relation]()
     for k, piece in enumerate(pieces):
         start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
@@ -278,7 +272,7 @@ def agrees(mutation: Mutation) -> Statement:
     "filter.rounding.axes-drive filter.rounding.beside-cut filter.rounding.beside-axes-turn "
     "filter.rounding.beside-axes-drive filter.rounding.beside-turn filter.rounding.beside-drive",
 )
-def governor() -> None:
+def governed() -> None:
     """|v| <= V (1 - 2^-26) (1 + 2^-28) (1 + 2^-52) < V, V the stated limit, behind what the text
     computes: the speed is at most 2^-28 V + n 2^-44 V above its computed bound at samples, since
     the base goes at least n 2^-14 of its way in a period, and n 2^-44 V more at a takeover.

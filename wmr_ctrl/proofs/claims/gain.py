@@ -18,6 +18,7 @@ import casadi as ca
 
 from wmr_ctrl.barrier.stable import Axis, SmoothAxis, smooth_barrier
 from wmr_ctrl.model.dynamics import acceleration
+from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.authority_table import AXES, Numbers
 from wmr_ctrl.proofs.claims.common import (
@@ -31,18 +32,7 @@ from wmr_ctrl.proofs.claims.common import (
 from wmr_ctrl.proofs.claims.sampled import SETTINGS
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Point, Ring, Table
-from wmr_ctrl.proofs.regions import (
-    CHARTED,
-    NONNEGATIVE,
-    POSITIVE,
-    SMOOTH_TARGETS,
-    TARGET_EDGES,
-    TARGETS,
-    Case,
-    all_cases,
-    smooth_cases,
-    target_value,
-)
+from wmr_ctrl.proofs.regions import NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, positive
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
@@ -85,12 +75,12 @@ def charted(target: str) -> Case:
 
     def values(n: Mapping[str, Any]) -> dict[str, Any]:
         u2, b = n["u2"], n["b"]
-        c = target_value(target, u2, b, n.get("j", 0))
+        c = regions.target_value(target, u2, b, n.get("j", 0))
         B = u2 + b + (-c if target.endswith("-") else c)
         v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
         return {"u1": u2 + b, "u2": u2, "c": c, "v": v}
 
-    names = ("u2", "b", "e", *(("j",) if target[:-1] in CHARTED else ()))
+    names = ("u2", "b", "e", *(("j",) if target[:-1] in regions.CHARTED else ()))
     return Case(f"v_c0 {target}, v >= v*", dict.fromkeys(names, POSITIVE), values)
 
 
@@ -118,7 +108,7 @@ STAR = (
     "v* = v_u1 - delta g^2, 1/g = 3 + 2 delta B + (rho M/D) (8 delta + B), delta = v_u1 - v_u2, "
     "B = v_u1 + |v_c0|"
 )
-AHEAD = smooth_cases(sides=("out+",))
+AHEAD = regions.smooth_cases(sides=("out+",))
 claim = Claims(by=Z3(), given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
 
 
@@ -126,7 +116,7 @@ claim = Claims(by=Z3(), given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
     "gain.ceiling",
     (12, 16),
     given=ALL_LIMITS,
-    by=Ring(all_cases(), log_lemma=True),
+    by=Ring(regions.all_cases(), log_lemma=True),
     premises="lemma.log",
 )
 def ceiling(mutation: Mutation) -> Statement:
@@ -187,9 +177,9 @@ def fades(mutation: Mutation) -> Statement:
     premises="gain.cover",
     over=(
         {"key": "", "equations": (15,), "words": "paper's", "form": Axis,
-         "targets": TARGETS + TARGET_EDGES},
+         "targets": regions.TARGETS + regions.TARGET_EDGES},
         {"key": "-smooth", "equations": (), "words": "smooth", "form": SmoothAxis,
-         "targets": SMOOTH_TARGETS},
+         "targets": regions.SMOOTH_TARGETS},
     ),
 )  # fmt: skip
 def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:

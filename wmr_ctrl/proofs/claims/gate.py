@@ -2,18 +2,9 @@
 
 import casadi as ca
 
+from wmr_ctrl.filter import gate
 from wmr_ctrl.filter.channels import AXES, WAYS
 from wmr_ctrl.filter.clip import Clip
-from wmr_ctrl.filter.gate import (
-    COMMAND_AGE,
-    ELAPSED,
-    LAST,
-    LATCHED,
-    RESET,
-    STOP,
-    GateSettings,
-    gate_and_goal,
-)
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import elements_of, named_ports
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -27,7 +18,7 @@ STATED = {
     "filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05],
 }  # fmt: skip
 SOUND = "0 < K_min <= K_max, 0 <= dbar < V; every input of any size"
-SETTINGS = GateSettings()
+SETTINGS = gate.GateSettings()
 claim = Claims(by=Z3(effort=60))
 
 
@@ -37,7 +28,7 @@ class GateStep:
     def __init__(self) -> None:
         """Read the graph."""
         scenario = load_scenario("paper-simulation", STATED)
-        self.system, self.goal = gate_and_goal(scenario, SETTINGS)
+        self.system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
         self.period = scenario.clock.control
         ports = (*self.system.inputs, *self.system.state, *self.system.params)
         self.ports = {item.signal: item.sym for item in ports}
@@ -56,7 +47,7 @@ class GateStep:
     @property
     def sound(self) -> tuple[Relation, ...]:
         """Parameters that leave a command which is safe, and a step of one period."""
-        given = [equal(self[ELAPSED])]
+        given = [equal(self[gate.ELAPSED])]
         for V, dbar, low, high in self.bounds:
             given += [above(V, dbar), at_least(dbar), above(low), at_least(high, low)]
         return tuple(given)
@@ -67,7 +58,7 @@ class GateStep:
 
     def falling(self, mutation: Mutation) -> tuple[Relation, ...]:
         """|sent_i| <= max(|last_i| - fall_i T, 0) for both axes."""
-        last = self[LAST]
+        last = self[gate.LAST]
         step = [mutation(1, 1.1) * SETTINGS.fall[i] * self.period for i in AXES]
         return self.below([ca.fmax(ca.fabs(last[i]) - step[i], 0) for i in AXES])
 
@@ -90,8 +81,8 @@ def stop(mutation: Mutation) -> Statement:
     A stop sends 0 at once, not a ramp.
     """
     g = GateStep()
-    goals = tuple(equal(g.sent[i], mutation(0, 1e-3) * g[LAST][i]) for i in AXES)
-    return Statement(g.symbols, goals, (*g.sound, above(g[STOP])))
+    goals = tuple(equal(g.sent[i], mutation(0, 1e-3) * g[gate.LAST][i]) for i in AXES)
+    return Statement(g.symbols, goals, (*g.sound, above(g[gate.STOP])))
 
 
 @claim("gate.stale", given=f"{SOUND}; age of the command > timeout")
@@ -101,7 +92,7 @@ def stale(mutation: Mutation) -> Statement:
     Without a recent command the base is brought to rest.
     """
     g = GateStep()
-    old = above(g[COMMAND_AGE], ca.SX(SETTINGS.command_timeout))
+    old = above(g[gate.COMMAND_AGE], ca.SX(SETTINGS.command_timeout))
     return Statement(g.symbols, g.falling(mutation), (*g.sound, old))
 
 
@@ -113,7 +104,7 @@ def latched(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     after = g.system.update[-3]
-    given = (*g.sound, above(g[LATCHED]), at_least(-g[RESET]))
+    given = (*g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET]))
     return Statement(g.symbols, (*g.falling(mutation), equal(after, ca.SX(1))), given)
 
 
@@ -126,7 +117,7 @@ def rise(mutation: Mutation) -> Statement:
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.period for i in AXES]
     most, goal = (
-        [ca.fabs(g[LAST][i]) + step[i] for i in AXES],
+        [ca.fabs(g[gate.LAST][i]) + step[i] for i in AXES],
         {f"goal{i}": g.goal[i] for i in AXES},
     )
     return Statement(g.symbols, g.below(most), g.sound, cuts=goal)

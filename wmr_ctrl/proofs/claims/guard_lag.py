@@ -13,15 +13,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard import HARD, left, on
 from wmr_ctrl.proofs.claims.guard_axis import LAGGING, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import larger, spares
-from wmr_ctrl.proofs.relation import (
-    Relation,
-    above,
-    at_least,
-    between,
-    equal,
-    nonnegative,
-    positive,
-)
+from wmr_ctrl.proofs.relation import Relation, at_least, between, equal, nonnegative, positive
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 
@@ -42,7 +34,7 @@ def exponentials(a: GuardAxis) -> tuple[Relation, ...]:
     fast, slow, rises, falls = a.fast, a.slow, a.rises_by, a.falls
     same = () if a.varies else (equal(a.rise_late, a.rise),)
     return (
-        *between(0, fast, slow), above(slow), *between(0, rises, falls), at_least(ca.SX(1), falls),
+        *between(0, fast, slow), *positive(slow), *between(0, rises, falls), at_least(1, falls),
         at_least(a.J, slow * (1 - falls)), equal(a.rise_J, (slow - fast) * (1 - rises)),
         *between(0, a.rise, a.rise_late), at_least(slow - fast, a.rise_late), *same,
     )  # fmt: skip
@@ -123,8 +115,8 @@ def varying_more(mutation: Mutation) -> Statement:
         at_least(more * (b + a.J) * most, b * z + again + a.rise * (most - after)),
         at_least(b * most, b * z + a.rise_late * (most - z)), at_least(again),
     )  # fmt: skip
-    given = (*exponentials(a), above(a.J), *between(0, z, most), at_least(most, p), above(most))
-    return Statement(a.symbols, goals, given)
+    sizes = *positive(a.J), *between(0, z, most), at_least(most, p), *positive(most)
+    return a.states(*goals, given=(*exponentials(a), *sizes))
 
 
 @claim(
@@ -166,9 +158,9 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     )
     given = (
         *between(0, z, most), *between(0, after, most), at_least(again),
-        above(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
+        *positive(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
         at_least(lag * most, lag * z + a.rise_late * (most - z)), *exponentials(a),
-        *positive(b.M_min, b.alpha), *([above(J)] * a.varies),
+        *positive(b.M_min, b.alpha), *positive(*([J] * a.varies)),
     )  # fmt: skip
     return Statement(a.symbols, (goal,), given)
 
@@ -239,7 +231,7 @@ def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     given = (
         *a.sound(), *exponentials(a), at_least(b.braking, a.net), at_least(a.hi, a.lo),
         *a.lines(way, a("room_", way), spare), *nonnegative(z, after, again),
-        at_least(a.mass, b.M_min), above(b.M_min),
+        at_least(a.mass, b.M_min), *positive(b.M_min),
     )  # fmt: skip
     return Statement(a.symbols, tuple(goals), given, a.rooms)
 

@@ -12,15 +12,7 @@ from wmr_ctrl.guard.lateness import AT_ONCE, Tail
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard import CAPS, HARD, on, solver
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, LATE, GuardAxis
-from wmr_ctrl.proofs.relation import (
-    Relation,
-    above,
-    at_least,
-    between,
-    equal,
-    nonnegative,
-    positive,
-)
+from wmr_ctrl.proofs.relation import Relation, at_least, between, equal, nonnegative, positive
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import column, symbols
 
@@ -121,7 +113,7 @@ def queue(mutation: Mutation) -> Statement:
             rest = in_flight(sent[: n - 1], axis, a.bounds)
             goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
             goals.append(equal(every.back, rest.back + last.back))
-    return Statement(a.symbols | t, tuple(goals), (above(a.bounds.M_min),))
+    return Statement(a.symbols | t, tuple(goals), positive(a.bounds.M_min))
 
 
 @claim(
@@ -192,7 +184,7 @@ def added(a: GuardAxis) -> tuple[Relation, ...]:
     return (
         at_least(rest, a.rest_ahead), at_least(rest, a.rest_back),
         at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back),
-        at_least(a.J * most, again.ahead + again.back), above(b.M_min),
+        at_least(a.J * most, again.ahead + again.back), *positive(b.M_min),
         at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back),
     )  # fmt: skip
 
@@ -235,9 +227,9 @@ def late_room(mutation: Mutation) -> Statement:
     b, t = a.bounds, symbols("spare_ahead spare_back again_ahead again_back")
     spared = (*spares(a), a.again.ahead, a.again.back)
     again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
-    signs = nonnegative(t.again_ahead, t.again_back)
-    positive = tuple(above(item) for item in (b.M_min, b.alpha, b.period, a.J))
-    given = (*positive, *a.capped, *signs, again, _spared(a, t.spare_ahead, t.spare_back))
+    signs = *positive(b.M_min, b.alpha, b.period, a.J), *a.capped
+    sums = *nonnegative(t.again_ahead, t.again_back), again
+    given = (*signs, *sums, _spared(a, t.spare_ahead, t.spare_back))
     cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
     goal = a.enough(a.left, mutation(1, 0.99))
     return Statement(a.symbols | t, (goal,), given, cuts)
@@ -286,6 +278,6 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
     given = (
-        *a.sound(), above(window), *between(0, share, 1), *between(0, t.V, b.u1),
+        *a.sound(), *positive(window), *between(0, share, 1), *between(0, t.V, b.u1),
     )  # fmt: skip
     return Statement(a.symbols | t, (at_least(reached, mutation(1, 1.01) * v),), given)

@@ -2,16 +2,9 @@
 
 import casadi as ca
 
-from wmr_ctrl.model import dynamics
+from wmr_ctrl.model import dynamics, kinematics
 from wmr_ctrl.model.dynamics import KEYS, plant
-from wmr_ctrl.model.kinematics import (
-    auxiliary_rate,
-    constraint,
-    error_rate,
-    pose_rate,
-    tracking_error,
-    velocity_map,
-)
+from wmr_ctrl.model.kinematics import constraint, error_rate, pose_rate, velocity_map
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.methods.spec import Ring
@@ -166,7 +159,7 @@ def eq33_35(mutation: Mutation) -> Statement:
     pose, pose_d = stacked(t, "q", 3), stacked(t, "d", 3)
     v, v_d = stacked(t, "v", 2), stacked(t, "vd", 2)
     motion = ca.vertcat(pose_rate(pose[2], v), pose_rate(pose_d[2], v_d))
-    e = tracking_error(pose_d, pose)
+    e = kinematics.tracking_error(pose_d, pose)
     rate = ca.jtimes(e, ca.vertcat(pose, pose_d), motion)
     return Statement(t, every(rate, error_rate(e, v * ca.vertcat(1, mutation), v_d)))
 
@@ -183,5 +176,5 @@ def target_rate(mutation: Mutation) -> Statement:
     s, c = ca.sin(e[2]), ca.cos(e[2])
     first = t.a1 * c - mutation * v_d[0] * s * rate[2] + t.k1 * rate[0]
     second = t.a2 + t.k2 * (t.a1 * e[1] + v_d[0] * rate[1]) + t.k3 * c * rate[2]
-    used = auxiliary_rate(e, v, v_d, stacked(t, "a", 2), stacked(t, "k", 3))
+    used = kinematics.auxiliary_rate(e, v, v_d, stacked(t, "a", 2), stacked(t, "k", 3))
     return Statement(t, every(used, ca.vertcat(first, second)))

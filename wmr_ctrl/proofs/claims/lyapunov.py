@@ -5,6 +5,7 @@ import casadi as ca
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import target_rate, total_barrier
 from wmr_ctrl.model.dynamics import acceleration
+from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import (
     CLOSED_FORM,
@@ -16,14 +17,7 @@ from wmr_ctrl.proofs.claims.common import (
 )
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
-from wmr_ctrl.proofs.regions import (
-    at,
-    law_cases,
-    off_target_cases,
-    open_cases,
-    paired_cases,
-    target_cases,
-)
+from wmr_ctrl.proofs.regions import at
 from wmr_ctrl.proofs.relation import above, at_least, equal
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
@@ -65,10 +59,10 @@ def two_axes() -> tuple[Moving, Moving, ca.SX]:
     return m, n, ca.jtimes(total_barrier(*columns), point, rates)
 
 
-OPEN35, PAIRS = Ring(open_cases()), Ring(paired_cases(), spare=12)
-TARGETS7 = Ring(target_cases(edges=False))
-LAW = tuple(Ring(law_cases(open_cases(), axis), CLOSED_FORM) for axis in (0, 1))
-NONZERO = off_target_cases()
+OPEN35, PAIRS = Ring(regions.open_cases()), Ring(regions.paired_cases(), spare=12)
+TARGETS7 = Ring(regions.target_cases(edges=False))
+LAW = tuple(Ring(regions.law_cases(regions.open_cases(), axis), CLOSED_FORM) for axis in (0, 1))
+NONZERO = regions.off_target_cases()
 NOMINAL = OFF_EDGES + "; model exact, no disturbance, |v| below the clip" + NO_SERIES
 KINK = (at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)
 R2_POINT = (at(v=0, c=2, u1=1, u2="4/5", cdot=1),)
