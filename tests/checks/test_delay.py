@@ -9,8 +9,8 @@ import scipy.linalg
 from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks.radius import operating_points, radius
-from wmr_ctrl.checks.sample_time import largest_period, stable_periods
 from wmr_ctrl.checks.sampled_plant import Motion
+from wmr_ctrl.checks.stable_ranges import largest_period, stable_periods
 from wmr_ctrl.laws.prox import guide
 
 NOMINAL = "paper-simulation-nominal"

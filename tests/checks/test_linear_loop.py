@@ -17,8 +17,8 @@ from wmr_ctrl.checks.radius import (
     radius,
     stretches_of,
 )
-from wmr_ctrl.checks.sample_time import largest_period
 from wmr_ctrl.checks.sampled_plant import divided
+from wmr_ctrl.checks.stable_ranges import largest_period
 from wmr_ctrl.checks.surroundings import DriveTimes, _counts
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.setup import settle

@@ -13,7 +13,7 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import largest_stable_period
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.radius import operating_points
-from wmr_ctrl.checks.sample_time import largest_period
+from wmr_ctrl.checks.stable_ranges import largest_period
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.scenario import load_scenario
 

@@ -8,18 +8,25 @@ import pytest
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.checks.sample_time import (
+from wmr_ctrl.checks.sample_time import sample_time
+from wmr_ctrl.checks.sending import loop_of
+from wmr_ctrl.checks.stable_ranges import (
+    Stability,
     largest_period,
     largest_stable_delay,
-    sample_time,
     stability,
+    stable_delays,
     stable_masses,
 )
-from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.surroundings import IDLE, lost_samples, rounded_effects
 from wmr_ctrl.cli.check_sentences import stable
+from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.model.kinematics import error_rotation
+from wmr_ctrl.results import split_columns
 from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.sim.interpreted import _Run
+from wmr_ctrl.sim.runnable import settings_of
 from wmr_ctrl.world.references import sample
 
 SMALL, SAMPLES = 1e-5, 80
@@ -69,6 +76,60 @@ def test_a_small_displacement_goes_the_way_of_the_matrices(law: str, base: str) 
     assert np.array(rows) == pytest.approx(seen, abs=1e-6)
 
 
+def near_rest(scenario: Scenario, law: str, away: float) -> np.ndarray:
+    """Error and velocity (N, 5) of the loop that runs, displaced from where it is told to rest.
+
+    It has rested there for long: so have all commands under way, in the queue of the engine.
+    """
+    setup = settle(scenario, law)
+    loop, desired = loop_of(setup), sample(scenario, np.zeros(1))[0]
+    at = loop.resting(desired[3:5], 0.0, scenario.clock.control)
+    assert at is not None
+    e = at.e + away * AWAY
+    theta = desired[2] - e[2]
+    shift = np.asarray(error_rotation(theta)).T @ e
+    pose = [*(desired[:2] - shift[:2]), theta]
+    own = [item.signal for item in loop.core.state]
+    memory = np.split(at.memory, np.cumsum([item.size for item in own])[:-1])
+    known = dict(zip((item.name for item in own), memory, strict=True))
+    run = _Run(loop_functions(setup), 0, settings_of(scenario))
+    state = [item.name for item in run.numbers.layout.state]
+    numbers = dict(zip(("x", "y", "theta", "v1", "omega"), [*pose, *at.v], strict=True)) | known
+    sizes = [item.size for item in run.numbers.layout.state]
+    run.x = np.concatenate([
+        np.broadcast_to(numbers.get(name, 0.0), size)
+        for name, size in zip(state, sizes, strict=True)
+    ])  # fmt: skip
+    run.queue[:] = at.force
+    columns = split_columns(
+        run.numbers.layout.columns, np.array([run.sample(k) for k in range(40)])
+    )
+    return np.column_stack((columns["e"], columns["v1"], columns["omega"]))
+
+
+@pytest.mark.parametrize("periods", [0.3, 1.0, 1.7])
+@pytest.mark.parametrize("law", ["mb", "prox", "pid"])
+def test_the_queue_of_commands_is_the_one_that_runs(law: str, periods: float) -> None:
+    """Differences about where the loop rests, of the engine whose queue is a ring of plant steps.
+
+    The gains are not 1, so it does not rest on its reference.
+    """
+    late = {"base.delay": periods * 0.05, "base.gain": [1.3, 0.8], "clock.plant": 0.005}
+    scenario = moving(late)
+    there, one, other = (near_rest(scenario, law, away) for away in (0.0, SMALL, -SMALL))
+    seen = (one - other) / (2 * SMALL)
+    loop = loop_of(settle(scenario, law))
+    at = loop.resting(sample(scenario, np.zeros(1))[0][3:5], 0.0, 0.05)
+    assert at is not None
+    matrix = loop.closed(at, 0.05)
+    x = np.concatenate((seen[0], np.zeros(len(matrix) - 5)))
+    expected = [x[:5]] + [(x := matrix @ x)[:5] for _ in seen[1:]]
+
+    assert there == pytest.approx(np.tile(at.s, (len(there), 1)), abs=1e-9)
+    assert np.abs(at.e).max() > 1e-3 or law == "prox"
+    assert np.array(expected) == pytest.approx(seen, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("law", "base"),
     [("mb", "first-order"), ("prox", "late"), ("kanayama", "ramps"), ("prox", "late pi")],
@@ -116,6 +177,64 @@ def test_a_law_knows_of_the_longest_delay_that_is_told() -> None:
         away = np.abs(off(late, "prox", SMALL)[:, :3])
 
         assert bool(away[-200:].max() > away[600:800].max()) is (share > 1)
+
+
+@pytest.mark.parametrize(("law", "gain"), [("mb", [1.3, 0.8]), ("kanayama", [0.8, 1.3])])
+def test_where_it_does_not_rest_on_its_reference_the_longest_period_holds_at_its_rest(
+    law: str, gain: list[float]
+) -> None:
+    scenario = moving({"base.gain": gain})
+    told = stability(scenario, law)
+    assert told.off is not None
+    assert told.off > 5e-3
+    ends = []
+    for share in (0.9, 1.1):
+        clock = {"clock.control": round(share * told.period, 3), "clock.plant": 0.001}
+        timed = override(scenario, clock | {"clock.duration": 400 * clock["clock.control"]})
+        ends.append(np.abs(np.diff(near_rest(timed, law, SMALL)[:, :3], axis=0)))
+
+    assert ends[0][-5:].max() < ends[0][:5].max()
+    assert ends[1][-5:].max() > 10 * ends[1][:5].max()
+
+
+def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number() -> None:
+    """Pure pursuit commands the reference's speed: at half of it the way behind grows for ever."""
+    weak = moving({"base.gain": [0.5, 0.5], "clock.duration": 60.0})
+    run = simulate(weak, "pursuit")
+    (told,) = sample_time(loop_of(settle(weak, "pursuit")))
+
+    assert np.hypot(*run["e"][-1][:2]) > 0.5
+    assert told.key == "base.gain"
+    assert stability(weak, "pursuit").period == 0
+    assert "no rest near the reference" in stable(stability(weak, "pursuit"), 0.05)
+
+
+def test_a_firmware_that_cuts_the_paths_own_commands_is_named() -> None:
+    """The outer wheel of this circle turns at (0.16 + 0.08 * 0.2) / 0.033 = 5.33 rad/s."""
+    told = [stability(moving({"base.w_max": w}), "kanayama").remarks for w in (5.3, 5.4)]
+
+    assert ["base.w_max" in " ".join(remarks) for remarks in told] == [True, False]
+
+
+def test_a_network_is_linearised_with_its_weights_moving() -> None:
+    """Held, they allow less here than they do (0.392 s), and elsewhere more."""
+    scenario = moving({})
+    limit = largest_period(loop_of(settle(scenario, "nn")))
+    ends = []
+    for period in (0.4, round(1.1 * limit, 3)):
+        clock = {"clock.control": period, "clock.duration": 800 * period}
+        ends.append(np.abs(off(override(scenario, clock), "nn", SMALL)[-40:, :3]).max())
+
+    assert limit > 0.4
+    assert ends[0] < 1e-4 < 1e-2 < ends[1]
+
+
+def test_a_loop_that_is_stable_only_with_its_delay_is_told_from_there_on() -> None:
+    """A law that counts on the commands under way is made for its delay."""
+    words = Stability(0.0, 0.3, 0.2, None, 1e-4, least_delay=0.1)
+
+    assert words.delay_words == "for a delay of 0.1 to 0.2 s"
+    assert stable_delays(loop_of(settle(moving({}), "kanayama")))[0] == 0.0
 
 
 def test_a_loop_that_knows_its_mass_is_the_same_with_every_mass() -> None:

@@ -13,8 +13,8 @@ from tests.corridor.adversary import Attacked
 from wmr_ctrl.checks import stability
 from wmr_ctrl.checks.outlook import CheckVerdict, verdict
 from wmr_ctrl.checks.radius import largest_radius, operating_points
-from wmr_ctrl.checks.sample_time import shortest_tried
 from wmr_ctrl.checks.sending import loop_of
+from wmr_ctrl.checks.stable_ranges import shortest_tried
 from wmr_ctrl.checks.surroundings import oldest_shown
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import load_scenario, override

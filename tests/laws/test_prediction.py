@@ -12,7 +12,7 @@ from tests import oracle
 from tests.checks.asking import closed, told_of
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import stability
+from wmr_ctrl.checks.stable_ranges import stability
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle

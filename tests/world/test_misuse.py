@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from tests.world import toys
 from wmr_ctrl.api import compile_loop, export_fmu, scenario_of, simulate
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import largest_period
+from wmr_ctrl.checks.stable_ranges import largest_period
 from wmr_ctrl.checks.surroundings import rounded_effects
 from wmr_ctrl.cli import root
 from wmr_ctrl.control.setup import settle

@@ -19,11 +19,11 @@ from wmr_ctrl.checks.preconditions import (
     start,
     units,
 )
-from wmr_ctrl.checks.sample_time import Stability as Stability
-from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.checks.sample_time import sample_time
-from wmr_ctrl.checks.sample_time import stability as stability
 from wmr_ctrl.checks.sending import loop_of
+from wmr_ctrl.checks.stable_ranges import Stability as Stability
+from wmr_ctrl.checks.stable_ranges import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.stable_ranges import stability as stability
 from wmr_ctrl.checks.torques import first_torques as first_torques
 from wmr_ctrl.checks.torques import grip_warnings as grip_warnings
 from wmr_ctrl.checks.torques import noise_gain, weak_drives

@@ -230,6 +230,20 @@ class Loop:
             self._points[key] = replace(self.after_a_sample(there), force=force)
         return replace(self._points[key], theta=theta)
 
+    def resting(
+        self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
+    ) -> Point | None:
+        """The point to linearise at for a ``period`` [s] and a ``robot``; None where it has none.
+
+        Of a base that takes torques `on_reference`: the loop's slopes hardly change about it.
+        """
+        return self.on_reference(v_d, theta)
+
+    @property
+    def learns(self) -> bool:
+        """True if estimates and weights move in its linear loop, false if they are held."""
+        return False
+
     @cached_property
     def _points(self) -> dict[tuple[float, ...], Point]:
         return {}

@@ -45,8 +45,10 @@ def largest_radius(
     stretches = stretches_of(loop.scenario)
 
     def of(v_d: Floats, theta: float) -> Floats:
-        at = loop.on_reference(v_d, theta)
-        return from_pose_to_pose(loop, at, period, drives=drives, robot=robot)
+        at, learning = loop.resting(v_d, theta, period, robot), loop.learns
+        if at is None:
+            return np.full((1, 1), np.inf)
+        return from_pose_to_pose(loop, at, period, drives=drives, robot=robot, learning=learning)
 
     def at(theta: float) -> float:
         if stretches is None:

@@ -5,44 +5,34 @@ e (3) and v (2) of the robot, what drives and sensors keep, and the law's memory
 included, but for estimates and weights.
 """
 
-import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from collections.abc import Iterator
 
 import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Loop
-from wmr_ctrl.checks.radius import (
-    MARGIN,
-    RATIO,
-    SHORTEST,
-    edge,
-    largest_radius,
-    only_forwards,
-    supremum,
-)
+from wmr_ctrl.checks.radius import only_forwards
 from wmr_ctrl.checks.sending import loop_of
-from wmr_ctrl.checks.surroundings import delays_by_name, oldest_shown
+from wmr_ctrl.checks.stable_ranges import (
+    distance_at_rest,
+    shortest_tried,
+    stable_masses,
+    stable_periods,
+)
+from wmr_ctrl.checks.surroundings import delays_by_name
 from wmr_ctrl.checks.torques import first_torques
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, gains_that_fit, joined
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.values import LARGEST
 from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario import override
 from wmr_ctrl.world.effect import EffectRole
 
 SAFE = 0.5
 """Share of a stability limit that the remedies propose."""
 
-MOST_UNDER_WAY = 40
-"""Commands that the shortest period that is tried leaves under way in a delay."""
-
-MASSES, NEAR, CLOSE = 20.0, (0.6, 1.6), (0.8, 1.25)
-"""Ratios of true to believed mass: tried; to be stood; and those that a load soon reaches."""
+NEAR, CLOSE = (0.6, 1.6), (0.8, 1.25)
+"""Ratios of true to believed mass that are to be stood, and those that a load soon reaches."""
 
 MOST_STEPS = 500
 
@@ -73,25 +63,10 @@ def kink_limits(loop: Loop, period: float | None = None) -> Floats:
 
 
 def _linear(loop: Loop) -> Iterator[Warning]:
+    if (reason := next(_without_loop(loop), None)) is not None:
+        yield reason
+        return
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
-    if period > loop.longest:
-        yield Warning(
-            PERIOD,
-            f"clock.control = {period:g} s is longer than base.timeout = {loop.longest:g} s: the "
-            "base stops before each command, and stability is not computed for that. Shorten "
-            "clock.control, or raise base.timeout if the base has a longer one.",
-            "docs/linear.md",
-        )
-        return
-    if not loop.traits.auxiliary and (slowest := only_forwards(loop)):
-        yield Warning(
-            "reference",
-            f"{loop.law} follows a reference that moves forwards, and v1_d of this one falls to "
-            f"{slowest:.4g} m/s, that is backwards, where errors do not fade. Ask for a reference "
-            "that keeps moving forwards, or take another law.",
-            f"{loop.equations}, linearised",
-        )
-        return
     words = delays_by_name(loop.setup)
     late = "".join(f"a {word} of {value:g} s and " for word, value in words.items())
     if limit == 0:
@@ -130,6 +105,35 @@ def _linear(loop: Loop) -> Iterator[Warning]:
         )
     else:
         yield from _mass(loop)
+
+
+def _without_loop(loop: Loop) -> Iterator[Warning]:
+    """Yield why there is no linear loop that could be stable."""
+    period = loop.scenario.clock.control
+    if period > loop.longest:
+        yield Warning(
+            PERIOD,
+            f"clock.control = {period:g} s is longer than base.timeout = {loop.longest:g} s: the "
+            "base stops before each command, and stability is not computed for that. Shorten "
+            "clock.control, or raise base.timeout if the base has a longer one.",
+            "docs/linear.md",
+        )
+    if not loop.traits.auxiliary and (slowest := only_forwards(loop)):
+        yield Warning(
+            "reference",
+            f"{loop.law} follows a reference that moves forwards, and v1_d of this one falls to "
+            f"{slowest:.4g} m/s, that is backwards, where errors do not fade. Ask for a reference "
+            "that keeps moving forwards, or take another law.",
+            f"{loop.equations}, linearised",
+        )
+    if distance_at_rest(loop) is None:
+        yield Warning(
+            "base.gain" if _blames_gain(loop) else "reference",
+            f"{loop.law} does not rest near the reference within the limits, so there is no loop "
+            "to call stable. Ask for a slower reference, have the base's driver divide commands by "
+            "base.gain if that is not [1, 1], or take another law.",
+            f"{loop.equations}, sampled",
+        )
 
 
 def _mass(loop: Loop) -> Iterator[Warning]:
@@ -195,137 +199,6 @@ def _first_step(loop: Loop) -> Iterator[Warning]:
             "start nearer to the reference.",
             f"Eqs. (4), {outer}one held step",
         )
-
-
-@checks_arguments
-def largest_stable_period(scenario: Scenario, law: str) -> float:
-    """Supremum [s] of the stable periods about the scenario's, or of the next below.
-
-    Over all points of the reference; 0.0 if the scenario's period and all shorter ones that were
-    tried are unstable, inf if all longer ones (up to 10 s) are stable.  Raises UnknownNameError
-    for a law.
-    """
-    return largest_period(loop_of(settle(scenario, law)))
-
-
-@dataclass(frozen=True)
-class Stability:
-    """Around the reference: stable periods, largest delay [s], ratios of true to believed mass.
-
-    Delay and masses are for the scenario's period; see the functions of these names. ``tried`` is
-    the shortest period that was looked at; ``held``: beyond which the base stops between commands.
-    """
-
-    shortest: float
-    period: float
-    delay: float | None
-    masses: tuple[float, float] | None
-    tried: float
-    held: float = math.inf
-
-    @property
-    def mass_words(self) -> str:
-        """The ratios in words; an end of the range that was tried is no limit."""
-        low, high = self.masses or (math.nan, math.nan)
-        less, more = " or less" * (low <= 1 / MASSES), " or more" * (high >= MASSES)
-        return f"{low:.3g}{less} to {high:.3g}{more} times the believed one"
-
-
-def stability(scenario: Scenario, law: str) -> Stability:
-    """All three for a law on a scenario; raises UnknownNameError for a law."""
-    loop = loop_of(settle(scenario, law))
-    delay, masses = largest_stable_delay(loop), stable_masses(loop)
-    return Stability(*stable_periods(loop), delay, masses, shortest_tried(loop), loop.longest)
-
-
-def largest_period(loop: Loop) -> float:
-    """The same for a Loop that is at hand."""
-    return stable_periods(loop)[1]
-
-
-@lru_cache(maxsize=64)
-def stable_periods(loop: Loop) -> tuple[float, float]:
-    """Ends [s] of the stretch of stable periods that holds the scenario's, or of the next below.
-
-    The lower end is 0.0 where all shorter ones that were tried are stable too, which a delay can
-    prevent; (0.0, 0.0) where the scenario's period and all shorter ones that were tried are not.
-    """
-    shortest, inside = shortest_tried(loop), loop.scenario.clock.control
-
-    @cache
-    def of(period: float) -> float:
-        return largest_radius(loop, period)
-
-    outside = math.inf
-    while of(inside) > 1 + MARGIN:
-        outside, inside = inside, inside / RATIO
-        if inside < shortest:
-            return 0.0, 0.0
-    high = edge(of, inside, outside) if outside < math.inf else supremum(of, inside)
-    below = inside
-    while below >= shortest and of(below) <= 1 + MARGIN:
-        below /= RATIO
-    return (edge(of, below * RATIO, below) if below >= shortest else 0.0), high
-
-
-def shortest_tried(loop: Loop) -> float:
-    """The shortest period that is tried [s]: so many commands may be under way, and no more."""
-    late = max(loop.around.drives.delay, loop.setup.prediction)
-    return max(SHORTEST, (late + oldest_shown(loop.setup)) / MOST_UNDER_WAY)
-
-
-def largest_stable_delay(loop: Loop) -> float | None:
-    """Supremum of the drives' delay [s] at the scenario's period, its lag and sensors as they are.
-
-    None where the loop is unstable without any; inf where all that were tried, up to 40 periods,
-    are stable.  A law that predicts is tried from the scenario's delay on.
-    """
-    period = loop.scenario.clock.control
-    own = loop.around.drives
-    least = own.delay if loop.setup.prediction else 0.0
-
-    def of(delay: float) -> float:
-        known = max(delay - (own.delay - own.known), 0.0)
-        late = replace(own, delay=delay, known=known)
-        return largest_radius(loop.with_delay(known), period, late)
-
-    return _last(of, least, [least + k * period / 8 for k in range(1, 8 * MOST_UNDER_WAY)])
-
-
-@lru_cache(maxsize=64)
-def stable_masses(loop: Loop) -> tuple[float, float] | None:
-    """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
-
-    Both are scaled alike, at the scenario's period; tried from 1/20 to 20, as far as a scenario
-    can state them.  None for a law that believes no mass, and where the loop is unstable with the
-    believed one.
-    """
-    if not loop.traits.model:
-        return None
-    believed = loop.scenario.believed
-
-    def of(ratio: float) -> float:
-        robot = replace(loop.scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
-        return largest_radius(loop, loop.scenario.clock.control, robot=robot)
-
-    steps = [RATIO**k for k in range(1, round(math.log(MASSES) / math.log(RATIO)) + 1)]
-    heavier = [step for step in steps if step * max(believed.m, believed.I) <= LARGEST]
-    up = _last(of, 1.0, heavier) if heavier else math.inf
-    down = _last(of, 1.0, [1 / step for step in steps])
-    return None if up is None or down is None else (max(down, 1 / MASSES), min(up, MASSES))
-
-
-def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) -> float | None:
-    """Stability limit along ``tried``, inf if none is met; None if unstable at ``start``."""
-    of = cache(of)
-    if of(start) > 1 + MARGIN:
-        return None
-    inside = start
-    for value in tried:
-        if of(value) > 1 + MARGIN:
-            return edge(of, inside, value)
-        inside = value
-    return math.inf if inside > start else 0.0
 
 
 def first_speeds(loop: Loop) -> Floats:

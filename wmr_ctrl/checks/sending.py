@@ -12,6 +12,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.rest import rest
 from wmr_ctrl.checks.sampled_plant import Point
 from wmr_ctrl.checks.surroundings import idle_base, surroundings
 from wmr_ctrl.checks.world import Floats
@@ -19,7 +20,8 @@ from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph, velocity_sender
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.system import Output, System
-from wmr_ctrl.signals import ASKED, SENT_BEFORE
+from wmr_ctrl.scenario import Robot
+from wmr_ctrl.signals import ASKED, SENT_BEFORE, places
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,24 @@ class SendingLoop(Loop):
         if key not in self._points:
             self._points[key] = self._driving(np.array(key))
         return replace(self._points[key], theta=theta)
+
+    @property
+    def learns(self) -> bool:
+        """Estimates are part of where it rests, so they move."""
+        return self.traits.estimates
+
+    def resting(
+        self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
+    ) -> Point | None:
+        """The point where it really rests, whose commands are all alike, however late they act."""
+        own = loop_of(self.setup)
+        start = own.on_reference(v_d, theta)
+        if (at := rest(own, own.around, start, period, robot)) is None:
+            return None
+        rows = places(item.signal for item in own.core.state)
+        known = [at.memory[rows[name]] if (name := item.signal.name) in rows else at.force
+                 for item in self.core.state]  # fmt: skip
+        return replace(at, memory=np.concatenate((np.zeros(0), *known)))
 
     def _driving(self, speed: Floats) -> Point:
         own = [speed if item.signal.name.startswith(SENT_BEFORE.name) else np.array(item.value)

@@ -247,8 +247,7 @@ def findings(answers: Answers) -> Iterator[Note]:
         yield from (Note("", key, line) for line in lines(answers.setup))
     if answers.taken:
         yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))
-    ignored = filter(None, (lost_samples(answers.scenario), rounded_effects(answers.scenario)))
-    rest = ", and ".join(ignored)
+    ignored = lost_samples(answers.scenario), rounded_effects(answers.scenario)
     warnings = [
         Note(law, item.key, f"{'' if item.objects else 'note: '}{item}")
         for law, item in _merged(answers)
@@ -256,8 +255,10 @@ def findings(answers: Answers) -> Iterator[Note]:
     yield from (item for item in warnings if item.law is None)
     for law, tube in answers.tubes.items():
         if law in answers.stable:
-            stable = check_sentences.stable(answers.stable[law], answers.scenario.clock.control)
-            yield Note(law, "stability", f"{stable} ({rest})" if rest else stable)
+            limits = answers.stable[law]
+            stable = check_sentences.stable(limits, answers.scenario.clock.control)
+            left_out = ", and ".join(filter(None, (*limits.remarks, *ignored)))
+            yield Note(law, "stability", f"{stable} ({left_out})" if left_out else stable)
         yield from (item for item in warnings if item.law == law)
         yield from (Note(law, item.key, f"{item.key}: {item.text}") for item in _seen(answers, law))
         if law in answers.runs:

@@ -23,6 +23,8 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import against
 from wmr_ctrl.world.speed_loop import takes_velocity
 
+TOLD = 1e-3
+"""Distance from the reference [m] at rest that is worth a word."""
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
 NOT_THE_PATH = "tracking of the path is not"
@@ -277,6 +279,8 @@ def sight(run: Run) -> str:
 
 def stable(limits: Stability, period: float) -> str:
     """Periods, delays and masses with which a loop is stable, in words."""
+    if limits.off is None:
+        return f"no rest near the reference within the limits at {period:g} s"
     if limits.period == 0:
         shorter = " and all shorter periods that were tried" if limits.tried < period else ""
         return f"unstable around the reference at {period:g} s{shorter}"
@@ -289,11 +293,12 @@ def stable(limits: Stability, period: float) -> str:
         limit = "at every control period that was tried"
     parts = []
     if limits.delay is not None and limits.delay < float("inf"):
-        parts.append(f"up to a delay of {limits.delay:.3g} s")
+        parts.append(limits.delay_words)
     if limits.masses is not None:
-        parts.append(f"for a mass of {limits.mass_words}")
+        parts.append(limits.mass_words)
     here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
-    return f"stable around the reference {limit}{here}"
+    rests = f", {limits.off:.2g} m off it at rest," if limits.off >= TOLD else ""
+    return f"stable around the reference{rests} {limit}{here}"
 
 
 def _masses(known: Mapping[str, SourcedNumber]) -> str:

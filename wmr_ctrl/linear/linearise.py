@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.rest import rest
 from wmr_ctrl.checks.sampled_plant import Point as Point
 from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
@@ -110,7 +110,6 @@ def gradients(system: System) -> ca.Function:
     return system.function("gradients", [ca.densify(part) for part in parts])
 
 
-NEWTON_STEPS = 200
 INSTANTS = 257
 """Times of a reference among which the fastest is looked for."""
 CLIP_ACTIVE = GUARD_DIAGNOSTICS[0]
@@ -174,47 +173,20 @@ def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     Friction, a wrong model and the leak of the weights are in it.  Memory that has no rest there is
     an error (ArgumentError).
     """
-    start = on_reference(scenario, law, t)
-    unknown = np.concatenate((start.s, start.force, start.memory))
-    rest = _newton(_residual(scenario, law, start), unknown)
-    return replace(start, e=rest[:3], v=rest[3:5], force=rest[5:7], memory=rest[7:])
+    start, around = on_reference(scenario, law, t), surroundings(alone(scenario))
+    point = rest(law_loop(scenario, law).over(0), around, start, scenario.clock.control)
+    if point is None:
+        raise ArgumentError(
+            f"the loop has no resting point near its reference ({FORCE.name} and friction cannot "
+            "balance there); linearise on the reference instead."
+        )
+    return point
 
 
 def alone(scenario: Scenario) -> Scenario:
     """The robot by itself: drives and sensors ideal, nothing on its way."""
     drives = replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max)
     return replace(scenario, actuator=drives, sensor=type(scenario.sensor)(), effects={})
-
-
-def _residual(scenario: Scenario, law: str, at: Point) -> ca.Function:
-    """(s, force, memory) -> (rate of s, force asked for less force, change of memory), and slope.
-
-    Of the robot by itself: at rest delay, lag and sensors change nothing.
-    """
-    loop, around = law_loop(scenario, law).over(0), surroundings(alone(scenario))
-    s, force, memory = ca.SX.sym("s", 5), ca.SX.sym("force", 2), ca.SX.sym("m", len(at.memory))
-    forces = ca.repmat(force, len(remembered(loop.core)), 1)
-    asked, following = loop.act(
-        s, ca.DM(at.v_d), ca.DM(at.v_d_dot), memory, forces, ca.DM(loop.core.p0)
-    )
-    rate = around.rate(s, force, at.motion.v_d)
-    unknown = ca.vertcat(s, force, memory)
-    residual = ca.vertcat(rate, asked - force, following - memory)
-    return ca.Function("residual", [unknown], [residual, ca.jacobian(residual, unknown)])
-
-
-def _newton(residual: ca.Function, start: Floats) -> Floats:
-    point = start.copy()
-    for _ in range(NEWTON_STEPS):
-        value, gradient = residual(point)
-        step = np.linalg.lstsq(np.asarray(gradient), column(value), rcond=None)[0]
-        point = point - step * min(1.0, 0.2 / max(1e-300, float(np.abs(step[:5]).max())))
-        if np.abs(column(residual(point)[0])).max() < 1e-12:
-            return point
-    raise ArgumentError(
-        f"the loop has no resting point near its reference ({FORCE.name} and friction cannot "
-        "balance there); linearise on the reference instead."
-    )
 
 
 def learned_point(scenario: Scenario, law: str, t: float = 0.0) -> Point | None:

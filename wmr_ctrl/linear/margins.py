@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from wmr_ctrl.checks.sample_time import largest_stable_period
+from wmr_ctrl.checks.stable_ranges import largest_stable_period
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     FORCES,

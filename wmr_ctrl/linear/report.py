@@ -10,7 +10,7 @@ import numpy as np
 
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
+from wmr_ctrl.checks.stable_ranges import largest_period, largest_stable_delay, stable_masses
 from wmr_ctrl.control.setup import settle, with_kinematics
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.late_bound import late_bound

@@ -11,8 +11,9 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import from_pose_to_pose, radius, supremum
-from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
-from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.sample_time import kink_limits
+from wmr_ctrl.checks.stable_ranges import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.stable_ranges import shortest_tried
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     Floats,

@@ -1,0 +1,77 @@
+"""Where a law's loop rests while its reference keeps a velocity: Newton's method on its graphs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wmr_ctrl.checks.sampled_plant import Point, steps_in
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, World
+from wmr_ctrl.model.evaluate import evaluated
+from wmr_ctrl.signals import PATH, SKID
+
+if TYPE_CHECKING:
+    from wmr_ctrl.checks.loop import Loop
+    from wmr_ctrl.checks.surroundings import Surroundings
+    from wmr_ctrl.scenario import Robot
+
+STEPS, STRIDE = 200, 0.2
+"""Newton steps at most; the largest change of error or velocity in one [m, rad, m/s, rad/s]."""
+LEFT = 1e-12
+"""Change from sample to sample that is none."""
+
+
+def rest(
+    loop: Loop, around: Surroundings, start: Point, period: float, robot: Robot | None = None
+) -> Point | None:
+    """The point near ``start`` that a sample of ``period`` [s] leaves as it is; None for none.
+
+    Friction, gains, a wrong model and what a law learns are in it.  Drives give what they are sent,
+    however late, and sensors show what is.
+    """
+    world = around.worlds(period)[0][1]
+    step = period / steps_in(period, loop.scenario.clock.plant)
+    numbers = around.numbers(world, period, step, robot)
+    given = (start.theta, start.v_d, start.v_d_dot, numbers, loop.parameters(period))
+    fast = np.zeros(world.size - ROBOT)
+    unknown = np.concatenate((start.s, fast, start.force, start.memory))
+    if (solution := newton(_graph(loop, around, world), unknown, given)) is None:
+        return None
+    s, _, force, memory = np.split(solution, np.cumsum((ROBOT, len(fast), COMMAND)))
+    return replace(start, e=s[:3], v=s[3:], force=force, memory=memory)
+
+
+@lru_cache(maxsize=32)
+def _graph(loop: Loop, around: Surroundings, world: World) -> ca.Function:
+    """Change of fast state, force and memory in a step and a sample, and its slope by them."""
+    core, z = loop.core, ca.SX.sym("z", world.size)
+    force, v_d, rate = (ca.SX.sym(name, COMMAND) for name in ("force", "v_d", "rate"))
+    theta, p = ca.SX.sym("theta"), ca.SX.sym("p", world.step.size1_in(4))
+    after = world.step(0, z, theta, around.torque(world, force), p, v_d)
+    known = ca.repmat(force, len(loop.remembered), 1)
+    asked, following = loop.act(z[:ROBOT], v_d, rate, core.x, known, core.p)
+    rows = [i for i, name in enumerate(world.names) if name not in (PATH.name, SKID.name)]
+    unknown = ca.vertcat(z, force, core.x)
+    change = ca.vertcat((after - z)[rows], asked - force, following - core.x)
+    slope = ca.densify(ca.jacobian(change, unknown))
+    given = [unknown, theta, v_d, rate, p, core.p]
+    return ca.Function("change", given, [ca.densify(change), slope])
+
+
+def newton(change: ca.Function, start: Floats, given: tuple[ArrayLike, ...] = ()) -> Floats | None:
+    """A zero of ``change``, whose second output is its slope, by its first input; None for none."""
+    point = start.copy()
+    for _ in range(STEPS):
+        value, slope = evaluated(change, point, *given)
+        if not np.isfinite(value).all() or not np.isfinite(slope).all():
+            return None
+        if np.abs(value).max() < LEFT:
+            return point
+        step = np.linalg.lstsq(slope, value.ravel(), rcond=None)[0]
+        point = point - step * min(1.0, STRIDE / max(1e-300, float(np.abs(step[:ROBOT]).max())))
+    return None
