@@ -11,13 +11,18 @@ from wmr_ctrl.filter.governor import FirstOrder, drive, drive_back, largest_comm
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, positive
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import Named, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
 claim = Claims(by=Z3(effort=60))
+
+
+def sound(b: FirstOrder) -> tuple[Relation, ...]:
+    """0 < K_min <= K_max, 0 <= dbar < V."""
+    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), above(b.V, b.dbar)
 
 
 class FilterAxis(Named):
@@ -36,12 +41,6 @@ class FilterAxis(Named):
         return largest_command(self.v_bar, self.bounds)
 
     @property
-    def intervals(self) -> tuple[Relation, ...]:
-        """0 < K_min <= K_max, 0 <= dbar < V."""
-        b = self.bounds
-        return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), above(b.V, b.dbar)
-
-    @property
     def relaxing(self) -> tuple[Relation, ...]:
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
         e, E = self.e, self.E
@@ -58,7 +57,7 @@ def driven(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     inside = between(a.K_min, a.K, a.K_max)
-    given = (*a.intervals, *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
+    given = (*sound(a.bounds), *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
     least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
@@ -87,7 +86,7 @@ def inside(mutation: Mutation) -> Statement:
     known = at_least(a.v_bar, a.v), at_least(b.V, mutation(1, 0.99) * a.v_bar)
     sent = at_least(a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, (goal,), (*a.intervals, *a.relaxing, *known, *sent))
+    return Statement(a.symbols, (goal,), (*sound(a.bounds), *a.relaxing, *known, *sent))
 
 
 @claim(
@@ -103,7 +102,7 @@ def clip(mutation: Mutation) -> Statement:
     share = *between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
     sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
     goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
-    return Statement(a.symbols, (goal,), (*a.intervals, *share, *sent))
+    return Statement(a.symbols, (goal,), (*sound(a.bounds), *share, *sent))
 
 
 @claim("filter.contains-clip", given=f"{INTERVALS}; v_bar <= V, kappa >= 0")
@@ -115,7 +114,7 @@ def contains_clip(mutation: Mutation) -> Statement:
     a = FilterAxis()
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
-    given = (*a.intervals, at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
+    given = (*sound(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
     return Statement(a.symbols, (at_least(a.hi, smallest), above(smallest)), given)
 
 
@@ -131,7 +130,7 @@ def necessary(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
-    given = (*a.intervals, *a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
+    given = (*sound(a.bounds), *a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
     end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
     return Statement(a.symbols, (above(end, b.V),), given)
 
@@ -162,15 +161,13 @@ def curvature(mutation: Mutation) -> Statement:
 
     One factor scales both axes, so omega/v stays as asked for.
     """
-    names = "r1 lo1 hi1 r2 lo2 hi2"
-    t = symbols(names)
+    t = symbols("r1 lo1 hi1 r2 lo2 hi2")
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
     eta = mutation(1, 1.01) * ca.fmin(*governor.admitted(r, lo, hi))
     goals = [above(eta), at_least(ca.SX(1), eta)]
     goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
     goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]
-    given = (*(above(item) for item in hi), *(above(-item) for item in lo))
-    return Statement(t, tuple(goals), given)
+    return Statement(t, tuple(goals), positive(*hi, *(-item for item in lo)))
 
 
 @claim(

@@ -7,6 +7,7 @@ most; from a derivative's sign to the inequality leads `lemma.integration`.
 """
 
 from functools import reduce
+from itertools import pairwise
 
 import casadi as ca
 
@@ -15,12 +16,12 @@ from wmr_ctrl.guard.delay import Tails, delayed_push, push
 from wmr_ctrl.guard.lateness import Times, lateness
 from wmr_ctrl.laws.prediction import acts_for, slowed
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import OFF_EDGES, LawGraph, barrier_axis  # fmt: skip
+from wmr_ctrl.proofs.claims.common import OFF_EDGES, LawGraph, barrier_axis
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import only
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import POSITIVE, Case, target_cases
-from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, when, within
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, every, when, within
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
@@ -74,9 +75,7 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     goals: tuple[Relation, ...] = (
         equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation)),
         equal(turned, y[3] ** 2 * y[4]),
-        equal(first[2], y[4]),
-        equal(first[3], y[5]),
-        equal(first[4], y[6]),
+        *every(first[2:5], y[4:7]),
     )
     if kind == "line":
         ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
@@ -97,10 +96,7 @@ def estimator_pose(mutation: Mutation) -> Statement:
     theta = pose[2] + period * old[1]
     moved = pose + period * ca.vertcat(-old[0] * ca.sin(theta), old[0] * ca.cos(theta), old[1])
     estimate = corrected(reckoned(pose, old, period), measured, gain)
-    goals = tuple(
-        equal(estimate[i], gain * mutation * measured[i] + (1 - gain) * moved[i]) for i in range(3)
-    )
-    return Statement(t, goals)
+    return Statement(t, every(estimate, gain * mutation * measured + (1 - gain) * moved))
 
 
 MOST = 5
@@ -117,10 +113,8 @@ def prediction_times(mutation: Mutation) -> Statement:
     delay, period = t.delay, t.period
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
     total = reduce(ca.SX.__add__, times)
-    goals = [equal(total, mutation * delay)]
-    for time in times:
-        goals += [*between(0, time, period)]
-    return Statement(t, tuple(goals), between(0, delay, MOST * period))
+    each = (part for time in times for part in between(0, time, period))
+    return Statement(t, (equal(total, mutation * delay), *each), between(0, delay, MOST * period))
 
 
 @prediction_claim("prediction.order", given=f"delay >= 0, T > 0; j = 1 to {MOST - 1}")
@@ -131,10 +125,8 @@ def oldest_first(mutation: Mutation) -> Statement:
     """
     t = symbols("delay period")
     delay, period = t.delay, t.period
-    goals = []
-    for age in range(1, MOST):
-        newer, older = (acts_for(item, delay, period) for item in (age, age + 1))
-        goals.append(equal(older * (newer - mutation * period)))
+    times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
+    goals = (equal(older * (newer - mutation * period)) for newer, older in pairwise(times))
     return Statement(t, tuple(goals), (at_least(delay), above(period)))
 
 
@@ -147,11 +139,9 @@ def friction(mutation: Mutation) -> Statement:
     t = symbols("free taken")
     free, taken = t.free, t.taken
     after = slowed(free, taken)
-    goals = (
-        at_least(after * free),
-        at_least(mutation * ca.fabs(free), ca.fabs(after)),
-        equal(ca.fmax(ca.fabs(free) - ca.fabs(taken), 0) * (after - free + taken)),
-    )
+    slows = at_least(after * free), at_least(mutation * ca.fabs(free), ca.fabs(after))
+    less = ca.fmax(ca.fabs(free) - ca.fabs(taken), 0)
+    goals = (*slows, equal(less * (after - free + taken)))
     return Statement(t, goals, (at_least(taken * free),))
 
 
@@ -196,9 +186,7 @@ def delay_step(mutation: Mutation) -> Statement:
         gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
         reached = ca.fmin(a.arrived, most) + gained
         goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
-    given = (
-        *a.sound(), at_least(a.mass, a.M_min), *between(0, a.since, a.periods * a.period),
-    )  # fmt: skip
+    given = (*a.sound(), at_least(a.mass, a.M_min), *between(0, a.since, a.periods * a.period))
     return Statement(a.symbols, tuple(goals), given)
 
 
@@ -219,9 +207,8 @@ def mean_piece(mutation: Mutation) -> Statement:
     sent = [ca.vertcat(a[name], 0) for name in ("sent", "other")]
     coming = delayed_push(sent, late, 0, b, Tails("tail", (late, late)))
     assert coming is not None
-    goals, given = [], [*a.sound()]
     mean = (v[0] + mutation(2, 1.5) * v[1] + v[2]) / 4
-    given += within(a.y - mean, b.nbar)
+    goals, given = [], [*a.sound(), *within(a.y - mean, b.nbar)]
     for way, seen in ((1, coming), (-1, coming.mirrored)):
         speeds = [ca.fmax(way * item, b.f_speed) for item in v]
         for k, name in enumerate(("other", "sent")):

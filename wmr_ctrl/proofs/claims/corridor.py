@@ -15,7 +15,7 @@ from wmr_ctrl.proofs.claims.common import BARRIERS
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
 from wmr_ctrl.proofs.claims.prox import Step
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import above, at_least, equal, nonnegative
+from wmr_ctrl.proofs.relation import above, at_least, equal, every, nonnegative, positive
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 
@@ -54,11 +54,10 @@ def mb(mutation: Mutation, smooth: bool) -> Statement:
     barrier = (smooth_barrier if smooth else stable_barrier)(t.c, t.v, t.u1, t.u2)
     given = (
         above(t.u2), above(t.u1, t.u2), above(1e100, t.u2),
-        *(at_least(mutation(1, 2) * t.u2, ca.fabs(t[name])) for name in ("v", "c")),
+        *(at_least(mutation(1, 2) * t.u2, ca.fabs(item)) for item in (t.v, t.c)),
     )  # fmt: skip
-    return Statement(
-        t, (equal(2 * barrier.V1_over_A, t.v - t.c), equal(barrier.q, ca.SX(1))), given
-    )
+    goals = equal(2 * barrier.V1_over_A, t.v - t.c), equal(barrier.q, ca.SX(1))
+    return Statement(t, goals, given)
 
 
 @claim("corridor.kanayama", given="every limit >= 0")
@@ -70,9 +69,8 @@ def kanayama(mutation: Mutation) -> Statement:
     t = symbols("a b A B", "A B")
     values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
     left = cut(values, most)
-    within = (at_least(mutation(1, 2) * most[i], ca.fabs(values[i])) for i in (0, 1))
-    plain = nonnegative(t.A, t.B)
-    return Statement(t, tuple(equal(left[i], values[i]) for i in (0, 1)), (*plain, *within))
+    inside = (at_least(mutation(1, 2) * most[i], ca.fabs(values[i])) for i in (0, 1))
+    return Statement(t, every(left, values), (*nonnegative(t.A, t.B), *inside))
 
 
 @claim("corridor.guard", given="no late command; M_min alpha > 0, brake >= 0, dbar >= f_min")
@@ -89,8 +87,8 @@ def guard(mutation: Mutation) -> Statement:
     sizes = ((t.force + slope * t.y, near), (slope * t.y, near), (t.force, far))
     held = guarded(ca.vertcat(t.force, 0), ca.vertcat(t.y, 0), bounds)
     given = (
-        *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1")),
-        *(at_least(t[name]) for name in ("nbar", "f_speed", "brake")), at_least(net),
+        *positive(t.M_min, t.M_max, t.alpha, t.period, t.u1),
+        *nonnegative(t.nbar, t.f_speed, t.brake, net),
         *(at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes),
     )  # fmt: skip
     return Statement(t, (equal(held.force[0], t.force), equal(held.safe[0])), given)
@@ -111,11 +109,8 @@ def wheels(mutation: Mutation, key: str) -> Statement:
     torque = force_to_wheel(t.r, t.half, force)
     phi = full_thrust(t.r, t.tau)
     mapped = MAPS[key](force, phi, t.half, ca.SX.zeros(2))
-    given = (
-        *(above(t[name]) for name in ("r", "half", "tau")),
-        *(at_least(mutation(1, 2) * t.tau, ca.fabs(torque[i])) for i in (0, 1)),
-    )
-    return Statement(t, tuple(equal(mapped[i], force[i]) for i in (0, 1)), given)
+    weak = (at_least(mutation(1, 2) * t.tau, ca.fabs(torque[i])) for i in (0, 1))
+    return Statement(t, every(mapped, force), (*positive(t.r, t.half, t.tau), *weak))
 
 
 @claim("corridor.product", given="ratio > 0")

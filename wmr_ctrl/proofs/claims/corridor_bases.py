@@ -147,8 +147,7 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
                 if jitters:
                     sizes.append(at_least(room, c * mutation(1, 0.5) * (F + b.net)))
     if not jitters:
-        sizes[0] = at_least(mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead),
-                            t.force + b.net)  # fmt: skip
+        sizes[0] = at_least(mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead), t.force + b.net)
     given = (
         *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1", "delay")),
         above(S), *((at_least(c, 1),) if jitters else ()), at_least(b.net),

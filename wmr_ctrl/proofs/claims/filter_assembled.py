@@ -22,12 +22,9 @@ from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=Z3(effort=60))
 STATED = {
-    "filter.kind": "governor",
-    "filter.tau": (0.2, 0.3),
-    "filter.gain": (0.9, 1.1),
-    "filter.d": (0.05, 0.05),
-    "filter.odometry": (0.02, 0.02),
-}
+    "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
+    "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02),
+}  # fmt: skip
 """Settings for the assembled graph's structure; its numbers are symbols all the same."""
 SIDES = tuple(
     {"side": side, "axis": axis, "id": f"{name}-{way}", "words": f"{name} axis, {way}"}
@@ -57,13 +54,10 @@ class AssembledStep:
         ports = (*system.inputs, *system.state, *system.params)
         self.symbols = self.free | elements_of(*ports)
         self.limit = self.graph.limits[side][axis]
-        T, tau = self.graph.T, self.graph.motions[axis].tau
-        self.slow = above(tau[0]), at_least(tau[1], tau[0])
-        self.cuts = {
-            "1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / tau[0]),
-            "-most": ca.expm1(-T / tau[0]),
-            "-least": ca.expm1(-T / tau[1]),
-        }
+        T, (low, high) = self.graph.T, self.graph.motions[axis].tau
+        self.slow = above(low), at_least(high, low)
+        self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / low)}
+        self.cuts |= {"-most": ca.expm1(-T / low), "-least": ca.expm1(-T / high)}
 
     def given(self, mutation: Mutation, target: ca.SX) -> tuple[Relation, ...]:
         """Hypotheses on base, speed, odometry and exponentials; the mean under a command.

@@ -3,6 +3,8 @@
 Tables of a few pieces and the tail: every piece of longer ones is reckoned alike.
 """
 
+from itertools import product
+
 import casadi as ca
 
 from wmr_ctrl.filter.forecast import FLATTEST, HELD, PIECES, Forecast, ResponseTable, inverse_slopes
@@ -149,10 +151,9 @@ def least(mutation: Mutation) -> Statement:
     lines = a.stopped
     cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
     largest = a.forecast.largest(a.c, a.table, a.inverse[1:])
-    goals = tuple(
-        at_least(ca.fmax(a.u + line, 0), mutation(1, 1.1) * largest) for line in cuts.values()
-    )
-    return Statement(a.symbols, goals, (), cuts)
+    most = mutation(1, 1.1) * largest
+    goals = (at_least(ca.fmax(a.u + line, 0), most) for line in cuts.values())
+    return a.states(*goals, cuts=cuts)
 
 
 @claim(
@@ -211,14 +212,9 @@ def zero(mutation: Mutation) -> Statement:
     a = BandStep()
     now = a.forecast.changed(ca.SX(0), a.table)
     after = now.later(a.table).changed(mutation(0, 1) * a.c, a.table)
-    goals = [
-        a.within(f, part, way, held=way > 0)
-        for f in (now, after)
-        for part in a.everywhere
-        for way in (1, -1)
-    ]
-    given = (*a.stated, at_least(a.u), *a.inside(*a.everywhere))
-    return Statement(a.symbols, tuple(goals), given)
+    every = product((now, after), a.everywhere, (1, -1))
+    goals = (a.within(f, part, way, held=way > 0) for f, part, way in every)
+    return a.states(*goals, given=(*a.stated, at_least(a.u), *a.inside(*a.everywhere)))
 
 
 @claim(

@@ -104,13 +104,11 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     s, table = a.symbols | symbols("limit wider inverse slope"), a.table
     wider, u, slope, inverse = s.wider, s.u, s.slope, s.inverse
     up = way > 0 or stops  # a fall that is held is a change the other way
+    rooms = (a.forecast.rooms(c, u) for c in (a.most(not stops), wider))
     if stops:
-        room, left = (
-            a.forecast.rooms(c, u)[1][PIECES] - u * table.after[0]
-            for c in (a.most(not stops), wider)
-        )
+        room, left = (both[1][PIECES] - u * table.after[0] for both in rooms)
     else:
-        room, left = (a.forecast.rooms(c, u)[0 if up else 1][0] for c in (a.most(not stops), wider))
+        room, left = (both[0 if up else 1][0] for both in rooms)
     change, product = s.to - u, inverse * slope
     text = u + room * inverse if up else u - room * inverse
     own = {item.name() for item in ca.symvar(ca.vertcat(text, left, s.to))}
@@ -143,13 +141,13 @@ def beat(mutation: Mutation) -> Statement:
     T, off = s.T, s.since - s.T
     after = spread_of(ca.vertcat(s.before, s.behind), off)
     most, p = s.e + mutation(1, 2.0**-4) * 2.0**-51 * T, s.p - off
-    given = [above(T), *between(0, s.since, 2 * T), at_least(s.e)]
-    for name in ("before", "behind"):
-        given += [*between(0, s[name], T)]
-    given += [at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p)]
+    given = (
+        above(T), *between(0, s.since, 2 * T), at_least(s.e), *between(0, s.before, T),
+        *between(0, s.behind, T), at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p),
+    )  # fmt: skip
     goals = at_least(p + most, -s.made_before), at_least(s.made_behind + most, p)
     computed = {"made_before": after[0], "made_behind": after[1]}
-    return Statement(s, goals, tuple(given), computed=computed)
+    return Statement(s, goals, given, computed=computed)
 
 
 @claim(
@@ -164,9 +162,7 @@ def stays(mutation: Mutation) -> Statement:
     """
     s = symbols("rate time g made")
     x = s.rate * s.time
-    given = (
-        *nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)),
-    )  # fmt: skip
+    given = (*nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)))
     goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
     return Statement(s, (goal,), given, computed={"made": stays_of(s.rate, s.time)})
 
@@ -234,9 +230,7 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     s = symbols("c past held v made")
     bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c, 1)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
-    given = (
-        above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v),
-    )  # fmt: skip
+    given = (above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v))
     goal = at_least(s.made, v)
     return Statement(s, (goal,), given, computed={"made": bounds[0 if way > 0 else 1]})
 

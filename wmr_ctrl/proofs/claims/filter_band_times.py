@@ -45,12 +45,8 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
     ordered = tuple(at_least(most, least) for least, most in graph.ends)
     stops = tuple(at_least(most) for most in graph.stopping)
-    return Statement(
-        named,
-        (at_least(high, u), at_least(u, low)),
-        (*ordered, *stops, equal(graph.sound, 1)),
-        cuts,
-    )
+    given = (*ordered, *stops, equal(graph.sound, 1))
+    return Statement(named, (at_least(high, u), at_least(u, low)), given, cuts)
 
 
 @claim(
@@ -132,12 +128,8 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     s = symbols("past held c v")
     bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c, 1)[0 if way > 0 else 1]
     v = way * (s.v - s.held)
-    given = (
-        at_least(s.past, mutation(1, 0.9) * v),
-        at_least(PAST * s.c, way * s.v),
-        *nonnegative(s.c, v),
-    )
-    return Statement(s, (at_least(bound, v),), given)
+    known = at_least(s.past, mutation(1, 0.9) * v), at_least(PAST * s.c, way * s.v)
+    return Statement(s, (at_least(bound, v),), (*known, *nonnegative(s.c, v)))
 
 
 @claim(

@@ -89,9 +89,17 @@ def wheels(mutation: Mutation) -> Statement:
 
     Wheels that are limited by themselves keep their limits, however v and l omega cancel.
     """
-    a = Limited("wheels")
-    sent = scaled(a.asked, a.channels, *a.ends, "curvature")
-    goals = a.kept(a.sent, mutation(1, 2.0**-6) * 2.0**-49, axes=False)
+    return _kept("wheels", "curvature", mutation(1, 2.0**-6) * 2.0**-49, axes=False)
+
+
+def _kept(on: str, scale: str, spare: float, axes: bool) -> Statement:
+    """What is computed is within its limits: v and omega (``axes``), or the wheels."""
+    a = Limited(on)
+    if on == "both":  # before v and omega are cut
+        sent = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
+    else:
+        sent = scaled(a.asked, a.channels, *a.ends, scale)
+    goals = a.kept(a.sent, spare, axes=axes)
     return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
 
 
@@ -105,10 +113,7 @@ def wheels_first(mutation: Mutation, scale: str) -> Statement:
 
     Wheels keep their limits, too, where one axis takes what it wants and the other what is left.
     """
-    a = Limited("wheels")
-    sent = scaled(a.asked, a.channels, *a.ends, scale)
-    goals = a.kept(a.sent, mutation(1, 2.0**-6) * RIM, axes=False)
-    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+    return _kept("wheels", scale, mutation(1, 2.0**-6) * RIM, axes=False)
 
 
 @claim(
@@ -121,10 +126,7 @@ def axes_first(mutation: Mutation, scale: str) -> Statement:
 
     v and omega keep their limits to the last bit, whichever goes first.
     """
-    a = Limited("body")
-    sent = scaled(a.asked, a.channels, *a.ends, scale)
-    goals = a.kept(a.sent, mutation(0, -BEYOND), axes=True)
-    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+    return _kept("body", scale, mutation(0, -BEYOND), axes=True)
 
 
 BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
@@ -173,7 +175,7 @@ def beside_axes(mutation: Mutation, scale: str) -> Statement:
 
     v and omega keep their limits beside those of the wheels to the last bit.
     """
-    return _first(scale, True, mutation(0, -BEYOND))
+    return _kept("both", scale, mutation(0, -BEYOND), axes=True)
 
 
 @claim("filter.rounding.beside-{scale}", given=f"{BESIDE}; {{how}} first; {ROUNDED}", over=ORDER)
@@ -182,15 +184,7 @@ def beside_first(mutation: Mutation, scale: str) -> Statement:
 
     The wheels keep their limits beside those of v and omega.
     """
-    return _first(scale, False, mutation(1, 2.0**-6) * RIM)
-
-
-def _first(scale: str, axes: bool, spare: float) -> Statement:
-    """One axis first: goals of v and omega, or of the wheels."""
-    a = Limited("both")
-    sent = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
-    goals = a.kept(a.sent, spare, axes=axes)
-    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+    return _kept("both", scale, mutation(1, 2.0**-6) * RIM, axes=False)
 
 
 @claim(

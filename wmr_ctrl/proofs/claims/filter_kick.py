@@ -26,7 +26,7 @@ from wmr_ctrl.proofs.relation import (
     within,
 )
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import Symbols, exchanged, symbols
+from wmr_ctrl.proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_ctrl.proofs.traced import Traced, expression, functions_for_traced, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
@@ -160,17 +160,15 @@ def held_kick(mutation: Mutation) -> Statement:
     """
     s = HeldStep(behind=True)
     most = mutation(1, 0.9) * s.h * (s.friction(s.after) - s.friction(s.v)) / s.m
-    alike = [
-        when(on, item)
-        for rise, change in s.changes(combinations(s.at, 2))
-        for side, on in ((1, change >= 0), (-1, change < 0))
-        for item in between(0, side * rise, side * change)
-    ]
+    alike = list[Relation]()
+    for rise, change in s.changes(combinations(s.at, 2)):
+        for side, on in ((1, change >= 0), (-1, change < 0)):
+            alike += [when(on, item) for item in between(0, side * rise, side * change)]
     missed = between(0, s.way - (s.after - s.v), most)
     return Statement(s.t, missed, (*s.given, *alike, at_least(2, s.x)), s.cuts)
 
 
-class Command:
+class Command(Named):
     """A rim of a first-order base while one command acts, as far as friction lets it go.
 
     ``gone`` is the share of its way that the loop went; of the ``kick`` that friction leads to at
@@ -179,7 +177,7 @@ class Command:
 
     def __init__(self, mutation: Mutation) -> None:
         """Name the numbers; what counts as a push leads to the kick in the shortest while."""
-        self.t = t = symbols(
+        self.symbols = t = symbols(
             "start bound asked gone gone_least gone_most credit left V d K_max kick",
             "V d K_max kick gone_least gone_most",
         )
@@ -197,8 +195,7 @@ class Command:
 
     def reached(self, start: ca.SX, push: ca.SX, gone: ca.SX) -> ca.SX:
         """Speed behind a while."""
-        t = self.t
-        return (1 - gone) * start + gone * (t.K_max * t.asked + push)
+        return (1 - gone) * start + gone * (self.K_max * self.asked + push)
 
 
 HELD_RIM = (
@@ -208,38 +205,27 @@ HELD_RIM = (
 )
 
 
-@claim(
-    "filter.held-rim-falls",
-    given=HELD_RIM.format(""),
-    premises="filter.held-kick",
-)
+@claim("filter.held-rim-falls", given=HELD_RIM.format(""), premises="filter.held-kick")
 def held_rim_falls(mutation: Mutation) -> Statement:
     """where v falls towards the command, the rim stays within V by what friction may still lead to.
 
     What friction took from v's way at a rim it cannot take again before v has risen.
     """
-    own = Command(mutation)
-    t = own.t
-    rim = own.reached(t.start, t.d, t.gone) + t.credit - t.left
-    return Statement(t, (at_least(t.V, rim + t.left),), own.given)
+    t = Command(mutation)
+    rim = t.reached(t.start, t.d, t.gone) + t.credit - t.left
+    return t.states(at_least(t.V, rim + t.left), given=t.given)
 
 
-@claim(
-    "filter.held-rim-rises",
-    given=HELD_RIM.format(""),
-    premises="filter.held-kick",
-)
+@claim("filter.held-rim-rises", given=HELD_RIM.format(""), premises="filter.held-kick")
 def held_rim_rises(mutation: Mutation) -> Statement:
     """where v does not fall towards the command, the rim stays within V, and from the shortest time
     of a command on within V by all that friction may lead to.
 
     There friction only holds the rim back, and the next fall has its whole range.
     """
-    own = Command(mutation)
-    t = own.t
-    rim = own.reached(t.start, t.d, t.gone)
+    t = Command(mutation)
     behind = ca.if_else(t.gone >= t.gone_least, t.kick, 0)
-    return Statement(t, (at_least(t.V, rim + behind),), own.given)
+    return t.states(at_least(t.V, t.reached(t.start, t.d, t.gone) + behind), given=t.given)
 
 
 @claim(
@@ -253,14 +239,11 @@ def held_rim_bound(mutation: Mutation) -> Statement:
 
     The governor's bound is right wherever it counts, though not within the time of a command.
     """
-    own = Command(mutation)
-    t = own.t
-    carried = own.reached(t.bound, t.d + own.push, t.gone)
-    true = own.reached(t.start, t.d, t.gone) + t.kick
-    whole = ca.if_else(t.gone >= t.gone_least, carried - true, 0)
-    seen = own.reached(ca.fmin(t.start + t.kick, t.V), t.d + own.push, t.gone)
-    part = own.reached(t.start, t.d, t.gone) + t.credit
-    return Statement(t, (at_least(whole), at_least(seen, part)), own.given)
+    t = Command(mutation)
+    carried, true = t.reached(t.bound, t.d + t.push, t.gone), t.reached(t.start, t.d, t.gone)
+    whole = ca.if_else(t.gone >= t.gone_least, carried - (true + t.kick), 0)
+    seen = t.reached(ca.fmin(t.start + t.kick, t.V), t.d + t.push, t.gone)
+    return t.states(at_least(whole), at_least(seen, true + t.credit), given=t.given)
 
 
 @claim(

@@ -14,7 +14,7 @@ from wmr_ctrl.filter.channels import ROUNDING, Channel
 from wmr_ctrl.filter.governor import FirstOrder, drive, largest_command, relaxed
 from wmr_ctrl.filter.governor_step import contradiction
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.command_filter import INTERVALS
+from wmr_ctrl.proofs.claims.command_filter import INTERVALS, NUMBERS, sound
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between, when, within
@@ -33,17 +33,12 @@ OFF, AIMED_OFF = 64 * UNIT, 208 * UNIT
 odometry divides, and by what share of V this may move it."""
 A_PIECE = 2.0**-14
 """Least share of the way that the base goes while a command may act, for each piece of the time."""
-NUMBERS = "V dbar nbar K_min K_max kappa"
 claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
 def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
     s = symbols(f"{NUMBERS} {further}", f"{NUMBERS} {fixed}".strip())
     return s, FirstOrder(**{name: s[name] for name in NUMBERS.split()})
-
-
-def _stated(b: FirstOrder) -> tuple[Relation, ...]:
-    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), above(b.V, b.dbar)
 
 
 def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> tuple[Relation, Relation]:
@@ -66,7 +61,7 @@ def clip(mutation: Mutation) -> Statement:
     top = largest_command(aimed, FirstOrder(aimed, b.dbar, b.nbar, b.K_min, b.K_max, ca.SX(0)))
     computed = {"direct": top, "inverse": (aimed - b.dbar) * (1 / b.K_max)}
     goals = tuple(at_least(b.V, (b.K_max * s[name] + b.dbar) * (1 + 2.0**-46)) for name in computed)
-    return Statement(s, goals, (*_stated(b), above(aimed, b.dbar)), computed=computed)
+    return Statement(s, goals, (*sound(b), above(aimed, b.dbar)), computed=computed)
 
 
 @claim("filter.rounding.target", given=f"{INTERVALS}; operations rounded by at most 2^-53")
@@ -79,7 +74,7 @@ def target(mutation: Mutation) -> Statement:
     exact = drive(s.u, b)
     most = mutation(4, 0.5) * UNIT * (ca.fabs(exact - b.dbar) + b.dbar)
     computed = {"target": exact}
-    return Statement(s, within(s.target - exact, most), _stated(b), computed=computed)
+    return Statement(s, within(s.target - exact, most), sound(b), computed=computed)
 
 
 @claim(
@@ -95,9 +90,7 @@ def carried_on(mutation: Mutation) -> Statement:
     s = symbols("V w target share next", "V")
     V, way = s.V, s.share * (s.target - s.w)
     made = relaxed(s.w, s.target, s.share, s.share)
-    given = (
-        above(V), *between(0, s.share, 2), *within(s.w, 2 * V), *within(way, 8 * V),
-    )  # fmt: skip
+    given = (above(V), *between(0, s.share, 2), *within(s.w, 2 * V), *within(way, 8 * V))
     most = mutation(1, 2.0**-6) * MARGIN * V
     goals = within(s.next - (s.w + way), most)
     return Statement(s, goals, given, computed={"next": made})
@@ -157,7 +150,7 @@ def takeover(mutation: Mutation) -> Statement:
     V, e, n = b.V, s.e, s.n
     known = s.w + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
     given = (
-        *_stated(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
+        *sound(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
         *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v), at_least(V, s.w),
         at_least(s.w, -2 * V), at_least(s.d), at_least(2.0**-45 * V, (1 - e) * s.d),
     )  # fmt: skip
@@ -181,7 +174,7 @@ def rim(mutation: Mutation) -> Statement:
     size = ca.fabs(s.v) + s.l * ca.fabs(s.omega)
     most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
     goals = within(s.target - exact, most)
-    return Statement(s, goals, (*_stated(b), above(s.l)), computed={"target": exact})
+    return Statement(s, goals, (*sound(b), above(s.l)), computed={"target": exact})
 
 
 LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)

@@ -14,9 +14,7 @@ from wmr_ctrl.proofs.symbols import exchanged
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import Signal
 
-STATED = {
-    "filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05],
-}  # fmt: skip
+STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
 SOUND = "0 < K_min <= K_max, 0 <= dbar < V; every input of any size"
 SETTINGS = gate.GateSettings()
 claim = Claims(by=Z3(effort=60))
@@ -116,8 +114,5 @@ def rise(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.period for i in AXES]
-    most, goal = (
-        [ca.fabs(g[gate.LAST][i]) + step[i] for i in AXES],
-        {f"goal{i}": g.goal[i] for i in AXES},
-    )
-    return Statement(g.symbols, g.below(most), g.sound, cuts=goal)
+    most = [ca.fabs(g[gate.LAST][i]) + step[i] for i in AXES]
+    return Statement(g.symbols, g.below(most), g.sound, {f"goal{i}": g.goal[i] for i in AXES})

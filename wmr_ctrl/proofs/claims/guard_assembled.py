@@ -11,9 +11,17 @@ from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.claims.guard import NUMBERS_FREE, solver
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, nonnegative, positive
+from wmr_ctrl.proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+)
 from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.symbols import Named, symbols
 from wmr_ctrl.scenario import load_scenario
 
 claim = Claims(by=solver)
@@ -30,16 +38,11 @@ def axes(mutation: Mutation) -> Statement:
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
     both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
     result = guarded(ca.vertcat(one.asked, two.asked), ca.vertcat(one.y, two.y), both)
-    goals = [
-        goal
-        for i, a in enumerate((one, two))
-        for goal in (
-            equal(result.force[i], clipped(mutation * a.asked, a.y, a.bounds)),
-            equal(result.safe[i], clipped(ca.SX(0), a.y, a.bounds)),
-        )
-    ]
-    positive = tuple(above(a.period) for a in (one, two))
-    return Statement(table, tuple(goals), positive)
+    goals = list[Relation]()
+    for i, a in enumerate((one, two)):
+        goals.append(equal(result.force[i], clipped(mutation * a.asked, a.y, a.bounds)))
+        goals.append(equal(result.safe[i], clipped(ca.SX(0), a.y, a.bounds)))
+    return Statement(table, tuple(goals), positive(one.period, two.period))
 
 
 @claim(
@@ -60,16 +63,13 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     """
     b = a.bounds
     need = mutation(2, 2.01) * a.net * (1 + b.alpha * a.late)
+    spread = [a.spread] if a.lateness == LATE else []
     goals = (
-        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need),
-        *([a.spread] if a.lateness == LATE else []),
-        at_least(b.u1, 2 * b.nbar),
-        at_least(b.brake, a.net),
-        at_least(1, b.alpha * b.period),
-        at_least(b.M_max, b.M_min),
-        above(b.u1, b.f_speed),
-    )
-    return Statement(a.symbols, goals, (above(feasible(b)),))
+        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need), *spread,
+        at_least(b.u1, 2 * b.nbar), at_least(b.brake, a.net), at_least(1, b.alpha * b.period),
+        at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
+    )  # fmt: skip
+    return a.states(*goals, given=(above(feasible(b)),))
 
 
 @claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
@@ -91,12 +91,9 @@ def simulated(mutation: Mutation) -> Statement:
     friction = mu * m * g
     driven = t.v1 + t.step * ca.fmax(push[0], 0) / m
     slow = t.step * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
-    goals = (
-        at_least(ca.fmax(driven, slow), after[0]),
-        equal(after[1], t.omega + t.step * push[1] / inertia),
-    )
-    positive = tuple(above(item) for item in (m, inertia, r, half, g, v_s, t.step))
-    given = (*positive, at_least(mu))
+    turned = equal(after[1], t.omega + t.step * push[1] / inertia)
+    goals = at_least(ca.fmax(driven, slow), after[0]), turned
+    given = (*positive(m, inertia, r, half, g, v_s, t.step), at_least(mu))
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
 
@@ -202,7 +199,7 @@ BOX = (
 )
 
 
-class MappedWheels:
+class MappedWheels(Named):
     """A guard's box, a force in it, the ``safe`` one of least effort; wheels with reach phi [N].
 
     half is l, r the radius [m].
@@ -219,9 +216,7 @@ class MappedWheels:
     def within(self, force: ca.SX) -> tuple[Relation, ...]:
         """``force`` is in the box."""
         lo, hi = self.pair("lo"), self.pair("hi")
-        return tuple(
-            at_least(part) for i in (0, 1) for part in (force[i] - lo[i], hi[i] - force[i])
-        )
+        return tuple(part for i in (0, 1) for part in between(lo[i], force[i], hi[i]))
 
     def reached(self, force: ca.SX) -> Relation:
         """``force`` is within the wheels' reach."""

@@ -19,7 +19,7 @@ from wmr_ctrl.proofs.claims.guard_exported import PERIOD, Assembled, setup
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE
 from wmr_ctrl.proofs.relation import Relation, above, at_least, equal, every, positive, within
 from wmr_ctrl.proofs.statement import Statement, valued
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.proofs.symbols import Symbols, symbols
 from wmr_ctrl.world.lag import ACTING, LAG
 
 NEAR = 2.0**-50
@@ -53,16 +53,12 @@ class Flag(Assembled):
         room = b.u1 - b.f_speed + (1 + len(self.sent)) * NEAR * b.u1
         return at_least(b.M_min * b.alpha * room, share * b.net * late)
 
-    def states(
-        self,
-        goals: list[Relation],
-        given: list[Relation],
-        free: dict[str, ca.SX],
-        computed: dict[str, ca.SX],
+    def computes(
+        self, texts: dict[str, ca.SX], free: Symbols, goals: list[Relation], given: list[Relation]
     ) -> Statement:
-        """The statement about what doubles compute."""
-        table = self.symbols | free
-        return Statement(table, tuple(goals), (*given, *self.signs), self.cuts, computed=computed)
+        """The statement about what doubles compute for ``texts``."""
+        whole = self.symbols | free, tuple(goals), (*given, *self.signs), self.cuts
+        return Statement(*whole, computed=texts)
 
 
 def size(b: Bounds) -> ca.SX:
@@ -80,19 +76,12 @@ def conditions(mutation: Mutation, n: int) -> Statement:
     of its own numbers.
     """
     e, free, near = Flag(n), symbols("flag"), 1 + NEAR
-    goals = [
-        goal
-        for b in e.both
-        for goal in (
-            e.authority(b, mutation(2, 2.01)),
-            at_least(b.brake + NEAR * ca.fabs(b.net), b.net),
-            at_least(near, b.alpha * b.period),
-            at_least(b.u1 * near, 2 * b.nbar),
-            above(b.u1 * near, b.f_speed),
-            at_least(b.M_max, b.M_min),
-        )
-    ]
-    return e.states(goals, [above(free.flag)], free, {"flag": e.told["feasible"]})
+    goals = list[Relation]()
+    for b in e.both:
+        goals += e.authority(b, mutation(2, 2.01)), at_least(b.brake + NEAR * ca.fabs(b.net), b.net)
+        goals += at_least(near, b.alpha * b.period), at_least(b.u1 * near, 2 * b.nbar)
+        goals += above(b.u1 * near, b.f_speed), at_least(b.M_max, b.M_min)
+    return e.computes({"flag": e.told["feasible"]}, free, goals, [above(free.flag)])
 
 
 @claim(
@@ -109,15 +98,13 @@ def braking(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("first second")
     share = mutation(4, 0.01) * (1 + n) * NEAR
-    goals = [
-        goal
-        for name, b in zip(free, e.both, strict=True)
-        for goal in (*within(free[name] - b.braking, share * size(b)), *within(b.braking, size(b)))
-    ]
-    given = [item for b in e.both for item in (e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed))]
+    goals, given, computed = list[Relation](), list[Relation](), dict[str, ca.SX]()
+    for name, b in zip(free, e.both, strict=True):
+        computed[name] = b.braking
+        goals += *within(free[name] - b.braking, share * size(b)), *within(b.braking, size(b))
+        given += e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed)
     given += [at_least(b.brake + NEAR * ca.fabs(b.net), b.net) for b in e.both]
-    computed = {name: b.braking for name, b in zip(free, e.both, strict=True)}
-    return e.states(goals, given, free, computed)
+    return e.computes(computed, free, goals, given)
 
 
 @claim(
@@ -143,7 +130,7 @@ def reach(mutation: Mutation, n: int) -> Statement:
     braked = free.exact1 + free.exact2 / half
     goal = at_least(e.phi * (1 + 8 * NEAR) + mutation * off, braked)
     computed = {"flag": e.told["feasible"], "first": e.both[0].braking, "second": e.both[1].braking}
-    return e.states([goal], given, free, computed)
+    return e.computes(computed, free, [goal], given)
 
 
 watched_claim = Claims(by=solver)

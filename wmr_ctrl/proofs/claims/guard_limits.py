@@ -15,7 +15,7 @@ from wmr_ctrl.proofs.claims.guard import HARD, NUMBERS_FREE, upper
 from wmr_ctrl.proofs.claims.guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import FEASIBLE, only
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import above, at_least, equal, nonnegative
+from wmr_ctrl.proofs.relation import above, at_least, equal, nonnegative, positive
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 
@@ -39,8 +39,8 @@ def maximal(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b = a.bounds
-    exact = (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period)
-    given = (*a.feasible(), *(equal(item) for item in exact), at_least(a.v), *a.inside)
+    exact = map(equal, (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period))
+    given = (*a.feasible(), *exact, at_least(a.v), *a.inside)
     more = a.asked - ceiling(a.v, b)
     end = a.v + b.period * (a.asked + b.dbar) / mutation(b.M_min, b.M_max)
     return Statement(a.symbols, (above(end, a.u1),), (*given, above(more)))
@@ -65,9 +65,9 @@ def necessary(mutation: Mutation, late: bool) -> Statement:
     u1, period, mass, dbar, delay, force = t.values()
     time = period + delay if late else period
     tight = above(2 * dbar * time, mutation(1, 0.99) * mass * u1)
-    positive = [above(item) for item in (u1, period, mass, dbar, *([delay] * late))]
+    sizes = positive(u1, period, mass, dbar, *([delay] * late))
     goal = above(time * (dbar - force) / mass, u1)
-    return Statement(t, (goal,), (*positive, tight, at_least(ca.SX(0), force + dbar)))
+    return Statement(t, (goal,), (*sizes, tight, at_least(ca.SX(0), force + dbar)))
 
 
 @claim("guard.delay.longer", given="one command under way")
@@ -97,9 +97,7 @@ def ignored(_: Mutation) -> Statement:
     False: what is under way has to be counted.
     """
     a = GuardAxis(DELAYED)
-    given = (
-        *a.stated, *a.seen(1, 0, *a.during()), at_least(a.u1, a.arrived), above(a.ahead),
-    )  # fmt: skip
+    given = (*a.stated, *a.seen(1, 0, *a.during()), at_least(a.u1, a.arrived), above(a.ahead))
     force = clipped(a.asked, a.y, a.bounds)
     end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
     return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)

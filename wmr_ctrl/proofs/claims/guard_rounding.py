@@ -18,7 +18,7 @@ from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import Relation, above, at_least, positive
+from wmr_ctrl.proofs.relation import Relation, at_least, nonnegative, positive
 from wmr_ctrl.proofs.statement import UNIT, Statement
 from wmr_ctrl.proofs.symbols import Symbols, symbols
 
@@ -88,11 +88,10 @@ class RoundedAxis(GuardAxis):
     def stated(self) -> tuple[Relation, ...]:
         """The theorem's hypotheses with room for the rounding."""
         b, spare = self.bounds, self.precision.spare * self.reach
-        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha)]
-        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
         less = b.u1 * (1 - self.precision.spare)
         return (
-            *positive, *not_negative, at_least(b.M_max, b.M_min),
+            *positive(b.u1, b.period, b.M_min, b.alpha),
+            *nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed), at_least(b.M_max, b.M_min),
             at_least(1 + self.precision.quicker, b.alpha * b.period),
             at_least(self.slope * (b.u1 - b.f_speed), 2 * self.net + spare),
             at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
@@ -230,20 +229,17 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     The rounding of the torque limit does not undo the guard.
     """
     t = _wheels()
-    found, given = (t.thrust, t.moment), [*positive(t.half, t.phi)]
+    given = [*positive(t.half, t.phi)]
     for i in "12":
         given += [*_within(t[f"cap{i}"], t[f"safe{i}"]), *_within(t[f"size{i}"], t[f"force{i}"])]
         given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
-        for part in ("force", "safe"):
-            given += [
-                at_least(t[f"hi{i}"], t[f"{part}{i}"]),
-                at_least(t[f"{part}{i}"], t[f"lo{i}"]),
-            ]
+        for value in (t[f"force{i}"], t[f"safe{i}"]):
+            given += at_least(t[f"hi{i}"], value), at_least(value, t[f"lo{i}"])
     given.append(at_least(t.phi * (1 + 4 * precision.unit), t.cap1 + t.cap2 / t.half))
     lost = mutation(12, 1) * precision.unit * (t.size1 + t.size2 / t.half)
-    goals = [part for i, error in ((1, lost), (2, lost * t.half))
-             for part in (at_least(t[f"hi{i}"] + error, found[i - 1]),
-                          at_least(found[i - 1], t[f"lo{i}"] - error))]  # fmt: skip
+    goals = list[Relation]()
+    for i, value, error in ((1, t.thrust, lost), (2, t.moment, lost * t.half)):
+        goals += at_least(t[f"hi{i}"] + error, value), at_least(value, t[f"lo{i}"] - error)
     force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
     both = MAPS[kind](force, t.phi, t.half, safe)
     computed = {"thrust": both[0], "moment": both[1]}

@@ -277,7 +277,5 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
-    given = (
-        *a.sound(), *positive(window), *between(0, share, 1), *between(0, t.V, b.u1),
-    )  # fmt: skip
+    given = (*a.sound(), *positive(window), *between(0, share, 1), *between(0, t.V, b.u1))
     return Statement(a.symbols | t, (at_least(reached, mutation(1, 1.01) * v),), given)

@@ -78,11 +78,7 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
         slopes.append(s * steep)
     rises = mutation * (slopes[0] - slopes[1]) * (t.x1 - t.x2)
     sizes = [above(t.u1, way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
-    kinks = [
-        part
-        for name in ("k1", "k2")
-        for part in (at_least(t[name]), at_least(ca.SX(1), t[name] * (t.u1 - t.u2)))
-    ]
+    kinks = [part for k in (t.k1, t.k2) for part in (at_least(k), at_least(1, k * (t.u1 - t.u2)))]
     return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
 
 
@@ -229,21 +225,17 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     From the velocity that was carried along V1 falls by exp(-rho T) in a sample, whatever the
     period and the targets.
     """
-    s, t = Step(smooth), symbols("mid after")
+    s, t = Step(smooth), symbols("mid after A")
     E, target = s.inputs.E, s.inputs.target
     end, carried = s.free.end, s.free.carried
     back = s.free.x_target - end
     # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
-    A = symbols("A")
-    optimal = equal((1 - E) * (A["A"] - end + target), s.argument - end)
-    given = (
-        optimal,
-        at_least(t.mid, t.after + A["A"] * (carried - end) + 0.5 * (carried - end) ** 2),
-        at_least(0, t.after + A["A"] * back + 0.5 * back**2),
-        at_least(t.after),
-    )
+    optimal = equal((1 - E) * (t.A - end + target), s.argument - end)
+    above_start = at_least(t.mid, t.after + t.A * (carried - end) + 0.5 * (carried - end) ** 2)
+    above_target = at_least(0, t.after + t.A * back + 0.5 * back**2)
+    given = (optimal, above_start, above_target, at_least(t.after))
     goals = (at_least(mutation(E**2, (0.9 * E) ** 2) * t.mid, t.after), equal(s.end, end))
-    return s.states(goals, given, ("carried", "end", "x_target"), t | A)
+    return s.states(goals, given, ("carried", "end", "x_target"), t)
 
 
 @claim("prox.linear{key}", premises="transport.plain{key}", over=BARRIERS)
@@ -298,21 +290,15 @@ def rises(mutation: Mutation) -> Statement:
     target and every |v| < v_u1: level transport keeps the decay of V1, two-part transport adds the
     way that it does not carry.
     """
-    t = symbols("before carried mid after S S_next way E")
-    S, E = t.S, t.E
-    root = symbols("S_mid S_carried")
-    squares = [
-        equal(root_of**2, 2 * value)
-        for root_of, value in (
-            (S, t.before), (t.S_next, t.after),
-            (root.S_mid, t.mid), (root.S_carried, t.carried)
-        )
-    ]  # fmt: skip
-    roots = [at_least(x) for x in (S, t.S_next, *root.values())]
+    t = symbols("before carried mid after S S_next way E S_mid S_carried")
+    S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
+    values = t.before, t.after, t.mid, t.carried
+    squares = (equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True))
     given = (
-        *squares, *roots, above(E), above(1, E), at_least(t.way), at_least(t.before, t.carried),
-        at_least(root.S_carried + t.way, root.S_mid), at_least(E**2 * t.mid, t.after),
+        *squares, *nonnegative(*roots), above(E), above(1, E), at_least(t.way),
+        at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid),
+        at_least(E**2 * t.mid, t.after),
     )  # fmt: skip
     most = E * (S + mutation(1, 0.9) * t.way)
     level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
-    return Statement(t | root, (at_least(most, t.S_next), level), given)
+    return Statement(t, (at_least(most, t.S_next), level), given)

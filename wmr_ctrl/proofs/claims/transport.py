@@ -103,11 +103,8 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
     nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
-    goals = (
-        *between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2),
-        at_least(most, rise),
-        when(nearer, at_least(0, rise)),
-    )
+    sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
+    goals = (*sides, at_least(most, rise), when(nearer, at_least(0, rise)))
     return Statement(t | symbols("x x_next"), goals, given, {"x": x, "x_next": x_next})
 
 
@@ -155,11 +152,8 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     g = Carried(smooth)
     t = g.inputs
     u1, size = t.u1, ca.fabs(g.end)
-    goals = (
-        at_least(mutation(u1, t.u2), size),
-        above(ca.if_else(ca.fabs(t.v) < u1, u1, 1 + size), size),
-        when(ca.eq(t.c, t.c_next), equal(g.end, t.v)),
-    )
+    less = above(ca.if_else(ca.fabs(t.v) < u1, u1, 1 + size), size)
+    goals = at_least(mutation(u1, t.u2), size), less, when(ca.eq(t.c, t.c_next), equal(g.end, t.v))
     return g.states(goals, (at_least(u1, ca.fabs(t.v)),))
 
 
