@@ -238,7 +238,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     given.append(at_least(t.phi * (1 + 4 * precision.unit), t.cap1 + t.cap2 / t.half))
     lost = mutation(12, 1) * precision.unit * (t.size1 + t.size2 / t.half)
     goals = list[Relation]()
-    for i, value, error in ((1, t.thrust, lost), (2, t.moment, lost * t.half)):
+    for i, value, error in (("1", t.thrust, lost), ("2", t.moment, lost * t.half)):
         goals += at_least(t[f"hi{i}"] + error, value), at_least(value, t[f"lo{i}"] - error)
     force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
     both = MAPS[kind](force, t.phi, t.half, safe)
