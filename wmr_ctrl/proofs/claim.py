@@ -15,7 +15,7 @@ for the period that ends it), the second what it means for a robot:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from inspect import signature
@@ -126,6 +126,12 @@ class Claims:
             return function
 
         return enter
+
+
+def rows(**columns: Sequence[Any]) -> tuple[dict[str, Any], ...]:
+    """Tables for ``over``, one for each place of the columns: both axes, say, or both ways."""
+    places = zip(*columns.values(), strict=True)
+    return tuple(dict(zip(columns, values, strict=True)) for values in places)
 
 
 def _filled(text: str, values: Mapping[str, Any]) -> str:

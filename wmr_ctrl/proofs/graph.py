@@ -10,6 +10,7 @@ other, and what is to be shown must hold on each.
 """
 
 import hashlib
+import operator
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -288,13 +289,11 @@ def paths(
         yield taken, run(ask)
 
 
+COMPARE = {name: getattr(operator, name) for name in COMPARISONS}
 ARITHMETIC: dict[str, Callable[..., Any]] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
+    **{name: getattr(operator, name) for name in ("add", "sub", "mul", "neg")},
+    "div": operator.truediv,
     "inv": lambda a: 1 / a,
-    "neg": lambda a: -a,
     "sq": lambda a: a * a,
     "twice": lambda a: 2 * a,
     "assign": lambda a: a,

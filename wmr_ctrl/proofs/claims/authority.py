@@ -8,7 +8,7 @@ import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import authority_limit
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims import authority_table as table
 from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.ledger import HAND
@@ -21,10 +21,7 @@ from wmr_ctrl.proofs.symbols import symbols
 LIMIT_BOX = {"s": (Fraction("1e-300"), Fraction("0.99"))}
 LIMIT_CUTS = {"s": [Fraction(f"1e-{k}") for k in (120, 40, 12, 6, 4, 3, 2, 1)]}
 PAPER = "paper limits and gains, v_c0' = 0, |v| below the clip; mirrored for v_c0 < 0"
-AXES = (
-    {"axis": 0, "name": "linear", "unit": "m/s^2"},
-    {"axis": 1, "name": "angular", "unit": "rad/s^2"},
-)
+AXES = rows(axis=(0, 1), name=("linear", "angular"), unit=("m/s^2", "rad/s^2"))
 claim = Claims(given=PAPER)
 
 

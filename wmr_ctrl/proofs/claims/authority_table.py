@@ -18,7 +18,6 @@ STEP, ROOM = 0.008, 0.008
 CLIP = 1e-6
 """limits.clip of the paper's presets: barrier quantities see no velocity nearer to the limit."""
 
-
 GOLDEN = (sqrt(5) - 1) / 2
 SECTIONS, HALVINGS = 40, 35
 """Steps of a search: a place to 4e-9 of its range is more than a table in steps of STEP needs."""
@@ -88,11 +87,7 @@ class Numbers:
             c = min(LARGEST_TARGET, self._next(c, top * (1 - STEP)))
 
     def _next(self, c: float, wanted: float) -> float:
-        low, high = c, c + 4.0
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.best(middle)[1] > wanted else (low, middle)
-        return low
+        return _last(c, c + 4.0, lambda place: self.best(place)[1] > wanted)
 
     def steps(self, row: Row) -> Iterator[tuple[float, float]]:
         """Pairs a < b with rho V1(b)/A(a) <= high, from v_c1 + high/rho to the clip."""
@@ -105,13 +100,16 @@ class Numbers:
 
     def _reach(self, a: float, row: Row, end: float) -> float:
         wanted = row.high * (1 - 1e-9) / self.rho * self.slope(a, row.c)
-        value, low, high = self.value(row.c), a, end
-        if value(end) <= wanted:
-            return end
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if value(middle) <= wanted else (low, middle)
-        return low
+        value = self.value(row.c)
+        return end if value(end) <= wanted else _last(a, end, lambda v: value(v) <= wanted)
+
+
+def _last(low: float, high: float, holds: Callable[[float], bool]) -> float:
+    """Last place at which it holds, by halving: it does at ``low``, and not at ``high``."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
 
 
 def _top(function: Callable[[float], float], low: float, high: float) -> float:
@@ -145,21 +143,17 @@ def links(axis: int) -> tuple[tuple[tuple[float, float], ...], ...]:
 AXES = (Numbers(1.0, 0.8, 15.0), Numbers(1.5, 1.3, 57.6))
 
 
-def _point(**coordinates: float) -> Point:
-    return coordinates
-
-
 def low_points(axis: int) -> list[Point]:
     """One point per row."""
     n = AXES[axis]
-    return [_point(v=r.v, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, low=r.low) for r in rows(axis)]
+    return [{"v": r.v, "c": r.c, **vars(n), "low": r.low} for r in rows(axis)]
 
 
 def high_points(axis: int) -> list[Point]:
     """The chain of intervals of every row."""
     n = AXES[axis]
     return [
-        _point(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high)
+        {"v": a, "b": b, "c": r.c, **vars(n), "high": r.high}
         for r, chain in zip(rows(axis), links(axis), strict=True)
         for a, b in chain
     ]
@@ -167,8 +161,7 @@ def high_points(axis: int) -> list[Point]:
 
 def ratio_points(axis: int) -> list[Point]:
     """Neighbouring rows."""
-    table = rows(axis)
-    return [_point(high=a.high, low=b.low) for a, b in pairwise(table)]
+    return [{"high": a.high, "low": b.low} for a, b in pairwise(rows(axis))]
 
 
 def link_points(axis: int) -> list[Point]:
@@ -178,8 +171,8 @@ def link_points(axis: int) -> list[Point]:
         for k, (a, b) in enumerate(chain):
             place = {"first": float(k == 0), "last": float(k == len(chain) - 1)}
             before = chain[k - 1][1] if k else 0.0
-            fixed = {"c": r.c, "u1": n.u1, "u2": n.u2, "rho": n.rho, "high": r.high}
-            points.append(_point(v=a, b=b, before=before, **place, **fixed))
+            own = {"v": a, "b": b, "before": before, **place}
+            points.append({**own, "c": r.c, **vars(n), "high": r.high})
     return points
 
 
@@ -188,6 +181,6 @@ def row_points(axis: int) -> list[Point]:
     table = [row.c for row in rows(axis)]
     last = len(table) - 1
     return [
-        _point(c=c, before=table[max(k - 1, 0)], first=float(k == 0), last=float(k == last))
+        {"c": c, "before": table[max(k - 1, 0)], "first": float(k == 0), "last": float(k == last)}
         for k, c in enumerate(table)
     ]

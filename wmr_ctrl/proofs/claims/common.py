@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
@@ -11,6 +12,7 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.system import Port
+from wmr_ctrl.proofs.claim import rows
 from wmr_ctrl.proofs.relation import Relation, above
 from wmr_ctrl.proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_ctrl.scenario import load_scenario
@@ -24,14 +26,12 @@ FINITE = "; |v_c0| < 1e100"
 NO_SERIES = (
     "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
 )
-AXES = ({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1})
+AXES = rows(axis=(0, 1), id=("linear", "angular"))
 
 
-def named_axes(angular: str = "-angular") -> tuple[dict[str, object], ...]:
+def named_axes(angular: str = "-angular") -> tuple[dict[str, Any], ...]:
     """Both axes for entries of which the angular one's id ends so."""
-    return (
-        {"of": "", "where": "linear", "axis": 0}, {"of": angular, "where": "angular", "axis": 1},
-    )  # fmt: skip
+    return rows(axis=(0, 1), of=("", angular), where=("linear", "angular"))
 
 
 BARRIERS = (

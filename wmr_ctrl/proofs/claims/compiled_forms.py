@@ -143,12 +143,11 @@ OFF_CORNERS = tuple(case for case in EVERY if not any(at in case.label for at in
 ANYWHERE = (*regions.SIDES, *regions.SIDE_EDGES)
 TANGENTS = tuple(regions.tangent_case(y, v) for y in ANYWHERE for v in regions.SIDES)
 """v off the corner, where the slope is 0 from both sides."""
-smooth_claim = Claims(by=Ring(EVERY, CLOSED_FORM), given=ALL_LIMITS + FINITE)
+COVERED = "cover.smooth-targets cover.beyond"
+smooth_claim = Claims(by=Ring(EVERY, CLOSED_FORM), given=ALL_LIMITS + FINITE, premises=COVERED)
 
 
-@smooth_claim(
-    "smooth.V1", given=ALL_LIMITS + NO_SERIES, premises="cover.smooth-targets cover.beyond"
-)
+@smooth_claim("smooth.V1", given=ALL_LIMITS + NO_SERIES)
 def smooth_value(mutation: Mutation) -> Statement:
     """smooth barrier: the compiled V1i equals (20) with f(v) = -ln((v_u1 - |v|)/(v_u1 - v_u2)) -
     (|v| - v_u2)/(v_u1 - v_u2) beyond v_u2, else 0.
@@ -176,9 +175,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     return Statement(t, (at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)),))
 
 
-@smooth_claim(
-    "smooth.v_c1", by=Ring(EVERY), premises="prox.optimal-smooth cover.smooth-targets cover.beyond"
-)
+@smooth_claim("smooth.v_c1", by=Ring(EVERY), premises=f"prox.optimal-smooth {COVERED}")
 def smooth_target(mutation: Mutation) -> Statement:
     """smooth barrier: the compiled v_c1 is X_1(v_c0), and w = v - v_c1.
 
@@ -194,7 +191,6 @@ def smooth_target(mutation: Mutation) -> Statement:
     given="every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, "
     "and v = v_c0 = 0 left out" + NO_SERIES,
     by=Ring(OFF_CORNERS, CLOSED_FORM),
-    premises="cover.smooth-targets cover.beyond",
 )
 def slope(mutation: Mutation) -> Statement:
     """smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i.
@@ -206,9 +202,7 @@ def slope(mutation: Mutation) -> Statement:
     return a.states(equal(found.q * ca.gradient(found.V1, a.all[0]), mutation * found.w))
 
 
-@smooth_claim(
-    "smooth.quotient", given=ALL_LIMITS + NO_SERIES, premises="cover.smooth-targets cover.beyond"
-)
+@smooth_claim("smooth.quotient", given=ALL_LIMITS + NO_SERIES)
 def smooth_quotient(mutation: Mutation) -> Statement:
     """smooth barrier: the compiled V1i/A times A = (v - v_c1)/q equals V1i.
 
@@ -219,9 +213,7 @@ def smooth_quotient(mutation: Mutation) -> Statement:
     return a.states(equal(found.V1_over_A * found.w, mutation * found.q * found.V1))
 
 
-@smooth_claim(
-    "prox.smooth-ratio", by=Ring(EVERY), premises="smooth.slope cover.smooth-targets cover.beyond"
-)
+@smooth_claim("prox.smooth-ratio", by=Ring(EVERY), premises=f"smooth.slope {COVERED}")
 def ratio(mutation: Mutation) -> Statement:
     """smooth barrier: 1 <= A/(v - v_c1) <= 1 + 1/(v_u1 - max(|v|, |v_c1|))^2, as compiled (1/q).
 

@@ -11,7 +11,7 @@ from wmr_ctrl.filter.channels import WAYS, Channel, scaled
 from wmr_ctrl.filter.governor import FirstOrder
 from wmr_ctrl.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, clipped
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.drive_bounds import Jittering
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
 from wmr_ctrl.proofs.claims.world import EffectGraph
@@ -107,17 +107,14 @@ def pi_loop(mutation: Mutation) -> Statement:
     return g.states(*every(own.update, following), *every(own.y, torque), given=given)
 
 
-LATE = (
-    {"key": "constant", "words": "a constant delay", "jitters": False},
-    {"key": "jitter", "words": "with jitter", "jitters": True},
-)
+LATE = "a constant delay", "with jitter"
 
 
 @claim(
     "corridor.guard-late-{key}",
     given="S = M_min alpha > 0, brake >= 0, net >= 0; ahead, back, and what the last command adds "
     "to them until the new one is sure to act: a, 0 without jitter; c = 1 + alpha J",
-    over=LATE,
+    over=rows(jitters=(False, True), key=("constant", "jitter"), words=LATE),
 )
 def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     """F + S (w + ahead + a) <= S u1 - net and c F + S (w + ahead) <= S u1 - c net for w = y + nbar

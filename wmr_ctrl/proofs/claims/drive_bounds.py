@@ -5,7 +5,7 @@ import casadi as ca
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.guard.delay import integral, moved
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import above, at_least, between, equal, every, positive, when, within
@@ -232,10 +232,7 @@ def line(mutation: Mutation) -> Statement:
 @claim(
     "world.motor.{name}",
     given="|v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0",
-    over=(
-        {"name": "thrust", "way": 1, "drive": "one way"},
-        {"name": "moment", "way": -1, "drive": "opposite ways"},
-    ),
+    over=rows(way=(1, -1), name=("thrust", "moment"), drive=("one way", "opposite ways")),
 )
 def pair_ahead(mutation: Mutation, way: int) -> Statement:
     """d(s) of both wheels together is largest at v1 = u1, |omega| = u2 where they drive {drive}.
@@ -263,7 +260,7 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
     "|omega| <= u2; each wheel misses at most half a step, the zone, and the smaller of d of its "
     "speed and tau_max + step/2; d of both wheels as world.motor.{name} has it",
     premises="world.motor.step world.motor.dead-zone world.motor.line world.motor.{name}",
-    over=({"name": "thrust", "axis": 0}, {"name": "moment", "axis": 1}),
+    over=rows(axis=(0, 1), name=("thrust", "moment")),
 )
 def motor_bound(mutation: Mutation, axis: int) -> Statement:
     """the torque that motors fail to give makes no more {name} than their bound says, for steps,

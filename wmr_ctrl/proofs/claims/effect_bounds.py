@@ -5,7 +5,7 @@ from dataclasses import replace
 import casadi as ca
 
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.regions import at
@@ -93,10 +93,7 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
 @claim(
     "world.noise.{name}",
     given="r, l > 0, std >= 0; |each normal number| <= n",
-    over=(
-        {"name": "thrust", "axis": 0, "most": "2 n std/r"},
-        {"name": "moment", "axis": 1, "most": "2 l n std/r"},
-    ),
+    over=rows(axis=(0, 1), name=("thrust", "moment"), most=("2 n std/r", "2 l n std/r")),
 )
 def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     """torque noise within n std on each wheel makes a {name} of at most {most}.
@@ -187,9 +184,8 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
     "first sample; its way is at most u1 times the window, and the duration no shorter and eight h "
     "or more; |path|, |theta| <= u1 duration, so that rounding in each h of the window makes "
     "2^-53 u1 duration/h times the window at most",
-    over=({"of": "", "what": "velocity", "axis": 0},
-          {"of": "-angular", "what": "angular velocity", "axis": 1}),
-)  # fmt: skip
+    over=rows(axis=(0, 1), of=("", "-angular"), what=("velocity", "angular velocity")),
+)
 def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     """the mean {what} as computed is off that of the exact way by no more than the error that its
     bound tells.

@@ -8,7 +8,7 @@ from itertools import product
 import casadi as ca
 
 from wmr_ctrl.filter.forecast import FLATTEST, HELD, PIECES, Forecast, ResponseTable, inverse_slopes
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between
@@ -17,7 +17,7 @@ from wmr_ctrl.proofs.symbols import Named, stacked, symbols
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
 claim = Claims(by=Z3(effort=100))
-WAYS = ({"word": "over", "sign": "", "way": 1}, {"word": "under", "sign": "-", "way": -1})
+WAYS = rows(way=(1, -1), word=("over", "under"), sign=("", "-"))
 
 
 class BandAxis(Named):
@@ -90,8 +90,7 @@ def mirrored(mutation: Mutation) -> Statement:
     return Statement(s, tuple(goals), a.stated)
 
 
-PARTS = ({"part": "piece", "told": "a piece of the tables"},
-         {"part": "tail", "told": "behind the tables"})  # fmt: skip
+PARTS = rows(part=("piece", "tail"), told=("a piece of the tables", "behind the tables"))
 EACH = tuple(way | part for way in WAYS for part in PARTS)
 WITHIN = "u + over, -u + under <= c'', c'' = c (1 + 2^-30 + 2^-46)"
 INSIDE = f"before it {WITHIN}, and under <= c' = c (1 + 2^-30) once 0 is sent"

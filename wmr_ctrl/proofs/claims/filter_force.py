@@ -9,7 +9,7 @@ import casadi as ca
 
 from wmr_ctrl.filter import force_band
 from wmr_ctrl.filter.forecast import Forecast
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.common import AXES, elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS, BandAxis, bound_of
 from wmr_ctrl.proofs.ledger import HAND
@@ -156,14 +156,10 @@ def drag_changed(mutation: Mutation, way: int) -> Statement:
     return Statement(s, tuple(goals), a.stated)
 
 
-RAMPED = tuple(
-    way | part | {"rises": rises, "turn": "rise" if rises else "fall",
-                  "how": "u <= to <= u + rise" if rises else "u - fall <= to <= u"}
-    for way in WAYS
-    for part in ({"part": "piece", "behind": 0, "told": "the piece"},
-                 {"part": "tail", "behind": 1, "told": "what is behind"})
-    for rises in (True, False)
-)  # fmt: skip
+PARTS = rows(behind=(0, 1), part=("piece", "tail"), told=("the piece", "what is behind"))
+HOW = "u <= to <= u + rise", "u - fall <= to <= u"
+TURNS = rows(rises=(True, False), turn=("rise", "fall"), how=HOW)
+RAMPED = tuple(way | part | turn for way in WAYS for part in PARTS for turn in TURNS)
 
 
 @claim(

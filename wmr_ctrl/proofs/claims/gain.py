@@ -101,7 +101,7 @@ def held_back() -> list[Point]:
 
 
 def _point(n: Numbers, **values: float | str) -> Point:
-    return {k: Fraction(x) for k, x in {**values, "u1": n.u1, "u2": n.u2, "rho": n.rho}.items()}
+    return {name: Fraction(x) for name, x in {**values, **vars(n)}.items()}
 
 
 STAR = (

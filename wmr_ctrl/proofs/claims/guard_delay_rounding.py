@@ -18,7 +18,7 @@ from wmr_ctrl.proofs.claims.guard_axis import DELAYED
 from wmr_ctrl.proofs.claims.guard_delay_sums import ROUNDS
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import Relation, above, at_least, between
+from wmr_ctrl.proofs.relation import Relation, at_least, between, nonnegative, positive
 from wmr_ctrl.proofs.statement import UNIT, Statement
 
 SPREAD = 16
@@ -58,10 +58,10 @@ class QueuedAxis(RoundedAxis):
     def stated(self) -> tuple[Relation, ...]:
         """The theorem's hypotheses with room for the rounding, but for those of the caps."""
         b, less = self.bounds, self.u1 * (1 - 4 * self.held_back)
-        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, self.delay)]
         counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self.ahead, self.back)
         return (
-            *positive, *(at_least(item) for item in counted), at_least(b.M_max, b.M_min),
+            *positive(b.u1, b.period, b.M_min, b.alpha, self.delay), *nonnegative(*counted),
+            at_least(b.M_max, b.M_min),
             at_least(1 + DOUBLE.quicker, b.alpha * b.period), *self.sized,
             at_least(less, 2 * b.nbar), at_least(less, b.f_speed), at_least(self.reach, self.net),
             at_least(self.reach, -self.net),
@@ -90,10 +90,8 @@ class QueuedAxis(RoundedAxis):
     def bounded(self) -> tuple[Relation, ...]:
         """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
-        return (
-            at_least(brakes), at_least(brakes, ca.fabs(self.net) + room), at_least(largest),
-            at_least(largest, self.net + room),
-        )  # fmt: skip
+        least = at_least(brakes), at_least(brakes, ca.fabs(self.net) + room)
+        return (*least, at_least(largest), at_least(largest, self.net + room))
 
     def arrives(self, way: int) -> tuple[Relation, ...]:
         """arrived <= max(way v, f_speed) + what was computed to be under way, and <= u1."""
@@ -125,15 +123,10 @@ MET = (
 CAPS = "brakes >= |net| + 2 kept K, largest >= max(net, -2 kept K) + 2 kept K"
 SPARE = f"{WHEELS} 2^-53 K"
 AIM = "M_min alpha (u1 (1 - kept) - f_speed)"
-claim = Claims(by=Z3(effort=100))
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
 
 
-@claim(
-    "guard.delay.rounding.brakes",
-    given=f"{RANGE}; {MET}{ROUNDS}",
-    premises="assumption.libm",
-    aim=AIM,
-)
+@claim("guard.delay.rounding.brakes", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
 def brakes(mutation: Mutation) -> Statement:
     """computed brakes >= |net| + 5 kept K, (brakes + net) (1 + alpha delay) <= {aim} + (24 + 8
     alpha delay) 2^-53 K.
@@ -148,12 +141,7 @@ def brakes(mutation: Mutation) -> Statement:
     return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
 
 
-@claim(
-    "guard.delay.rounding.largest",
-    given=f"{RANGE}; {MET}{ROUNDS}",
-    premises="assumption.libm",
-    aim=AIM,
-)
+@claim("guard.delay.rounding.largest", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
 def largest(mutation: Mutation) -> Statement:
     """alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {aim} to (8 + 4
     alpha delay) 2^-53 K.

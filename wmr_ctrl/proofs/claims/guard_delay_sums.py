@@ -4,14 +4,12 @@ What is computed before the last command is cut off and stands for any number, s
 one command more holds for any queue.
 """
 
-from typing import Any
-
 import casadi as ca
 
 from wmr_ctrl.guard.delay import InFlight, in_flight
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, at_least, between, nonnegative, positive
 from wmr_ctrl.proofs.statement import UNIT, Statement
@@ -20,14 +18,8 @@ from wmr_ctrl.proofs.symbols import Named, column, symbols
 SENT = 5
 """Commands of the queue that is written out."""
 ROUNDS = "; operations rounded by at most 2^-53"
-ON_AXES = (
-    {"suffix": "", "axis": 0, "told": "first axis"},
-    {"suffix": "-angular", "axis": 1, "told": "second axis"},
-)
-WAYS: tuple[dict[str, Any], ...] = (
-    {"word": "ahead", "way": 1, "sign": ""},
-    {"word": "back", "way": -1, "sign": "-"},
-)
+ON_AXES = rows(axis=(0, 1), suffix=("", "-angular"), told=("first axis", "second axis"))
+WAYS = rows(way=(1, -1), word=("ahead", "back"), sign=("", "-"))
 
 
 class Queue(Named):

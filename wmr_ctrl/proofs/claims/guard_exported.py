@@ -14,7 +14,7 @@ from wmr_ctrl.guard.guard import MAPS, Bounds, ceiling, clipped, feasible
 from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.system import System
-from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
+from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.common import PRESET, named_ports, scalars
 from wmr_ctrl.proofs.claims.guard import anchor, solver, upper
 from wmr_ctrl.proofs.claims.guard import feasible as not_empty
@@ -138,17 +138,14 @@ class Assembled:
         return {name: self.asked[axis] for name, axis in asked.items()}
 
 
-_EXPORTED = [
-    {"name": name, "kind": kind, "late": late, "which": which, "delay": delay,
-     "assemble": assemble, **words}
-    for name, assemble in (("guard", guard), ("controller", asking_controller))
-    for kind in MAPS
-    for late, delay, which, words in (
-        ("", 0, "without delay", {"at": "", "inside": INSIDE}),
-        ("-late", 2, "behind a delay of two periods",
-         {"at": "delay.", "inside": UNDER_WAY}),
-    )
-]  # fmt: skip
+GRAPHS = rows(name=("guard", "controller"), assemble=(guard, asking_controller))
+ON_MAPS = [graph | {"kind": kind} for graph in GRAPHS for kind in MAPS]
+_DELAYS = (
+    {"late": "", "delay": 0, "which": "without delay", "at": "", "inside": INSIDE},
+    {"late": "-late", "delay": 2, "which": "behind a delay of two periods", "at": "delay.",
+     "inside": UNDER_WAY},
+)  # fmt: skip
+_EXPORTED = [graph | delay for graph in ON_MAPS for delay in _DELAYS]
 
 
 @claim(

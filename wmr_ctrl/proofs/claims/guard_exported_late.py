@@ -12,11 +12,10 @@ from math import ceil, inf, nextafter
 
 import casadi as ca
 
-from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.guard.bounds import pair_of
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, integral, moved, push, waiting
-from wmr_ctrl.guard.guard import MAPS, Bounds
+from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.lateness import Piece
 from wmr_ctrl.guard.monitor import LateMotion
 from wmr_ctrl.guard.varying import Passage
@@ -24,7 +23,7 @@ from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import System
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard import solver
-from wmr_ctrl.proofs.claims.guard_exported import PERIOD, Assembled, exported, setup
+from wmr_ctrl.proofs.claims.guard_exported import ON_MAPS, PERIOD, Assembled, exported, setup
 from wmr_ctrl.proofs.relation import Relation, every, positive
 from wmr_ctrl.proofs.statement import Statement
 
@@ -74,9 +73,7 @@ class LateAssembled(Assembled):
         tail, share = self._older(axis, b), late.tail.share
         ways = zip((mean.ahead, mean.back), (rest.ahead, rest.back), tail, strict=True)
         ahead, back = ((one + share * old, two + old) for one, two, old in ways)
-        again = None
-        if late.jitter:
-            again = in_flight([(self.forces[0], late.jitter)], axis, b)
+        again = in_flight([(self.forces[0], late.jitter)], axis, b) if late.jitter else None
         return InFlight(ahead[0], back[0], InFlight(ahead[1], back[1]), again)
 
     def _pieces(self, pieces: Sequence[Piece], axis: int, b: Bounds) -> InFlight:
@@ -200,15 +197,14 @@ def _periods(time: float) -> float:
     return count if count * PERIOD >= time else nextafter(count, inf)
 
 
-_WAYS_TO_BE_LATE = [
-    {"late": late, "stated": stated, "which": which}
-    for late, stated, which in (
-        ("steady", STEADY, "no jitter, one lag"),
-        ("jitter", STEADY | JITTER, "a jitter of half a period, one lag"),
-        ("varying-steady", VARYING, "no jitter, a lag that varies by a quarter"),
-        ("varying", VARYING | JITTER, "a jitter of half a period, a lag that varies by a quarter"),
-    )
-]
+VARIES = "a lag that varies by a quarter"
+WAYS_TO_BE_LATE = (
+    {"late": "steady", "stated": STEADY, "which": "no jitter, one lag"},
+    {"late": "jitter", "stated": STEADY | JITTER, "which": "a jitter of half a period, one lag"},
+    {"late": "varying-steady", "stated": VARYING, "which": f"no jitter, {VARIES}"},
+    {"late": "varying", "stated": VARYING | JITTER,
+     "which": f"a jitter of half a period, {VARIES}"},
+)  # fmt: skip
 
 
 @claim(
@@ -216,12 +212,7 @@ _WAYS_TO_BE_LATE = [
     given="any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that "
     "is asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it",
     premises="guard.axes wheels.{kind}",
-    over=[
-        {"name": name, "assemble": assemble, "kind": kind, **row}
-        for name, assemble in (("guard", guard), ("controller", asking_controller))
-        for kind in MAPS
-        for row in _WAYS_TO_BE_LATE
-    ],
+    over=[graph | late for graph in ON_MAPS for late in WAYS_TO_BE_LATE],
 )
 def assembled(
     mutation: Mutation, assemble: Callable[[Setup], System], kind: str, stated: Mapping[str, float]

@@ -6,7 +6,7 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES
 from wmr_ctrl.proofs.claims.prox_push import AXES, Sampled
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
@@ -25,9 +25,7 @@ FAST = {"L": "0.3", "least": "1/4", "p": "1/6", "s": "53/5", "g": "0.93"}
 GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
 MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
 LOOP = "prox.loop-force prox.loop-force-angular prox.loop-observer prox.loop-observer-angular"
-BELIEFS: tuple[dict[str, Any], ...] = (
-    {"key": "", "numbers": FAST}, {"key": "-gentle", "numbers": GENTLE},
-)  # fmt: skip
+BELIEFS = rows(key=("", "-gentle"), numbers=(FAST, GENTLE))
 claim = Claims(by=Z3(effort=150))
 
 

@@ -18,7 +18,7 @@ import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.model.dynamics import acceleration
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.common import NO_SERIES, VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_ctrl.proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
@@ -116,7 +116,7 @@ claim = Claims()
     "wheel torques is not in the graph",
     by=lambda s: s.method,
     premises="assumption.libm lemma.sampling",
-    over=tuple({"s": setting} for setting in SETTINGS),
+    over=rows(s=SETTINGS),
 )
 def held(mutation: Mutation, s: Held) -> Statement:
     """|{s.velocity}| <= {s.level} {s.unit} is kept with T = {s.milliseconds} ms for |v_c0| <=
@@ -201,10 +201,7 @@ class NewtonStep:
 HELD = (
     'paper\'s barrier, decay = "exact", c held, model exact, |v| < v_u1 below the clip; v != v_c1'
 )
-AXES = (
-    {"axis": 0, "of": "", "where": ""},
-    {"axis": 1, "of": "-angular", "where": " (angular axis)"},
-)
+AXES = rows(axis=(0, 1), of=("", "-angular"), where=("", " (angular axis)"))
 newton_claim = Claims(given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}")
 
 

@@ -8,7 +8,7 @@ import casadi as ca
 
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import Parameters
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Ring
 from wmr_ctrl.proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
@@ -138,10 +138,7 @@ claim = Claims(by=HARD)
 @claim(
     "world.encoder.{name}",
     given=WHOLE,
-    over=(
-        {"name": "v1", "axis": 0, "error": "2 pi r/(N w)"},
-        {"name": "omega", "axis": 1, "error": "2 pi r/(N w l)"},
-    ),
+    over=rows(axis=(0, 1), name=("v1", "omega"), error=("2 pi r/(N w)", "2 pi r/(N w l)")),
 )
 def counted_speed(mutation: Mutation, axis: int) -> Statement:
     """differences of counts over w, the window that the bound gives, give {name} with an error

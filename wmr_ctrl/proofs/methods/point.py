@@ -10,7 +10,7 @@ from typing import Any
 
 from flint import arb, ctx, fmpq
 
-from wmr_ctrl.proofs.graph import ARITHMETIC, Arithmetic, UndecidedError, Walk
+from wmr_ctrl.proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Finding, Point, Refute, Table
 from wmr_ctrl.proofs.relation import ABOVE, EQUAL
@@ -62,8 +62,7 @@ class PointArithmetic(Arithmetic):
 
     def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> bool:
         """Certain truth; UndecidedError otherwise."""
-        s = sign_of(self.apply("sub", [left, right]))
-        return {"lt": s < 0, "le": s <= 0, "eq": s == 0, "ne": s != 0}[op]
+        return bool(COMPARE[op](sign_of(self.apply("sub", [left, right])), 0))
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
         """A condition that is a number: nonzero means true."""

@@ -16,7 +16,7 @@ from typing import Any
 
 import z3
 
-from wmr_ctrl.proofs.graph import ARITHMETIC, Arithmetic, UndecidedError, Walk
+from wmr_ctrl.proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
@@ -57,9 +57,7 @@ class TermArithmetic(Arithmetic):
 
     def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> Any:
         """Term of a comparison."""
-        return {"lt": left < right, "le": left <= right, "eq": left == right, "ne": left != right}[
-            op
-        ]
+        return COMPARE[op](left, right)
 
     def logic(self, op: str, args: list[Any]) -> Any:
         """Term of a connective."""
