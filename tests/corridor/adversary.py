@@ -22,6 +22,8 @@ TINY = 1e-4
 WINDOW, STRIDE = 150, 15
 """Samples before the last that count on the way, and how far apart a single push is tried."""
 DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
+TRIED = 2
+"""Of the worst sequences for DIRECTIONS so many are tried: those of the largest sum of answers."""
 
 
 @dataclass(frozen=True)
@@ -92,9 +94,19 @@ def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, chang
     return Excursion(np.array(loop.errors), float(torque), bool(np.any(columns["clip_active"])))
 
 
+def farthest_first(led, size=1.0):
+    """Signs of each of the sequences ``led`` (N, 2) times ``size``, in the order of how far.
+
+    Which is the sum of the sizes of what ``led`` has for each sample and axis.
+    """
+    order = sorted(led, key=lambda answers: -(np.abs(answers) * size).sum())
+    return [np.sign(answers) * size for answers in order]
+
+
 @lru_cache(maxsize=16)
 def worst_pushes(scenario, law, samples, size):
-    """For each of DIRECTIONS: pushes (N, 2) of ``size`` that lead furthest that way."""
+    """For each of DIRECTIONS: pushes (N, 2) of ``size`` that lead furthest that way, those first
+    that lead furthest of all."""
     steps = scenario.clock.substeps
     rest = attack(scenario, law, np.zeros((samples, 2))).e[steps - 1 :: steps]
     answers = []
@@ -102,16 +114,16 @@ def worst_pushes(scenario, law, samples, size):
         push = np.zeros((samples, 2))
         push[0, wheel] = TINY
         answers.append(attack(scenario, law, push).e[steps - 1 :: steps] - rest)
-    ways = [[np.sign(ahead * e[::-1, 0] + left * e[::-1, 1]) for e in answers]
-            for ahead, left in DIRECTIONS]  # fmt: skip
-    return [size * np.stack(signs, axis=1) for signs in ways]
+    led = [np.stack([ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers], axis=1)
+           for ahead, left in DIRECTIONS]  # fmt: skip
+    return farthest_first(led, size)
 
 
 @lru_cache(maxsize=4)
 def worst_on_the_way(scenario, law, end):
     """For each of DIRECTIONS: signs (end, 2) of pushes that lead furthest that way at last.
 
-    Along any path, with the robot's changes.
+    Those first that lead furthest of all.  Along any path, with the robot's changes.
     """
     loop = Attacked(scenario, law, np.zeros((end, 2)), changing=True)
     places = np.arange(end - 1, max(end - WINDOW, 0), -STRIDE)[::-1]
@@ -129,25 +141,30 @@ def worst_on_the_way(scenario, law, end):
     for ahead, left in DIRECTIONS:
         led = ahead * answers[..., 0] + left * answers[..., 1]
         courses = [np.interp(np.arange(end), places, row) for row in led]
-        every.append(np.sign(np.stack(courses, axis=1)))
-    return every
+        every.append(np.stack(courses, axis=1))
+    return farthest_first(every)
 
 
 def farthest_on_the_way(scenario, law, end, size):
     """The largest excursion under these pushes of ``size``."""
-    pushes = (size * signs for signs in worst_on_the_way(scenario, law, end))
+    pushes = (size * signs for signs in worst_on_the_way(scenario, law, end)[:TRIED])
     each = (attack(scenario, law, push, changing=True) for push in pushes)
     return max(each, key=lambda x: x.position)
 
 
-@lru_cache(maxsize=16)
-def worst_excursions(scenario, law, samples, size, times=1.0):
-    """Those that the worst pushes lead to, being so many times as large as is allowed."""
-    return [attack(scenario, law, times * p) for p in worst_pushes(scenario, law, samples, size)]
+@lru_cache(maxsize=64)
+def pushed(scenario, law, samples, size, times, place):
+    """What one of the worst pushes leads to, so many times as large as is allowed."""
+    return attack(scenario, law, times * worst_pushes(scenario, law, samples, size)[place])
+
+
+def worst_excursions(scenario, law, samples, size, tried=len(DIRECTIONS), times=1.0):
+    """Those that so many of the worst pushes lead to."""
+    return [pushed(scenario, law, samples, size, times, place) for place in range(tried)]
 
 
 def worst_errors(scenario, law, samples, kind, size):
-    """For each of DIRECTIONS: errors (N, 2) of ``kind`` "pose" or "velocity" that lead furthest.
+    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` "pose" or "velocity" that lead furthest.
 
     Each of size ``size`` (2) at most, those of the position along the axes of the plane, in which
     the robot turns.
@@ -166,15 +183,16 @@ def worst_errors(scenario, law, samples, kind, size):
         answers.append(e - rest)
     rate = sample(scenario, [0.0])[0, 4] if kind == "pose" else 0.0
     turned = rate * scenario.clock.control * np.arange(samples)
+    c, s, led = np.cos(turned), np.sin(turned), []
     for ahead, left in DIRECTIONS:
         x, y = (ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers)
-        c, s = np.cos(turned), np.sin(turned)
-        yield np.sign(np.stack([c * x - s * y, s * x + c * y], axis=1)) * size
+        led.append(np.stack([c * x - s * y, s * x + c * y], axis=1))
+    return farthest_first(led, size)[:TRIED]
 
 
 def farthest(scenario, law, samples, size, times=1.0):
     """The largest of these excursions."""
-    found = worst_excursions(scenario, law, samples, size, times)
+    found = worst_excursions(scenario, law, samples, size, TRIED, times)
     return max(found, key=lambda x: x.position)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.corridor.adversary import DIRECTIONS, TINY, Attacked, Excursion
+from tests.corridor.adversary import DIRECTIONS, TINY, TRIED, Attacked, Excursion
 from tests.oracle.plant import wheel_torques
 
 ROUNDS = 4
@@ -77,9 +77,10 @@ def _farthest(scenario, law, samples, size, ends):
         push = blank.copy()
         push[0, wheel] = TINY
         answers.append(jittered(scenario, law, push, held)[0].e[steps - 1 :: steps] - rest)
+    each = [np.stack([ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers], axis=1)
+            for ahead, left in DIRECTIONS]  # fmt: skip
     found = []
-    for ahead, left in DIRECTIONS:
-        led = np.stack([ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers], axis=1)
+    for led in sorted(each, key=lambda led: -np.abs(led).sum())[:TRIED]:
         push, waits = size * np.sign(led), held
         for _ in range(ROUNDS):
             course, sent = jittered(scenario, law, push, waits)

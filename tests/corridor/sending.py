@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from tests.corridor.adversary import DIRECTIONS, TRIED, farthest_first
 from tests.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from tests.oracle.plant import Plant, wheel_torques
 from tests.oracle.references import reference_of
@@ -22,7 +23,6 @@ from wmr_ctrl.control.setup import gains_by_law, settle
 from wmr_ctrl.filter.filter import CommandFilter
 
 TINY = 1e-6
-DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
 KINDS = ("push", "pose", "velocity", "heard")
 OWN = ("kanayama", "mb")
 """Laws that are written down here; of others it is the product's controller that sends."""
@@ -191,7 +191,7 @@ def course(scenario, law, samples, *, idle=False, jump=(0.0, 0.0, 0.0), **errors
 
 
 def worst(scenario, law, samples, kind, size):
-    """For each of DIRECTIONS: errors (N, 2) of ``kind`` of this ``size`` (2) that lead furthest."""
+    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` of this ``size`` (2) that lead furthest."""
     steps = scenario.clock.substeps
     rest = course(scenario, law, samples + FIRST).e[(FIRST + 1) * steps - 1 :: steps]
     answers = []
@@ -202,10 +202,11 @@ def worst(scenario, law, samples, kind, size):
         answers.append(e[(FIRST + 1) * steps - 1 :: steps] - rest)
     rate = reference_of(scenario.reference)(0.0).v2 if kind == "pose" else 0.0
     turned = rate * scenario.clock.control * np.arange(samples)
-    c, s = np.cos(turned), np.sin(turned)
+    c, s, led = np.cos(turned), np.sin(turned), []
     for ahead, left in DIRECTIONS:
         x, y = (ahead * e[::-1, 0] + left * e[::-1, 1] for e in answers)
-        yield np.sign(np.stack([c * x - s * y, s * x + c * y], axis=1)) * size
+        led.append(np.stack([c * x - s * y, s * x + c * y], axis=1))
+    return farthest_first(led, size)[:TRIED]
 
 
 def farthest(scenario, law, samples, kind, size, times=1.0):
@@ -234,7 +235,7 @@ def farthest_on_the_way(scenario, law, end, size, stride, times=1.0):
     every = []
     for ahead, left in DIRECTIONS:
         led = ahead * answers[..., 0] + left * answers[..., 1]
-        signs = [np.sign(np.interp(np.arange(end), places, row)) for row in led]
-        push = times * size * np.stack(signs, axis=1)
-        every.append(course(scenario, law, end, idle=True, push=push))
-    return max(every, key=lambda x: x.position)
+        every.append(np.stack([np.interp(np.arange(end), places, row) for row in led], axis=1))
+    pushes = farthest_first(every, times * size)[:TRIED]
+    each = (course(scenario, law, end, idle=True, push=push) for push in pushes)
+    return max(each, key=lambda x: x.position)

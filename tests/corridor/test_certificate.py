@@ -175,7 +175,7 @@ def test_errors_of_the_position_are_counted():
     scenario = override(load_scenario("safe-simulation"), {"sensor.pose_noise": 1e-3})
     tube, samples, rng = find_corridor(scenario, "prox"), 200, np.random.default_rng(1)
     exact = override(scenario, {"sensor.pose_noise": 0.0})
-    pushes = list(worst_pushes(exact, "prox", samples, 3.0))
+    pushes = worst_pushes(exact, "prox", samples, 3.0)[:3]
     offsets = 1e-3 * rng.choice([-1.0, 1.0], size=(len(pushes), samples, 2))
     cases = zip(pushes, offsets, strict=True)
     reached = [attack(scenario, "prox", *case).position for case in cases]

@@ -34,10 +34,8 @@ class Drives:
         """Torques (right, left) [N m] that act over the plant step that starts now."""
         self.waiting.append(commanded)
         right, left = self.waiting.popleft()
-        keep = self._keep()
+        keep, before, self.acting = self._keep(), self.acting, (right, left)
         self.step += 1
-        self.acting = (
-            right + keep * (self.acting[0] - right),
-            left + keep * (self.acting[1] - left),
-        )
+        if keep:
+            self.acting = right + keep * (before[0] - right), left + keep * (before[1] - left)
         return self.acting

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
+from math import ceil, cos, isinf, nan, sin, tanh
 
 from wmr_ctrl.scenario import Change, Robot
 from wmr_ctrl.scenario.sections import Clock
@@ -12,7 +12,7 @@ State = tuple[float, float, float, float, float]
 """x [m], y [m], theta [rad], v1 [m/s], omega [rad/s]."""
 Pair = tuple[float, float]
 
-_NOT_A_STATE: State = (math.nan,) * 5
+_NOT_A_STATE: State = (nan,) * 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,24 +24,27 @@ class Plant:
     def step(self, state: State, torque: Pair, dt: float) -> State:
         """State after ``dt`` seconds of constant torque, by the classical Runge-Kutta method."""
         bot, (x, y, theta, v1, omega) = self.robot, state
+        m, v_s, half = bot.m, bot.v_s, 0.5 * dt
         thrust = (torque[0] + torque[1]) / bot.r
         turned = bot.l * (torque[0] - torque[1]) / bot.r / bot.I
-        weight = bot.mu * bot.m * bot.g
-        rates, at, v, w = [], theta, v1, omega
+        weight = bot.mu * m * bot.g
+        w2, w4 = omega + half * turned, omega + dt * turned
+        at2, at3, at4 = theta + half * omega, theta + half * w2, theta + dt * w2
+        p1 = (thrust - weight * tanh(v1 / v_s)) / m
+        p2 = (thrust - weight * tanh((v2 := v1 + half * p1) / v_s)) / m
+        p3 = (thrust - weight * tanh((v3 := v1 + half * p2) / v_s)) / m
+        p4 = (thrust - weight * tanh((v4 := v1 + dt * p3) / v_s)) / m
         try:
-            for h in (0.5 * dt, 0.5 * dt, dt, 0.0):
-                pushed = (thrust - weight * math.tanh(v / bot.v_s)) / bot.m
-                rates.append((-v * math.sin(at), v * math.cos(at), w, pushed, turned))
-                at, v, w = theta + h * w, v1 + h * pushed, omega + h * turned
+            dx = -v1 * sin(theta) + 2.0 * (-v2 * sin(at2)) + 2.0 * (-v3 * sin(at3)) - v4 * sin(at4)
+            dy = v1 * cos(theta) + 2.0 * (v2 * cos(at2)) + 2.0 * (v3 * cos(at3)) + v4 * cos(at4)
         except ValueError:  # the sine of infinity
             return _NOT_A_STATE
-        mean = [(a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(*rates, strict=True)]
         return (
-            x + dt * mean[0],
-            y + dt * mean[1],
-            theta + dt * mean[2],
-            v1 + dt * mean[3],
-            omega + dt * mean[4],
+            x + dt * (dx / 6.0),
+            y + dt * (dy / 6.0),
+            theta + dt * ((omega + 2.0 * w2 + 2.0 * w2 + w4) / 6.0),
+            v1 + dt * ((p1 + 2.0 * p2 + 2.0 * p3 + p4) / 6.0),
+            omega + dt * ((turned + 2.0 * turned + 2.0 * turned + turned) / 6.0),
         )
 
 
@@ -52,7 +55,7 @@ def plants(robot: Robot, changes: tuple[Change, ...], clock: Clock) -> list[tupl
     for change in changes:
         named = {"m": change.m, "I": change.I, "mu": change.mu}
         current = replace(current, **{k: v for k, v in named.items() if v is not None})
-        first = math.ceil(change.t / clock.plant - 1e-9)
+        first = ceil(change.t / clock.plant - 1e-9)
         schedule.append((first, Plant(current)))
     return schedule
 
@@ -65,7 +68,7 @@ def wheel_torques(force: Pair, robot: Robot) -> Pair:
 
 def limited_force(force: Pair, tau_max: float, robot: Robot) -> Pair:
     """Nearest force that the wheels can give, the thrust served first and the moment after it."""
-    if math.isinf(tau_max):
+    if isinf(tau_max):
         return force
     most = 2.0 * tau_max / robot.r
     thrust = min(max(force[0], -most), most)
