@@ -45,7 +45,7 @@ def first(runs: int) -> list[Judged]:
     return list(judged(REPORTED_ON, runs))
 
 
-@pytest.mark.parametrize("runs", [3, 6])
+@pytest.mark.parametrize("runs", [2, 6])
 def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
     found = first(runs)
 

@@ -125,7 +125,7 @@ FREQUENCIES = (2.85, 3.0, 4.0, 5.0, 5.25)
 @pytest.mark.slow
 def test_a_frequency_that_is_five_per_cent_wrong_breaks_nothing():
     """Its tables cover more than the family: no commands at all lead beyond the limit."""
-    members = itertools.product(FREQUENCIES, (0.4, 0.6), (1.0,))
+    members = itertools.product(FREQUENCIES, (0.4,), (1.0,))
     worst = worst_of("second-order", 0.0)
     reached = [worst.commands(second_order_base(w, z, 1.1), T, s)[1] for w, z, s in members]
     assert 0.99 < max(reached) < 0.999
@@ -147,7 +147,7 @@ def test_one_that_is_known_breaks_the_limit_where_it_is_wrong(share):
 @pytest.mark.slow
 def test_nor_does_a_push_on_a_pi_loop_that_is_five_per_cent_stronger():
     """Of the family those that damp least."""
-    members, worst = itertools.product((50, 65), (135,), (270, 330), (0,)), worst_of("pi", 10)
+    members, worst = ((65, 135, ki, 0) for ki in (270, 330)), worst_of("pi", 10)
     bases = [pi_base(*numbers) for numbers in members]
     free = np.array([max(worst.commands(base, T, s)[1] for s in (0.5, 1.0)) for base in bases])
     pushed = np.array([10.0 * pushed_on(base) for base in bases])

@@ -66,7 +66,7 @@ def test_switching_disturbances_any_mass_and_noise(law: str, cases: int) -> None
 @pytest.mark.parametrize("law", NAMES)
 def test_searched_disturbances(law: str, request: pytest.FixtureRequest) -> None:
     """A hill climb over period, phase, mass, friction and start finds nothing beyond the limit."""
-    steps = 120 if request.config.getoption("every_case") else 60
+    steps = 120 if request.config.getoption("every_case") else 30
     draw = np.random.default_rng(7 + sum(law.encode()))
     best, worst = None, -np.inf
     for step in range(steps):
