@@ -87,7 +87,7 @@ def test_antiwindup_takes_the_overshoot_behind_a_torque_limit() -> None:
     def peak(antiwindup: bool) -> float:
         base = {"kind": "velocity", "loop": "pi", "antiwindup": antiwindup}
         weak = based({**VELOCITY, "base": base}, actuator__tau_max=3.0, robot__mu=0.0)
-        return float(driven(weak, [1.0] * 3500).max())
+        return float(driven(weak, [1.0] * 1500).max())
 
     assert peak(False) > 1.45
     assert peak(True) < peak(False) - 0.3

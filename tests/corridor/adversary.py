@@ -158,9 +158,12 @@ def pushed(scenario, law, samples, size, times, place):
     return attack(scenario, law, times * worst_pushes(scenario, law, samples, size)[place])
 
 
-def worst_excursions(scenario, law, samples, size, tried=len(DIRECTIONS), times=1.0):
-    """Those that so many of the worst pushes lead to."""
-    return [pushed(scenario, law, samples, size, times, place) for place in range(tried)]
+def worst_excursions(scenario, law, samples, size, tried=None, times=1.0):
+    """Those that so many of the worst pushes lead to, or all."""
+    return [
+        pushed(scenario, law, samples, size, times, place)
+        for place in range(tried or len(DIRECTIONS))
+    ]
 
 
 def worst_errors(scenario, law, samples, kind, size):

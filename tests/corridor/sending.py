@@ -191,7 +191,7 @@ def course(scenario, law, samples, *, idle=False, jump=(0.0, 0.0, 0.0), **errors
 
 
 def worst(scenario, law, samples, kind, size):
-    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` of this ``size`` (2) that lead furthest."""
+    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` and ``size`` (2) that lead furthest."""
     steps = scenario.clock.substeps
     rest = course(scenario, law, samples + FIRST).e[(FIRST + 1) * steps - 1 :: steps]
     answers = []

@@ -94,7 +94,9 @@ def test_a_start_from_which_limits_act_comes_into_its_corridor(start):
     assert tube.position_late == pytest.approx(alone.position, rel=1e-4)
 
     farthest = 0.0
-    for push, signs in zip(worst_pushes(scenario, "prox", samples, 3.0)[:3], (0, 3, 6), strict=True):
+    for push, signs in zip(
+        worst_pushes(scenario, "prox", samples, 3.0)[:3], (0, 3, 6), strict=True
+    ):
         corner = np.array(start) * (1 - 2 * np.array([signs & 1, signs >> 1 & 1, signs >> 2]))
         e, _, _ = driven(scenario, corner, push)
         assert np.hypot(e[:, 0], e[:, 1]).max() <= tube.position

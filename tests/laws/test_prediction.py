@@ -195,6 +195,10 @@ def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
 
     assert ["gains.prox.delay" in found for found in keys] == [True, False, True]
     assert radius(late("prox", 0.0, T), "prox") > 1
+
+
+@pytest.mark.slow
+def test_no_masses_are_told_with_which_it_would_be_stable() -> None:
     assert stability(late("prox", 0.0, T), "prox").masses is None
 
 

@@ -156,7 +156,10 @@ def drive(speed: float) -> Scenario:
     return load_scenario("paper-simulation-nominal", {**reference, "clock.duration": 80.0})
 
 
-def test_a_way_is_looked_at_where_it_drives_fastest_and_not_at_its_start():
+def test_a_way_is_looked_at_where_it_drives_fastest_and_not_at_its_start(monkeypatch):
+    monkeypatch.setattr(
+        "wmr_ctrl.linear.report.model_errors", lambda *given: []
+    )  # two thirds of it
     page = report_linear(drive(0.4), "mb").to_json()
     start = report_linear(drive(0.4), "mb", at=0.0).to_json()
 

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 import wmr_ctrl
 from wmr_ctrl.cli import root
-from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor import certified_corridor, find_corridor
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
@@ -98,10 +98,10 @@ def test_what_has_no_certificate_costs_more_than_any_that_has_one_and_slopes():
     pytest.importorskip("flint")
     exact = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
     pushed = [load_scenario("safe-experiment", {**exact, "disturbance.std": s}) for s in (0.8, 1.0)]
-    first, second = (find_corridor(item, "prox") for item in pushed)
+    first, second = (certified_corridor(item, "prox") for item in pushed)
 
     assert first.position is None
-    wide = replace(find_corridor(load_scenario("safe-simulation"), "prox"), position=1e6)
+    wide = replace(certified_corridor(load_scenario("safe-simulation"), "prox"), position=1e6)
     none = find_corridor(load_scenario("safe-simulation"), "smc")
     order = [replace(wide, position=1e-3), wide, first, second, replace(first, linear=1e6), none]
 
