@@ -20,14 +20,14 @@ from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.controller import controller
-from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS, TRACKING_ERROR, VELOCITY, Signal
+from wmr_ctrl.signals import COMMAND, FORCE, GUARD_DIAGNOSTICS, TRACKING_ERROR, VELOCITY, Signal
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 MARGINAL = 1e-7
 """Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
@@ -119,8 +119,22 @@ SAMPLES = 200
 
 def law_loop(scenario: Scenario, law: str) -> Loop:
     """``law`` on ``scenario`` as the checks see it, built once."""
-    check_takes_torques(scenario, "linear models are made")
     return loop_of(settle(scenario, law))
+
+
+def sent_names(scenario: Scenario) -> list[str]:
+    """Names of what a law sends: a generalised force, or a velocity."""
+    return element_names(COMMAND) if takes_velocity(scenario) else FORCES
+
+
+def check_reading(scenario: Scenario, period: float | None) -> None:
+    """Raise ArgumentError for a period that is none, or for none where a base needs one."""
+    check_period(period)
+    if period is None and takes_velocity(scenario):
+        raise ArgumentError(
+            'base.kind = "velocity": what is sent depends on the period, so there is no continuous '
+            "loop. State period=, such as scenario.clock.control."
+        )
 
 
 def unguarded(scenario: Scenario) -> Scenario:
@@ -155,11 +169,15 @@ def instant(scenario: Scenario, at: float | None) -> float:
 def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     """The robot exactly on its reference at time ``t`` [s]: e = 0, v = v_d.
 
-    Estimates and weights have their start values; a remembered sample is that of the reference.
+    Estimates and weights have their start values; a remembered sample is that of the reference.  Of
+    a base that takes velocities it is where the loop rests, estimates settled; ArgumentError where
+    it does not.
     """
     if not 0.0 <= t < np.inf:
         raise ArgumentError(f"t = {t:g} s must be a time of the reference, from 0 s on.")
     v_d, v_d_dot = reference_velocity(scenario, t)
+    if takes_velocity(scenario):
+        return _driving(scenario, law, v_d, float(sample(scenario, np.array([t]))[0][2]))
     loop = law_loop(scenario, law).over(0)
     start = Point(np.zeros(3), v_d, v_d, v_d_dot, np.array(loop.core.x0), np.zeros(2))
     there = loop.after_a_sample(start)
@@ -174,11 +192,23 @@ def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     an error (ArgumentError).
     """
     start, around = on_reference(scenario, law, t), surroundings(alone(scenario))
+    if takes_velocity(scenario):
+        return start
     point = rest(law_loop(scenario, law).over(0), around, start, scenario.clock.control)
     if point is None:
         raise ArgumentError(
             f"the loop has no resting point near its reference ({FORCE.name} and friction cannot "
             "balance there); linearise on the reference instead."
+        )
+    return point
+
+
+def _driving(scenario: Scenario, law: str, v_d: Floats, theta: float) -> Point:
+    point = law_loop(scenario, law).resting(v_d, theta, scenario.clock.control)
+    if point is None:
+        raise ArgumentError(
+            f"{law} on {scenario.name} has no resting point near its reference at v_d = "
+            f"{v_d[0]:.3g} m/s, {v_d[1]:.3g} rad/s: `wmr-ctrl check --only stability` says why."
         )
     return point
 

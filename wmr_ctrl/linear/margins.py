@@ -17,17 +17,18 @@ from scipy.optimize import brentq
 from wmr_ctrl.checks.stable_ranges import largest_stable_period
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
-    FORCES,
     STATES,
     Floats,
     Point,
     check_axis,
     is_stable,
     on_reference,
+    sent_names,
     unguarded,
 )
 from wmr_ctrl.linear.state_space import late, law_at, plant_at, with_inputs
-from wmr_ctrl.scenario import Model, Scenario
+from wmr_ctrl.scenario import Model, Scenario, override
+from wmr_ctrl.world.speed_loop import has_loop
 
 LOWEST, POINTS = 1e-3, 1000
 HIGHEST = 1e5
@@ -70,10 +71,11 @@ def open_loop(
     """
     check_axis(axis)
     at = on_reference(scenario, law) if point is None else point
-    plant = with_inputs(plant_at(scenario, at, period), FORCES)
+    names = sent_names(scenario)
+    plant = with_inputs(plant_at(scenario, at, period), names)
     controller = law_at(scenario, law, at, period)
-    cut, asked = FORCES[axis], f"asked[{axis + 1}]"
-    renamed = [asked if name == cut else name for name in FORCES]
+    cut, asked = names[axis], f"asked[{axis + 1}]"
+    renamed = [asked if name == cut else name for name in names]
     controller = ct.ss(controller, name="law", inputs=STATES, outputs=renamed)
     loop = ct.interconnect([plant, controller], inputs=[cut], outputs=[asked], name=f"L{axis + 1}")
     return ct.ss(-loop, name=f"L{axis + 1}", inputs=[cut], outputs=[asked])
@@ -203,11 +205,20 @@ class ModelError:
 def model_errors(scenario: Scenario, law: str, t: float = 0.0) -> list[ModelError]:
     """Mass, inertia and friction 50 % lower and 50 % higher, one at a time, at time ``t`` [s].
 
+    Of a first-order speed loop, which makes up for them, its time constants tau.
     Of the continuous loop, or of the sampled one where drives or sensors are late.
     """
     period, errors = scenario.clock.control if late(scenario) else None, []
-    for parameter, factor in product(PARAMETERS, FACTORS):
-        other = with_robot(unguarded(scenario), **{parameter: factor})
+    slow = has_loop(scenario, "first-order")  # a loop that makes up for mass and friction
+    for parameter, factor in product(("tau",) if slow else PARAMETERS, FACTORS):
+        other = unguarded(scenario)
+        if slow:
+            believed = scenario.base.tau_believed or scenario.base.tau
+            tau = [factor * value for value in scenario.base.tau]
+            bare = {"filter.kind": "none", "base.tau_believed": list(believed)}
+            other = override(other, {"base.tau": tau, **bare})
+        else:
+            other = with_robot(other, **{parameter: factor})
         point = on_reference(other, law, t)
         smallest = worst([margins_at(other, law, axis, point, period) for axis in (0, 1)])
         figures = (smallest.phase, smallest.disk) if smallest else (None, None)

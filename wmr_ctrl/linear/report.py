@@ -32,9 +32,17 @@ from wmr_ctrl.linear.sampled import (
     one_step_period,
     radius_of,
 )
-from wmr_ctrl.linear.state_space import SADDLE, constant_speed, kinematic_poles, late, poles_at
+from wmr_ctrl.linear.state_space import (
+    MEMORY,
+    SADDLE,
+    constant_speed,
+    kinematic_poles,
+    late,
+    poles_at,
+)
 from wmr_ctrl.results import json_safe
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 T = TypeVar("T")
 Progress: TypeAlias = Callable[[float], None]
@@ -97,6 +105,18 @@ class LinearReport:
         return None if self.adaptive_poles is None else is_stable(self.adaptive_poles)
 
     @property
+    def cuts(self) -> tuple[str, str]:
+        """Places at which the loop is cut for margins."""
+        sends = takes_velocity(self.scenario)
+        return ("v command", "omega command") if sends else ("thrust", "moment")
+
+    @property
+    def rest(self) -> float | None:
+        """Distance from the reference [m] at rest, of a base that takes velocities."""
+        sends = takes_velocity(self.scenario)
+        return float(np.hypot(*self.point.e[:2])) if sends else None
+
+    @property
     def drops_guard(self) -> bool:
         """True if the scenario has a guard, and the figures are those without it."""
         return self.scenario.guard.enabled and not self.guarded
@@ -115,6 +135,7 @@ class LinearReport:
             "law": self.law,
             "time_invariant": self.time_invariant,
             "at": None if self.time_invariant else self.at,
+            "rest": self.rest,
             "guard": "inactive" if self.guarded else "left out" if self.drops_guard else None,
             "poles_of": "sampled loop, ln z / T" if self.late else "continuous loop",
             "stable": self.stable,
@@ -210,14 +231,16 @@ def report_linear(
         poles=step(poles_at(scenario, law, point)),
         adaptive_poles=poles_at(scenario, law, rest, "learning")[:FASTEST] if rest else None,
         spectral_radius=(
-            largest_radius(loop, period) if at is None else radius_of(scenario, law, point)(period)
+            largest_radius(loop, period)
+            if at is None
+            else radius_of(scenario, law, point, MEMORY[loop.learns])(period)
         ),
         max_sample_time=step(largest_period(loop)),
         max_delay=step(largest_stable_delay(loop)),
         mass_range=step(stable_masses(loop)),
         max_sample_time_kink=step(kink_periods(scenario, law)),
         max_sample_time_adaptive=step(
-            largest_learning_period(scenario, law, rest) if rest else None
+            largest_learning_period(scenario, law, rest) if rest and not loop.learns else None
         ),
         one_step_safe_time=one_step_period(scenario, law),
         margins=sampled if behind else [margins_at(scenario, law, axis, point) for axis in AXES],

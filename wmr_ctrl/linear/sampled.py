@@ -14,6 +14,7 @@ from wmr_ctrl.checks.radius import from_pose_to_pose, radius, supremum
 from wmr_ctrl.checks.sample_time import kink_limits
 from wmr_ctrl.checks.stable_ranges import largest_stable_period as largest_stable_period
 from wmr_ctrl.checks.stable_ranges import shortest_tried
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     Floats,
@@ -79,7 +80,7 @@ def kink_periods(scenario: Scenario, law: str) -> Floats | None:
     law adapts its gains to its period such that no period is too long.
     """
     loop = law_loop(scenario, law)
-    if not loop.has_barrier:
+    if not loop.has_barrier or loop.setup.takes_velocity:
         return None
     return _for_own_period(loop, lambda period: kink_limits(loop, period))
 
@@ -106,7 +107,7 @@ def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) ->
     for a law without a barrier, inf where no hold is too long.
     """
     loop = law_loop(scenario, law)
-    if not loop.has_barrier:
+    if not loop.has_barrier or loop.setup.takes_velocity:
         return None
     asked = loop.start.v_c0 if v_c0 is None else np.asarray(v_c0, dtype=float)
 
@@ -149,6 +150,7 @@ def pull_of(
     in is taken off, so that with a correct model the barrier's own pull is left.  The law runs at
     ``period`` [s], by default the scenario's.
     """
+    check_takes_torques(scenario, "forces of a barrier are computed")
     loop = law_loop(scenario, law)
     compensated = 1.0 if loop.uses("model.mu") else 0.0
 

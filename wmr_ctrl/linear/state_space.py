@@ -16,16 +16,16 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.linear.linearise import (
     DISTURBANCES,
-    FORCES,
     STATES,
     V_D,
     Floats,
     Point,
-    check_period,
+    check_reading,
     law_loop,
     linearise,
     on_reference,
     reference_velocity,
+    sent_names,
     unguarded,
 )
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
@@ -33,6 +33,7 @@ from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import TRACKING_ERROR
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 MEMORY = ("frozen", "learning")
 GONE = 1e-6
@@ -56,7 +57,7 @@ def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> c
     equation has.  With ``period`` [s] sampled, with all of them: the force is the command, e, v1
     and omega are as measured, in a sample in which a pose comes.
     """
-    check_period(period)
+    check_reading(scenario, period)
     around = surroundings(scenario)
     if period is None:
         free, forced, pushed, names = around.rates(point.motion)
@@ -67,13 +68,16 @@ def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> c
         shown = held.measured
     return ct.ss(
         free, np.hstack((forced, pushed)), shown, np.zeros((5, 4)), period or 0, name="plant",
-        states=[*STATES, *names], inputs=FORCES + DISTURBANCES, outputs=STATES,
+        states=[*STATES, *names], inputs=sent_names(scenario) + DISTURBANCES,
+        outputs=STATES,
         remove_useless_states=False,
     )  # fmt: skip
 
 
 def late(scenario: Scenario) -> bool:
-    """True if only a sampled loop can show the drives or sensors."""
+    """True if only a sampled loop can show the drives or sensors, or what is sent."""
+    if takes_velocity(scenario):
+        return True
     return is_sampled(settle(unguarded(scenario), "pid"))  # the same for every law
 
 
@@ -97,7 +101,7 @@ def law_at(
     drives make of it.  Read continuously a law predicts nothing, and its drives are ideal: there is
     no delay to predict over.
     """
-    check_period(period)
+    check_reading(scenario, period)
     loop, own = law_loop(scenario, law), scenario.clock.control if period is None else period
     drives, commands = (DriveTimes(0.0, 0.0, 0.0), 0) if period is None else (None, None)
     learning = is_learning(memory)
@@ -110,7 +114,7 @@ def law_at(
     names = [f"memory[{k}]" for k in range(1, len(a) + 1)] or None
     return ct.ss(
         a, b, c, near.d, period or 0, name="law", states=names,
-        inputs=STATES, outputs=FORCES, remove_useless_states=False,
+        inputs=STATES, outputs=sent_names(scenario), remove_useless_states=False,
     )  # fmt: skip
 
 
@@ -132,8 +136,9 @@ def closed_loop(
     parts = [plant_at(scenario, at, period), law_at(scenario, law, at, period, memory)]
     names = [name for part in parts for name in part.state_labels]
     return ct.interconnect(
-        parts, inputs=DISTURBANCES, outputs=STATES + FORCES, states=names, name=f"{law} loop"
-    )
+        parts, inputs=DISTURBANCES, outputs=STATES + sent_names(scenario), states=names,
+        name=f"{law} loop",
+    )  # fmt: skip
 
 
 def poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") -> Floats:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wmr_ctrl.checks.stable_ranges import MASSES
 from wmr_ctrl.checks.surroundings import lost_samples, rare_poses, rounded_effects
 from wmr_ctrl.linear.linearise import Floats, reference_velocity
 
 if TYPE_CHECKING:
     from wmr_ctrl.linear.report import LinearReport
 
-_FORCES = ("thrust", "moment")
 _NAMES = 46
 """Columns of a figure's name."""
 
@@ -77,6 +77,10 @@ def _head(report: LinearReport, width: int) -> Iterator[str]:
     elif report.drops_guard:
         text = "The scenario's guard is left out: --guard says whether it acts there."
         yield _folded(text, width)
+    if report.rest is not None:
+        off = f"{report.rest:.2g} m off" if report.rest >= 1e-6 else "on"
+        text = f"Where the loop rests, {off} its reference, as if no limit cut its commands."
+        yield _folded(text, width)
     yield ""
 
 
@@ -125,7 +129,8 @@ def _times(report: LinearReport) -> list[tuple[str, str]]:
     if report.mass_range is not None:
         low, high = report.mass_range
         name = f"stable for true over believed mass at {clock:g} s"
-        figures.append((name, f"{low:.3g} to {high:.3g}"))
+        every = report.mass_range == (1 / MASSES, MASSES)
+        figures.append((name, "all that were tried" if every else f"{low:.3g} to {high:.3g}"))
     return [
         *figures,
         ("  with learning [s]", _number(report.max_sample_time_adaptive, "-")),
@@ -140,7 +145,7 @@ def _margins(report: LinearReport, width: int) -> Iterator[str]:
         given = {"continuous": report.margins} | given
     rows = []
     for label, both in given.items():
-        for force, item in zip(_FORCES, both, strict=True):
+        for force, item in zip(report.cuts, both, strict=True):
             figures = (item.gain, item.gain_down, item.phase, item.delay, item.disk) if item else ()
             rows.append((f"{force}, {label}", *(map(_number, figures) if item else ("unstable",))))
     header = ("margins", "gain up", "gain down", "phase [deg]", "delay [s]", "disk")

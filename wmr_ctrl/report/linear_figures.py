@@ -17,7 +17,6 @@ from wmr_ctrl.report.drawing import plain_ticks, save_figure, say_below
 from wmr_ctrl.report.style import DASHED, LIMIT, MUTED, house_style, look, shown
 from wmr_ctrl.results import make_folder
 
-_FORCES = ("thrust", "moment")
 INK, SECOND = "#1f77c9", "#e69f00"
 SIZE = (6.4, 4.0)
 RADII = (0.9, 1.3)
@@ -44,7 +43,7 @@ def draw_linear(
         "bode": (_bode, 2, 2),
         "nyquist": (_nyquist, 1, 2),
     }
-    if law_loop(report.scenario, report.law).has_barrier:
+    if law_loop(report.scenario, report.law).has_barrier and report.rest is None:
         parts["pull"] = (_pull, 1, 2)
     paths = []
     for name, (plot, rows, columns) in parts.items():
@@ -87,7 +86,7 @@ def _sample_time(report: LinearReport, panels: Panels) -> None:
     largest = np.array([largest_radius(loop, period) for period in PERIODS])
     axes.plot(1e3 * PERIODS, largest, color=INK, label="linear loop, at its worst")
     rest = learned_point(scenario, law, report.at)
-    if rest is not None:
+    if rest is not None and not loop.learns:
         few = PERIODS[::3]
         learning = spectral_radius(scenario, law, few, rest, "learning")
         axes.plot(1e3 * few, learning, color=SECOND, label="with learning")
@@ -136,7 +135,7 @@ def _bode(report: LinearReport, panels: Panels) -> None:
             angle.plot(w, (phase - 360 * np.ceil((there - 45) / 360)), color=colour)
         size.axhline(0, color=LIMIT, lw=0.8)
         angle.axhline(-180, color=LIMIT, lw=0.8)
-        size.set_title(f"{_name(report)}: cut at the {_FORCES[axis]}")
+        size.set_title(f"{_name(report)}: cut at the {report.cuts[axis]}")
         size.set(xscale="log", xlim=BODE, ylim=(-60, 100))
         angle.set(xscale="log", xlim=BODE, ylim=(-270, 0), xlabel="frequency [rad/s]")
         angle.set_yticks(range(-270, 1, 90))
@@ -165,7 +164,7 @@ def _nyquist(report: LinearReport, panels: Panels) -> None:
         panel.plot(np.cos(angle), np.sin(angle), color=MUTED, lw=0.8, label="unit circle")
         panel.plot(-1, 0, "+", color=LIMIT, ms=9, label="-1")
         panel.set(xlim=(-3, 1.5), ylim=(-3, 1.5), aspect="equal", xlabel="real part [1]")
-        panel.set_title(f"{_name(report)}: cut at the {_FORCES[axis]}")
+        panel.set_title(f"{_name(report)}: cut at the {report.cuts[axis]}")
     panels[0, 0].set_ylabel("imaginary part [1]")
 
 
