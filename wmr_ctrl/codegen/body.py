@@ -94,11 +94,8 @@ def pair_sines(graph: Graph, items: Sequence[Item]) -> list[Item]:
 
 def pack_stores(items: Sequence[Item], places: Mapping[int, tuple[str, int]]) -> list[Item]:
     """The items with the single lines that fill four elements of an array as one item."""
-    lines = {
-        places[item.node]: item
-        for item in items
-        if isinstance(item, Operation) and item.node in places
-    }
+    placed = (item for item in items if isinstance(item, Operation) and item.node in places)
+    lines = {places[item.node]: item for item in placed}
     packs = []
     for array, start in lines:
         four = [line for k in range(4) if (line := lines.get((array, start + k)))]
@@ -123,12 +120,8 @@ class _Writer:
     ) -> None:
         self.paired = paired
         self.graph, self.dialect, self.items, self.places = graph, dialect, items, places
-        self.grouped = {
-            number: (item.array, index)
-            for item in items
-            if isinstance(item, ExpBatch)
-            for index, number in enumerate(item.defines)
-        }
+        batches = (item for item in items if isinstance(item, ExpBatch))
+        self.grouped = {k: (item.array, i) for item in batches for i, k in enumerate(item.defines)}
         self.fused = fused(graph, items)
         self.loops = [item for item in items if isinstance(item, ArrayLoop) and item.defines]
         self.rooms, self.sizes = shared_rooms(items, places, self.fused)

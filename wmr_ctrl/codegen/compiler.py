@@ -304,12 +304,9 @@ def environment(folder: Path) -> Mapping[str, str]:
 
     HOME and the temporary folder may be read-only.
     """
-    zig = str(cache_part("zig"))
-    return {
-        **dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)),
-        "ZIG_GLOBAL_CACHE_DIR": zig,
-        "ZIG_LOCAL_CACHE_DIR": zig,
-    }
+    caches = ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")
+    own = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder))
+    return own | dict.fromkeys(caches, str(cache_part("zig")))
 
 
 def _failure(

@@ -65,7 +65,7 @@ class Dialect:
     real: str
     truth: str
     patterns: Mapping[int, str]
-    lanes: bool
+    lanes: bool = False
     exp_batch: int = 0
     packs_stores: bool = False
     pairs_sines: bool = False
@@ -104,14 +104,7 @@ class Dialect:
 HEADER = "arithmetic.h"
 """The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
 SCALAR = Dialect(
-    HEADER,
-    "double",
-    "int",
-    MappingProxyType(_SCALAR),
-    lanes=False,
-    exp_batch=8,
-    packs_stores=True,
-    pairs=True,
+    HEADER, "double", "int", MappingProxyType(_SCALAR), exp_batch=8, packs_stores=True, pairs=True
 )
 LANES = Dialect(
     HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, exp_batch=1, pairs_sines=True

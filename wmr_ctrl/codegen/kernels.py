@@ -133,11 +133,5 @@ def _stream(item: Stream) -> str:
 
 def sizes_of(role: str, system: System) -> Mapping[str, int]:
     """Lengths of a System's vectors, under the letters that C uses."""
-    sizes = {
-        "NU": system.u.numel(),
-        "NX": system.x.numel(),
-        "NP": len(values(system.params)),
-        "NY": system.y.numel(),
-        "ND": system.d.numel(),
-    }
-    return {f"{role.upper()}_{key}": count for key, count in sizes.items()}
+    vectors = {"NU": system.u, "NX": system.x, "NP": system.p, "NY": system.y, "ND": system.d}
+    return {f"{role.upper()}_{key}": vector.numel() for key, vector in vectors.items()}

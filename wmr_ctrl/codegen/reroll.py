@@ -261,13 +261,8 @@ def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:
     """
     reads = _reads(graph, items)
     loops = [item for item in items if isinstance(item, ArrayLoop)]
-    return {
-        loop
-        for loop in loops
-        if loop.defines
-        and all(reads[number] == 1 for number in loop.defines)
-        and _read_by_loops(loop, loops)
-    }
+    own = (x for x in loops if x.defines and all(reads[number] == 1 for number in x.defines))
+    return {loop for loop in own if _read_by_loops(loop, loops)}
 
 
 def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:

@@ -131,10 +131,8 @@ def _monitor(
     flags = (active, possible(both, phi, half_track, _built_for(setup, p)))
     late = None
     if not guard.knows_force(drives.delay, drives.lag):
-        new, *sent = (
-            wheel_to_force(r, half_track, tau)
-            for tau in (torque, *(item.sym for item in applied.earlier))
-        )
+        torques = (torque, *(item.sym for item in applied.earlier))
+        new, *sent = (wheel_to_force(r, half_track, tau) for tau in torques)
         late = LateMotion(guard.since_last(clock), sent, new)
     return GuardMonitor(both, v, applied.value, (r, half_track), flags, late)
 

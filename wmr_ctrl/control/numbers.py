@@ -33,12 +33,8 @@ def structure_of(setup: Setup) -> Hashable:
     """
     scenario, kind = setup.scenario, setup.scenario.reference_kind
     parts = (setup.law, tuple(item.name for item in setup.effects), kind.name)
-    foreign = (
-        setup.name not in NAMES
-        or kind not in OUR_REFERENCES
-        or any(item not in OUR_EFFECTS for item in setup.effects)
-    )
-    if foreign:
+    ours = setup.name in NAMES and kind in OUR_REFERENCES
+    if not (ours and all(item in OUR_EFFECTS for item in setup.effects)):
         return parts, tuple(vars(scenario).items())  # its text is short, and this one's is hashed
     sizes = tuple(signal.size for signal, _ in kind.numbers(scenario.reference))
     known = ["robot", "limits", "disturbance", "sensor", "actuator", "base"]

@@ -173,13 +173,9 @@ def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> t
     if late == 0:
         return "", ""
     divided = f"/{1 + alpha * late:g}"
-    times = {
-        "delay": guard.latest,
-        "age": guard.age[i],
-        "window": guard.window[i],
-        "lag": guard.slowest,
-    }
-    parts = {name: time for name, time in times.items() if time > 0}
+    times = guard.latest, guard.age[i], guard.window[i], guard.slowest
+    named = zip(("delay", "age", "window", "lag"), times, strict=True)
+    parts = {name: time for name, time in named if time > 0}
     if list(parts) == ["delay"]:
         return f"/(1 + alpha delay), delay = {guard.latest:g} s,", divided
     listed = " + ".join(f"{name} {time:g}" for name, time in parts.items())

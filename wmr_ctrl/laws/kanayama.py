@@ -62,13 +62,5 @@ def wanted_velocity(context: LawContext) -> ca.SX:
 
 
 TRAITS = Traits(model=True, observer=True)
-LAW = Law(
-    "kanayama",
-    KanayamaGains,
-    build,
-    TRAITS,
-    __doc__,
-    ("k", "rate", "wo", "a_max"),
-    build_command,
-    inside,
-)
+TUNED = ("k", "rate", "wo", "a_max")
+LAW = Law("kanayama", KanayamaGains, build, TRAITS, __doc__, TUNED, build_command, inside)

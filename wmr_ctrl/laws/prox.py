@@ -148,32 +148,21 @@ def _around(
     then, sent = ahead(context, observer.force)
     step = step_of(then)
     asked = context.mass * (step - then.v) / context.period + context.friction_at(step)
-    return context.system(
-        "sampled-data barrier law (prox)",
-        asked + observer.force,
-        (*observer.state, *more[0]),
-        ca.vertcat(observer.update, *more[1]),
-        observer.diagnostics,
-        (observer.input, *sent),
-    )
+    state, update = (*observer.state, *more[0]), ca.vertcat(observer.update, *more[1])
+    force, inputs = asked + observer.force, (observer.input, *sent)
+    title = "sampled-data barrier law (prox)"
+    return context.system(title, force, state, update, observer.diagnostics, inputs)
 
 
 def next_velocity(context: LawContext) -> ca.SX:
     """v+ (2,) [m/s, rad/s]: where the law wants the velocity after one period."""
     old, new = _shares(context)
     followed, target = targets(context)
-    return ca.vertcat(
-        *(
-            prox_step(
-                context.v[i],
-                (context.v_c0[i], followed[i], target[i]),
-                (old[i], new[i]),
-                (context.u1[i], context.u2[i]),
-                context.smooth,
-            )
-            for i in AXES
-        )
-    )
+    steps = []
+    for i in AXES:
+        way, limits = (context.v_c0[i], followed[i], target[i]), (context.u1[i], context.u2[i])
+        steps.append(prox_step(context.v[i], way, (old[i], new[i]), limits, context.smooth))
+    return ca.vertcat(*steps)
 
 
 def _shares(context: LawContext) -> tuple[ca.SX, ca.SX]:

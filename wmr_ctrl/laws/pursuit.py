@@ -99,12 +99,5 @@ def point_ahead(context: LawContext) -> tuple[ca.SX, ca.SX]:
 
 
 TRAITS = Traits(model=True, observer=True)
-LAW = Law(
-    "pursuit",
-    PursuitGains,
-    build,
-    TRAITS,
-    __doc__,
-    ("lookahead", "k", "rate", "wo", "a_max"),
-    build_command,
-)
+TUNED = ("lookahead", "k", "rate", "wo", "a_max")
+LAW = Law("pursuit", PursuitGains, build, TRAITS, __doc__, TUNED, build_command)

@@ -38,12 +38,8 @@ def build(context: LawContext) -> System:
     s = context.v_c0 - context.v
     shape = ca.tanh(context.v / context.gain("v_s"))
     saturated = ca.fmax(-1, ca.fmin(1, s / context.gain("boundary")))
-    force = (
-        mass.sym * context.v_c0_dot
-        + force_hat.sym * shape
-        + context.gain("K") * s
-        + context.gain("eta") * saturated
-    )
+    learnt = mass.sym * context.v_c0_dot + force_hat.sym * shape
+    force = learnt + context.gain("K") * s + context.gain("eta") * saturated
     step = context.period * context.gain("axis_scale") * s
     mass_next = mass.sym + step * context.gain("g_m") * context.v_c0_dot
     force_next = force_hat.sym + step * context.gain("g_F") * shape

@@ -76,14 +76,9 @@ def with_torque(
     pull = -ca.expm1(-context.gain("rate") * context.period) / context.period
     a = then.v_d_dot + pull * (command - then.v)
     asked = context.mass * a + context.friction_at(then.v + context.period * a)
-    return context.system(
-        title,
-        asked + observer.force,
-        (last, *observer.state),
-        ca.vertcat(command, observer.update),
-        observer.diagnostics,
-        (observer.input, *sent),
-    )
+    state, update = (last, *observer.state), ca.vertcat(command, observer.update)
+    force, inputs = asked + observer.force, (observer.input, *sent)
+    return context.system(title, force, state, update, observer.diagnostics, inputs)
 
 
 def with_command(
@@ -92,14 +87,8 @@ def with_command(
     """The law as a System whose output is the velocity for a base that has a loop of its own."""
     before, started = port(SENT_BEFORE), port(STARTED)
     start = ca.if_else(started.sym > 0, before.sym, context.v)
-    return context.system(
-        title,
-        _commanded(context, start, wanting, limited),
-        (started,),
-        ca.SX(1),
-        further_inputs=(before,),
-        asked=ASKED,
-    )
+    v = _commanded(context, start, wanting, limited)
+    return context.system(title, v, (started,), ca.SX(1), further_inputs=(before,), asked=ASKED)
 
 
 def _commanded(context: LawContext, start: ca.SX, wanting: Wanting, limited: Limiting) -> ca.SX:

@@ -22,13 +22,8 @@ def build(scenario: Scenario) -> System:
     """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
     band, u = p.take("base.deadband"), stack(item.sym for item in command)
-    return System(
-        "command_dead_band",
-        "dead band of the command",
-        inputs=command,
-        params=p.ports,
-        outputs=outputs(COMMAND, ca.if_else(ca.fabs(u) < band, 0, u)),
-    )
+    title, shown = "dead band of the command", outputs(COMMAND, ca.if_else(ca.fabs(u) < band, 0, u))
+    return System("command_dead_band", title, inputs=command, params=p.ports, outputs=shown)
 
 
 def bound(scenario: Scenario) -> Bound:
@@ -37,6 +32,5 @@ def bound(scenario: Scenario) -> Bound:
 
 
 COMMAND_DEAD_BAND = Effect(
-    "command dead band", EffectRole.COMMAND, CommandDeadBand, build, bound,
-    rate=Rate.STEP,
-)  # fmt: skip
+    "command dead band", EffectRole.COMMAND, CommandDeadBand, build, bound, rate=Rate.STEP
+)

@@ -4,12 +4,12 @@ The loop keeps the commands under way in a queue of plant steps, the one thing t
 at; this System passes them on.
 """
 
-from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.values import check_count
 from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.history import MOST_REMEMBERED
+from wmr_ctrl.world.history import MOST_REMEMBERED, multiple
 
 MOST_QUEUED = 100_000
 """Plant steps that a command may be under way."""
@@ -17,16 +17,7 @@ MOST_QUEUED = 100_000
 
 def queued(doc: str) -> float:
     """Field of a section: a time [s] that a command is under way in the loop's queue."""
-    return quantity(
-        0.0,
-        "s",
-        f"{doc}, a multiple of clock.plant",
-        minimum=0,
-        maximum=10,
-        usual=(0, 2),
-        multiple_of="clock.plant",
-        most=MOST_QUEUED,
-    )
+    return multiple(doc, "clock.plant", maximum=10, usual=(0, 2), most=MOST_QUEUED)
 
 
 class Delay(Section, key="actuator"):

@@ -26,14 +26,8 @@ def build(scenario: Scenario) -> System:
     noise = p.take("gyro.noise")
     error = draw(NUMBERS, UNIFORM, noise > 0)
     shown = omega.sym + p.take("gyro.bias") + noise * error.port.sym[0]
-    return System(
-        "gyro",
-        "gyro",
-        inputs=(omega,),
-        params=p.ports,
-        outputs=(Output(MEASURED_VELOCITY[1], shown),),
-        draws=(error,),
-    )
+    given = (Output(MEASURED_VELOCITY[1], shown),)
+    return System("gyro", "gyro", inputs=(omega,), params=p.ports, outputs=given, draws=(error,))
 
 
 def axes_without_gyro(scenario: Scenario) -> tuple[int, ...]:

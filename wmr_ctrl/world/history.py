@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.model.system import Port, ports, stack
@@ -37,12 +38,10 @@ def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
 
 def remembered(doc: str) -> float:
     """Field of a section: how far back [s] a sensor looks, a multiple of clock.control."""
-    return quantity(
-        0.0,
-        "s",
-        f"{doc}, a multiple of clock.control",
-        minimum=0,
-        usual=(0, 5),
-        multiple_of="clock.control",
-        most=MOST_REMEMBERED,
-    )
+    return multiple(doc, "clock.control", usual=(0, 5), most=MOST_REMEMBERED)
+
+
+def multiple(doc: str, of: str, **bounds: Any) -> float:
+    """Field of a section: a time [s] of so many control periods or plant steps, from none on."""
+    said = f"{doc}, a multiple of {of}"
+    return quantity(0.0, "s", said, minimum=0, multiple_of=of, **bounds)

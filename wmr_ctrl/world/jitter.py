@@ -7,11 +7,12 @@ anew for each command.  A command never overtakes the one before it, since jitte
 from __future__ import annotations
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
 from wmr_ctrl.signals import STEP, TORQUE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.history import multiple
 
 NUMBERS = Signal("jitter", "1", "uniform numbers on [-1, 1) of a sample", 2)
 ACTING = Signal("jitter_acting", "N.m", "torque that acts (right, left)", 2)
@@ -22,14 +23,7 @@ DUE = Signal("jitter_due", "1", "plant steps from its arrival until it acts")
 class Jitter(Section, key="actuator"):
     """Largest further delay of a command."""
 
-    jitter: float = quantity(
-        0.0,
-        "s",
-        "largest delay of a command beyond delay, a multiple of clock.plant",
-        minimum=0,
-        usual=(0, 2),
-        multiple_of="clock.plant",
-    )
+    jitter: float = multiple("largest delay of a command beyond delay", "clock.plant", usual=(0, 2))
 
 
 def build(scenario: Scenario) -> System:

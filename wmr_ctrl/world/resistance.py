@@ -32,13 +32,9 @@ def build(scenario: Scenario) -> System:
     load = load_of_wheel(p.take("robot.m"), p.take("robot.g"))
     smooth = smoothed(v, half_track * omega, p.take("robot.v_s"))
     force = resisted(p.take("resistance.rolling") * load, half_track, *smooth)
-    return System(
-        "resistance",
-        "rolling resistance and viscous friction",
-        inputs=velocity,
-        params=p.ports,
-        outputs=outputs(BODY_FORCE, force - viscous * ca.vertcat(v, omega)),
-    )
+    title = "rolling resistance and viscous friction"
+    shown = outputs(BODY_FORCE, force - viscous * ca.vertcat(v, omega))
+    return System("resistance", title, inputs=velocity, params=p.ports, outputs=shown)
 
 
 def load_of_wheel(m: Number, g: Number) -> Number:

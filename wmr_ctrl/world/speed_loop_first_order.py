@@ -11,6 +11,8 @@ A push f ends at the speed d = s f/M.
 
 from __future__ import annotations
 
+from functools import partial
+
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import System
 from wmr_ctrl.symbolic import ca
@@ -55,12 +57,7 @@ def bound(scenario: Scenario) -> Bound:
     return Bound()
 
 
+acts = partial(has_loop, loop="first-order")
 FIRST_ORDER = Effect(
-    "first-order-loop",
-    EffectRole.LOOP,
-    FirstOrderGains,
-    build,
-    bound,
-    acts=lambda scenario: has_loop(scenario, "first-order"),
-    rate=Rate.STEP,
+    "first-order-loop", EffectRole.LOOP, FirstOrderGains, build, bound, acts=acts, rate=Rate.STEP
 )

@@ -7,6 +7,8 @@ winds up; with ``antiwindup`` it rests while the wheels give another force than 
 the error would drive it further that way.
 """
 
+from functools import partial
+
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import System, port
@@ -54,12 +56,5 @@ def bound(scenario: Scenario) -> Bound:
     return Bound(overshoots='base.loop = "pi": after a step the speed exceeds its command.')
 
 
-PI = Effect(
-    "pi-loop",
-    EffectRole.LOOP,
-    PiLoopGains,
-    build,
-    bound,
-    acts=lambda scenario: has_loop(scenario, "pi"),
-    rate=Rate.STEP,
-)
+acts = partial(has_loop, loop="pi")
+PI = Effect("pi-loop", EffectRole.LOOP, PiLoopGains, build, bound, acts=acts, rate=Rate.STEP)

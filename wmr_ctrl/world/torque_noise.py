@@ -38,13 +38,8 @@ def build(scenario: Scenario) -> System:
     std, truncate = p.take("disturbance.std"), p.take("disturbance.truncate")
     normal = draw(NUMBERS, NORMAL, std > 0, truncate)
     torque = std * normal.port.sym
-    return System(
-        "torque_noise",
-        "Gaussian torque on the wheels",
-        params=p.ports,
-        outputs=outputs(TORQUE_NOISE, torque),
-        draws=(normal,),
-    )
+    title, shown = "Gaussian torque on the wheels", outputs(TORQUE_NOISE, torque)
+    return System("torque_noise", title, params=p.ports, outputs=shown, draws=(normal,))
 
 
 def acts(scenario: Scenario) -> bool:

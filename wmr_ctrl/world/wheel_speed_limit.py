@@ -30,13 +30,9 @@ def build(scenario: Scenario) -> System:
     right, left = (
         ca.fmax(-rim, ca.fmin(rim, v.sym + side * half_track * omega.sym)) for side in (1, -1)
     )
-    return System(
-        "wheel_speed_limit",
-        "limit of the wheels' speeds",
-        inputs=(v, omega),
-        params=p.ports,
-        outputs=outputs(COMMAND, ca.vertcat((right + left) / 2, (right - left) / (2 * half_track))),
-    )
+    title = "limit of the wheels' speeds"
+    shown = outputs(COMMAND, ca.vertcat((right + left) / 2, (right - left) / (2 * half_track)))
+    return System("wheel_speed_limit", title, inputs=(v, omega), params=p.ports, outputs=shown)
 
 
 def bound(scenario: Scenario) -> Bound:
@@ -45,6 +41,5 @@ def bound(scenario: Scenario) -> Bound:
 
 
 WHEEL_SPEED_LIMIT = Effect(
-    "wheel speed limit", EffectRole.COMMAND, WheelSpeedLimit, build, bound,
-    rate=Rate.STEP,
-)  # fmt: skip
+    "wheel speed limit", EffectRole.COMMAND, WheelSpeedLimit, build, bound, rate=Rate.STEP
+)

@@ -49,13 +49,8 @@ def build(scenario: Scenario) -> System:
     radius, arm = true_wheels(p)
     right, left = torque[0].sym / radius[0], torque[1].sym / radius[1]
     acting = force_to_wheel(r, half_track, ca.vertcat(right + left, arm * (right - left)))
-    return System(
-        "wheels",
-        "wheels of another size than believed",
-        inputs=torque,
-        params=p.ports,
-        outputs=outputs(TORQUE, acting),
-    )
+    title, shown = "wheels of another size than believed", outputs(TORQUE, acting)
+    return System("wheels", title, inputs=torque, params=p.ports, outputs=shown)
 
 
 def true_wheels(p: Parameters) -> tuple[ca.SX, ca.SX]:

@@ -24,15 +24,8 @@ def circle(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     """x_d = R sin wt, y_d = R - R cos wt, theta_d = wt - pi/2."""
     radius, rate = p["ref_radius"], p["ref_rate"]
     angle = rate * t
-    return ca.vertcat(
-        radius * ca.sin(angle),
-        radius - radius * ca.cos(angle),
-        angle - ca.pi / 2,
-        radius * rate,
-        rate,
-        0,
-        0,
-    )
+    x, y = radius * ca.sin(angle), radius - radius * ca.cos(angle)
+    return ca.vertcat(x, y, angle - ca.pi / 2, radius * rate, rate, 0, 0)
 
 
 class Line(Reference):
