@@ -108,8 +108,6 @@ def pack_stores(items: Sequence[Item], places: Mapping[int, tuple[str, int]]) ->
 
 
 class _Writer:
-    """Writes the items of one function."""
-
     def __init__(
         self,
         graph: Graph,
@@ -192,7 +190,6 @@ class _Writer:
         return {**PAIRED, **COMPARED}[item.op].format(*map(self._two, item.operands))
 
     def _two(self, values: Two) -> str:
-        """Two values as a pair."""
         assert self.paired is not None
         if values in self.paired.names:
             return self.paired.names[values]

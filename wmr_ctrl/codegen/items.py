@@ -326,7 +326,6 @@ def _waits(graph: Graph, item: Item) -> int:
 
 
 def _longest(graph: Graph, items: Iterable[Item]) -> int:
-    """Length of the longest way through a scope."""
     ready = dict[int, int]()
     for item in items:
         begun = max((ready.get(number, 0) for number in item.reads), default=0)

@@ -315,18 +315,15 @@ def footprint_key(law: str, float32: bool, guarded: bool = False) -> str:
 
 
 @cache
-def text_engine(folder: Path) -> jinja2.Environment:
-    """The templates of a folder, for text that is no markup: C, Modelica, MATLAB, Markdown.
+def text_engine(folder: Path, *, markup: bool = False, blocks: bool = True) -> jinja2.Environment:
+    """The templates of a folder: C, Modelica, MATLAB, Markdown, or with ``markup`` XML and HTML.
 
-    Its filter ``comment`` is for whatever a user has named.
+    Its filter ``comment`` is for whatever a user has named; ``blocks`` leave no lines of their own.
     """
     engine = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folder),
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        undefined=jinja2.StrictUndefined,
-    )
+        loader=jinja2.FileSystemLoader(folder), undefined=jinja2.StrictUndefined,
+        autoescape=markup, trim_blocks=blocks, lstrip_blocks=blocks, keep_trailing_newline=True,
+    )  # fmt: skip
     engine.filters["comment"] = comment
     return engine
 

@@ -90,8 +90,6 @@ def _needed(items: Sequence[Item]) -> list[Item]:
 
 
 class _Pairing:
-    """Pairs of one scope, from results to inputs."""
-
     def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
         self.graph, self.made = graph, list[Pair]()
         self.lines = {item.node for item in items if isinstance(item, Operation)}

@@ -58,8 +58,6 @@ def reroll(graph: Graph, items: Sequence[Item]) -> tuple[list[Item], dict[int, P
 
 
 class _Rerolling:
-    """Grows arrays over the lines of one scope."""
-
     def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
         self.graph, self.loops = graph, list[ArrayLoop]()
         self.depth = depths(items)
@@ -266,7 +264,6 @@ def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:
 
 
 def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:
-    """Count of each value's reads."""
     count: Counter[int] = Counter()
     for item in items:
         if isinstance(item, ArrayLoop):

@@ -91,7 +91,6 @@ def _cached(item: emit.Kernel, style: str, write: Callable[[emit.Kernel], str]) 
 
 
 def _plain_definition(item: emit.Kernel) -> str:
-    """A kernel with an assignment for each operation."""
     places = (*item.inputs, *item.outputs)
     return emit.framed(item, emit.prototype(item), item.graph, places, _lines(item.graph))
 

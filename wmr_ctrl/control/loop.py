@@ -186,7 +186,6 @@ class LoopGraphs(Graphs):
     """
 
     def __init__(self, setup: Setup, *, external_plant: bool = False) -> None:
-        """Compose all Systems of ``setup``, perhaps for a plant that is elsewhere, and skids."""
         self.setup = setup
         self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
         sensors = self._join_sensors(setup, external_plant=external_plant)
@@ -280,7 +279,6 @@ class PlantlessGraphs(Graphs):
     """
 
     def __init__(self, setup: Setup) -> None:
-        """Compose sensors, disturbances and drives."""
         sensors = self._join_sensors(setup, external_plant=True)
         self.sample.measure(sensors)
         disturbances = self.sample.effects(EffectRole.DISTURBANCE)

@@ -75,7 +75,6 @@ class Wiring:
     """
 
     def __init__(self, setup: Setup, parameters: Parameters, rate: Rate, true: Named) -> None:
-        """Nothing is joined yet."""
         sampled = rate is Rate.SAMPLE
         self.setup, self.parameters, self.rate = setup, parameters, rate
         self.clock = port(SAMPLE if sampled else STEP)

@@ -262,7 +262,6 @@ def _follows_time(system: System) -> bool:
 
 
 def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str, int]:
-    """Begin and length of each section."""
     count = {name: len(rows) for name, rows in sections.items()}
     first_input = 0 if _follows_time(system) else 1
     parameters = 1 + count["U"]

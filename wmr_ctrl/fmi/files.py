@@ -10,12 +10,10 @@ import uuid
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
 from wmr_ctrl.codegen.dialect import HEADER
+from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.source import sources as kernel_sources
@@ -29,22 +27,10 @@ LEVEL = 4
 
 def render(name: str, **values: object) -> str:
     """Text of the template ``name``; markup in XML and HTML is escaped."""
-    engine = _environment(name.endswith((".xml", ".html", ".ssd", ".ssv")))
-    return engine.get_template(f"{name}.jinja").render(**values)
-
-
-@cache
-def _environment(escape: bool) -> Environment:
-    engine = Environment(
-        loader=FileSystemLoader(fmu_dir() / "templates"),
-        autoescape=escape,
-        undefined=StrictUndefined,
-        trim_blocks=escape,
-        lstrip_blocks=escape,
-        keep_trailing_newline=True,
-    )
+    markup = name.endswith((".xml", ".html", ".ssd", ".ssv"))
+    engine = text_engine(fmu_dir() / "templates", markup=markup, blocks=markup)
     engine.filters["number"] = _number
-    return engine
+    return engine.get_template(f"{name}.jinja").render(**values)
 
 
 def write_archive(path: Path, files: Mapping[str, bytes], *, level: int = LEVEL) -> Path:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from typing import Any
 
 from wmr_ctrl.codegen.emit import Kernel
 from wmr_ctrl.control.numbers import Range
@@ -123,35 +124,14 @@ def output_rows(
         yield from _rows(signal, Role.CALCULATED, (0.0,) * signal.size, **marks)
 
 
-def _rows(
-    signal: Signal,
-    role: Role,
-    values: Iterable[float],
-    *,
-    low: float = -math.inf,
-    high: float = math.inf,
-    output: bool = False,
-    discrete: bool = False,
-    integer: bool = False,
-) -> Iterator[Variable]:
-    array = signal.size >= ARRAY_FROM and len(set(signal.units)) == 1
-    for i, value in enumerate(values):
+def _rows(signal: Signal, role: Role, values: Iterable[float], **marks: Any) -> Iterator[Variable]:
+    """Rows of a signal's elements; ``marks``: further fields of all of them."""
+    if signal.size >= ARRAY_FROM and len(set(signal.units)) == 1:
+        marks |= {"array": signal.name, "size": signal.size}
+    elements = zip(signal.elements, signal.units, values, strict=True)
+    for i, (name, unit, value) in enumerate(elements):
         place = f", element {i + 1} of {signal.size}" if signal.size > 1 else ""
-        yield Variable(
-            signal.elements[i],
-            signal.units[i],
-            signal.meaning + place,
-            role,
-            float(value),
-            low,
-            high,
-            integer,
-            discrete,
-            output,
-            array=signal.name if array else "",
-            index=i,
-            size=signal.size if array else 1,
-        )
+        yield Variable(name, unit, signal.meaning + place, role, float(value), index=i, **marks)
 
 
 KINDS = {"continuous": "WMR_CONTINUOUS", "sampled": "WMR_SAMPLED", "loop": "WMR_LOOP"}

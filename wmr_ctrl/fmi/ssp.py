@@ -131,16 +131,10 @@ def _ours(model: FmuModel, target: str) -> Component:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{model.identifier}.fmu"
         content = write_fmu(model, 2, targets_of(target), path, result=False).read_bytes()
-    ports = [
-        _port(v.name, "input" if v.role is Role.INPUT else "output", v.unit)
-        for v in model.variables
-        if v.role is Role.INPUT or (v.output and not v.array)
-    ]
-    parameters = [
-        {"name": v.name, "value": repr(v.start), "unit": v.unit}
-        for v in model.variables
-        if v.parameter and not v.integer
-    ]
+    joined = (v for v in model.variables if v.role is Role.INPUT or (v.output and not v.array))
+    ports = [_port(v.name, "input" if v.role is Role.INPUT else "output", v.unit) for v in joined]
+    numbers = (v for v in model.variables if v.parameter and not v.integer)
+    parameters = [{"name": v.name, "value": repr(v.start), "unit": v.unit} for v in numbers]
     inputs, outputs = (
         mapping.identity([port["name"] for port in ports if port["kind"] == kind])
         for kind in ("input", "output")

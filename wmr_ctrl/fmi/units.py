@@ -50,11 +50,8 @@ class NamedUnit:
     def __mul__(self, other: NamedUnit) -> NamedUnit:
         names = {**self.exponents, **other.exponents}
         total = {key: self.exponents.get(key, 0) + other.exponents.get(key, 0) for key in names}
-        return NamedUnit(
-            f"{self.name}.{other.name}",
-            self.factor * other.factor,
-            {key: exponent for key, exponent in total.items() if exponent},
-        )
+        left = {key: exponent for key, exponent in total.items() if exponent}
+        return NamedUnit(f"{self.name}.{other.name}", self.factor * other.factor, left)
 
     def fits(self, other: NamedUnit) -> bool:
         """True if both measure the same kind of quantity; angles count as numbers."""

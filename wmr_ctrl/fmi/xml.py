@@ -26,12 +26,7 @@ TERMINALS = (
     ("command", "velocity command that is safe", (SENT,)),
     ("disturbance", "disturbance torques on the wheels", TORQUE_NOISE),
 )
-_CAUSALITY = {
-    Role.INDEPENDENT: "independent",
-    Role.INPUT: "input",
-    Role.FIXED: "parameter",
-    Role.TUNABLE: "parameter",
-}
+_GIVEN = {Role.INDEPENDENT: "independent", Role.INPUT: "input"}
 SECTIONS = {
     2: ("Outputs", "Derivatives", "InitialUnknowns"),
     3: ("Output", "ContinuousStateDerivative", "InitialUnknown"),
@@ -107,7 +102,9 @@ def _units(variables: Iterable[Variable]) -> list[NamedUnit]:
 
 
 def _causality(v: Variable) -> str:
-    return _CAUSALITY.get(v.role, "output" if v.output else "local")
+    if v.parameter:
+        return "parameter"
+    return _GIVEN.get(v.role, "output" if v.output else "local")
 
 
 def _head(v: Variable, row: int, name: str, meaning: str) -> Attributes:
@@ -116,14 +113,13 @@ def _head(v: Variable, row: int, name: str, meaning: str) -> Attributes:
     if v.parameter:
         variability = "fixed" if v.role is Role.FIXED else "tunable"
     initial = "calculated" if v.role is Role.CALCULATED else "exact"
-    given = v.role in (Role.INDEPENDENT, Role.INPUT)
     return [
         ("name", name),
         ("valueReference", str(row)),
         ("description", meaning),
         ("causality", _causality(v)),
         ("variability", variability),
-        *([] if given else [("initial", initial)]),
+        *([] if v.role in _GIVEN else [("initial", initial)]),
     ]
 
 

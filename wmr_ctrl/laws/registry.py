@@ -37,15 +37,12 @@ class LawRegistry(Mapping[str, Law]):
         raise UnknownNameError("law", name, self)
 
     def __iter__(self) -> Iterator[str]:
-        """Names of all laws."""
         return iter((*NAMES, *(name for name in self.plugins if name not in NAMES)))
 
     def __len__(self) -> int:
-        """Number of laws."""
         return len(tuple(iter(self)))
 
     def __contains__(self, name: object) -> bool:
-        """True where a law has this name."""
         return name in tuple(self)
 
     @cached_property

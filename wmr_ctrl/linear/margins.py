@@ -174,11 +174,8 @@ def crossings(loop: ct.StateSpace, frequencies: Floats) -> Crossings:
     # A sampled loop is real at z = -1, where its response ends.
     nyquist = [complex(np.squeeze(loop(-1.0 + 0j))).real] if loop.dt else []
     axis = np.array([at(w).real for w in real] + nyquist)
-    return Crossings(
-        -1 / axis[axis < 0],
-        np.degrees(ahead),
-        np.array([a % (2 * math.pi) / w for a, w in zip(ahead, unit, strict=True)]),
-    )
+    delays = np.array([a % (2 * math.pi) / w for a, w in zip(ahead, unit, strict=True)])
+    return Crossings(-1 / axis[axis < 0], np.degrees(ahead), delays)
 
 
 def _roots(of: Callable[[float], float], grid: Floats, values: Floats) -> list[float]:

@@ -109,7 +109,6 @@ def start_of(scenario: Scenario, law: str, memory: str = "learning") -> Floats:
 
 
 def _over_period(scenario: Scenario) -> System:
-    """The plant over one control period."""
     moving, clock = plant(scenario), scenario.clock
     step = moving.function("step", [rk4_step(moving, ca.SX(clock.plant))])
     state = moving.x

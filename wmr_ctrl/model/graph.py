@@ -111,8 +111,6 @@ class _Numbering:
 
 
 class _Reader:
-    """Walks the instruction list once."""
-
     def __init__(
         self, function: ca.Function, inputs: tuple[str, ...], outputs: tuple[str, ...]
     ) -> None:

@@ -194,7 +194,6 @@ class _Scenery:
     def _add(
         self, shape: int, size: Floats, place: Floats, turned: Floats, colour: Sequence[float]
     ) -> None:
-        """A shape in the scene."""
         scene, tint = self._renderer.scene, np.array(colour, dtype=np.float32)
         self._engine.mjv_initGeom(scene.geoms[scene.ngeom], shape, size, place, turned, tint)
         scene.ngeom += 1

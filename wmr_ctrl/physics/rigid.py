@@ -158,7 +158,6 @@ class RigidBody:
         self._place()
 
     def _id(self, kind: str, name: str) -> int:
-        """Number of an object."""
         kinds = self._mujoco.mjtObj
         number: int = self._mujoco.mj_name2id(self.model, getattr(kinds, f"mjOBJ_{kind}"), name)
         return number

@@ -79,7 +79,6 @@ class Coupling:
     """
 
     def __init__(self, loop: RunnableLoop, seed: int) -> None:
-        """Everything at t = 0."""
         self.scenario, self.clock = loop.scenario, loop.scenario.clock
         self.body = RigidBody(loop.scenario)
         self.loop = Coupled(loop.compiled, seed, self.clock.plant)

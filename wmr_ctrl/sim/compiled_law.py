@@ -80,7 +80,6 @@ class CompiledLaw:
         return CompiledLaw, (self._loop,), numbers
 
     def __setstate__(self, numbers: dict[str, Floats]) -> None:
-        """Write the numbers of another one."""
         for name, values in numbers.items():
             setattr(self, name, values)
 

@@ -196,10 +196,8 @@ def bound(scenario: Scenario) -> Bound:
     window = periods_in_window(scenario) * scenario.clock.control
     counts = float(encoder.counts or math.inf)
     rounded, off = rounded_by((robot.r, robot.l), counts, window), misread(scenario)
-    return on_axes(
-        axes_without_gyro(scenario),
-        Bound(nbar=(rounded[0] + off[0], rounded[1] + off[1]), window=(window, window)),
-    )
+    seen = Bound(nbar=(rounded[0] + off[0], rounded[1] + off[1]), window=(window, window))
+    return on_axes(axes_without_gyro(scenario), seen)
 
 
 def rounded_by(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.model.system import Port, ports, stack
@@ -41,7 +40,11 @@ def remembered(doc: str) -> float:
     return multiple(doc, "clock.control", usual=(0, 5), most=MOST_REMEMBERED)
 
 
-def multiple(doc: str, of: str, **bounds: Any) -> float:
+def multiple(
+    doc: str, of: str, usual: tuple[float, float], most: int = 0, maximum: float | None = None
+) -> float:
     """Field of a section: a time [s] of so many control periods or plant steps, from none on."""
     said = f"{doc}, a multiple of {of}"
-    return quantity(0.0, "s", said, minimum=0, multiple_of=of, **bounds)
+    return quantity(
+        0.0, "s", said, minimum=0, maximum=maximum, usual=usual, multiple_of=of, most=most
+    )

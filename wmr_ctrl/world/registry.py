@@ -123,7 +123,6 @@ class EffectRegistry:
         return foreign
 
     def __iter__(self) -> Iterator[Effect]:
-        """Yield every effect."""
         yield from (*OURS, *self.plugins)
 
     def present(self, scenario: Scenario, *roles: EffectRole) -> tuple[Effect, ...]:

@@ -85,10 +85,8 @@ def rolling_against(scenario: Scenario) -> Pair:
 def against(scenario: Scenario) -> Pair:
     """The same with viscous friction at the limits of the speeds."""
     viscous, limits = scenario.section(Resistance).viscous, scenario.limits.v_u1
-    linear, angular = (
-        force + c * limit
-        for force, c, limit in zip(rolling_against(scenario), viscous, limits, strict=True)
-    )
+    axes = zip(rolling_against(scenario), viscous, limits, strict=True)
+    linear, angular = (force + c * limit for force, c, limit in axes)
     return linear, angular
 
 

@@ -45,7 +45,6 @@ def build(scenario: Scenario) -> System:
 
 
 def _periods(scenario: Scenario) -> tuple[int, int]:
-    """Window and age in control periods."""
     mean, period = scenario.section(VelocityMean), scenario.clock.control
     return round(mean.velocity_window / period), round(mean.velocity_age / period)
 

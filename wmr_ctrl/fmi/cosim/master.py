@@ -187,7 +187,6 @@ class Jacobi(Master):
     """All parts step with what was known before; the first torque that acts is zero."""
 
     def __init__(self, scenario: Scenario, parts: Parts, outside: Outside) -> None:
-        """Take over what is known before the first step."""
         super().__init__(scenario, parts, outside)
         self.desired = list(parts.reference.read())
         self.now = outside.sample(self.state)

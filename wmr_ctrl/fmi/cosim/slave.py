@@ -55,7 +55,6 @@ class FmuFile:
     """
 
     def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
-        """Read the model description of ``path``."""
         self.name, self.path = name, os.fspath(path)
         try:
             with zipfile.ZipFile(self.path) as archive:

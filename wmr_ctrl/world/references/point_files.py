@@ -131,7 +131,6 @@ def _without_headers(numbered: list[tuple[int, list[str]]], place: str) -> Colum
 
 
 def _columns_of(header: list[str], place: str) -> Columns:
-    """The columns that a header names."""
     matches = {i: match for i, cell in enumerate(header) if (match := NAME.fullmatch(cell))}
     by_axis = {axis: [i for i in matches if matches[i][1].lower() == axis] for axis in AXES}
     if any(len(places) != 1 for places in by_axis.values()):
@@ -197,7 +196,6 @@ def read_poses(file: Path) -> tuple[Point, ...]:
 
 
 def _document(text: str, place: str) -> object:
-    """The first document of a YAML text."""
     import yaml  # seldom needed
 
     loader = yaml.SafeLoader(text)

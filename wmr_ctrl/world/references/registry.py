@@ -33,15 +33,12 @@ class ReferenceRegistry(Mapping[str, ReferenceKind]):
         return foreign
 
     def __getitem__(self, name: str) -> ReferenceKind:
-        """Return the kind called ``name``."""
         return {item.name: item for item in (*OURS, *self.plugins)}[name]
 
     def __iter__(self) -> Iterator[str]:
-        """Yield the names of all kinds."""
         return (item.name for item in (*OURS, *self.plugins))
 
     def __len__(self) -> int:
-        """Return how many kinds there are."""
         return len(OURS) + len(self.plugins)
 
     def of(self, reference: Reference) -> ReferenceKind | None:

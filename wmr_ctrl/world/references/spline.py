@@ -85,7 +85,6 @@ def fit(points: Array, speed: float, closed: bool) -> SplinePath:
 
 
 def _directed(knots: Array, table: Array, closed: bool) -> SplinePath:
-    """The path of a table, with its headings."""
     theta = headings(table)
     turns = round(float(theta[-1, -1] - theta[0, 0]) / (2 * math.pi)) if closed else 0
     return SplinePath(knots, table, theta[:, SAMPLES // 2], 2 * math.pi * turns, closed)
@@ -202,13 +201,9 @@ def _row(tau: ca.SX, p: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX
     """Start, length, coefficients of x and y (6, 1), mid-heading of the segment at ``tau``."""
     knots = p["ref_knots"]
     n = knots.numel() - 1
-    table = ca.vertcat(
-        knots[:-1].T,
-        (knots[1:] - knots[:-1]).T,
-        ca.reshape(p["ref_x"], TERMS, n),
-        ca.reshape(p["ref_y"], TERMS, n),
-        p["ref_theta"].T,
-    )
+    x, y = (ca.reshape(p[name], TERMS, n) for name in ("ref_x", "ref_y"))
+    lengths = (knots[1:] - knots[:-1]).T
+    table = ca.vertcat(knots[:-1].T, lengths, x, y, p["ref_theta"].T)
     row = table[:, 0]
     for i in range(1, n):
         row = ca.if_else(tau >= knots[i], table[:, i], row)
