@@ -5,8 +5,6 @@ multiply-add, no reassociation.  ``errno`` and exception flags are given up; nob
 A command runs to its end, or is killed with everything that it started.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import os
@@ -176,11 +174,11 @@ class Toolchain:
         named = any("windows" in flag for flag in self.flags)
         return is_zig(self.command) and (named or os.name == "nt")
 
-    def with_flags(self, *flags: str) -> Toolchain:
+    def with_flags(self, *flags: str) -> "Toolchain":
         """Return the same compiler with further flags; of contradicting ones the last wins."""
         return replace(self, flags=(*self.flags, *flags))
 
-    def for_this_processor(self) -> Toolchain:
+    def for_this_processor(self) -> "Toolchain":
         """Return the same compiler using every instruction of this machine's processor.
 
         Values stay the same.  The library may not run elsewhere; the cache tells such builds

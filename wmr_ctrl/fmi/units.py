@@ -1,7 +1,5 @@
 """Units as the FMI and SSP standards want them: exponents of the SI base units, display units."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable
@@ -47,13 +45,13 @@ class NamedUnit:
         """Display unit and how many of it are one of this unit, or None."""
         return _DISPLAY.get(self.name)
 
-    def __mul__(self, other: NamedUnit) -> NamedUnit:
+    def __mul__(self, other: "NamedUnit") -> "NamedUnit":
         names = {**self.exponents, **other.exponents}
         total = {key: self.exponents.get(key, 0) + other.exponents.get(key, 0) for key in names}
         left = {key: exponent for key, exponent in total.items() if exponent}
         return NamedUnit(f"{self.name}.{other.name}", self.factor * other.factor, left)
 
-    def fits(self, other: NamedUnit) -> bool:
+    def fits(self, other: "NamedUnit") -> bool:
         """True if both measure the same kind of quantity; angles count as numbers."""
         mine, theirs = self.exponents.items(), other.exponents.items()
         return {key for key, _ in mine ^ theirs} <= {"rad"}

@@ -21,8 +21,6 @@ Where the safe point is within reach, each map's result lies between the safe po
 asked, so it stays in the box.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
@@ -81,7 +79,7 @@ class Bounds:
         """Largest force with which it brakes [N or N m]."""
         return ca.fmin(self.brake, self.cap)
 
-    def axis(self, i: int) -> Bounds:
+    def axis(self, i: int) -> "Bounds":
         """The bounds of axis ``i``, for bounds that hold both."""
 
         def own(value: ca.SX) -> ca.SX:

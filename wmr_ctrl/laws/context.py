@@ -1,7 +1,5 @@
 """LawContext: a law's inputs at one control sample, and how its System is put together."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from copy import copy
 from functools import cached_property
@@ -70,7 +68,7 @@ class LawContext:
         self.in_flight = own if in_flight is None else in_flight
         self._given = tuple(vars(self))
 
-    def at(self, desired: Desired, pose: ca.SX, v: ca.SX) -> LawContext:
+    def at(self, desired: Desired, pose: ca.SX, v: ca.SX) -> "LawContext":
         """The same law where pose, velocity and what is desired are these: another instant."""
         other = copy(self)
         for name in set(vars(other)) - {*self._given, "_given"}:

@@ -5,8 +5,6 @@ refused where it comes out otherwise.  OpenGL is chosen before MuJoCo is loaded:
 painted in a process of their own, by EGL or OSMesa, or by what MUJOCO_GL says.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -134,7 +132,7 @@ def paint(
 
 
 @lru_cache(maxsize=1)
-def _scenery(model: str) -> _Scenery:
+def _scenery(model: str) -> "_Scenery":
     return _Scenery(model)
 
 

@@ -5,8 +5,6 @@ parameters, monitor, log.  Elementary functions and random numbers are CasADi's 
 agrees with the compiled loop but for their rounding.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -30,7 +28,7 @@ _, _DIVERGED, _NON_FINITE = STOP_REASONS
 
 
 def run_interpreted(
-    loop: LoopFunctions,
+    loop: "LoopFunctions",
     seed: int,
     settings: Settings,
     progress: Callable[[float], None] | None = None,
@@ -53,7 +51,7 @@ def run_interpreted(
 class _Run:
     """The state of a run, and its commands under way."""
 
-    def __init__(self, loop: LoopFunctions, seed: int, settings: Settings) -> None:
+    def __init__(self, loop: "LoopFunctions", seed: int, settings: Settings) -> None:
         self.numbers, self.substeps = loop.numbers, round(settings.control / settings.plant)
         self.sampled, self.stepped = loop.sample, loop.step
         self.fast = len(self.stepped.outputs[0])
@@ -102,7 +100,7 @@ class _Run:
 class _Draws:
     """Random numbers of one stream, in the blocks in which NumPy's generator draws them."""
 
-    def __init__(self, stream: StreamNumbers, key: tuple[int, int]) -> None:
+    def __init__(self, stream: "StreamNumbers", key: tuple[int, int]) -> None:
         self.stream, self.key = stream, np.array(key, np.uint64)
         self.first, self.block = -_BLOCK, np.zeros((_BLOCK, stream.size))
 

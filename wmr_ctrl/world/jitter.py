@@ -4,8 +4,6 @@ Source: computation and buses; the time is uniform over whole plant steps from 0
 anew for each command.  A command never overtakes the one before it, since jitter <= clock.control.
 """
 
-from __future__ import annotations
-
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
@@ -58,7 +56,7 @@ def build(scenario: Scenario) -> System:
     )
 
 
-def whole(number: ca.SX) -> ca.SX:
+def whole(number: "ca.SX") -> "ca.SX":
     """The nearest whole number."""
     return ca.floor(number + 0.5)
 

@@ -5,8 +5,6 @@ value = an `Effect`); they come after ours.  An effect with a table of its own i
 needs nothing else; one whose fields belong to an existing table is a base of that table's class.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import cached_property
@@ -125,7 +123,7 @@ class EffectRegistry:
     def __iter__(self) -> Iterator[Effect]:
         yield from (*OURS, *self.plugins)
 
-    def present(self, scenario: Scenario, *roles: EffectRole) -> tuple[Effect, ...]:
+    def present(self, scenario: "Scenario", *roles: EffectRole) -> tuple[Effect, ...]:
         """Those that are part of a scenario's loop; of these roles only, where some are named."""
         asked = (item for item in self if not roles or item.role in roles)
         return tuple(item for item in asked if item.present(scenario))

@@ -9,8 +9,6 @@ but for the change of the friction within the step, which pulls against every ch
 A push f ends at the speed d = s f/M.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 from wmr_ctrl.fields.section import Section, quantity
@@ -45,7 +43,7 @@ def _loop(servo: Servo) -> Drive:
     return Drive(servo.mass * (gain * servo.u - servo.v) / reach(servo.h, tau) + servo.F1)
 
 
-def reach(period: ca.SX, tau: ca.SX) -> ca.SX:
+def reach(period: "ca.SX", tau: "ca.SX") -> "ca.SX":
     """s [s]: over a ``period`` [s] a first order changes by period/s of the way to its input."""
     return period / -ca.expm1(-period / tau)
 

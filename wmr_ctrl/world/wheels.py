@@ -6,8 +6,6 @@ the true track l' is the arm of both.  Source: geometry; tyres wear and lose pre
 Noise and push are torques at wheels of the believed size.
 """
 
-from __future__ import annotations
-
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
@@ -53,7 +51,7 @@ def build(scenario: Scenario) -> System:
     return System("wheels", title, inputs=torque, params=p.ports, outputs=shown)
 
 
-def true_wheels(p: Parameters) -> tuple[ca.SX, ca.SX]:
+def true_wheels(p: Parameters) -> "tuple[ca.SX, ca.SX]":
     """Radii (2,) and half the track [m], for parameters that include those of this effect."""
     radius = p.take("robot.r") * (1 + p.take("wheels.radius"))
     return radius, p.take("robot.l") * (1 + p.take("wheels.track"))

@@ -1,7 +1,5 @@
 """One FMU in co-simulation, through FMPy: read, write and step with arrays made once."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import hashlib
 import os
@@ -28,7 +26,7 @@ Read = Callable[[], list[float]]
 Write = Callable[[Sequence[float]], None]
 
 
-_HEARERS: WeakValueDictionary[int, Slave] = WeakValueDictionary()
+_HEARERS: "WeakValueDictionary[int, Slave]" = WeakValueDictionary()
 """Instances of FMI 2 by the environment that their messages name."""
 
 
