@@ -28,26 +28,15 @@ _NUMBERS = {
     **{vars(ca)[f"OP_{name.upper()}"]: f"wmr_{name}({{0}})" for name in _OF_ONE},
     **{vars(ca)[f"OP_{name.upper()}"]: f"wmr_{name}({{0}}, {{1}})" for name in _OF_TWO},
 }
-_SCALAR = {
-    **_NUMBERS,
+_COMPARISONS = {
     ca.OP_LT: "{0} < {1}",
     ca.OP_LE: "{0} <= {1}",
     ca.OP_EQ: "{0} == {1}",
     ca.OP_NE: "{0} != {1}",
-    ca.OP_AND: "{0} && {1}",
-    ca.OP_OR: "{0} || {1}",
-    ca.OP_NOT: "!{0}",
 }
-_VECTOR = {
-    **_NUMBERS,
-    ca.OP_LT: "wmr_mask({0} < {1})",
-    ca.OP_LE: "wmr_mask({0} <= {1})",
-    ca.OP_EQ: "wmr_mask({0} == {1})",
-    ca.OP_NE: "wmr_mask({0} != {1})",
-    ca.OP_AND: "{0} & {1}",
-    ca.OP_OR: "{0} | {1}",
-    ca.OP_NOT: "wmr_not({0})",
-}
+_MASKS = {op: f"wmr_mask({text})" for op, text in _COMPARISONS.items()}
+_JOINED = {ca.OP_AND: "{0} && {1}", ca.OP_OR: "{0} || {1}", ca.OP_NOT: "!{0}"}
+_JOINED_MASKS = {ca.OP_AND: "{0} & {1}", ca.OP_OR: "{0} | {1}", ca.OP_NOT: "wmr_not({0})"}
 TRUTHS = frozenset({ca.OP_AND, ca.OP_OR, ca.OP_NOT})
 """Operations whose operands are truth values."""
 
@@ -103,9 +92,7 @@ class Dialect:
 
 HEADER = "arithmetic.h"
 """The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
-SCALAR = Dialect(
-    HEADER, "double", "int", MappingProxyType(_SCALAR), exp_batch=8, packs_stores=True, pairs=True
-)
-LANES = Dialect(
-    HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, exp_batch=1, pairs_sines=True
-)
+_SCALAR = MappingProxyType(_NUMBERS | _COMPARISONS | _JOINED)
+_VECTOR = MappingProxyType(_NUMBERS | _MASKS | _JOINED_MASKS)
+SCALAR = Dialect(HEADER, "double", "int", _SCALAR, exp_batch=8, packs_stores=True, pairs=True)
+LANES = Dialect(HEADER, "wmr_v", "wmr_m", _VECTOR, lanes=True, exp_batch=1, pairs_sines=True)

@@ -170,10 +170,7 @@ def _felt(
     forces: Sequence[ca.SX], late: Counting, numbers: Varying, axis: int, b: Bounds, tails: Tails
 ) -> InFlight:
     """Integrals of the push that can be felt behind a varying lag, and b times its last value."""
-    starts = tails.felt(axis, b)
-    ahead, back = (
-        follow(starts[i], forces, numbers.pieces, axis, b, way) for i, way in enumerate((1, -1))
-    )
+    ahead, back = tails.followed(forces, numbers.pieces, axis, b)
     left = b.period * numbers.longest
     mean, rest = (
         InFlight((first + left * ahead.end) / b.M_min, (second + left * back.end) / b.M_min)
@@ -197,11 +194,7 @@ def moved_since(
 ) -> tuple[InFlight, InFlight]:
     """Motion since the previous sample that ``sent`` explains, as mean and rest count."""
     if since.varying:
-        starts = tails.felt(axis, b)
-        ahead, back = (
-            follow(starts[i], sent, since.varying.pieces, axis, b, way)
-            for i, way in enumerate((1, -1))
-        )
+        ahead, back = tails.followed(sent, since.varying.pieces, axis, b)
         return (
             InFlight(ahead.mean / b.M_min, back.mean / b.M_min),
             InFlight(ahead.rest / b.M_min, back.rest / b.M_min),
@@ -290,10 +283,13 @@ class Tails:
         older = InFlight(ahead / b.M_min, back / b.M_min)
         return sums.plus(older, tail.share if averaged else 1.0)
 
-    def felt(self, axis: int, b: Bounds) -> tuple[ca.SX, ca.SX]:
-        """Push (ahead, back) behind a lag that varies, where the oldest listed command begins."""
-        ahead, back = (self.state[0].sym[2 * axis + i] + ca.fmax(b.net, 0) for i in (0, 1))
-        return ahead, back
+    def followed(
+        self, forces: Sequence[ca.SX], pieces: Sequence[Passage], axis: int, b: Bounds
+    ) -> tuple[Followed, Followed]:
+        """Push ahead and back behind a lag that varies, from the oldest listed command on."""
+        starts = [self.state[0].sym[2 * axis + i] + ca.fmax(b.net, 0) for i in (0, 1)]
+        ahead = follow(starts[0], forces, pieces, axis, b, 1)
+        return ahead, follow(starts[1], forces, pieces, axis, b, -1)
 
     def following(self, forces: Sequence[ca.SX], both: Bounds) -> ca.SX:
         """The next state; ``forces`` (2,) with the new one first."""
@@ -303,11 +299,8 @@ class Tails:
     def _next(self, axis: int, forces: Sequence[ca.SX], b: Bounds) -> ca.SX:
         late = self.late[axis]
         if late.varying:
-            felt, entering = self.felt(axis, b), late.varying.entering
-            ends = [
-                follow(felt[i], forces, entering, axis, b, way).end for i, way in enumerate((1, -1))
-            ]
-            return ca.vertcat(*ends) - ca.fmax(b.net, 0)
+            ahead, back = self.followed(forces, late.varying.entering, axis, b)
+            return ca.vertcat(ahead.end, back.end) - ca.fmax(b.net, 0)
         if late.tail is None:
             return ca.SX.zeros(2 if self.state else 0)
         n, (sure, mixed) = late.commands, late.tail.entering
