@@ -164,12 +164,10 @@ def _wanted(graph: Graph, whole: bool) -> list[int]:
     steady = sorted(number for number in read if kind[number] == graphs.STEADY)
     if not whole:
         return [k for k in steady if slow[k] and not graph.is_logical(k)]
-    free = [number for number in steady if not graph.nodes[number].leaf]
-    return sorted(free, key=lambda number: _form(graph, number))
 
+    def form(number: int) -> tuple[int, list[float]]:  # the operation, and plain numbers in it
+        node = graph.nodes[number]
+        operands = (graph.nodes[k] for k in node.operands)
+        return node.op, [item.number for item in operands if item.op == ca.OP_CONST]
 
-def _form(graph: Graph, number: int) -> tuple[int, list[float]]:
-    """Operation of a value, and the plain numbers that it takes."""
-    node = graph.nodes[number]
-    operands = (graph.nodes[k] for k in node.operands)
-    return node.op, [item.number for item in operands if item.op == ca.OP_CONST]
+    return sorted((number for number in steady if not graph.nodes[number].leaf), key=form)

@@ -81,14 +81,9 @@ def controller_kernel(system: System, name: str = "controller") -> Kernel:
 
 def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
     """Sizes and places that the runtime is written against, by their names in C."""
-    sizes: dict[str, int | str] = {
-        "ROW": loop.row.numel(),
-        "SUMS": len(SUMS),
-        "WINDOW": len(WINDOW),
-        "SEEN": len(SEEN),
-        **{f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)},
-    }
-    return {**sizes, **_constants(loop)}
+    sizes = {"ROW": loop.row.numel(), "SUMS": len(SUMS), "WINDOW": len(WINDOW), "SEEN": len(SEEN)}
+    places = {f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)}
+    return {**sizes, **places, **_constants(loop)}
 
 
 def outside_constants(loop: PlantlessGraphs) -> Mapping[str, int | str]:

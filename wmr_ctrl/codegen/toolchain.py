@@ -224,7 +224,10 @@ def zig_command() -> tuple[str, ...]:
 def _working(command: tuple[str, ...]) -> Toolchain:
     """Return the toolchain of ``command`` once its probe has been compiled, loaded and called."""
     name = "zig cc" if is_zig(command) else Path(command[0]).name
-    toolchain = Toolchain(command, name, _version(command), default_flags(command))
+    version = _first_line((*command, "--version"))
+    if is_zig(command):  # whose cc does not say zig's number
+        version = f"zig {_first_line((*command[:-1], 'version'))}, {version}"
+    toolchain = Toolchain(command, name, version, default_flags(command))
     library = build_library({"probe.c": _PROBE}, toolchain, name="probe", timeout=120.0)
     try:
         answer = ctypes.CDLL(str(library)).wmr_probe(41)
@@ -233,12 +236,6 @@ def _working(command: tuple[str, ...]) -> Toolchain:
     if answer != 42:
         raise CompilerError(f"What {name} compiled computes 41 + 1 as {answer}.")
     return toolchain
-
-
-def _version(command: tuple[str, ...]) -> str:
-    """The compiler's own version text; zig's cc does not say zig's number."""
-    line = _first_line((*command, "--version"))
-    return f"zig {_first_line((*command[:-1], 'version'))}, {line}" if is_zig(command) else line
 
 
 def _first_line(command: tuple[str, ...]) -> str:

@@ -61,7 +61,11 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
     """
     machine = system.function("step", [system.update, system.y])
     known = {item.signal for item in system.inputs}
-    exact = _commands(system, limits) if ASKED in known else _inputs(np.array(limits.v_u1))
+    if ASKED in known:
+        exact = _commands(system, limits)
+    else:
+        draw, v_u1 = np.random.default_rng(2024), np.array(limits.v_u1)
+        exact = np.array([row for place in SITUATIONS for row in _run(place, v_u1, draw)])
     if TORQUE[0] in known:
         # Desired and measured pose, velocity, and torques: what a monitor is given in the place.
         told = np.random.default_rng(7).uniform(-1, 1, (len(exact), system.u.numel() - 8))
@@ -77,11 +81,6 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
         following, torque = machine(u, x if k % SAMPLES else np.array(system.x0), p)
         x, torques[k] = following.full().ravel(), torque.full().ravel()
     return Vectors(inputs, torques)
-
-
-def _inputs(v_u1: Floats) -> Floats:
-    draw = np.random.default_rng(2024)
-    return np.array([row for place in SITUATIONS for row in _run(place, v_u1, draw)], dtype=float)
 
 
 def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floats]:

@@ -152,14 +152,10 @@ class SentVelocity:
         sent, asked = port(SENT), self.asked
         usable = ca.vertcat(*usable_command(sent.sym)[0])
         memory, following = self._remembering(usable)
-        law = self._law(memory)
-        return replace(
-            law,
-            inputs=(*law.inputs, sent),
-            state=(*self.core.state, *memory),
-            update=ca.vertcat(self._learnt(usable), *following),
-            outputs=(Output(ASKED, asked),),
-        )
+        law, state = self._law(memory), (*self.core.state, *memory)
+        update = ca.vertcat(self._learnt(usable), *following)
+        shown, inputs = (Output(ASKED, asked),), (*law.inputs, sent)
+        return replace(law, inputs=inputs, state=state, update=update, outputs=shown)
 
     def _learnt(self, sent: ca.SX) -> ca.SX:
         """The law's next memory: estimates stay while another velocity is sent than it asks for.

@@ -84,11 +84,9 @@ class Worker:
     def __init__(self, environment: Mapping[str, str] | None = None) -> None:
         """Start it, without waiting for it; ``environment``: variables that it is given besides."""
         paths = filter(None, (_ROOT, os.environ.get("PYTHONPATH")))
+        own = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(environment or {})}
         self._process = subprocess.Popen(
-            [sys.executable, "-c", _BEGIN],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(environment or {})},
+            [sys.executable, "-c", _BEGIN], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=own
         )
 
     def ask(self, make: Callable[..., T], given: tuple[object, ...]) -> T:

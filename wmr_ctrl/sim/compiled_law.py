@@ -2,7 +2,6 @@
 
 import ctypes as ct
 import timeit
-from typing import NoReturn
 
 import numpy as np
 
@@ -89,15 +88,10 @@ class CompiledLaw:
 
     def step(self) -> Floats:
         """Evaluate the law once; returns ``torque``.  Raises ArgumentError for a refused sample."""
-        if self._call(self._pointer):
-            self._refuse()
-        return self.torque
-
-    def _refuse(self) -> NoReturn:
+        if not self._call(self._pointer):
+            return self.torque
         given = zip(self._names, self.u, strict=True)
-        what = ", ".join(
-            f"{name} = {value:g}" for name, value in given if not abs(value) <= LARGEST
-        )
+        what = ", ".join(f"{name} = {x:g}" for name, x in given if not abs(x) <= LARGEST)
         raise ArgumentError(
             f"the sample is refused: {what or 'its torques or memory'} must be finite and at most "
             f"{LARGEST:g} in size. The torques are 0 and the law's memory is unchanged; check what "

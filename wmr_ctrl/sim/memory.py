@@ -209,9 +209,13 @@ def laid_out(
         )
     padded = [*runs, *[runs[-1]] * (chosen.lanes - len(runs))]
     added = aligned(len(windows), chosen.sums, chosen.lanes)
+    starts = [list(run.loop.compiled.start) for run in padded]
+    for start, run in zip(starts, padded, strict=True):
+        if run.start is not None:
+            start[: len(PLANT_STATE)] = run.start
     arrays: dict[str, Numbers] = {
         "parameters": _columns([[*chain(*run.loop.compiled.parameters)] for run in padded]),
-        "start": _columns([_start(run) for run in padded]),
+        "start": _columns(starts),
         "phase_start": np.array(compiled.phase_start, dtype=np.int64),
         "window": np.array(windows, dtype=np.int64).reshape(-1, 2),
         "key": np.array([noise_key(run.seed) for run in padded], dtype=np.uint64),
@@ -243,13 +247,6 @@ def noise_key(seed: int) -> tuple[int, int]:
     """Key of the Philox generator for a seed."""
     words = np.random.SeedSequence(seed).generate_state(2, np.uint64)
     return int(words[0]), int(words[1])
-
-
-def _start(run: Task) -> list[float]:
-    start = list(run.loop.compiled.start)
-    if run.start is not None:
-        start[: len(PLANT_STATE)] = run.start
-    return start
 
 
 def _columns(lanes: Sequence[Sequence[float]]) -> Floats:

@@ -24,14 +24,10 @@ class CommandDelay(Section, key="base"):
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: the command that arrives [m/s, rad/s]."""
     command, p = ports(COMMAND), Parameters(scenario)
-    late = p.take("base.delay")
+    late, title = p.take("base.delay"), "delay of the command"
+    shown = tuple(Output(item.signal, item.sym) for item in command)
     return System(
-        "command_delay",
-        "delay of the command",
-        inputs=command,
-        params=p.ports,
-        outputs=tuple(Output(item.signal, item.sym) for item in command),
-        transport=late,
+        "command_delay", title, inputs=command, params=p.ports, outputs=shown, transport=late
     )
 
 

@@ -22,13 +22,10 @@ def build(scenario: Scenario) -> System:
     velocity, p = ports(MEASURED_VELOCITY), Parameters(scenario)
     v, half = stack(item.sym for item in velocity), p.take("sensor.velocity_noise")
     error = draw(NUMBERS, UNIFORM, ca.logic_or(half[0] > 0, half[1] > 0))
+    shown = outputs(MEASURED_VELOCITY, v + half * error.port.sym)
+    title = "noise of the measured velocity"
     return System(
-        "velocity_noise",
-        "noise of the measured velocity",
-        inputs=velocity,
-        params=p.ports,
-        outputs=outputs(MEASURED_VELOCITY, v + half * error.port.sym),
-        draws=(error,),
+        "velocity_noise", title, inputs=velocity, params=p.ports, outputs=shown, draws=(error,)
     )
 
 

@@ -88,17 +88,13 @@ class FmuFile:
     @cached_property
     def _defined(self) -> dict[str, NamedUnit]:
         """Units that the model description defines by base units."""
-        bases = {item.name: item.baseUnit for item in self.description.unitDefinitions}
-        return {
-            str(name): NamedUnit(
-                str(name),
-                float(base.factor),
-                {key: int(getattr(base, key)) for key in BASE if getattr(base, key)},
-                float(base.offset),
-            )
-            for name, base in bases.items()
-            if base is not None
-        }
+        units = {}
+        for item in self.description.unitDefinitions:
+            name, base = str(item.name), item.baseUnit
+            if base is not None:
+                exponents = {key: int(getattr(base, key)) for key in BASE if getattr(base, key)}
+                units[name] = NamedUnit(name, float(base.factor), exponents, float(base.offset))
+        return units
 
     def variable(self, name: str) -> Any:
         """A real variable's description; raises UnknownNameError or ArgumentError."""
