@@ -157,26 +157,15 @@ numbers, and the places of a segment's offset and size in its row."""
 def build_cached(
     sources: Sources, compile_in: Callable[[Path], Path], *, key: Sequence[str] = ()
 ) -> Path:
-    """Return the library built from ``sources``, compiling it only if the cache lacks it.
+    """The library built from ``sources``, compiled only if the cache lacks it.
 
-    Parameters
-    ----------
-    sources
-        The files that the build reads; they are written into the entry's folder.
-    compile_in
-        Called with that folder (absolute), compiles, and returns the library's path inside it.
-    key
-        What else decides the library's content: compiler, version, flags.
+    ``sources``, all that the build reads, are written into the entry's folder; ``compile_in`` is
+    called with that folder (absolute), compiles, and returns the library's path inside it.  ``key``
+    is what else decides its content: compiler, version, flags.  Its size and SHA-256 were checked
+    once in this process; a damaged entry is built anew.
 
-    Returns
-    -------
-    Path of the shared library.  Its size and SHA-256 were checked once in this process; a
-    damaged entry is built anew.
-
-    Raises
-    ------
-    CompilerError
-        If compiling fails; its kind CacheError if the folder cannot be written (a full disk, say).
+    Raises CompilerError if compiling fails; its kind CacheError if the folder cannot be written (a
+    full disk, say).
     """
     name = content_key(sources, key)
     kernels = wanted_dir() / "kernels"

@@ -39,27 +39,15 @@ def export_fmu(
     arrays: bool = True,
     progress: Progress | None = None,
 ) -> list[Path]:
-    """Write ``wmr_<what>.fmi2.fmu`` and ``wmr_<what>.fmi3.fmu`` into the folder ``out``.
+    """Write ``wmr_<what>.fmi2.fmu`` and ``wmr_<what>.fmi3.fmu`` into ``out``; returns their paths.
 
-    Parameters
-    ----------
-    what
-        "plant", "reference", "guard", "filter", a law's name; or, of ``law``, "corridor" or
-        "closed-loop".
-    fmi
-        "2", "3" or "both".
-    target
-        "host", "all", or a platform such as "aarch64-linux".
-    arrays
-        Whether long vectors are arrays in FMI 3; False gives flat names there too.
-    progress
-        Called with a line for each file.
+    ``what``: "plant", "reference", "guard", "filter", a law's name; or, of ``law``, "corridor" or
+    "closed-loop".  ``fmi``: "2", "3" or "both".  ``target``: "host", "all", or a platform such as
+    "aarch64-linux".  ``arrays``: whether long vectors are arrays in FMI 3; False gives flat names
+    there too.  ``progress`` is called with a line for each file.
 
-    Returns
-    -------
-    Paths of the files.  Raises UnknownNameError, ScenarioError or CompilerError; of several
-    platforms those that could be built are in the files all the same (PartlyBuiltError, at the
-    end).
+    Raises UnknownNameError, ScenarioError or CompilerError; of several platforms those that could
+    be built are in the files all the same (PartlyBuiltError, at the end).
     """
     model = model_of(what, law, scenario_given(scenario))
     paths, lost = [], list[PartlyBuiltError]()

@@ -119,31 +119,21 @@ def cosimulate(
 ) -> Run:
     """Co-simulate reference, controller and plant FMUs through FMPy and return the Run.
 
-    Parameters
-    ----------
-    law
-        The control law; None: that of ``controller`` where it is one of ours, else "nn".  Refused
-        beside somebody else's controller.
-    plant, controller
-        FMU files to use in place of those that are exported from ``scenario`` and ``law``.  With
-        guard.enabled the guard stands behind somebody else's controller as a further FMU, and
-        behind one of ours that was exported without it.
-    map_file
-        TOML map of the names and units of FMUs that are not ours; see ``cosim.mapping``.
-    master
-        "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step later).
-    delay_known
-        For "jacobi": the controller is built for drives that are one control period later than
-        the scenario's, so that guard and observer count with what this master does; the loop is
-        then the native one with that delay.
-    fmi
-        Version of the FMUs that are exported here: 2 or 3.
+    ``law``: None is that of ``controller`` where it is one of ours, else "nn"; refused beside
+    somebody else's controller.  ``plant``, ``controller``: FMU files to use in place of those that
+    are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3).  With guard.enabled the
+    guard stands behind somebody else's controller as a further FMU, and behind one of ours that was
+    exported without it.  ``map_file``: TOML map of the names and units of FMUs that are not ours,
+    see ``cosim.mapping``.
 
-    Returns
-    -------
-    Run with engine "fmu", whose monitor saw every step of our plant; of a plant with a map, its
-    communication steps.  Raises ArgumentError where an FMU cannot do what the scenario asks for,
-    FmuError where it cannot be loaded; one that fails later ends the Run and is named by it.
+    ``master``: "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step
+    later); for the latter with ``delay_known`` the controller is built for drives that are one
+    control period later than the scenario's, so that guard and observer count with what this master
+    does; the loop is then the native one with that delay.
+
+    The Run has engine "fmu", and its monitor saw every step of our plant; of a plant with a map,
+    its communication steps.  Raises ArgumentError where an FMU cannot do what the scenario asks
+    for, FmuError where it cannot be loaded; one that fails later ends the Run and is named by it.
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
