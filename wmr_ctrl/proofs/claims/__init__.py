@@ -84,11 +84,9 @@ def _by_hand() -> list[Claim]:
     """Claims argued by hand, and open ones: words alone."""
     text = files("wmr_ctrl.proofs.claims").joinpath("by_hand.toml").read_text(encoding="utf-8")
     lists = ("equations", "premises")
-    rows = tomllib.loads(text)["entry"]
-    return [
-        Claim(**row | {key: tuple(row.get(key, ())) for key in lists}, theme=BY_HAND)
-        for row in rows
-    ]
+    found = tomllib.loads(text)["entry"]
+    rows = (row | {key: tuple(row.get(key, ())) for key in lists} for row in found)
+    return [Claim(**row, theme=BY_HAND) for row in rows]
 
 
 def _definitions() -> list[Claim]:

@@ -72,11 +72,8 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     first = ca.jacobian(y, t.t)
     second = ca.jacobian(first, t.t)
     turned = first[0] * second[1] - first[1] * second[0]
-    goals: tuple[Relation, ...] = (
-        equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation)),
-        equal(turned, y[3] ** 2 * y[4]),
-        *every(first[2:5], y[4:7]),
-    )
+    fast = equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation))
+    goals = (fast, equal(turned, y[3] ** 2 * y[4]), *every(first[2:5], y[4:7]))
     if kind == "line":
         ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
         goals = (*goals, *ahead, equal(y[3], t.ref_speed))

@@ -37,10 +37,8 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     t, carried = s.inputs, s.free.carried
     plainly = carried_plainly(t.v, t.c, t.followed)
     after = mixture(plainly, t.target, s.shares)
-    given = (
-        equal(carried, plainly), above(1e100, t.u2),
-        *(at_least(t.u2, way * after) for way in (1, -1)),
-    )  # fmt: skip
+    near = (at_least(t.u2, way * after) for way in (1, -1))
+    given = (equal(carried, plainly), above(1e100, t.u2), *near)
     return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
 
 
@@ -52,10 +50,8 @@ def mb(mutation: Mutation, smooth: bool) -> Statement:
     """
     t = symbols("v c u1 u2", "u1 u2")
     barrier = (smooth_barrier if smooth else stable_barrier)(t.c, t.v, t.u1, t.u2)
-    given = (
-        above(t.u2), above(t.u1, t.u2), above(1e100, t.u2),
-        *(at_least(mutation(1, 2) * t.u2, ca.fabs(item)) for item in (t.v, t.c)),
-    )  # fmt: skip
+    near = (at_least(mutation(1, 2) * t.u2, ca.fabs(item)) for item in (t.v, t.c))
+    given = (above(t.u2), above(t.u1, t.u2), above(1e100, t.u2), *near)
     goals = equal(2 * barrier.V1_over_A, t.v - t.c), equal(barrier.q, ca.SX(1))
     return Statement(t, goals, given)
 
@@ -86,11 +82,9 @@ def guard(mutation: Mutation) -> Statement:
     near, far = (slope * (t.u1 - t[name]) - net for name in ("nbar", "f_speed"))
     sizes = ((t.force + slope * t.y, near), (slope * t.y, near), (t.force, far))
     held = guarded(ca.vertcat(t.force, 0), ca.vertcat(t.y, 0), bounds)
-    given = (
-        *positive(t.M_min, t.M_max, t.alpha, t.period, t.u1),
-        *nonnegative(t.nbar, t.f_speed, t.brake, net),
-        *(at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes),
-    )  # fmt: skip
+    free = (at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes)
+    signs = *positive(t.M_min, t.M_max, t.alpha, t.period, t.u1), *nonnegative(t.nbar, t.f_speed)
+    given = (*signs, *nonnegative(t.brake, net), *free)
     return Statement(t, (equal(held.force[0], t.force), equal(held.safe[0])), given)
 
 

@@ -50,12 +50,10 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     most = [t.A, t.B] * ("axes" in kinds) + [t.C, t.C] * ("wheels" in kinds)
     channels, asked = [*axes, *wheels], (t.v, t.omega)
     sent = scaled(asked, channels, [-item for item in most], most, scale)
-    given = (
-        *(above(t[name], 1e-29) for name in ("l", "A", "B", "C")),
-        *(at_least(mutation(1, 2) * size, ca.fabs(channel.of(asked)))
-          for channel, size in zip(channels, most, strict=True)),
-    )  # fmt: skip
-    return Statement(t, every(sent, ca.vertcat(*asked)), given)
+    given = [above(item, 1e-29) for item in (t.l, t.A, t.B, t.C)]
+    for channel, size in zip(channels, most, strict=True):
+        given.append(at_least(mutation(1, 2) * size, ca.fabs(channel.of(asked))))
+    return Statement(t, every(sent, ca.vertcat(*asked)), tuple(given))
 
 
 @claim("corridor.dead-band", given="any size")
@@ -100,10 +98,8 @@ def pi_loop(mutation: Mutation) -> Statement:
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)
     most = g["actuator.tau_max"]
-    given = [
-        *g.above_zero("robot.r", "robot.l", "actuator.tau_max"),
-        *(above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1)),
-    ]
+    weak = (above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1))
+    given = (*g.above_zero("robot.r", "robot.l", "actuator.tau_max"), *weak)
     return g.states(*every(own.update, following), *every(own.y, torque), given=given)
 
 
@@ -147,9 +143,8 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
         sizes[0] = at_least(mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead), t.force + b.net)
     given = (
         *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1", "delay")),
-        above(S), *((at_least(c, 1),) if jitters else ()), at_least(b.net),
-        *(at_least(t[f"a_{side}"]) for side in ("ahead", "back")),
-        at_least(t.largest, ca.fabs(t.force)), *sizes,
+        above(S), *([at_least(c, 1)] * jitters), at_least(b.net), at_least(t.a_ahead),
+        at_least(t.a_back), at_least(t.largest, ca.fabs(t.force)), *sizes,
     )  # fmt: skip
     goals = tuple(equal(clipped(asked, t.y, b, coming), asked) for asked in (t.force, ca.SX(0)))
     return Statement(t, goals, given, cuts)
@@ -172,10 +167,8 @@ def late_sums(mutation: Mutation) -> Statement:
         worst = ca.fmax(way * t.F1, way * t.F2)
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(at_least(scale * most, side))
-    given = (
-        *positive(t.M_min, t.period), at_least(t.t1), at_least(t.t2),
-        at_least(t.N, b.net), *(at_least(t.N, ca.fabs(t[name])) for name in ("F1", "F2")),
-    )  # fmt: skip
+    largest = at_least(t.N, b.net), at_least(t.N, ca.fabs(t.F1)), at_least(t.N, ca.fabs(t.F2))
+    given = (*positive(t.M_min, t.period), at_least(t.t1), at_least(t.t2), *largest)
     return Statement(t, tuple(goals), given)
 
 
@@ -204,10 +197,8 @@ def overtaken(mutation: Mutation) -> Statement:
         equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
         when(ca.logic_and(t.phase <= 0, due < t.steps), equal(acting, last)),
     )  # fmt: skip
-    goals = (
-        equal((now - arrived) * (now - before)), equal(waiting, arrived),
-        when(t.phase >= wait, equal(now, arrived)),
-    )  # fmt: skip
+    one_of = equal((now - arrived) * (now - before))
+    goals = one_of, equal(waiting, arrived), when(t.phase >= wait, equal(now, arrived))
     return g.states(*goals, given=given, cuts=g.cuts, more=t)
 
 

@@ -32,10 +32,9 @@ def held(mutation: Mutation) -> Statement:
     z, p, h, s, growth, b, e, least, falls, rises = t.values()
     a, after = lag.equivalent_lag(h, growth), lag.followed(p, e, z)
     guarded = integral(z, p, (h, b * (1 - falls), a * (1 - rises)))
-    goals = (
-        at_least(guarded + s * moved(z, p, (falls, rises)), (mutation(1, 1.01) * h + s) * after),
-        at_least(moved(z, p, (falls, rises)), after),
-    )
+    end = moved(z, p, (falls, rises))
+    adds = at_least(guarded + s * end, (mutation(1, 1.01) * h + s) * after)
+    goals = adds, at_least(end, after)
     given = (
         at_least(z), at_least(p), *positive(h, growth), *between(a, s, b),
         equal(least * (1 + growth), 1), *between(0, rises, least), *between(least, e, falls),
@@ -94,10 +93,8 @@ def lag_bound(mutation: Mutation) -> Statement:
     least = lag.equivalent_lag(h, t.growth)
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
-    goals = (
-        at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast),
-        *every(g.system.update, wanted + t.decay * (acting - wanted)),
-    )  # fmt: skip
+    left = every(g.system.update, wanted + t.decay * (acting - wanted))
+    goals = at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast), *left
     cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
     return g.states(*goals, given=given, cuts=cuts, more=t)
 
@@ -114,10 +111,8 @@ def constant_lag(mutation: Mutation) -> Statement:
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
-    goals = (
-        *(equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag"))),
-        *every(g.system.update, wanted + t.decay * (acting - wanted)),
-    )
+    both = (equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag")))
+    goals = (*both, *every(g.system.update, wanted + t.decay * (acting - wanted)))
     return g.states(*goals, given=(above(time), equal(g["actuator.lag_spread"])), cuts=cuts, more=t)
 
 
@@ -171,10 +166,8 @@ def jitter_bound(mutation: Mutation) -> Statement:
     )  # fmt: skip
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
-    goals = (
-        *(when(acts, goal) for goal in every(now, arrived)), at_least(t.most, wait),
-        *(equal(g.bound(name)[0], width) for name in ("delay", "jitter")),
-    )  # fmt: skip
+    told = (equal(g.bound(name)[0], width) for name in ("delay", "jitter"))
+    goals = (*(when(acts, goal) for goal in every(now, arrived)), at_least(t.most, wait), *told)
     return g.states(*goals, given=given, cuts=g.cuts, more=t)
 
 
@@ -220,11 +213,8 @@ def line(mutation: Mutation) -> Statement:
     ahead, back = (motor.missing(t.most, t.stall, way * share) for way in (1, -1))
     ahead, back = ca.fmin(ahead, t.most), ca.fmin(back, t.most)
     part = mutation(1, 0.9)
-    goals = (
-        at_least(part * ahead, t.torque - made),
-        at_least(part * back, made - t.torque),
-        at_least((t.torque - made) * t.torque),
-    )
+    sides = at_least(part * ahead, t.torque - made), at_least(part * back, made - t.torque)
+    goals = (*sides, at_least((t.torque - made) * t.torque))
     given = (above(t.stall), at_least(t.slowing), *within(t.torque, t.most))
     return Statement(t, goals, given)
 
@@ -246,10 +236,8 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
         first, second = (motor.missing(t.most, t.stall, t.slowing * s) for s in speeds)
         return first + second
 
-    given = (
-        above(t.stall), at_least(t.slowing), *positive(t.u1, t.edge),
-        *within(t.v, t.u1), *within(t.turn, t.edge),
-    )  # fmt: skip
+    limited = *positive(t.u1, t.edge), *within(t.v, t.u1), *within(t.turn, t.edge)
+    given = (above(t.stall), at_least(t.slowing), *limited)
     end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
     return Statement(t, (at_least(end, both(t.v, t.turn)),), given)
 

@@ -50,10 +50,9 @@ def world_slope(mutation: Mutation) -> Statement:
     a = slope.turned(g["theta"], g["slope.direction"])
     along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
-    given = (
-        *g.above_zero("robot.m", "robot.g"), at_least(g["guard.M_max[1]"], g["robot.m"]),
-        at_least(sine), *within(ca.vertcat(along, across), 1),
-    )  # fmt: skip
+    heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
+    turns = at_least(sine), *within(ca.vertcat(along, across), 1)
+    given = (*g.above_zero("robot.m", "robot.g"), heaviest, *turns)
     return g.states(*goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
 

@@ -49,10 +49,8 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     a = BandAxis()
     s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.to, a.table)
     known = bound_of(a.forecast, way)
-    given = (
-        *a.stated, *_sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]),
-        at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S),
-    )  # fmt: skip
+    bounded = at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S)
+    given = (*a.stated, *_sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), *bounded)
     past = s[f"past_{word}"]
     most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
     goal = at_least(most, way * (s.v + (s.to - s.u) * s.S))
@@ -72,10 +70,8 @@ def tail(mutation: Mutation) -> Statement:
     a = BandAxis()
     s = a.symbols | symbols("f made")
     after = a.forecast.changed(s.to, a.table).later(a.table)
-    given = (
-        above(s.f), at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f),
-        *nonnegative(s.left, s.tail),
-    )  # fmt: skip
+    fades = at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f)
+    given = (above(s.f), fades, *nonnegative(s.left, s.tail))
     stays = s.f * (s.tail + ca.fabs(s.to - s.u) * s.left)
     return Statement(s, (at_least(s.made, stays),), given, computed={"made": after.tail})
 
@@ -183,11 +179,9 @@ def fading(mutation: Mutation) -> Statement:
     came = s.came
     after = Fading(s.reach, s.past, s.held).aged(came, s.u, s.stays, s.soonest)
     kept = s.g * (1 + mutation(2.0**-41, 0))
-    given = (
-        *nonnegative(came * (came - 1), came * (1 - came), s.g, s.r, s.p), at_least(s.reach, s.r),
-        at_least(s.past, s.p), at_least(s.soonest, came * kept),
-        at_least(s.stays, (1 - came) * kept),
-    )  # fmt: skip
+    signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.r, s.p)
+    shares = at_least(s.soonest, came * kept), at_least(s.stays, (1 - came) * kept)
+    given = (*signs, at_least(s.reach, s.r), at_least(s.past, s.p), *shares)
     left = came * s.p + (1 - came) * s.r
     goals = (at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g))
     computed = {"made_reach": after.reach, "made_past": after.past}
@@ -208,10 +202,8 @@ def reached(mutation: Mutation) -> Statement:
     change = s.to - s.u
     none = ca.SX(0)
     after = Fading(s.reach, none, none).changed(change, s.furthest)
-    given = (
-        *nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)),
-        at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41)),
-    )  # fmt: skip
+    listed = at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41))
+    given = (*nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed)
     goal = at_least(s.made, s.r + ca.fabs(change) * s.reached)
     return Statement(s, (goal,), given, computed={"made": after.reach})
 

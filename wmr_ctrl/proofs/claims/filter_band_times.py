@@ -105,10 +105,8 @@ def fading(mutation: Mutation) -> Statement:
     known = Fading(s.reach, s.past, s.held)
     after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
     stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
-    given = (
-        *stays, *nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time),
-        *nonnegative(s.r, s.p, s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p),
-    )  # fmt: skip
+    signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time, s.r, s.p)
+    given = (*stays, *signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p))
     left = came * s.p + (1 - came) * s.r
     goals = (at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g))
     return Statement(s, goals, given)

@@ -244,10 +244,8 @@ def slew_step(mutation: Mutation) -> Statement:
     s = symbols("hi last wanted share sent own slew T", "slew T")
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
-    given = (
-        *_slow(s), above(s.slew), above(s.T), at_least(s.share),
-        at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share),
-    )  # fmt: skip
+    quick = at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share)
+    given = (*_slow(s), above(s.slew), above(s.T), at_least(s.share), *quick)
     goals = (*within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
     computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)

@@ -55,10 +55,8 @@ def forecast(mutation: Mutation, word: str, way: int) -> Statement:
     """
     a = ForceAxis()
     s, changed = a.symbols, a.forecast.changed(a.to, a.table)
-    given = (
-        *a.stated, at_least(bound_of(a.forecast, way), way * s.F),
-        *between(a.table.low[0], s.W, mutation(1, 1.1) * a.table.high[0]),
-    )  # fmt: skip
+    behind = between(a.table.low[0], s.W, mutation(1, 1.1) * a.table.high[0])
+    given = (*a.stated, at_least(bound_of(a.forecast, way), way * s.F), *behind)
     goal = at_least(bound_of(changed, way), way * (s.F + (s.to - s.u) * s.W))
     return Statement(s, (goal,), given)
 
@@ -78,10 +76,8 @@ def ramped_force(mutation: Mutation) -> Statement:
     inverse = force_band.inverse_force_slopes(a.table.low, a.table.high)
     rise, fall = force_band.force_steps(a.forecast, f, inverse)
     before, after = (_parts(item) for item in (a.forecast, a.forecast.changed(to, a.table)))
-    given = (
-        *a.stated, *(at_least(f, part) for part, _ in before),
-        at_least(u + mutation(1, 1.2) * rise, to), at_least(to, u - fall),
-    )  # fmt: skip
+    admitted = at_least(u + mutation(1, 1.2) * rise, to), at_least(to, u - fall)
+    given = (*a.stated, *(at_least(f, part) for part, _ in before), *admitted)
     return Statement(s, tuple(at_least(f, part) for part, _ in after), given)
 
 
@@ -125,10 +121,8 @@ def dragged(mutation: Mutation, word: str, way: int) -> Statement:
     force, speed = a.forecasts
     s, both = a.symbols, force_band.with_drag(force, speed, a.drag)
     bounds = [bound_of(f, way) for f in (force, speed, both)]
-    given = (
-        at_least(bounds[0], way * s.F), at_least(bounds[1] + way * s.u, way * s["v of v"]),
-        *between(0, s.friction, mutation(1, 1.1) * s.drag),
-    )  # fmt: skip
+    known = at_least(bounds[0], way * s.F), at_least(bounds[1] + way * s.u, way * s["v of v"])
+    given = (*known, *between(0, s.friction, mutation(1, 1.1) * s.drag))
     most = ca.fmax(bounds[0], bounds[2] + way * both.u)
     return Statement(s, (at_least(most, way * (s.F + s.friction * s["v of v"])),), given)
 
@@ -181,10 +175,9 @@ def ramped_drag(mutation: Mutation, way: int, behind: int, rises: bool) -> State
     inverse = force_band.inverse_force_slopes(low, high)
     rise, fall = force_band.force_steps(known, f, inverse, s.held)
     before = _bounds(known, way)[behind] + way * s.held
-    given = (
-        *positive(s.high, f), at_least(high[behind], low[behind]), at_least(f, before),
-        *between(0, change if rises else -change, mutation(1, 1.2) * (rise if rises else fall)),
-    )  # fmt: skip
+    size, most = (change, rise) if rises else (-change, fall)
+    stated = *positive(s.high, f), at_least(high[behind], low[behind]), at_least(f, before)
+    given = (*stated, *between(0, size, mutation(1, 1.2) * most))
     added = change * (high if (way > 0) == rises else low)[behind]
     return Statement(s, (at_least(f, before + way * added),), given)
 

@@ -133,10 +133,8 @@ def lined(mutation: Mutation, sign: int) -> Statement:
     rising = s.slope if sign > 0 else -s.slope
     low, high = ca.vertcat(0, rising), ca.vertcat(s.first, rising)
     inverse = force_band.inverse_force_slopes(low, high)[0 if sign > 0 else 1][1]
-    given = (
-        *_strong(s, 2 * STRONGEST), above(s.first), *within(s.slope, s.A),
-        *within(s.room, 16 * s.f), *_moved(s, s.line),
-    )  # fmt: skip
+    sizes = *within(s.slope, s.A), *within(s.room, 16 * s.f)
+    given = (*_strong(s, 2 * STRONGEST), above(s.first), *sizes, *_moved(s, s.line))
     most = ca.fmax(s.room, 0) + mutation(1, 2.0**-8) * LINED * s.f
     goals = (at_least(most, s.d * s.slope),)
     return Statement(s, goals, given, computed={"line": force_band.line(s.room, inverse)})

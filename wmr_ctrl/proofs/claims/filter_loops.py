@@ -57,10 +57,8 @@ def in_time(mutation: Mutation) -> Statement:
     most, came = graph.plan.oldest, graph.came
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
     since = named["since"]
-    given = (
-        at_least(since), equal(count.sym, ca.fmin(since, most)),
-        *nonnegative(came * (came - 1), came * (1 - came)),
-    )  # fmt: skip
+    either = nonnegative(came * (came - 1), came * (1 - came))
+    given = (at_least(since), equal(count.sym, ca.fmin(since, most)), *either)
     then = mutation(1, 2) * came * (since + 1)
     goals = (equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most))
     return Statement(named, goals, given, {"came": came})
@@ -95,10 +93,9 @@ def slew_sent(mutation: Mutation, axis: int) -> Statement:
     given = [*(above(slew[i]) for i in (0, 1)), above(clip.T), *inside(clip)]
     given += within(before.sym[axis], clip.limits[axis])
     b, u, sound = clip.channels[axis].bounds, clip.sent[axis], equal(clip.sound, 1)
-    goals = (
-        at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar),
-        *within(u - before.sym[axis], steps[axis]), *between(0, clip.time, clip.T),
-    )  # fmt: skip
+    inside_V = at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar)
+    slow = within(u - before.sym[axis], steps[axis])
+    goals = (inside_V, *slow, *between(0, clip.time, clip.T))
     return Statement(named, goals, (*given, sound), {"numbers are sound": clip.sound})
 
 

@@ -5,15 +5,13 @@ exponential within 2^-49 of its own.  V is the limit that the text aims at, the 
 2^-26: the speed stays within V (1 + 2^-28).
 """
 
-from typing import Any
-
 import casadi as ca
 
 from wmr_ctrl.filter import governor
 from wmr_ctrl.filter.channels import ROUNDING, Channel
 from wmr_ctrl.filter.governor import FirstOrder, drive, largest_command, relaxed
 from wmr_ctrl.filter.governor_step import contradiction
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.command_filter import INTERVALS, NUMBERS, sound
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -96,10 +94,8 @@ def carried_on(mutation: Mutation) -> Statement:
     return Statement(s, goals, given, computed={"next": made})
 
 
-WAYS: tuple[dict[str, Any], ...] = (
-    {"word": "rising", "sign": 1, "told": "target >= w", "goes": "most_as"},
-    {"word": "falling", "sign": -1, "told": "target <= w", "goes": "least_as"},
-)
+TOLD = "target >= w", "target <= w"
+WAYS = rows(sign=(1, -1), word=("rising", "falling"), told=TOLD, goes=("most_as", "least_as"))
 
 
 @claim(

@@ -13,7 +13,7 @@ import casadi as ca
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import above, at_least
+from wmr_ctrl.proofs.relation import Relation, above, at_least
 from wmr_ctrl.proofs.statement import Statement
 
 NUMBERS_FREE = (
@@ -193,10 +193,9 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """
     b, D = a.bounds, a.extra
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
-    given = (
-        *a.stated, *a.seen(way, D * a.late / b.M_min, *a.during()), at_least(D), a.withstands(D),
-        at_least(limit, a.start(way)), *a.ordered(way),
-    )  # fmt: skip
+    seen = a.seen(way, D * a.late / b.M_min, *a.during())
+    begins = at_least(D), a.withstands(D), at_least(limit, a.start(way))
+    given = (*a.stated, *seen, *begins, *a.ordered(way))
     return Statement(a.symbols, (at_least(limit, a.then(way, D)),), given, a.cuts)
 
 
@@ -234,9 +233,7 @@ def left(mutation: Mutation, a: GuardAxis) -> Statement:
 
     How the room is counted.
     """
-    goals = [
-        goal
-        for left, way in zip(a.left, (1, -1), strict=True)
-        for goal in a.lines(way, left, a.u1 - mutation(1, 1.01) * a.reached(way))
-    ]
+    goals = list[Relation]()
+    for left, way in zip(a.left, (1, -1), strict=True):
+        goals += a.lines(way, left, a.u1 - mutation(1, 1.01) * a.reached(way))
     return Statement(a.symbols, tuple(goals), (*a.sound(), *a.measured, *a.moving))

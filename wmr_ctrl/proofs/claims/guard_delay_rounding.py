@@ -193,11 +193,9 @@ def room(mutation: Mutation) -> Statement:
     both, off = _sum(a)
     extra = (WHEELS + READ + 32 + 20 * a.waits) * UNIT * a.reach
     counted = a.delay * (a["largest"] + a.net + a.more)
-    given = (
-        *a.stated, a.counts, *a.bounded, at_least(a.aim + off, both),
-        at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more),
-        at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back)),
-    )  # fmt: skip
+    more = at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more)
+    sums = at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back))
+    given = (*a.stated, a.counts, *a.bounded, at_least(a.aim + off, both), *more, sums)
     return Statement(a.symbols, (a.leaves(a.brakes),), given)
 
 
@@ -291,8 +289,7 @@ def together(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     lost = mutation(1, 2) * a.on_wheels
     end = a.arrived + a.t * ca.fmax(a.hat + a.net, 0) / a.mass
-    given = (
-        *a.stated, *a.during(), at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed),
-        at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most),
-    )  # fmt: skip
+    begins = at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed)
+    lies = at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most)
+    given = (*a.stated, *a.during(), *begins, *lies)
     return Statement(a.symbols, (at_least(a.u1, end),), given)

@@ -93,10 +93,8 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     exact = q.exact + time * ca.fmax(way * force + q.lost + q.net, 0)
     off = q.off + time * (q.lost + 2 * UNIT * ca.fabs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
-    given = (
-        *q.known("front", "rear", "off", "lost"),
-        at_least((1 + q.grown) * q[name] + q.off, q.exact),
-    )  # fmt: skip
+    before = at_least((1 + q.grown) * q[name] + q.off, q.exact)
+    given = (*q.known("front", "rear", "off", "lost"), before)
     goal = at_least(grown * q.ahead + off, exact)
     return Statement(q.symbols, (goal,), given, q.before, computed=computed)
 
@@ -117,11 +115,9 @@ def both(mutation: Mutation, axis: int) -> Statement:
     force, time = q.last
     most = q.counted + time * (q.most + q.net + 3 * UNIT * ca.fabs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
-    given = (
-        *q.known("front", "rear", "counted"),
-        *(at_least(q.most, size) for size in (ca.fabs(q.net), force, -force)),
-        at_least((1 + q.grown) * q.counted, q.front + q.rear),
-    )  # fmt: skip
+    sizes = (at_least(q.most, size) for size in (ca.fabs(q.net), force, -force))
+    before = at_least((1 + q.grown) * q.counted, q.front + q.rear)
+    given = (*q.known("front", "rear", "counted"), *sizes, before)
     computed = {"ahead": whole.ahead, "back": whole.back}
     goal = at_least(grown * most, q.ahead + q.back)
     return Statement(q.symbols, (goal,), given, q.before, computed=computed)

@@ -236,10 +236,8 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
         taken += instance(upper(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
     safe, chosen = a.force(ca.SX(0)), a.chosen
     within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
-    goals = (
-        at_least(a.hi, a.lo), at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe),
-        *(when(within, goal) for goal in stays(a, chosen)),
-    )  # fmt: skip
+    braked = at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe)
+    goals = (at_least(a.hi, a.lo), *braked, *(when(within, goal) for goal in stays(a, chosen)))
     ahead, back = a.left
     cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
     given = (*physical(a), above(feasible(a.bounds)), *taken)

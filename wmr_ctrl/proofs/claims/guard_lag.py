@@ -56,15 +56,11 @@ def varying_moved(mutation: Mutation) -> Statement:
     t = symbols("z p more_z more_p falls rises between")
     z, p, more_z, more_p, falls, rises, e = t.values()
     first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
-    goals = (
-        at_least(mutation(1, 0.99) * second, first),
-        *between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p)),
-    )  # fmt: skip
-    given = (
-        *nonnegative(z, p), at_least(more_z, z), at_least(more_p, p), *between(0, rises, e),
-        *between(e, falls, 1),
-    )  # fmt: skip
-    return Statement(t, goals, given)
+    rises_with = at_least(mutation(1, 0.99) * second, first)
+    lies = *between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p))
+    sizes = *nonnegative(z, p), at_least(more_z, z), at_least(more_p, p)
+    given = (*sizes, *between(0, rises, e), *between(e, falls, 1))
+    return Statement(t, (rises_with, *lies), given)
 
 
 @claim("guard.varying.integral", given="where every age counts in full; exponentials free", by=HARD)
@@ -111,10 +107,8 @@ def varying_more(mutation: Mutation) -> Statement:
     again = waiting(z, p, a.J, a.rise_J)
     after = moved(z, p, (a.falls, a.rises_by))
     b, more = a.slow, mutation(1, 0.99)
-    goals = (
-        at_least(more * (b + a.J) * most, b * z + again + a.rise * (most - after)),
-        at_least(b * most, b * z + a.rise_late * (most - z)), at_least(again),
-    )  # fmt: skip
+    last = at_least(more * (b + a.J) * most, b * z + again + a.rise * (most - after))
+    goals = last, at_least(b * most, b * z + a.rise_late * (most - z)), at_least(again)
     sizes = *positive(a.J), *between(0, z, most), at_least(most, p), *positive(most)
     return a.states(*goals, given=(*exponentials(a), *sizes))
 
@@ -152,10 +146,8 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     b, room, most = a.bounds, a.room, a.most
     z, after, again = a.lasts(1)
     lag, J = a.slow, a.J
-    goal = at_least(
-        b.M_min * a.sums.left(room, b),
-        mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha),
-    )
+    least = mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha)
+    goal = at_least(b.M_min * a.sums.left(room, b), least)
     given = (
         *between(0, z, most), *between(0, after, most), at_least(again),
         *positive(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
@@ -179,14 +171,10 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     b, t = a.bounds, symbols("room_ahead room_back core_ahead core_back brakes")
     rooms, cores = (t.room_ahead, t.room_back), (t.core_ahead, t.core_back)
     need = ca.fmax(t.brakes + a.net, 0) / b.alpha
-    lines = [
-        at_least(b.M_min * room, ca.fmin(core, a.most / b.alpha))
-        for room, core in zip(rooms, cores, strict=True)
-    ]
-    given = (
-        *lines, at_least(larger(*cores), need), at_least(a.most, need * b.alpha),
-        *positive(b.M_min, b.alpha),
-    )  # fmt: skip
+    pairs = zip(rooms, cores, strict=True)
+    lines = [at_least(b.M_min * room, ca.fmin(core, a.most / b.alpha)) for room, core in pairs]
+    needed = at_least(larger(*cores), need), at_least(a.most, need * b.alpha)
+    given = (*lines, *needed, *positive(b.M_min, b.alpha))
     goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
     return Statement(a.symbols | t, (goal,), given)
 
@@ -260,8 +248,7 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     goals = [
         at_least(limit, ca.if_else(p > 0, start + more / b.M_min, b.u1)) for more in (early, late)
     ]
-    given = (
-        *a.stated, *exponentials(a), at_least(D), a.withstands(D),
-        *a.lines(way, a("room_", way), b.u1 - a.arrived), *nonnegative(z, after, again),
-    )  # fmt: skip
+    lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
+    known = *a.stated, *exponentials(a), at_least(D), a.withstands(D)
+    given = (*known, *lines, *nonnegative(z, after, again))
     return Statement(a.symbols, tuple(goals), given, a.rooms)

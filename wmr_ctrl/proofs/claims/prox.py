@@ -202,12 +202,9 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
     E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
     pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
-    given = (
-        at_least((s.free.end - x_target) * (pull - rest)),
-        at_least(ca.fabs(t.w), ca.fabs(carried - x_followed)),
-        at_least(ca.fabs(target - followed), ca.fabs(x_target - x_followed)),
-    )
-    way = ca.fabs(target - followed)
+    way, monotone = ca.fabs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
+    nearer = at_least(ca.fabs(t.w), ca.fabs(carried - x_followed))
+    given = (monotone, nearer, at_least(way, ca.fabs(x_target - x_followed)))
     most = E * (ca.fabs(t.w) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
     return s.states((at_least(most, ca.fabs(s.end - x_target)),), given, names, t)
@@ -247,7 +244,7 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
     s = Step(smooth)
     E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
     plain = E * s.free.carried + (1 - E) * target
-    given = (*(at_least(u2, way * plain) for way in (1, -1)), above(1e100, u2))
+    given = (at_least(u2, plain), at_least(u2, -plain), above(1e100, u2))
     return s.states((equal(s.end, mutation * plain),), given, ("carried",))
 
 
@@ -268,10 +265,8 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     u1, C = s.limits[0], t.C
     most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
     reached = ca.fabs(s.argument) <= most
-    given = (
-        at_least(u1, ca.fabs(s.free.carried)), at_least(C, ca.fabs(s.inputs.target)),
-        when(reached, at_least(u1 - t.m, ca.fabs(s.free.end))),
-    )  # fmt: skip
+    short = when(reached, at_least(u1 - t.m, ca.fabs(s.free.end)))
+    given = (at_least(u1, ca.fabs(s.free.carried)), at_least(C, ca.fabs(s.inputs.target)), short)
     return s.states((at_least(u1 - t.m, ca.fabs(s.end)),), given, ("carried", "end"), t)
 
 

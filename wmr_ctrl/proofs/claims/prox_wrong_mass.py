@@ -83,10 +83,8 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("mu a w")
     share, q = -s.free.fall, s.period * s.f_old / s.mass
     asked = s.mass * (-t.a * t.w) / s.period + s.f_old
-    given = (
-        equal(s.applied - s.observer_cuts["drag"], asked),
-        equal(s.mass * (s.v - s.old), t.mu * s.period * asked),
-    )
+    moved = equal(s.mass * (s.v - s.old), t.mu * s.period * asked)
+    given = equal(s.applied - s.observer_cuts["drag"], asked), moved
     left = (1 - share * t.mu) * q - mutation * share * t.a * (1 - t.mu) * t.w
     goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
     return s.states(goal, given=(*s.observed, *given), cuts=s.observer_cuts, more=t)

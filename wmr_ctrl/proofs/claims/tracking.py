@@ -162,8 +162,6 @@ def quarter_turn(mutation: Mutation) -> Statement:
     """
     t = symbols("e3 share x")
     angle, share, x = t.values()
-    given = (
-        at_least(x), above(ca.fabs(angle), 2 * x), above(11 * share, 7),
-        at_least(ca.fabs(ca.sin(angle)), share * ca.fabs(angle)),
-    )  # fmt: skip
-    return Statement(t, (above(ca.fabs(ca.sin(angle)), mutation(1, 2) * x),), given)
+    sine, size = ca.fabs(ca.sin(angle)), ca.fabs(angle)
+    given = (at_least(x), above(size, 2 * x), above(11 * share, 7), at_least(sine, share * size))
+    return Statement(t, (above(sine, mutation(1, 2) * x),), given)

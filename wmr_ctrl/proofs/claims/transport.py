@@ -95,11 +95,9 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     def cost(y: ca.SX, target: ca.SX) -> ca.SX:
         return 0.5 * (y - target) ** 2 + pull(y, u1, u2)
 
-    given = (
-        above(u2), above(u1, u2), *(above(u1, ca.fabs(y)) for y in (v, x, x_next)),
-        at_least(cost(x_next, c), cost(x, c) + 0.5 * shift**2),
-        at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2),
-    )  # fmt: skip
+    inside = above(u2), above(u1, u2), *(above(u1, ca.fabs(y)) for y in (v, x, x_next))
+    least = at_least(cost(x_next, c), cost(x, c) + 0.5 * shift**2)
+    given = (*inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2))
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
     nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
@@ -173,11 +171,9 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     free = Symbols({name: g.free[name] for name in ("x", "x_next", "level", "excess")})
     v, c, c_next, u1, u2 = t.values()
     ahead = v + c_next - c
-    given = (
-        above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead)),
-        equal(free.x, c), equal(free.x_next, c_next),
-        equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess),
-    )  # fmt: skip
+    inside = above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead))
+    values = equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess)
+    given = (*inside, equal(free.x, c), equal(free.x_next, c_next), *values)
     cuts = {name: g.cuts[name] for name in free}
     return Statement(t | free, (equal(g.end, mutation * ahead),), given, cuts)
 

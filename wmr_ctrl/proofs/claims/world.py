@@ -168,6 +168,11 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     return g.states(*goals, given=(*sides, *given), cuts=cuts, more=turn)
 
 
+def _shares(g: EffectGraph) -> tuple[Relation, ...]:
+    """1 + radius_i and 1 + track are positive."""
+    return positive(*(1 + g[f"wheels.{name}"] for name in ("radius[1]", "radius[2]", "track")))
+
+
 @claim(
     "world.wheels.misread-{name}",
     given=INSIDE,
@@ -192,11 +197,9 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     counted = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
     most = g.bound("nbar")[axis] - counted
     off = shown - (t.v if axis == 0 else t.omega)
-    given = (
-        *g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control"),
-        *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
-        *within(ca.vertcat(*t.values()), limits), *positive(limits[0], limits[1]),
-    )  # fmt: skip
+    sizes = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control")
+    inside = *within(ca.vertcat(*t.values()), limits), *positive(limits[0], limits[1])
+    given = (*sizes, *_shares(g), *inside)
     return g.states(*within(off, most * mutation(1, 0.9)), given=given, more=t)
 
 
@@ -220,9 +223,6 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
     believed = (g["robot.r"], g["robot.l"])
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
     bound = g.bound("dbar")[axis]
-    given = (
-        *g.above_zero("robot.r", "robot.l"),
-        *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
-        *within(told, most + 0.5 * g["motor.step"]),
-    )
+    sizes = within(told, most + 0.5 * g["motor.step"])
+    given = (*g.above_zero("robot.r", "robot.l"), *_shares(g), *sizes)
     return g.states(*within(made - meant, bound * mutation(1, 0.9)), given=given)
