@@ -62,8 +62,6 @@ __all__ = [
     "tune",
     "write_page",
 ]
-
-
 _HOMES = {
     "RecordedDrive": "results.drive", "command_filter": "filter", "compare": "results.compare",
     "identify": "identification", "load_drive": "results.bag_topics", "tune": "tuning",
@@ -82,5 +80,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Every public name, loaded or not."""
     return sorted({*globals(), *__all__})

@@ -8,7 +8,6 @@ from wmr_ctrl.scenario import Scenario
 
 Progress: TypeAlias = Callable[[float], None]
 """Called with the share that is done, 0 to 1."""
-
 Overrides: TypeAlias = Mapping[str, object]
 """Values of a scenario's fields by key path, such as ``{"clock.control": 0.02}``."""
 

@@ -12,6 +12,7 @@ HOMES = {
     "save_run": "wmr_ctrl.results.formats",
     "draw_linear": "wmr_ctrl.report.linear_figures",
     "plot_run": "wmr_ctrl.report.plot_run",
+    "plot_runs": "wmr_ctrl.report.plot_runs",
     "plot_drives": "wmr_ctrl.report.plot_runs",
     "animate_runs": "wmr_ctrl.report.animate",
     "animate_drives": "wmr_ctrl.report.animate",

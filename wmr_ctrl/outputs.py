@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 SCENARIO = "paper-simulation"
 """The scenario where none is named."""
-
 _WRITERS = {
     "ssp": ("wmr_ctrl.fmi.ssp", "export_ssp"),
     "modelica": ("wmr_ctrl.modelica", "export_modelica"),

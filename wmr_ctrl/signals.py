@@ -47,7 +47,6 @@ def places(signals: Iterable[Signal]) -> dict[str, slice]:
 LARGEST = 1e12
 """Largest size of any input or parameter, in the SI unit of each: up to here every law's
 force and memory stay finite.  Stands for `unlimited` too."""
-
 TIME = Signal("t", "s", "time")
 
 PLANT_STATE = (
@@ -79,7 +78,6 @@ TRAVEL = Signal("travel", "m, rad", "way and turn since the previous sample", 2)
 PATH = Signal("path", "m", "way since the start, backwards counted negative")
 SKID = Signal("skid", "rad", "turn since the start by the wheels' rolling, less the body's")
 """Zero on a plant whose wheels only roll."""
-
 REFERENCE = (
     Signal("x_d", "m", "desired position along X"),
     Signal("y_d", "m", "desired position along Y"),
@@ -134,7 +132,6 @@ DIAGNOSTICS = (
         "margin", "1", "distance to the velocity limit as measured, min over axes of 1 - |v|/v_u1"
     ),
 )
-
 GUARD_DIAGNOSTICS = (
     Signal("clip_active", "1", "1 where the guard changed the force, else 0", 2),
     Signal(
@@ -153,15 +150,6 @@ TIP_MARGIN = Signal(
 )
 RIGID = (WHEEL_SPEED, SLIP, TILT, TIP_MARGIN)
 """Columns of a rigid body's log after those that every plant has."""
-
-LOG_HEAD = (
-    TIME,
-    *PLANT_STATE,
-    PSI,
-    *REFERENCE,
-    *TORQUE,
-    *TORQUE_NOISE,
-    TRACKING_ERROR,
-    *DIAGNOSTICS,
-)
+MOTION = (TIME, *PLANT_STATE, PSI, *REFERENCE)
+LOG_HEAD = (*MOTION, *TORQUE, *TORQUE_NOISE, TRACKING_ERROR, *DIAGNOSTICS)
 """The columns that every logged run has, in order; a law's own diagnostics follow."""

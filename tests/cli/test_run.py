@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from importlib import import_module
 
 import pytest
 
 from wmr_ctrl.checks import grip_warnings, warnings_for
+from wmr_ctrl.cli import options
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import MissingExtraError
 from wmr_ctrl.report import animate, drawing
 from wmr_ctrl.results import load_run, summary
 from wmr_ctrl.scenario import load_scenario
-
-module = import_module("wmr_ctrl.cli.runs")
 
 KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "watched_every", "outcome", "ise",
         "position_rms", "position_max", "tracking", "tracked", "arrival", "guard_share",
@@ -168,8 +166,8 @@ def test_pictures_are_drawn_after_the_run(short_run, tmp_path):
 
 
 def test_suffixes_are_those_of_plots_and_animations():
-    assert module.PLOTS == drawing.PICTURES
-    assert module.ANIMATIONS == animate.SUFFIXES
+    assert options.PLOTS == drawing.PICTURES
+    assert options.ANIMATIONS == animate.SUFFIXES
 
 
 def test_missing_film_maker_is_told_before_the_run(short_run, monkeypatch, tmp_path):

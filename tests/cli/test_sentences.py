@@ -168,9 +168,9 @@ def test_stable_periods_are_in_milliseconds(shortest: float, period: float, cell
 
 
 def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(check, "warnings_for", lambda _: (ONE,))
-    monkeypatch.setattr(check, "grip_warnings", lambda _: (OTHER,))
-    monkeypatch.setattr(check, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
+    monkeypatch.setattr(checks, "warnings_for", lambda _: (ONE,))
+    monkeypatch.setattr(checks, "grip_warnings", lambda _: (OTHER,))
+    monkeypatch.setattr(checks, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
     monkeypatch.setattr(check, "_runs", lambda *_: {})
     found = check.find_answers(Scenario(), ("pid",), (), None)
 

@@ -18,10 +18,8 @@ SCENARIO = "paper-simulation"
 OUR_LAWS = ("pid", "smc", "mb", "nn", "prox", "kanayama")
 HELD_OUT = (300, 301, 302)
 """Seeds that no gain and no bound was chosen with."""
-
 BASES = MappingProxyType({"10 ms": 0.01, "100 ms": 0.1})
 """Control periods of the two base cases [s]."""
-
 BASE, FAR_START, OUTSIDE, PUSHED = "base", "far start", "start outside", "adversary"
 """Factors that the report speaks of by name."""
 

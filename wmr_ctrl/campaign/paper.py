@@ -10,19 +10,14 @@ from wmr_ctrl.results.windows import WINDOWS, named
 
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
 """The four laws of the paper's Sections V and VI, in its order."""
-
 BARRIER_LAWS = ("mb", "nn")
 """The laws that Theorems 1 and 2 are about."""
-
 QUICK_SEEDS = 3
 """Seeds of a campaign that is only to be seen working."""
-
 FEW = 5
 """Seeds of a study whose result hardly depends on the noise."""
-
 IDEAL = "paper-simulation-nominal"
 """Neither noise nor a change, and a model that is exact: what Theorems 1 and 2 assume."""
-
 FARTHER: Overrides = MappingProxyType({"initial.pose": [-20.0, 10.0, 2.0]})
 _STARTS: Mapping[str, tuple[str, Overrides]] = MappingProxyType(
     {
@@ -48,7 +43,6 @@ def _as_stated(name: str, start: str, overrides: Overrides) -> Study:
 
 AS_STATED = tuple(_STARTS)
 """Names of the studies that come as near to the theorems' hypotheses as a simulation can."""
-
 STUDIES = (
     Study("paper-simulation"),
     Study("paper-simulation-no-switch"),

@@ -20,7 +20,6 @@ from wmr_ctrl.results.windows import BEFORE, LATE, named
 
 RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
 """Seeds with which nothing about the body was chosen."""
-
 _LIMIT: Overrides = MappingProxyType({"actuator.tau_max": 10.0})
 _STEEP = math.radians(5.0)
 _SLOPE: Mapping[str, Overrides] = {
@@ -30,10 +29,8 @@ _SLOPE: Mapping[str, Overrides] = {
 
 AS_PRINTED, LIMITED = "no torque limit, as printed", "torque limit 10 N m"
 ENCODERS = "encoders of 4096 counts, no torque limit"
-GUARDED, SLOPED = (
-    "guard with alpha = 5/s, no torque limit",
-    "slope of 5 degrees, torque limit 10 N m",
-)
+GUARDED = "guard with alpha = 5/s, no torque limit"
+SLOPED = "slope of 5 degrees, torque limit 10 N m"
 STEPS = {h: f"plant step of {1e3 * h:g} ms, torque limit 10 N m" for h in (5e-4, 2e-3)}
 OURS_TOO = ("mb", "nn", "prox")
 
@@ -174,7 +171,6 @@ def _stays_up(text: str, case: str) -> _Expected:
 
 
 def _late_e1(rows: RunTable, _: RunTable) -> Floats:
-    """Late e1 [mm]."""
     return 1e3 * rows[E1]
 
 

@@ -36,12 +36,10 @@ QUIET = {
 """Half of Dask's own work in a process that only computes."""
 RETRIES = 3
 """Times that a chunk is sent again after its worker was lost."""
-
 Facts = Mapping[str, str]
 Columns: TypeAlias = dict[str, np.ndarray]
 P = ParamSpec("P")
 T = TypeVar("T")
-
 MOST_LOOPS = 16
 """Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 

@@ -189,7 +189,6 @@ def _source(given: object, folder: Path) -> str | Scenario:
 
 
 def _seeds(given: object) -> Seeds:
-    """Seeds from a number or a table."""
     if isinstance(given, Mapping):
         return build(Seeds, given)
     return Seeds(count=dict(quantities(Seeds))["count"].clean(given, "seeds"))

@@ -24,10 +24,8 @@ from wmr_ctrl.sim.batch import check_jobs
 
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""
-
 GPU_CHUNK = 2**17
 """Least runs between two writes with a graphics processor: fewer would not fill it."""
-
 MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 """Outcome and figures of a chunk's runs on so many threads; what executors run."""
 
@@ -159,11 +157,8 @@ def run_study(
             done, begin = done + runs, end
             if rule is not None and end < plan.seeds:
                 _collect(folder, paths, rule.figure, values)
-                cells = [
-                    cell
-                    for cell in cells
-                    if not rule.reached(np.array(values[cell]), len(counts), cell)
-                ]
+                enough = {c for c in cells if rule.reached(np.array(values[c]), len(counts), c)}
+                cells = [cell for cell in cells if cell not in enough]
                 if not cells:
                     break
         table, refused = folder.write_table(looks), folder.refusals(looks)

@@ -238,7 +238,6 @@ def write_columns(folder: str | Path) -> Path:
 
 
 def _kinds(folder: Path) -> dict[str, str]:
-    """Type of each column of the table."""
     try:
         plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
         with (folder / "table.csv").open(newline="", encoding="utf-8") as file:

@@ -7,16 +7,7 @@ from math import inf
 from operator import attrgetter
 from typing import NamedTuple
 
-from wmr_ctrl import api
-from wmr_ctrl.checks import (
-    Stability,
-    Warning,
-    filter_facts,
-    grip_warnings,
-    reference_torque,
-    stability,
-    warnings_for,
-)
+from wmr_ctrl import api, checks
 from wmr_ctrl.checks.outlook import IN_PART, CheckVerdict, verdict
 from wmr_ctrl.checks.surroundings import lost_samples, rounded_effects
 from wmr_ctrl.checks.torques import GRIP
@@ -56,8 +47,8 @@ class Answers:
     scenario: Scenario
     setup: Setup
     taken: Sequence[InheritedValue]
-    warned: Mapping[str, Sequence[Warning]]
-    stable: Mapping[str, Stability]
+    warned: Mapping[str, Sequence[checks.Warning]]
+    stable: Mapping[str, checks.Stability]
     tubes: Mapping[str, Corridor]
     runs: Mapping[str, Run]
 
@@ -76,10 +67,10 @@ def find_answers(
         for count, (law, setup) in enumerate(setups.items()):
             progress(count / len(laws))
             tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
-            tyres = (replace(item, objects=False) for item in grip_warnings(setup))
-            warned[law] = () if bare else (*warnings_for(setup), *tyres)
+            tyres = (replace(item, objects=False) for item in checks.grip_warnings(setup))
+            warned[law] = () if bare else (*checks.warnings_for(setup), *tyres)
             if not bare:
-                stable[law] = stability(case, law)
+                stable[law] = checks.stability(case, law)
         runs = {} if only in UNRUN else _runs(case, laws, progress)
     return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
 
@@ -113,7 +104,7 @@ def _short(scenario: Scenario) -> Scenario:
 def document(answers: Answers) -> dict[str, object]:
     """The answers as ``--json`` prints them."""
     case, stable, runs = answers.scenario, answers.stable, answers.runs
-    filtering = filter_facts(answers.setup)
+    filtering = checks.filter_facts(answers.setup)
     shares = ("guard_share", "filter_share")
     shown = ("position_rms", "tracking", "tracked", "arrival", *shares, "outcome", "remarks")
     figures = {law: summary(run) for law, run in runs.items()}
@@ -124,7 +115,7 @@ def document(answers: Answers) -> dict[str, object]:
     return {
         "scenario": case.name,
         "valid": True,
-        "grip": {**asdict(grip(case)), "reference": reference_torque(case)},
+        "grip": {**asdict(grip(case)), "reference": checks.reference_torque(case)},
         "warnings": warnings,
         "inherited": {item.key: item.value for item in answers.taken},
         "nominal_duration": {law: run.settings.duration for law, run in runs.items()},
@@ -149,7 +140,7 @@ def document(answers: Answers) -> dict[str, object]:
     }
 
 
-def _merged(answers: Answers) -> Iterator[tuple[str | None, Warning]]:
+def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
     """Every warning once, with its law: None where it concerns all of several."""
     first, *others = answers.warned.values()
     shared = [item for item in first if others and all(item in each for each in others)]
@@ -188,11 +179,8 @@ def law_table(answers: Answers) -> Iterator[str]:
         FINDINGS: "objections by key; in brackets notes, which need no change",
     }
     columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)
-    shown = {
-        name: cells
-        for name, cells in zip(about, columns, strict=True)
-        if set(cells) != {NONE} or name == FINDINGS
-    }
+    named = dict(zip(about, columns, strict=True))
+    shown = {name: cells for name, cells in named.items() if {*cells} != {NONE} or name == FINDINGS}
     yield table(zip(*shown.values(), strict=True), tuple(shown))
     yield ""
     for name in filter(about.get, shown):
@@ -248,10 +236,8 @@ def findings(answers: Answers) -> Iterator[Note]:
     if answers.taken:
         yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))
     ignored = lost_samples(answers.scenario), rounded_effects(answers.scenario)
-    warnings = [
-        Note(law, item.key, f"{'' if item.objects else 'note: '}{item}")
-        for law, item in _merged(answers)
-    ]
+    told = ((law, item, "" if item.objects else "note: ") for law, item in _merged(answers))
+    warnings = [Note(law, item.key, f"{head}{item}") for law, item, head in told]
     yield from (item for item in warnings if item.law is None)
     for law, tube in answers.tubes.items():
         if law in answers.stable:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, say, table, wrapped
-from wmr_ctrl.cli.runs import RUNS, animate_option, check_outputs, plot_option
+from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, table, wrapped, write_file
+from wmr_ctrl.cli.runs import animate_option, plot_option
 from wmr_ctrl.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -84,7 +84,6 @@ def compare(
     own ROS 2 bag may take the place of a run; then only the columns that a bag can have are
     compared: pose, velocities, commands, torques and wheels.
     """
-    check_outputs(plot=plot, animate=animate)
     if laws:
         runs = dict(zip(laws, _simulated(sources, laws, seed, assignments, guard), strict=True))
     else:
@@ -98,7 +97,8 @@ def compare(
             if not compare_sources(loaded, tolerance, plot, animate, as_json):
                 ctx.exit(DIFFERENCE)
             return
-    _draw(runs, plot, animate)
+    write_file(plot, "plot_runs", [*runs.values()])
+    write_file(animate, "animate_runs", [*runs.values()], "animation")
     pair = None if laws or len(runs) > 2 else _difference(runs, tolerance)
     if not as_json:
         click.echo(comparison_text(runs) if pair is None else f"{pair}\n\n{comparison_text(runs)}")
@@ -141,7 +141,7 @@ def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run 
     from wmr_ctrl.results.bag import is_bag
     from wmr_ctrl.results.bag_topics import load_source
 
-    if len(sources) == 1 and (Path(sources[0]).suffix.lower() in RUNS or is_bag(sources[0])):
+    if len(sources) == 1 and (Path(sources[0]).suffix.lower() in opt.RUNS or is_bag(sources[0])):
         raise click.UsageError("Missing argument 'RUN_B': give two or more saved runs to compare.")
     if len(sources) < 2:
         raise click.UsageError(
@@ -153,21 +153,6 @@ def _loaded(sources: Sequence[str], topics: Mapping[str, str]) -> dict[str, Run 
         name = source if source not in runs else f"{source} ({len(runs) + 1})"
         runs[name] = load_source(source, topics if is_bag(source) else None)
     return runs
-
-
-def _draw(runs: dict[str, Run], plot: str | None, animate: str | None) -> None:
-    chosen = list(runs.values())
-    if plot:
-        from wmr_ctrl.report.plot_runs import plot_runs
-
-        plot_runs(chosen, plot)
-        say("wrote", plot)
-    if animate:
-        from wmr_ctrl.report.animate import animate_runs
-
-        with Progress("animation") as progress:
-            animate_runs(chosen, animate, progress)
-        say("wrote", animate)
 
 
 def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
@@ -206,10 +191,8 @@ def _row(name: str, run: Run) -> tuple[str, ...]:
     from wmr_ctrl.results.figures import FIGURES, values_of
 
     values: dict[str, Any] = values_of(run, [FIGURES[figure] for figure, _ in COLUMNS])
-    cells = [
-        "-" if values[figure] is None else _shown(factor * values[figure])
-        for figure, factor in COLUMNS
-    ]
+    known = ((factor, values[figure]) for figure, factor in COLUMNS)
+    cells = ("-" if value is None else _shown(factor * value) for factor, value in known)
     return (name, *cells, run.outcome.value)
 
 

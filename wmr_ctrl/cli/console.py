@@ -18,6 +18,7 @@ from typing import Any, Self
 import click
 
 from wmr_ctrl.errors import WmrError
+from wmr_ctrl.late_bound import late_bound
 
 DIFFERENCE, WRONG_INPUT, FMU_FAILED, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 3, 70, 130, 141
 """Exit codes."""
@@ -88,6 +89,21 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
         console.print(grid)
     lines = (line.rstrip() for line in capture.get().splitlines())
     return textwrap.dedent("\n".join(lines)).strip("\n")
+
+
+def write_file(path: str | None, function: str, content: object, text: str = "") -> None:
+    """Write a file, where one is named, by a function of `late_bound`.
+
+    ``text``: what the progress of a long one is called.
+    """
+    if not path:
+        return
+    if text:
+        with Progress(text) as progress:
+            late_bound(function)(content, path, progress)
+    else:
+        late_bound(function)(content, path)
+    say("wrote", path)
 
 
 @contextmanager
@@ -174,13 +190,11 @@ class Progress:
         self._total, self._count = 1, 0
 
     def __enter__(self) -> Self:
-        """Begin to show."""
         self._display = Bar() if sys.stderr.isatty() else Lines()
         self._display.phase(self._text, self._measured)
         return self
 
     def __exit__(self, *_error: object) -> None:
-        """Clear the bar, also after an error."""
         self._display.close()
 
     def __call__(self, share: float) -> None:

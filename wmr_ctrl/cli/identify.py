@@ -6,16 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
-from wmr_ctrl.cli.options import (
-    check_output,
-    debug_option,
-    examples,
-    json_option,
-    roles,
-    set_option,
-    topics_option,
-)
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification
@@ -23,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.command(
     short_help="Identify a robot from a log, with intervals.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl identify run.npz --out mine.toml",
         "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
         "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
@@ -39,23 +31,21 @@ if TYPE_CHECKING:
     show_default=True,
     help="What the base takes as commands: wheel torques, or (v, omega).",
 )
-@click.option("--out", metavar="FILE", help="Scenario to write, with the results: .toml.")
+@opt.new_file("--out", "Scenario to write, with the results", ".toml")
 @click.option(
     "--robot", metavar="S", help="Scenario with known values: wheels, counts, limits, gains."
 )
-@set_option
-@topics_option
+@opt.set_option
+@opt.topics_option
 @click.option(
     "--torque-constant",
     type=float,
     metavar="K",
     help="Torque at a wheel per ampere [N.m/A], for current_right [A] and current_left [A].",
 )
-@click.option("--plot", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
-@click.option("--report", metavar="FILE", help="Write a report with all results: .html.")
-@click.option(
-    "--propose", metavar="FILE", help="Write a more informative drive, as t, v, omega: .csv."
-)
+@opt.new_file("--plot", "Draw the fit", *opt.PLOTS)
+@opt.new_file("--report", "Write a report with all results", ".html")
+@opt.new_file("--propose", "Write a more informative drive, as t, v, omega", ".csv")
 @click.option(
     "--floor",
     default=4.0,
@@ -63,8 +53,8 @@ if TYPE_CHECKING:
     show_default=True,
     help="Width [m] of the area that --propose may use, with the start in the middle.",
 )
-@json_option("Print parameters, bounds, remarks and score as one JSON document.")
-@debug_option
+@opt.json_option("Print parameters, bounds, remarks and score as one JSON document.")
+@opt.debug_option
 def identify(
     log: str,
     base: str,
@@ -92,10 +82,6 @@ def identify(
     "determined", "roughly" or "undetermined". The scenario written by --out is for check, run, tune
     and codegen, and has the numbers for a guard. A faulty log ends with a message and exit code 2.
     """
-    check_output(out, (".toml",), "--out")
-    check_output(plot, (".png", ".svg", ".pdf"), "--plot")
-    check_output(report, (".html",), "--report")
-    check_output(propose, (".csv",), "--propose")
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.scenario import parse_assignments
@@ -106,7 +92,7 @@ def identify(
             base=base,
             known=robot,
             overrides=parse_assignments(assignments),
-            topics=roles(topics),
+            topics=opt.roles(topics),
             torque_constant=torque_constant,
             progress=progress,
         )
@@ -137,7 +123,6 @@ def identify(
 
 
 def _text(result: BaseIdentification) -> str:
-    """Parameters, the guard's numbers and the score."""
     from wmr_ctrl.identification.bounds import UNITS
 
     rows = [
@@ -153,32 +138,23 @@ def _text(result: BaseIdentification) -> str:
     if stretches:
         text = f"seconds with half of the information on each: {', '.join(stretches)}"
         lines += [wrapped(text, hang="  "), ""]
-    limited = result.bounds.section
+    limited, score = result.bounds.section, result.score
     for name, (value, _) in result.bounds.pairs().items():
         label = "peak gain" if name == "peak_gain" else f"{limited}.{name}"
         lines.append(f"{label} = [{value[0]:.4g}, {value[1]:.4g}]")
-    lines.append(
-        wrapped(f"{'dbar' if limited == 'guard' else 'd'}: {result.bounds.sentence}.", hang="  ")
-    )
-    ahead, around = result.score.foretold
-    held = result.score.constant_velocity
-    lines.append(
-        wrapped(
-            "the last third, predicted "
-            f"{'over 1 s each' if limited == 'guard' else 'from commands'} by a fit of the rest: "
-            f"{100 * ahead:.1f} % of v1's variance and {100 * around:.1f} % of omega's "
-            f"(by a constant velocity {100 * held[0]:.1f} and {100 * held[1]:.1f} %)",
-            hang="  ",
+    bound, how = ("dbar", "over 1 s each") if limited == "guard" else ("d", "from commands")
+    ahead, around = score.foretold
+    held = score.constant_velocity
+    texts = [
+        f"{bound}: {result.bounds.sentence}.",
+        f"the last third, predicted {how} by a fit of the rest: {100 * ahead:.1f} % of v1's "
+        f"variance and {100 * around:.1f} % of omega's (by a constant velocity "
+        f"{100 * held[0]:.1f} and {100 * held[1]:.1f} %)",
+    ]
+    if score.usable_speed is not None and score.one_newton_more is not None:
+        texts.append(
+            f"usable speed with these numbers: {score.usable_speed:.3g} m/s; one newton more of "
+            f"dbar costs {1e3 * score.one_newton_more:.2g} mm/s"
         )
-    )
-    if result.score.usable_speed is not None and result.score.one_newton_more is not None:
-        now, more = result.score.usable_speed, result.score.one_newton_more
-        lines.append(
-            wrapped(
-                f"usable speed with these numbers: {now:.3g} m/s; one newton more of dbar costs "
-                f"{1e3 * more:.2g} mm/s",
-                hang="  ",
-            )
-        )
-    lines += [wrapped(f"- {text}", hang="  ") for text in result.remarks]
-    return "\n".join(lines)
+    texts += (f"- {text}" for text in result.remarks)
+    return "\n".join((*lines, *(wrapped(text, hang="  ") for text in texts)))

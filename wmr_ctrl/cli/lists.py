@@ -61,7 +61,6 @@ def laws(as_json: bool) -> None:
 
 
 def _list(rows: list[dict[str, str]], as_json: bool) -> None:
-    """Print names and titles."""
     if as_json:
         print_json(rows)
     else:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 SCENARIO = "paper-simulation"
 F = TypeVar("F", bound=Callable[..., object])
+RUNS = (".npz", ".csv", ".parquet", ".mcap")
+PLOTS, ANIMATIONS = (".png", ".svg", ".pdf"), (".gif", ".mp4", ".html")
 FILE_SUFFIXES = (
     ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", ".csv", ".npz", ".parquet", ".mcap",
     ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
@@ -139,6 +141,26 @@ def roles(topics: str | None) -> dict[str, str]:
     return {role.strip(): name.strip() for role, _, name in pairs}
 
 
+def new_file(name: str, text: str, *suffixes: str, required: bool = False) -> Callable[[F], F]:
+    """The option for a file to be written, which is checked before anything is computed."""
+    *others, last = suffixes
+    known = f"{', '.join(others)} or {last}" if others else last
+    return click.option(
+        name, metavar="FILE", required=required, callback=ending(*suffixes),
+        help=f"{text}: {known}.",
+    )  # fmt: skip
+
+
+def ending(*suffixes: str) -> Callable[[click.Context, click.Parameter, str | None], str | None]:
+    """A callback that checks the file of an option by `check_output`."""
+
+    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
+        check_output(path, suffixes, option.opts[0])
+        return path
+
+    return checked
+
+
 def json_option(text: str = "Print one JSON document instead.") -> Callable[[F], F]:
     """The option ``--json`` with its own help text."""
     return click.option("--json", "as_json", is_flag=True, help=text)
@@ -175,16 +197,25 @@ def note_idle(
 
 
 def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None:
-    """Raise, before anything is computed, where a file cannot be written or has another suffix."""
+    """Raise where a file cannot be written, has another suffix, or its format lacks a package."""
     from wmr_ctrl.results import check_writable
 
     if path is None:
         return
-    if Path(path).suffix.lower() not in suffixes:
+    suffix = Path(path).suffix.lower()
+    if suffix not in suffixes:
         raise ArgumentError(
             f"{option} {path!r} must end in {' or '.join(suffixes)}: the suffix chooses the format."
         )
     check_writable(path)
+    if suffix in RUNS:
+        from wmr_ctrl.results.formats import check_format
+
+        check_format(path)
+    if suffix == ".mp4":
+        from wmr_ctrl.report.animate import find_ffmpeg
+
+        find_ffmpeg()
 
 
 def check_folder(path: str, option: str) -> None:

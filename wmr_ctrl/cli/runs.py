@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Unpack
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import FMU_FAILED, Progress, print_json, say
+from wmr_ctrl.cli.console import FMU_FAILED, Progress, print_json, say, write_file
 from wmr_ctrl.errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -15,16 +15,9 @@ if TYPE_CHECKING:
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
 
-RUNS = (".npz", ".csv", ".parquet", ".mcap")
-PLOTS = (".png", ".svg", ".pdf")
-ANIMATIONS = (".gif", ".mp4", ".html")
-save_option = click.option(
-    "--out", metavar="FILE", help="Save the run: .npz, .csv, .parquet or .mcap."
-)
-plot_option = click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
-animate_option = click.option(
-    "--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html."
-)
+save_option = opt.new_file("--out", "Save the run", *opt.RUNS)
+plot_option = opt.new_file("--plot", "Draw the run", *opt.PLOTS)
+animate_option = opt.new_file("--animate", "Film the robot on its path", *opt.ANIMATIONS)
 film_option = click.option(
     "--film", metavar="FILE", help="Film the rigid body in 3-D (--plant mujoco): .mp4 or .gif."
 )
@@ -82,7 +75,6 @@ def run(
     any other: the exit code is 0, and the outcome says so. Existing result files are replaced once
     the new ones are complete.
     """
-    check_outputs(**files)
     if files["film"]:
         from wmr_ctrl.report.animate import check_film
 
@@ -107,6 +99,7 @@ def run(
 @click.option(
     "--out",
     metavar="FILE",
+    callback=opt.ending(*opt.RUNS),
     help="Save it as .npz, .csv, .parquet or .mcap; a robot's drive as .csv.",
 )
 @plot_option
@@ -126,7 +119,6 @@ def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None
     from wmr_ctrl.results.bag_topics import load_source
     from wmr_ctrl.results.drive import RecordedDrive
 
-    check_outputs(**files)
     saved = load_source(file, opt.roles(topics))
     if isinstance(saved, RecordedDrive):
         from wmr_ctrl.cli.summary import show_drive
@@ -135,26 +127,6 @@ def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None
         return
     write_run(saved, **files)
     show(saved, as_json)
-
-
-def check_outputs(
-    out: str | None = None,
-    plot: str | None = None,
-    animate: str | None = None,
-    film: str | None = None,
-) -> None:
-    """Raise, before anything is computed, where a file cannot be written; films check theirs."""
-    opt.check_output(out, RUNS, "--out")
-    if out:
-        from wmr_ctrl.results.formats import check_format
-
-        check_format(out)
-    opt.check_output(plot, PLOTS, "--plot")
-    opt.check_output(animate, ANIMATIONS, "--animate")
-    if animate and animate.lower().endswith(".mp4"):
-        from wmr_ctrl.report.animate import find_ffmpeg
-
-        find_ffmpeg()
 
 
 def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str) -> Run:
@@ -194,28 +166,10 @@ def write_run(
     film: str | None = None,
 ) -> None:
     """Save, draw and film a run, each where a file is named."""
-    if out:
-        from wmr_ctrl.results.formats import save_run
-
-        save_run(run, out)
-        say("wrote", out)
-    if plot:
-        from wmr_ctrl.report.plot_run import plot_run
-
-        plot_run(run, plot)
-        say("wrote", plot)
-    if animate:
-        from wmr_ctrl.report.animate import animate_runs
-
-        with Progress("animation") as progress:
-            animate_runs([run], animate, progress=progress)
-        say("wrote", animate)
-    if film:
-        from wmr_ctrl.outputs import film_run
-
-        with Progress("film") as progress:
-            film_run(run, film, progress)
-        say("wrote", film)
+    write_file(out, "save_run", run)
+    write_file(plot, "plot_run", run)
+    write_file(animate, "animate_runs", [run], "animation")
+    write_file(film, "film_run", run, "film")
 
 
 def show(run: Run, as_json: bool) -> None:
@@ -288,7 +242,6 @@ def cosim(
     """
     from wmr_ctrl import api
 
-    check_outputs(out, plot)
     case = opt.load(scenario, assignments, guard)
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress

@@ -138,7 +138,7 @@ class SeedRange(click.ParamType):
     metavar="NAME",
     help="Control law; see `wmr-ctrl laws`.",
 )
-@click.option("--out", required=True, metavar="FILE", help="Scenario with the gains found: .toml.")
+@opt.new_file("--out", "Scenario with the gains found", ".toml", required=True)
 @click.option(
     "--seeds", type=SeedRange(), default="1:4", metavar="A:B", help="Training seeds, A to B-1."
 )
@@ -203,7 +203,6 @@ def tune(
     and shows how they perform on test seeds and on references that were not used for training. An
     interrupted search continues when the command is repeated.
     """
-    opt.check_output(out, (".toml",), "--out")
     from wmr_ctrl import tuning
     from wmr_ctrl.tuning.search import trials_file
 
@@ -230,26 +229,20 @@ def tune(
         click.echo(_text(better))
 
 
-def _corridors(better: Tuning) -> list[str]:
-    """The certified corridors, where they were made small."""
-    from wmr_ctrl.corridor.clearance import length
-    from wmr_ctrl.tuning.search import CORRIDOR
-
-    if better.plan.merit != CORRIDOR:
-        return []
-    first, last = ("none" if most is None else length(most) for most in better.corridor)
-    return [f"certified corridor: {first} before, {last} after"]
-
-
 def _text(better: Tuning) -> str:
     """Gains, the objective, and figures of the test seeds before and after."""
     import numpy as np
 
+    from wmr_ctrl.corridor.clearance import length
+    from wmr_ctrl.tuning.search import CORRIDOR
+
     first, last = better.objective
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
+    lines.append(f"objective on the training seeds: {first.sentence} before, {last.sentence} after")
+    if better.plan.merit == CORRIDOR:
+        before, after = ("none" if most is None else length(most) for most in better.corridor)
+        lines.append(f"certified corridor: {before} before, {after} after")
     lines += [
-        f"objective on the training seeds: {first.sentence} before, {last.sentence} after",
-        *_corridors(better),
         "",
         f"{'test seeds':<20}{'position RMS [mm]':>23}{'torque change [N m]':>25}"
         f"{'worst |v|/limit':>20}",

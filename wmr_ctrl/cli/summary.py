@@ -7,7 +7,7 @@ from typing import Any
 import click
 import numpy as np
 
-from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
+from wmr_ctrl.cli.console import print_json, say, table, wrapped, write_file
 from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import (
@@ -69,17 +69,10 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield from _errors(run, figures)
     yield from _velocities(run, figures)
     if run.guard:
-        shares = figures["guard_share"] or (None, None)
-        for axis, share in zip(("thrust", "moment"), shares, strict=True):
-            changed = MISSING if share is None else percent(share)
-            yield f"guard changed the {axis}", changed, "of the samples"
+        yield from _changed("guard", ("the thrust", "the moment"), figures)
         yield from _usable(run)
     if "filter_flags" in run:
-        for axis, share in zip(
-            ("v", "omega"), figures["filter_share"] or (None, None), strict=True
-        ):
-            changed = MISSING if share is None else percent(share)
-            yield f"filter changed {axis}", changed, "of the samples"
+        yield from _changed("filter", ("v", "omega"), figures)
     yield from _disturbance(run, figures)
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
@@ -95,23 +88,26 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
         yield from _rigid(run.monitor.rigid)
 
 
+def _changed(by: str, axes: tuple[str, str], figures: dict[str, Any]) -> Iterator[Row]:
+    """Shares of the samples that guard or filter changed."""
+    for axis, share in zip(axes, figures[f"{by}_share"] or (None, None), strict=True):
+        changed = MISSING if share is None else percent(share)
+        yield f"{by} changed {axis}", changed, "of the samples"
+
+
 def _counted(run: Run) -> Iterator[str]:
     """The guard's assumptions in a sentence."""
     known = run.settings
     if not run.guard or known.masses is None or known.nbar is None:
         return
-    units = (("M", "kg"), ("I", "kg m2"))
-    masses = [
-        f"{name} {low:.4g} to {high:.4g} {unit}"
-        for (name, unit), low, high in zip(units, *known.masses, strict=True)
-    ]
+    named = zip(("M", "I"), *known.masses, ("kg", "kg m2"), strict=True)
+    masses = ("{} {:.4g} to {:.4g} {}".format(*item) for item in named)
     dbar = "" if known.dbar is None else f"dbar {_force(known.dbar)}; "
     rest = f"{dbar}nbar {speeds(known.nbar)}; alpha {_number(known.alpha, '1/s')}"
     yield wrapped(f"The guard relies on {', '.join(masses)}; {rest}.")
 
 
 def _usable(run: Run) -> Iterator[Row]:
-    """Usable speed under the guard, beside that of the reference."""
     usable, asked = run.settings.usable, run.settings.asked
     if usable is not None and asked is not None:
         beyond = ": TOO FAST" if any(a > u for a, u in zip(asked, usable, strict=True)) else ""
@@ -119,7 +115,6 @@ def _usable(run: Run) -> Iterator[Row]:
 
 
 def _rigid(seen: RigidMonitor) -> Iterator[Row]:
-    """Findings on a rigid body."""
     since = "" if seen.slipped is None else f"SLIPPED, from {seen.slipped:.4g} s on"
     yield "tread over ground, largest", _number(seen.max_slip, "m/s"), since
     yield "wheel speed, largest", _number(seen.max_wheel_speed, "rad/s"), ""
@@ -296,17 +291,8 @@ def _named(name: str, one: Run | RecordedDrive) -> RecordedDrive:
 
 
 def _draw(drives: list[RecordedDrive], plot: str | None, animate: str | None) -> None:
-    if animate:  # first, since it may have nothing to show
-        from wmr_ctrl.report.animate import animate_drives
-
-        with Progress("animation") as progress:
-            animate_drives(drives, animate, progress)
-        say("wrote", animate)
-    if plot:
-        from wmr_ctrl.report.plot_runs import plot_drives
-
-        plot_drives(drives, plot)
-        say("wrote", plot)
+    write_file(animate, "animate_drives", drives, "animation")  # it may have nothing to show
+    write_file(plot, "plot_drives", drives)
 
 
 def drive_text(drive: RecordedDrive) -> str:
@@ -319,7 +305,7 @@ def drive_text(drive: RecordedDrive) -> str:
     way = drive.figures()["way"]
     driven = "" if way is None else f", {way:.4g} m by its poses"
     parts = [f"{drive.name}: a drive of {drive.duration:.4g} s{driven}", table(rows, COLUMNS)]
-    parts.append("\n".join((wrapped(NOTHING_JUDGED), *_lacks(drive), *_remarks(drive))))
+    parts.append("\n".join((wrapped(NOTHING_JUDGED), *_notes(drive))))
     return "\n\n".join(parts)
 
 
@@ -334,15 +320,10 @@ def drives_text(drives: list[RecordedDrive]) -> str:
     lines = [table(rows, ("drive", "time [s]", *(word for word, _ in FIGURES))), ""]
     lines.append(wrapped(NOTHING_JUDGED))
     for drive in drives:
-        lines += [wrapped(f"{drive.name}:"), *_lacks(drive), *_remarks(drive)]
+        lines += [wrapped(f"{drive.name}:"), *_notes(drive)]
     return "\n".join(lines)
 
 
-def _lacks(drive: RecordedDrive) -> list[str]:
-    if not drive.missing:
-        return []
-    return [wrapped(f"- not there: {', '.join(drive.missing)}", hang="  ")]
-
-
-def _remarks(drive: RecordedDrive) -> list[str]:
-    return [wrapped(f"- {text}", hang="  ") for text in drive.remarks]
+def _notes(drive: RecordedDrive) -> Iterator[str]:
+    lacks = [f"not there: {', '.join(drive.missing)}"] if drive.missing else []
+    return (wrapped(f"- {text}", hang="  ") for text in (*lacks, *drive.remarks))

@@ -79,7 +79,6 @@ class Section:
     QUANTITIES: ClassVar[tuple[tuple[str, Quantity], ...]] = ()
 
     def __init_subclass__(cls, *, key: str = "") -> None:
-        """Make every subclass a frozen dataclass."""
         super().__init_subclass__()
         cls.KEY = key or cls.KEY
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)

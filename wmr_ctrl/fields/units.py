@@ -17,7 +17,6 @@ USUAL: Mapping[str, tuple[float, float]] = {
     "N.m": (0.0, 5000.0),
 }
 """Sizes that are usual of a wheeled robot, by unit; a field may state a range of its own."""
-
 OTHERS: Mapping[str, tuple[tuple[str, str, float], ...]] = {
     "m": (("millimetres", "mm", 1e-3), ("centimetres", "cm", 1e-2)),
     "rad": (("degrees", "deg", math.pi / 180),),

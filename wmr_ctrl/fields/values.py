@@ -35,7 +35,6 @@ LARGEST = 1e12
 """No finite quantity of a scenario may be larger in size: it would be a slip of units."""
 LONGEST = 1_000_000
 """Elements of an array; a path has some thousand points."""
-
 V = TypeVar("V")
 
 
@@ -48,23 +47,18 @@ class Frozen(Mapping[str, V]):
         self._items = dict(items)
 
     def __getitem__(self, name: str) -> V:
-        """Return the value of ``name``."""
         return self._items[name]
 
     def __iter__(self) -> Iterator[str]:
-        """Iterate over the names, in the order in which they were given."""
         return iter(self._items)
 
     def __len__(self) -> int:
-        """Return how many names there are."""
         return len(self._items)
 
     def __hash__(self) -> int:
-        """Hash the content, whatever its order."""
         return hash(frozenset(self._items.items()))
 
     def __repr__(self) -> str:
-        """Show the content as a dictionary."""
         return f"Frozen({self._items!r})"
 
 

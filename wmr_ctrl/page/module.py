@@ -52,7 +52,6 @@ class PageLoops:
     """The different loops of the setups that were asked for, numbered as they came."""
 
     def __init__(self) -> None:
-        """None so far."""
         self._loops: dict[str, PageLoop] = {}
         self._by_program: dict[Program, PageLoop] = {}
 

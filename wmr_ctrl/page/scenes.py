@@ -205,11 +205,8 @@ class Variant:
     @property
     def overrides(self) -> Mapping[str, object]:
         """Fields that make it of a scenario."""
-        return {
-            "guard.enabled": self.guard,
-            "clock.control": self.period,
-            "actuator.delay": self.delay,
-        }
+        times = {"clock.control": self.period, "actuator.delay": self.delay}
+        return {"guard.enabled": self.guard, **times}
 
 
 @dataclass(frozen=True)

@@ -130,14 +130,11 @@ def write_page(scene: Scene, path: Path, said: Sequence[str]) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _share(value: float) -> float | None:
-    return None if math.isnan(value) else round(value, 4)
-
-
 def _json(scene: Scene) -> str:
     """Everything that the script draws, rounded to what can be seen; safe inside a script."""
     moving = (np.column_stack((one.pose, one.velocity)) for one in scene.actors)
     rows = [scene.t] if scene.target is None else [scene.t, scene.target]
+    off_path, isnan = scene.off_path.tolist(), math.isnan
     content = {
         "names": [one.label for one in scene.actors],
         "rows": np.round(np.column_stack(rows), 4).tolist(),
@@ -148,7 +145,7 @@ def _json(scene: Scene) -> str:
         "tubes": scene.tubes,
         "bands": [np.round(scene.band(one).T, 4).tolist() for one in scene.actors],
         "off": scene.tube_words.split("\n"),
-        "used": [[_share(value) for value in row] for row in scene.off_path.tolist()],
+        "used": [[None if isnan(x) else round(x, 4) for x in row] for row in off_path],
         "body": [scene.size * part for part in BODY],
         "wheel": [scene.size * part for part in WHEEL],
         "track": scene.size * TRACK,
@@ -170,7 +167,6 @@ Advance: TypeAlias = Callable[[int], None]
 def _write_frames(
     shown: Iterable[Picture], size: tuple[int, int], path: Path, suffix: str, advance: Advance
 ) -> None:
-    """Write frames of ``size`` (width, height) as ``suffix`` says."""
     if suffix == ".gif":
         _write_gif(shown, path, advance)
     else:

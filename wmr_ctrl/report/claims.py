@@ -9,7 +9,7 @@ from typing import Any
 
 from wmr_ctrl.paper import EVALUATIONS, PAPER_TIMES
 from wmr_ctrl.report.style import ABSENT, shown
-from wmr_ctrl.results.table import RunTable, Spread, spread
+from wmr_ctrl.results.table import RunTable, Spread, ratios, spread
 
 
 class Verdict(StrEnum):
@@ -32,7 +32,6 @@ STAND_IN_LAW = "smc"
 CONTROL = 0.01
 """Control period of Section V [s], as it is read into the paper."""
 _TIMES = {"paper_time", "our_time"}
-
 RULE = (
     "A test passes if its bound is kept in every seed. A claim HOLDS if all of its tests pass, "
     "HOLDS IN PART if some do, and DOES NOT HOLD if none does. A claim that something never "
@@ -250,9 +249,7 @@ class Evidence:
         if over is None:
             return values
         runs = self.table.case(over.scenario or scenario, over.law or law)
-        other = runs.by_seed(over.figure or spec.figure)
-        both = ((seed, value, other[seed]) for seed, value in values.items() if seed in other)
-        return {seed: a / b if a is not None and b else None for seed, a, b in both}
+        return ratios(values, runs.by_seed(over.figure or spec.figure))
 
 
 def _worst(spec: TestSpec, values: list[float | None]) -> float | None:

@@ -37,11 +37,8 @@ def _name(axes: Axes, title: str) -> None:
 
 
 def _draw_violations(figure: Figure, rows: RunTable) -> None:
-    padding, factors = (
-        drawing.Padding(left=2.75, right=0.15, bottom=0.44, top=0.74),
-        rows.different("case"),
-    )
-    bases = rows.different("base")
+    padding = drawing.Padding(left=2.75, right=0.15, bottom=0.44, top=0.74)
+    factors, bases = rows.different("case"), rows.different("base")
     panels = drawing.row_of_axes(figure, padding, [1.0] * len(bases), 0.2)
     for place, (axes, base) in enumerate(zip(panels, bases, strict=True)):
         drawing.rows_of(axes, factors if place == 0 else [""] * len(factors))

@@ -162,8 +162,7 @@ def law_handles(laws: Iterable[str]) -> list[Line2D]:
 
 def law_marks(laws: Iterable[str]) -> list[Line2D]:
     """One mark per law, as legends of dots want them."""
-    seen = map(look, laws)
-    return [dot_handle(one.label, one.colour, one.colour, one.marker) for one in seen]
+    return [dot_handle(one.label, one.colour, one.colour, one.marker) for one in map(look, laws)]
 
 
 def plot_reference(axes: Axes, x: Floats, y: Floats) -> None:

@@ -14,7 +14,7 @@ from wmr_ctrl.report import drawing
 from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import Floats, Run
-from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results.table import RunTable, median, ratios
 from wmr_ctrl.results.windows import LATE, named, seconds
 from wmr_ctrl.scenario import load_scenario
 
@@ -47,10 +47,9 @@ def evidence_figures(campaign: Campaign) -> tuple[drawing.Drawing, ...]:
 def _draw_measure(figure: Figure, table: RunTable) -> None:
     padding = drawing.Padding(left=0.60, right=0.62, bottom=0.42, top=0.62)
     left, right = drawing.row_of_axes(figure, padding, (1, 1), 0.95)
+    late = f"RMS of $e_1$ over {seconds(*LATE)} [mm]"
     _panel_measure(left, table, "ise_total", "whole-run ISE [m² s + rad² s]")
-    _panel_measure(
-        right, table, f"e1_rms_{named(LATE)}", f"RMS of $e_1$ over {seconds(*LATE)} [mm]", 1e3
-    )
+    _panel_measure(right, table, f"e1_rms_{named(LATE)}", late, 1e3)
     handles = [
         drawing.dot_handle("parameters change at 40 s"),
         drawing.dot_handle("the same seeds without the change", face="white"),
@@ -66,22 +65,13 @@ def _panel_measure(axes: Axes, table: RunTable, name: str, label: str, factor: f
         changed, same = (table.case(case, law) for case in (WITH, WITHOUT))
         for runs, shift, filled in ((changed, -0.2, True), (same, 0.2, False)):
             drawing.dots(axes, factor * runs[name], row + shift, law, filled=filled)
-        axes.annotate(_factor(changed.by_seed(name), same.by_seed(name)), (1, row),
+        grown = median(ratios(changed.by_seed(name), same.by_seed(name)).values())
+        axes.annotate("" if grown is None else f"× {shown(grown)}", (1, row),
                       xycoords=("axes fraction", "data"), xytext=(6, 0),
                       textcoords="offset points", va="center", size=8, weight="bold",
                       color=INK)  # fmt: skip
     axes.annotate("factor", (1, 1), xycoords="axes fraction", xytext=(6, 4), va="bottom",
                   textcoords="offset points", size=6.5, color=MUTED)  # fmt: skip
-
-
-def _factor(changed: dict[int, float | None], same: dict[int, float | None]) -> str:
-    """Median over the seeds of the ratio with the change to without."""
-    ratios = [
-        value / other
-        for seed, value in changed.items()
-        if value is not None and (other := same.get(seed))
-    ]
-    return f"× {shown(float(np.median(ratios)))}" if ratios else ""
 
 
 # -- running RMS of e1 with and without the change, one small panel per law ------------------
@@ -111,9 +101,8 @@ def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
         drawing.line_handle("without it, same noise", MUTED, 1.0),
         *drawing.switch_handles(switch_time(runs[WITH, laws[0]])),
     ]
-    drawing.heading(
-        figure, "What the change at 40 s does to the error along the heading", handles, 0.26
-    )
+    title = "What the change at 40 s does to the error along the heading"
+    drawing.heading(figure, title, handles, 0.26)
 
 
 def _running_error(run: Run) -> tuple[Floats, Floats]:
@@ -194,11 +183,8 @@ def _draw_limits(figure: Figure, table: RunTable) -> None:
     axes.set_xlim(0.5, max(10.0, 1.4 * axes.dataLim.x1))
     drawing.plain_ticks(axes)
     drawing.shade_beyond(axes, 1.0)
-    drawing.heading(
-        figure,
-        "How near to the velocity limit, or how far beyond it",
-        drawing.law_marks(table.laws),
-    )
+    title = "How near to the velocity limit, or how far beyond it"
+    drawing.heading(figure, title, drawing.law_marks(table.laws))
 
 
 # -- the worse axis' |v|/limit over time in the stress cases, MB and NN -----------------------
@@ -240,9 +226,8 @@ def _draw_stress(figure: Figure, runs: Runs) -> None:
     grid = figure.add_gridspec(3, 1, height_ratios=ratios, hspace=0.0)
     padding = drawing.Padding(left=0.56, right=0.14, bottom=0.44, top=0.26)
     for index, cases in enumerate(_ROWS):
-        row = drawing.row_of_axes(
-            figure.add_subfigure(grid[index + 1, 0]), padding, (1, 1, 1), 0.42
-        )
+        part = figure.add_subfigure(grid[index + 1, 0])
+        row = drawing.row_of_axes(part, padding, (1, 1, 1), 0.42)
         for axes, case in zip(row, cases, strict=True):
             _panel_stress(axes, case, {law: runs[case.scenario, law] for law in LAWS})
         row[0].set_ylabel("|v| / limit, worse axis")

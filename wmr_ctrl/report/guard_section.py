@@ -7,18 +7,7 @@ from typing import TypeAlias, TypeVar
 
 import numpy as np
 
-from wmr_ctrl.campaign.comparison import (
-    AWAY,
-    BASE,
-    BASES,
-    E1,
-    E1_BEFORE,
-    FAR_START,
-    OUTSIDE,
-    PUSHED,
-    SCENARIO,
-    overrides_of,
-)
+from wmr_ctrl.campaign import comparison
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import mass_range, net, pair_of
 from wmr_ctrl.guard.price import speed_price, usable_speed
@@ -36,7 +25,6 @@ SPINS = 100.0
 """A guarded run with this many times the base case's ISE does not follow its reference."""
 NOTICED = 1.1
 """Growth of the distance from which on it is mentioned."""
-
 T = TypeVar("T")
 Numbers: TypeAlias = dict[str, object]
 Cells: TypeAlias = list[tuple[str, float | None, float | None]]
@@ -58,7 +46,7 @@ class GuardSection:
 
         ``outside``: of runs that start beyond the limits, or of all others.
         """
-        chosen = self.rows.at((self.rows["case"] == OUTSIDE) == outside)
+        chosen = self.rows.at((self.rows["case"] == comparison.OUTSIDE) == outside)
         pair = {"held": _made(chosen, True), "free": _made(chosen, False)}
         if not all(runs.rows for runs in pair.values()):
             return None
@@ -75,7 +63,8 @@ class GuardSection:
     @property
     def start_ratio(self) -> float:
         """Largest |v|/limit at the start outside the limits."""
-        scenario = load_scenario(SCENARIO, overrides_of(next(iter(BASES)), OUTSIDE))
+        changes = comparison.overrides_of(next(iter(comparison.BASES)), comparison.OUTSIDE)
+        scenario = load_scenario(comparison.SCENARIO, changes)
         pairs = zip(scenario.initial.velocity, scenario.limits.v_u1, strict=True)
         return max(abs(v) / limit for v, limit in pairs)
 
@@ -86,11 +75,11 @@ class GuardSection:
 
     def after(self, base: str) -> Cells:
         """Distance after the change of parameters in the base case."""
-        return self._cells(base, BASE, AWAY)
+        return self._cells(base, comparison.BASE, comparison.AWAY)
 
     def steered(self, base: str) -> list[tuple[str, float]]:
         """Laws behind which the guard acts always, and the share of samples in which it does."""
-        runs = {look(law).label: self._runs(base, BASE, law) for law in self.rows.laws}
+        runs = {look(law).label: self._runs(base, comparison.BASE, law) for law in self.rows.laws}
         shares = (
             (label, median(np.fmax(rows["guard_share1"], rows["guard_share2"]).tolist()))
             for label, rows in runs.items()
@@ -101,22 +90,21 @@ class GuardSection:
         """SMC from the far start, and the least and most ISE of the other laws."""
 
         def far(figure: str, law: str) -> float | None:
-            return self._runs(base, FAR_START, law).median(figure)
+            return self._runs(base, comparison.FAR_START, law).median(figure)
 
         ise = {law: far("ise_total", law) for law in self.rows.laws}
         smc, others = ise.pop("smc", None), [value for value in ise.values() if value is not None]
         if smc is None or not others:
             return None
-        own = {"ise": smc, "left": far(E1, "smc"), "share": far("guard_share1", "smc")}
+        own = {"ise": smc, "left": far(comparison.E1, "smc"), "share": far("guard_share1", "smc")}
         return {**own, "least": min(others), "most": max(others)}
 
     def spinning(self, base: str) -> Numbers | None:
         """Laws that the adversary makes spin, and those that stay on the path, with their ISE."""
         lost, steady = list[tuple[str, float]](), list[tuple[str, float]]()
         for law in self.rows.laws:
-            there, usual = (
-                self._runs(base, factor, law).median("ise_total") for factor in (PUSHED, BASE)
-            )
+            both = (self._runs(base, case, law) for case in (comparison.PUSHED, comparison.BASE))
+            there, usual = (runs.median("ise_total") for runs in both)
             if there is not None and usual is not None:
                 (lost if there > SPINS * usual else steady).append((look(law).label, there))
         return {"lost": lost, "steady": steady} if lost else None
@@ -142,7 +130,7 @@ class GuardSection:
         cases = {
             factor: self._runs(base, factor, "prox", guard=False)
             for factor in self._cases(base)
-            if factor != OUTSIDE
+            if factor != comparison.OUTSIDE
         }
         return [
             {"factor": f, "broken": runs.broken.rows, "runs": runs.rows, "fastest": _fastest(runs)}
@@ -152,8 +140,8 @@ class GuardSection:
 
     def price(self, base: str) -> dict[str, Cells]:
         """ISE from the far start, and distances of the base case that the guard makes larger."""
-        far = _grown(self._cells(base, FAR_START, "ise_total"), 0.0)
-        worse = _grown(self._cells(base, BASE, AWAY), NOTICED)
+        far = _grown(self._cells(base, comparison.FAR_START, "ise_total"), 0.0)
+        worse = _grown(self._cells(base, comparison.BASE, comparison.AWAY), NOTICED)
         return {"far": far, "worse": worse} if far or worse else {}
 
     def _cells(self, base: str, factor: str, figure: str) -> Cells:
@@ -196,13 +184,13 @@ class GuardSection:
             middle = runs.median(figure)
             return _refused(runs) or shown(None if middle is None else factor * middle)
 
-        cases = [
-            case
+        before = figure == comparison.E1_BEFORE
+        cases = {
+            case: case
             for case in self._cases(base)
-            if figure != E1_BEFORE or "changes" not in overrides_of(base, case)
-        ]
-        pair = partial(self._pair, base, cell)
-        return table_by_law({case: case for case in cases}, self.rows.laws, pair, value)
+            if not (before and "changes" in comparison.overrides_of(base, case))
+        }
+        return table_by_law(cases, self.rows.laws, partial(self._pair, base, cell), value)
 
     def clip_table(self, base: str) -> TextTable:
         """Median share of samples in which the guard changed thrust and moment [%]."""
@@ -221,7 +209,7 @@ class GuardSection:
         """Two cases of each base that was run: `_usable`, and the samples changed [%]."""
         return [
             (factor, base, _usable(base, factor), _clip(self._runs(base, factor)))
-            for factor in (BASE, PUSHED)
+            for factor in (comparison.BASE, comparison.PUSHED)
             for base in self.rows.different("base")
             if factor in self._cases(base)
         ]
@@ -274,13 +262,12 @@ def _usable(base: str, factor: str) -> tuple[float, ...]:
     M_min [kg], dbar and the largest friction of the paper's robot [N]; by axis the usable speed and
     that asked of it [m/s, rad/s]; the period from which on the usable speed is negative [ms].
     """
-    scenario = load_scenario(SCENARIO, {**overrides_of(base, factor), "guard.enabled": True})
+    changes = {**comparison.overrides_of(base, factor), "guard.enabled": True}
+    scenario = load_scenario(comparison.SCENARIO, changes)
     guard = settle(scenario, None).guard
-    friction = largest_friction(load_scenario(SCENARIO))
-    usable, asked = (
-        usable_speed(scenario, guard, (friction, 0.0)),
-        speed_price(scenario, guard).asked,
-    )
+    friction = largest_friction(load_scenario(comparison.SCENARIO))
+    usable = usable_speed(scenario, guard, (friction, 0.0))
+    asked = speed_price(scenario, guard).asked
     mass, dbar = mass_range(guard, 0)[0], pair_of(guard.dbar)[0]
     room = scenario.limits.v_u1[0] - pair_of(guard.nbar)[0]
     standstill = 1e3 * mass * room / (friction + net(guard, 0))

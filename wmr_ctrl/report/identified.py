@@ -61,21 +61,14 @@ def drawing_of(result: BaseIdentification, traces: Traces) -> drawing.Drawing:
 def _page(
     result: BaseIdentification, traces: Traces, image: str, drive: ProposedDrive | None
 ) -> str:
-    return (
-        page_environment()
-        .get_template("identified.html.j2")
-        .render(
-            result=result,
-            scenario=result.scenario,
-            verdicts=Counter(item.verdict for item in result.parameters.values()),
-            visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
-            seconds=float(np.ptp(traces.t)),
-            picture=lambda name: image,
-            guarded=result.bounds.section == "guard",
-            section=result.bounds.section,
-            drive=drive,
-        )
-    )
+    return page_environment().get_template("identified.html.j2").render(
+        result=result, scenario=result.scenario, section=result.bounds.section, drive=drive,
+        verdicts=Counter(item.verdict for item in result.parameters.values()),
+        visited=np.nanmax(np.abs(traces.measured), axis=0).tolist(),
+        seconds=float(np.ptp(traces.t)),
+        picture=lambda name: image,
+        guarded=result.bounds.section == "guard",
+    )  # fmt: skip
 
 
 def _draw(figure: Figure, result: BaseIdentification, traces: Traces) -> None:
@@ -85,14 +78,11 @@ def _draw(figure: Figure, result: BaseIdentification, traces: Traces) -> None:
     for axis in (0, 1):
         _speeds(figure.add_subfigure(grid[axis, :]), result, traces, axis)
         _residuals(figure.add_subfigure(grid[2, axis]), result, traces, axis)
-    if len(surfaces) < 2:
-        _intervals(figure.add_subfigure(grid[3, 0]), result)
-        for surface in surfaces:
-            _likelihood(figure.add_subfigure(grid[3, 1]), result, surface)
-        return
-    _intervals(figure.add_subfigure(grid[3, :]), result)
+    beside = len(surfaces) < 2
+    _intervals(figure.add_subfigure(grid[3, 0] if beside else grid[3, :]), result)
     for axis, surface in enumerate(surfaces):
-        _likelihood(figure.add_subfigure(grid[4, axis]), result, surface)
+        place = grid[3, 1] if beside else grid[4, axis]
+        _likelihood(figure.add_subfigure(place), result, surface)
 
 
 def _speeds(part: SubFigure, result: BaseIdentification, traces: Traces, axis: int) -> None:

@@ -24,7 +24,6 @@ RADII = (0.9, 1.3)
 PERIODS = np.geomspace(1e-3, 0.5, 150)
 BODE = (1e-2, 1e3)
 """Frequencies that are shown [rad/s]."""
-
 Panels: TypeAlias = "np.ndarray[tuple[int, int], np.dtype[np.object_]]"
 """The axes of a figure, by row and column."""
 

@@ -14,12 +14,11 @@ from wmr_ctrl.campaign.paper import BARRIER_LAWS, STUDIES
 from wmr_ctrl.paper import CITATION, PAPER_TIMES
 from wmr_ctrl.proofs.ledger import load
 from wmr_ctrl.report.claims import RULE, Judged, Verdict, load_readings
-from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guard_section import GuardSection
 from wmr_ctrl.report.rigid_section import RigidSection
 from wmr_ctrl.report.style import page_environment, picture, shown
-from wmr_ctrl.report.tables import TextTable, headed, ranged, scenario_table, stress_table
+from wmr_ctrl.report.tables import headed, ranged, scenario_table, stress_table
 from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, seconds
@@ -70,30 +69,20 @@ def write_page(
     campaign, judged, facts = reproduction.campaign, reproduction.judged, reproduction.facts
     count = Counter(one.verdict for one in judged)
     compared, rigid = reproduction.comparison, reproduction.rigid
-    text = (
-        report_environment()
-        .get_template("report.html.j2")
-        .render(
-            citation=CITATION,
-            rule=RULE,
-            judged=judged,
-            counts=[(v, count[v]) for v in Verdict if count[v] or v in _ALWAYS_COUNTED],
-            changed=[one for one in judged if not one.as_expected],
-            table=campaign.table,
-            picture=lambda name: picture(figures / f"{name}.svg"),
-            panels=[one for one in drawings if one.title],
-            figures_of=partial(_figures_of, campaign),
-            stress=partial(stress_table, campaign.table),
-            barrier_laws=BARRIER_LAWS,
-            paper_times=PAPER_TIMES,
-            readings=load_readings(),
-            facts=facts,
-            scenarios=_scenarios(campaign),
-            guard=GuardSection(compared) if compared else None,
-            rigid=RigidSection(rigid) if rigid.table else None,
-            ledger=load(),
-        )
-    )
+    text = report_environment().get_template("report.html.j2").render(
+        citation=CITATION, rule=RULE, judged=judged, facts=facts, table=campaign.table,
+        counts=[(v, count[v]) for v in Verdict if count[v] or v in _ALWAYS_COUNTED],
+        changed=[one for one in judged if not one.as_expected],
+        picture=lambda name: picture(figures / f"{name}.svg"),
+        panels=[one for one in drawings if one.title],
+        figures_of=partial(scenario_table, campaign),
+        stress=partial(stress_table, campaign.table),
+        barrier_laws=BARRIER_LAWS, paper_times=PAPER_TIMES, readings=load_readings(),
+        scenarios=_scenarios(campaign),
+        guard=GuardSection(compared) if compared else None,
+        rigid=RigidSection(rigid) if rigid.table else None,
+        ledger=load(),
+    )  # fmt: skip
     with atomic_text(path) as file:
         file.write(text)
 
@@ -103,17 +92,9 @@ def report_environment() -> Environment:
     environment = page_environment()
     environment.globals |= {"before": seconds(*BEFORE), "late": seconds(*LATE)}
     environment.globals |= {"away": AWAY, "farthest": FARTHEST, "e1": E1, "e1_before": E1_BEFORE}
-    environment.filters.update(
-        thousandths=lambda value: shown(value and 1e3 * value, 2),
-        headed=headed,
-        ranged=ranged,
-    )
+    environment.filters |= {"headed": headed, "ranged": ranged}
+    environment.filters["thousandths"] = lambda value: shown(value and 1e3 * value, 2)
     return environment
-
-
-def _figures_of(campaign: Campaign, scenario: str, short: bool = False) -> TextTable:
-    changes = switch_time(campaign.runs[scenario, campaign.table.laws[0]]) is not None
-    return scenario_table(campaign, scenario, changes=changes, short=short)
 
 
 def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:

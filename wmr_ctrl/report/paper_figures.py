@@ -18,7 +18,6 @@ from wmr_ctrl.results import Floats, Run, distance
 
 Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""
-
 Draw: TypeAlias = Callable[[drawing.Place, Group, drawing.Padding], None]
 WIDTHS = (1.0, 1.75)
 GAP = 0.42
@@ -184,7 +183,6 @@ _RIGHT = Trace("τ₁, right [N m]", _column("tau_right"), early=2.0, smooth=1.0
 _LEFT = Trace("τ₂, left [N m]", _column("tau_left"), early=2.0, smooth=1.0)
 _W1 = WholeTrace("‖W₁‖ [1]", _column("W_norm[1]"))
 _W2 = WholeTrace("‖W₂‖ [1]", _column("W_norm[2]"))
-
 PANELS = (
     Panel("a", "trajectory", "Trajectory", draw_trajectory, path=True),
     Panel("b", "lyapunov", "Lyapunov function values V₁", _V1.draw),
@@ -200,7 +198,6 @@ PANELS = (
     Panel("l", "weights_2", "Norm of the weights, angular axis", _W2.draw, laws=("nn",)),
 )
 """Panels (a) to (l)."""
-
 _SHEET_PADDING = drawing.Padding(left=0.60, right=0.20, bottom=0.46, top=0.36)
 
 

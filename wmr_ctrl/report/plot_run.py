@@ -10,27 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.report import drawing
-from wmr_ctrl.report.course import (
-    FAINT,
-    band,
-    course_of,
-    course_of_tube,
-    scenario_behind,
-    switch_time,
-)
-from wmr_ctrl.report.style import (
-    DASHED,
-    DOTTED,
-    GRID,
-    INK,
-    LIMIT,
-    MUTED,
-    driver,
-    look,
-    shown,
-    verbatim,
-)
+from wmr_ctrl.report import course, drawing, style
 from wmr_ctrl.results import Floats, Run, e_rms, ise, tau_peak, tau_rms
 from wmr_ctrl.results.measures import heading_error, heading_rms
 
@@ -72,17 +52,17 @@ def overview(run: Run) -> drawing.Drawing:
 
 
 def _draw(figure: Figure, run: Run) -> None:
-    title = f"{verbatim(run.scenario)}: {driver(run.law, run.guard)}"
+    title = f"{style.verbatim(run.scenario)}: {style.driver(run.law, run.guard)}"
     figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
     note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
     note += {"mujoco": ", a rigid body on tyres", "fmu": ", somebody else's plant"}.get(
         run.settings.plant_kind, ""
     )
-    switch = switch_time(run)
+    switch = course.switch_time(run)
     note += "" if switch is None else f"; the robot changes at {switch:g} s (vertical line)"
-    tube = course_of_tube(run)
+    tube = course.course_of_tube(run)
     note += "" if tube is None else "; errors, dotted: certified from a start on the path"
-    figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
+    figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=style.MUTED, va="top")
     rest = (_SIZE[1] - _HEAD) / 4.4
     heights = (_HEAD, 1.4 * rest, rest, rest, rest)
     grid = figure.add_gridspec(5, 2, height_ratios=heights, hspace=0.0, wspace=0.0)
@@ -104,20 +84,15 @@ BAND = 800
 
 def _path(part: SubFigure, run: Run, tube: Floats | None) -> None:
     """The robot's path on top of the desired one, with start, waypoints and goal."""
-    axes = drawing.one_axes(part, MARGINS)
-    if tube is not None:
-        _draw_tube(axes, run, tube)
+    axes, colour = drawing.one_axes(part, MARGINS), style.look(run.law).colour
+    if tube is not None:  # as wide as the corridor is there, as long as there is one
+        rows = np.unique(np.linspace(0, run.rows - 1, BAND).astype(int))
+        edges = course.band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
+        axes.fill(*edges, color=colour, alpha=course.FAINT, lw=0, zorder=1.4)
     drawing.plot_reference(axes, *drawing.thin_path(run["x_d"], run["y_d"], 64))
-    axes.plot(*drawing.thin_path(run["x"], run["y"], 3000), color=look(run.law).colour, lw=1.2)
-    axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
-    drawing.finish_path(axes, ["dots: reference, ring: start", *course_of(run).draw(axes)])
-
-
-def _draw_tube(axes: Axes, run: Run, tube: Floats) -> None:
-    """Band about the desired path, as wide as the corridor is there, as long as there is one."""
-    rows = np.unique(np.linspace(0, run.rows - 1, BAND).astype(int))
-    edges = band(np.array([run["x_d"][rows], run["y_d"][rows]]), tube[0, rows])
-    axes.fill(*edges, color=look(run.law).colour, alpha=FAINT, lw=0, zorder=1.4)
+    axes.plot(*drawing.thin_path(run["x"], run["y"], 3000), color=colour, lw=1.2)
+    axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=style.INK, ms=4.5, zorder=4)
+    drawing.finish_path(axes, ["dots: reference, ring: start", *course.course_of(run).draw(axes)])
 
 
 def _facts(part: SubFigure, run: Run) -> None:
@@ -137,12 +112,12 @@ def _figures(run: Run) -> list[str]:
     errors = e_rms(run, begin, end) or (None, None, None)
     angle, turns = heading_rms(run, begin, end) or (None, False)
     e1, e2, e3 = map(_error, (*errors[:2], angle), ("m", "m", "rad"))
-    before, after = shown(square["before"]), shown(square["after"])
+    before, after = style.shown(square["before"]), style.shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
-    split = switch_time(run) == run.settings.split
+    split = course.switch_time(run) == run.settings.split
     return [
-        f"ISE {shown(square['total'])} m² s + rad² s{parts if split else ''}",
-        f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",
+        f"ISE {style.shown(square['total'])} m² s + rad² s{parts if split else ''}",
+        f"wheel torque: peak {style.shown(tau_peak(run))} N m, RMS {style.shown(tau_rms(run))} N m",
         f"RMS errors of the last {end - begin:g} s{of}:",
         f"    e₁ {e1}, e₂ {e2}, e₃ {e3}{' without whole turns' if turns else ''}",
     ]
@@ -152,21 +127,23 @@ def _error(value: float | None, unit: str) -> str:
     """An error [m, rad] in a unit that suits it."""
     if value is not None and value < TINY:
         return f"below 0.001 m{unit}"
-    large = value is not None and value >= LARGE
-    return f"{shown(value)} {unit}" if large else f"{shown(value and 1e3 * value)} m{unit}"
+    if value is not None and value >= LARGE:
+        return f"{style.shown(value)} {unit}"
+    return f"{style.shown(value and 1e3 * value)} m{unit}"
 
 
 def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
     symbol, sent = ("v₁", "ω")[axis], ("v_command", "omega_command")[axis]
     limit, commanded = run.settings.v_u1[axis], sent in run.columns
+    true, wanted = (drawing.thin(run.time, run[column]) for column in (name, desired))
     text = f"{symbol} [{unit}], limit ±{limit:g}; dashed: desired"
     axes = time_axes(part, run, text + (", thin: command" if commanded else ""))
     if commanded:
         steps = drawing.thin(run.time, run[sent])
-        axes.plot(*steps, color=MUTED, lw=0.7, drawstyle="steps-post", zorder=1.9)
-    axes.plot(*drawing.thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
-    axes.plot(*drawing.thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
+        axes.plot(*steps, color=style.MUTED, lw=0.7, drawstyle="steps-post", zorder=1.9)
+    axes.plot(*true, color=style.look(run.law).colour, lw=1.3, alpha=0.6)
+    axes.plot(*wanted, color=style.INK, ls=style.DASHED, lw=0.9, zorder=2.4)
     drawing.view_limits(axes, limit, {"": run[name]})
 
 
@@ -187,18 +164,19 @@ def _errors(
     if tube is not None:
         most = scale * tube[1 if len(errors) == 1 else 0]
         for row in (-most, most):
-            axes.plot(*drawing.thin(run.time, row), color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
+            points = drawing.thin(run.time, row)
+            axes.plot(*points, color=style.LIMIT, ls=style.DOTTED, lw=1.0, zorder=2.3)
     if farthest > SMALL:
         narrow = scale * NARROW
         axes.set_yscale("symlog", linthresh=narrow)
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
-        axes.axhspan(-narrow, narrow, color=GRID, alpha=0.35, lw=0, zorder=0)
+        axes.axhspan(-narrow, narrow, color=style.GRID, alpha=0.35, lw=0, zorder=0)
         drawing.say_below(axes, f"logarithmic beyond ±{narrow:g} {unit}")
 
 
 def _plot_pair(axes: Axes, run: Run, rows: dict[str, Floats], alpha: float = 1.0) -> None:
     """One or two rows over time, the first in the law's colour and on top."""
-    colours = (look(run.law).colour, MUTED)
+    colours = (style.look(run.law).colour, style.MUTED)
     for (label, row), colour, zorder in zip(rows.items(), colours, (2.2, 2.1), strict=False):
         axes.plot(*drawing.thin(run.time, row), color=colour, lw=0.9, zorder=zorder, alpha=alpha,
                   label=label if alpha == 1 else None)  # fmt: skip
@@ -208,7 +186,7 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, Floats], alpha: float = 1.0
 
 def _torques(part: SubFigure, run: Run) -> None:
     """Commanded torques: samples and their mean, with the drives' limit."""
-    scenario = scenario_behind(run)
+    scenario = course.scenario_behind(run)
     limit = scenario.actuator.tau_max if scenario else math.inf
     unit, scale = ("mN m", 1e3) if (tau_peak(run, START) or 1.0) < SMALL else ("N m", 1.0)
     limit *= scale
@@ -236,12 +214,12 @@ def _focus(axes: Axes, run: Run, columns: list[Floats], unit: str) -> None:
     if margin and top - bottom > 6 * (high - low):
         axes.set_ylim(max(bottom, low - margin), min(top, high + margin))
         peak = max(float(np.abs(column).max()) for column in columns)
-        drawing.say_below(axes, f"the start leaves the view: up to {shown(peak)} {unit}")
+        drawing.say_below(axes, f"the start leaves the view: up to {style.shown(peak)} {unit}")
 
 
 def _barrier(part: SubFigure, run: Run) -> None:
     axes = time_axes(part, run, "Barrier function V₁ [1]")
-    values, colour = np.maximum(run["V1"], LEAST), look(run.law).colour
+    values, colour = np.maximum(run["V1"], LEAST), style.look(run.law).colour
     if values.min() <= LEAST:
         drawing.say_below(axes, f"less is drawn at {LEAST:g}")
     axes.plot(*drawing.thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
@@ -252,7 +230,7 @@ def _barrier(part: SubFigure, run: Run) -> None:
 
 def time_axes(part: SubFigure, run: Run, title: str) -> Axes:
     """Axes over the time of a run, in which its change of parameters is marked."""
-    axes, switch = drawing.one_axes(part, MARGINS), switch_time(run)
+    axes, switch = drawing.one_axes(part, MARGINS), course.switch_time(run)
     end = float(run.time[-1]) + run.settings.control
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")

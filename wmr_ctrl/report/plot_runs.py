@@ -54,14 +54,13 @@ def plot_runs(runs: Sequence[Run], path: str | os.PathLike[str]) -> None:
 def _draw(figure: Figure, runs: Sequence[Run]) -> None:
     grid = figure.add_gridspec(3, 2, height_ratios=(_HEAD, 3.5, 2.95), hspace=0.0, wspace=0.0)
     top = figure.add_subfigure(grid[0, :])
-    colours = colours_of([run.law for run in runs])
+    looks = zip(names_of(runs), runs, colours_of([run.law for run in runs]), strict=True)
     lines = {
         name: (run, colour, DASHES[place % len(DASHES)])
-        for place, (name, run, colour) in enumerate(zip(names_of(runs), runs, colours, strict=True))
+        for place, (name, run, colour) in enumerate(looks)
     }
-    handles = [
-        drawing.line_handle(name, colour, dash=dash) for name, (_, colour, dash) in lines.items()
-    ]
+    styles = ((name, colour, dash) for name, (_, colour, dash) in lines.items())
+    handles = [drawing.line_handle(name, colour, dash=dash) for name, colour, dash in styles]
     handles += drawing.switch_handles(switch_time(runs[0]))
     drawing.heading(top, verbatim(runs[0].scenario), handles)
     parts = [figure.add_subfigure(grid[row, column]) for row in (1, 2) for column in (0, 1)]
@@ -106,9 +105,8 @@ def _velocity(part: SubFigure, lines: Lines, axis: int) -> None:
     axes = time_axes(part, longest, f"{text}, limit ±{limit:g}; black, dashed: desired")
     for run, colour, dash in lines.values():
         axes.plot(*drawing.thin(run.time, run[name]), color=colour, ls=dash, lw=0.9, alpha=0.8)
-    axes.plot(
-        *drawing.thin(longest.time, longest[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4
-    )
+    wanted = drawing.thin(longest.time, longest[desired])
+    axes.plot(*wanted, color=INK, ls=DASHED, lw=0.9, zorder=2.4)
     drawing.view_limits(axes, limit, {label: run[name] for label, (run, *_) in lines.items()})
 
 
@@ -124,6 +122,9 @@ PANELS: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
 )
 """Title, columns and commands of each picture over time; one that no drive has is left out."""
 NOTHING: Floats = np.zeros(0)
+Drives: TypeAlias = Sequence[tuple[RecordedDrive, str]]
+"""Drives with their colours."""
+Panel: TypeAlias = Callable[[SubFigure], None]
 
 
 def plot_drives(
@@ -140,43 +141,31 @@ def plot_drives(
 
 def page_of(drives: Sequence[RecordedDrive]) -> drawing.Drawing:
     """The page as a drawing."""
-    colours = colours_of([drive.name for drive in drives])
-    panels: list[Callable[[SubFigure], None]] = []
+    lines = [*zip(drives, colours_of([drive.name for drive in drives]), strict=True)]
+    panels: list[Panel] = []
     if any(drive.has(POSES) for drive in drives):
-        panels.append(partial(_drive_paths, drives=drives, colours=colours))
+        panels.append(partial(_drive_paths, lines))
     for title, measured, commands in PANELS:
-        commanded = any(drive.has([name]) for drive in drives for name in commands)
-        if commanded or any(drive.has([name]) for drive in drives for name in measured):
-            title += "; dashed: as commanded" * commanded
-            panels.append(
-                partial(_panel, drives=drives, colours=colours, title=title,
-                        measured=measured, commands=commands)
-            )  # fmt: skip
-    rows = ceil(len(panels) / 2)
-    heights = (
-        _TITLE if len(drives) > 1 else _TITLE - 0.2,
-        _PATH,
-        *(_HIGH for _ in range(rows - 1)),
-    )
-    draw = partial(_draw_page, drives=drives, colours=colours, panels=panels, heights=heights)
+        there = {k for k in (*measured, *commands) if any(drive.has([k]) for drive in drives)}
+        if there:
+            title += "; dashed: as commanded" * bool(there & {*commands})
+            panels.append(partial(_panel, lines, title, measured, commands))
+    head = _TITLE if len(drives) > 1 else _TITLE - 0.2
+    heights = (head, _PATH, *[_HIGH] * (ceil(len(panels) / 2) - 1))
+    draw = partial(_draw_page, lines, panels, heights)
     return drawing.Drawing("drive", (_WIDTH, sum(heights)), draw)
 
 
 def _draw_page(
-    figure: Figure,
-    drives: Sequence[RecordedDrive],
-    colours: Sequence[str],
-    panels: Sequence[Callable[[SubFigure], None]],
-    heights: Sequence[float],
+    lines: Drives, panels: Sequence[Panel], heights: Sequence[float], figure: Figure
 ) -> None:
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights, hspace=0.0, wspace=0.0)
     top = figure.add_subfigure(grid[0, :])
-    names = [verbatim(drive.name) for drive in drives]
-    handles = [drawing.line_handle(*pair) for pair in zip(names, colours, strict=True)]
-    drawing.heading(
-        top, names[0] if len(drives) == 1 else "Drives", handles if len(drives) > 1 else ()
-    )
-    nowhere = [name for name in drives[0].missing if all(name in one.missing for one in drives)]
+    handles = [drawing.line_handle(verbatim(drive.name), colour) for drive, colour in lines]
+    several, first = len(lines) > 1, lines[0][0]
+    title = "Drives" if several else verbatim(first.name)
+    drawing.heading(top, title, handles if several else ())
+    nowhere = [name for name in first.missing if all(name in one.missing for one, _ in lines)]
     lacking = f" Nor is there {', '.join(nowhere)}." if nowhere else ""
     note = fill(LEFT_OUT + lacking, 150)
     top.text(0.06 / _WIDTH, 0.02, note, size=7.0, color=MUTED, va="bottom")
@@ -184,10 +173,10 @@ def _draw_page(
         panel(figure.add_subfigure(grid[1 + place // 2, place % 2]))
 
 
-def _drive_paths(part: SubFigure, drives: Sequence[RecordedDrive], colours: Sequence[str]) -> None:
+def _drive_paths(lines: Drives, part: SubFigure) -> None:
     """Paths as odometry has them, each with its start."""
     axes = drawing.one_axes(part, MARGINS)
-    for drive, colour in zip(drives, colours, strict=True):
+    for drive, colour in lines:
         if drive.has(POSES):
             x, y = (drive.columns[name] for name in POSES[:2])
             axes.plot(*drawing.thin_path(x, y, 3000), color=colour, lw=1.2, alpha=0.85)
@@ -196,20 +185,15 @@ def _drive_paths(part: SubFigure, drives: Sequence[RecordedDrive], colours: Sequ
 
 
 def _panel(
-    part: SubFigure,
-    drives: Sequence[RecordedDrive],
-    colours: Sequence[str],
-    title: str,
-    measured: Sequence[str],
-    commands: Sequence[str],
+    lines: Drives, title: str, measured: Sequence[str], commands: Sequence[str], part: SubFigure
 ) -> None:
     axes = drawing.one_axes(part, MARGINS)
-    axes.set(xlabel="t [s]", xlim=(0, max(drive.duration for drive in drives)))
+    axes.set(xlabel="t [s]", xlim=(0, max(drive.duration for drive, _ in lines)))
     axes.set_title(title, weight="normal")
-    for drive, colour in zip(drives, colours, strict=True):
+    for drive, colour in lines:
         for name, dash in zip(measured, ("-", DOTTED), strict=False):
             axes.plot(*_trace(drive, name), color=colour, ls=dash, lw=0.9, alpha=0.8)
-        said = INK if len(drives) == 1 else colour
+        said = INK if len(lines) == 1 else colour
         for name in commands:  # each holds until the next
             axes.step(*_trace(drive, name), where="post", color=said, ls=DASHED, lw=0.9, zorder=2.4)
 

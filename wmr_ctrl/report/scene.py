@@ -17,10 +17,8 @@ from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
 
 BODY = (0.8, 0.5)
 """Length and width of the robot's body [m], those of the paper's Section VI."""
-
 WHEEL = (0.2, 0.05)
 """Length and width of a wheel [m]."""
-
 TRACK = 0.25
 """Axle's midpoint to a wheel [m]."""
 _POSE, _TARGET, _V = ("x", "y", "theta"), ("x_d", "y_d", "theta_d"), ("v1", "omega")

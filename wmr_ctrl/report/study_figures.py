@@ -17,7 +17,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wmr_ctrl.campaign.plan import SOBOL
+from wmr_ctrl.campaign.plan import SOBOL, SamplePlan
 from wmr_ctrl.report import style
 from wmr_ctrl.report.drawing import save_figure
 from wmr_ctrl.report.study_table import StudyTable, read_study
@@ -53,7 +53,6 @@ def plot_study(folder: str | Path) -> list[Path]:
 
 
 def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
-    """Name and figure of each picture that the study has something for."""
     yield "spread", _by_group(table)
     if not np.isfinite(table.numbers[table.figure]).any():
         return
@@ -140,7 +139,6 @@ def _colour(group: str) -> str:
 
 
 def _label_of(group: str, join: str = ", ") -> str:
-    """Law and guard."""
     law, _, guard = group.partition(",")
     return style.look(law).label + (f"{join}guarded" if guard else "")
 
@@ -295,23 +293,18 @@ def _points(table: StudyTable) -> int:
 
 def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
     """Indices over the runs of a mask, or why there are none."""
-    values, places = table.numbers[table.figure][mask], table.point[mask] % _points(table)
+    values, points = table.numbers[table.figure][mask], table.point[mask] % _points(table)
     why = table.missing(mask)
     if why or np.ptp(values) == 0:
         _say(axes, fill(why or f"{table.figure} is the same in all runs: nothing to explain", 34))
         return
     analyze: Any = library("SALib.analyze.sobol", "study")
-    ranges = table.plan["sample"]["ranges"]
-    problem = {
-        "num_vars": len(ranges), "names": list(ranges),
-        "bounds": [list(pair) for pair in ranges.values()],
-    }  # fmt: skip
-    means = np.bincount(places, values) / np.bincount(places)
-    indices = analyze.analyze(problem, means, calc_second_order=False, seed=0)
-    for shift, key, label, colour in (
-        (-0.18, "S1", "first", KEPT),
-        (0.18, "ST", "total", style.MUTED),
-    ):
-        axes.bar(np.arange(len(ranges)) + shift, indices[key], 0.34, label=label, color=colour,
+    sample = SamplePlan(**table.plan["sample"])
+    means = np.bincount(points, values) / np.bincount(points)
+    indices = analyze.analyze(sample.problem, means, calc_second_order=False, seed=0)
+    bars = (-0.18, "S1", "first", KEPT), (0.18, "ST", "total", style.MUTED)
+    for shift, key, label, colour in bars:
+        places = np.arange(len(sample.ranges)) + shift
+        axes.bar(places, indices[key], 0.34, label=label, color=colour,
                  yerr=indices[f"{key}_conf"], capsize=2, error_kw={"lw": 0.8})  # fmt: skip
     axes.set_ylabel(f"Sobol index of {table.figure} [1]")

@@ -19,29 +19,21 @@ from wmr_ctrl.fields.problems import printable
 
 PAPER = "#ffffff"
 """Background of drawings and pages."""
-
 INK = "#222222"
 """Axes, text and the robot."""
-
 MUTED = "#6b6b6b"
 """Notes, the reference trajectory and whatever serves for comparison."""
-
 LIMIT = "#c62828"
 """Edges and shade of the region beyond a velocity limit."""
-
 GRID = "#e4e4e4"
 """Lines behind the data."""
-
 RULE_LINE = "#ececec"
 """Lines between rows of marks."""
-
 DASHED = (0, (5, 1.6))
 DASH_DOT = (0, (6, 1.5, 1.2, 1.5))
 DOTTED = (0, (1.2, 1.4))
-
 Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 """A line's dash pattern, as matplotlib takes it."""
-
 DASHES: tuple[Dash, ...] = ("-", DASHED, DASH_DOT, DOTTED)
 """Dashes of runs drawn over each other, so that one hides another only in part."""
 _SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
@@ -70,7 +62,6 @@ _LOOKS = {
     "pursuit": Look("pursuit", "#8a5a2b", DASH_DOT, "X"),
 }
 """The paper's laws, from light to dark, so that they stay apart without colour; ours; the peers."""
-
 AFTER_DARK: Mapping[str, str] = MappingProxyType(
     {
         INK: "#dfe3e8",

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 from wmr_ctrl.campaign import Campaign
 from wmr_ctrl.report.claims import STAND_IN_LAW
+from wmr_ctrl.report.course import switch_time
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results import Settings
 from wmr_ctrl.results.figures import FIGURES
@@ -123,15 +124,14 @@ _LINES = (
 )
 
 
-def scenario_table(
-    campaign: Campaign, scenario: str, *, changes: bool, short: bool = False
-) -> TextTable:
+def scenario_table(campaign: Campaign, scenario: str, short: bool = False) -> TextTable:
     """Median and range of the chief figures of a scenario, a column per law.
 
-    ``changes``: whether the robot's parameters change in it; if not, nothing is said of a before
-    and an after. ``short``: the few figures that tell the laws apart.
+    Nothing is said of a before and an after where the robot's parameters do not change in it.
+    ``short``: the few figures that tell the laws apart.
     """
-    table, settings = campaign.table, campaign.runs[scenario, campaign.table.laws[0]].settings
+    table, run = campaign.table, campaign.runs[scenario, campaign.table.laws[0]]
+    changes = switch_time(run) is not None
     runs = {law: table.case(scenario, law) for law in table.laws}
 
     def cell(line: _Line, law: str) -> str:
@@ -145,7 +145,8 @@ def scenario_table(
         return middle if line.better else None
 
     lines = [line for line in _LINES if (changes or not line.change) and (line.short or not short)]
-    return table_by_law({line.name(settings): line for line in lines}, table.laws, cell, value, "")
+    named = {line.name(run.settings): line for line in lines}
+    return table_by_law(named, table.laws, cell, value, "")
 
 
 def _broken(runs: RunTable) -> str:

@@ -102,7 +102,11 @@ def write_reproduction(
         *(comparison_figures(compared) if compared else ()),
         *rigid_figures(rigid),
     )
-    pictures = _draw(drawings, figures, progress)
+    pictures: list[Path] = []
+    with phase(progress, len(drawings), "Drawing the figures") as advance:
+        for drawing in drawings:
+            pictures += drawing.save(figures)
+            advance(1)
     write_table(home / "table.csv", table)
     write_runs(home / "runs.csv", table, (), FIGURES.with_others(REPORTED))
     write_claims(home / "claims.json", reproduction.judged, table)
@@ -151,15 +155,6 @@ def check_folder(folder: Path, names: Sequence[str] = FILES) -> None:
         )
     for name in names if known == folder else ():
         check_writable(folder / name)
-
-
-def _draw(drawings: Sequence[Drawing], folder: Path, progress: PhaseProgress | None) -> list[Path]:
-    paths: list[Path] = []
-    with phase(progress, len(drawings), "Drawing the figures") as advance:
-        for drawing in drawings:
-            paths += drawing.save(folder)
-            advance(1)
-    return paths
 
 
 # -- the data: cells are empty, and JSON null, where there is no number ---------------------

@@ -21,15 +21,7 @@ import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.fields.orientation import outward
-from wmr_ctrl.results.drive import (
-    COMMANDS,
-    POSES,
-    SPEEDS,
-    TORQUES,
-    WHEEL_ANGLE,
-    WHEEL_SPEEDS,
-    drive_of,
-)
+from wmr_ctrl.results import drive
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.run import Floats, Run
 
@@ -126,7 +118,7 @@ def run_as_mcap(run: Run, description: str) -> bytes:
 
 def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iterator[Msg]]]:
     """Topics, types and messages of a base's odometry, joints and commands."""
-    types, columns = message_types().types, drive_of(run).columns
+    types, columns = message_types().types, drive.drive_of(run).columns
     header, time = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
     vector, twist = types["geometry_msgs/msg/Vector3"], types[TWIST]
 
@@ -138,11 +130,11 @@ def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iter
         for v, w in zip(*(columns[name].tolist() for name in names), strict=True):
             yield twist(linear=vector(x=v, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=w))
 
-    poses = [columns[name] for name in POSES]
-    yield "/odom", ODOMETRY, _odometry(poses, stamped("odom"), twists(SPEEDS))
+    poses = [columns[name] for name in drive.POSES]
+    yield "/odom", ODOMETRY, _odometry(poses, stamped("odom"), twists(drive.SPEEDS))
     yield "/joint_states", JOINTS, _joint_states(columns, stamped(""))
-    if all(name in columns for name in COMMANDS):
-        both = zip(stamped("base_link"), twists(COMMANDS), strict=True)
+    if all(name in columns for name in drive.COMMANDS):
+        both = zip(stamped("base_link"), twists(drive.COMMANDS), strict=True)
         kind = types[STAMPED]
         yield "/cmd_vel", STAMPED, (kind(header=h, twist=t) for h, t in both)
 
@@ -171,13 +163,13 @@ def _odometry(
 
 def _joint_states(columns: Mapping[str, Floats], headers: Iterator[Msg]) -> Iterator[Msg]:
     """Commanded torques as efforts; angles and speeds where wheels have their own."""
-    rows = len(columns[TORQUES[0]])
+    rows = len(columns[drive.TORQUES[0]])
 
     def pairs(names: Sequence[str]) -> Floats:
         there = names[0] in columns
         return np.column_stack([columns[k] for k in names]) if there else np.zeros((rows, 0))
 
-    numbers = map(pairs, (WHEEL_ANGLE, WHEEL_SPEEDS, TORQUES))
+    numbers = map(pairs, (drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS, drive.TORQUES))
     for header, angle, speed, effort in zip(headers, *numbers, strict=True):
         yield message_types().types[JOINTS](
             header=header, name=["right_wheel", "left_wheel"],

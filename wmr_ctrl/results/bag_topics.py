@@ -13,28 +13,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.orientation import theta_of
-from wmr_ctrl.results.bag import (
-    JOINTS,
-    ODOMETRY,
-    ROW,
-    SECOND,
-    STAMPED,
-    TWIST,
-    holds_run,
-    is_bag,
-    message_types,
-    opened_bag,
-)
-from wmr_ctrl.results.drive import (
-    COMMANDS,
-    POSES,
-    SPEEDS,
-    TORQUES,
-    WHEEL_ANGLE,
-    WHEEL_SPEEDS,
-    RecordedDrive,
-    drive_of,
-)
+from wmr_ctrl.results import bag, drive
 from wmr_ctrl.results.formats import load_run
 from wmr_ctrl.results.run import Floats, Run
 
@@ -44,11 +23,12 @@ if TYPE_CHECKING:
     from wmr_ctrl.results.bag import Messages
 
 Integers: TypeAlias = NDArray[np.int64]
+Source: TypeAlias = Run | drive.RecordedDrive
 ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "odom": ("/odom", (ODOMETRY,)),
-    "cmd": ("/cmd_vel", (STAMPED, TWIST)),
-    "joints": ("/joint_states", (JOINTS,)),
-    "effort": ("", (ROW,)),
+    "odom": ("/odom", (bag.ODOMETRY,)),
+    "cmd": ("/cmd_vel", (bag.STAMPED, bag.TWIST)),
+    "joints": ("/joint_states", (bag.JOINTS,)),
+    "effort": ("", (bag.ROW,)),
 }
 """Roles of topics in a drive: the usual name, and the types that are read."""
 SIDES = ("right", "left")
@@ -75,7 +55,7 @@ class Topic(NamedTuple):
 
 
 @checks_arguments
-def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> RecordedDrive:
+def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> drive.RecordedDrive:
     """Read a robot's drive from a bag, or what the base of a saved run would have reported.
 
     ``topics`` names a bag's topics by role ("odom", "cmd", "joints", "effort") and the wheels'
@@ -83,16 +63,16 @@ def load_drive(path: str | Path, topics: Mapping[str, str] | None = None) -> Rec
     ResultFileError, ArgumentError, MissingExtraError without rosbags.
     """
     loaded = load_source(path, topics)
-    return drive_of(loaded, Path(path).name) if isinstance(loaded, Run) else loaded
+    return drive.drive_of(loaded, Path(path).name) if isinstance(loaded, Run) else loaded
 
 
-def load_source(path: str | Path, topics: Mapping[str, str] | None = None) -> Run | RecordedDrive:
+def load_source(path: str | Path, topics: Mapping[str, str] | None = None) -> Source:
     """A saved run, or the drive in a bag; one that a run was saved in is that run without topics.
 
     Raises ResultFileError, ArgumentError, MissingExtraError.
     """
-    if is_bag(path):
-        return load_run(path) if not topics and holds_run(path) else read_topics(path, topics)
+    if bag.is_bag(path):
+        return load_run(path) if not topics and bag.holds_run(path) else read_topics(path, topics)
     if topics:
         raise ArgumentError(
             f"topics can only be given for a bag, and {str(path)!r} is not one. Leave them out."
@@ -100,7 +80,7 @@ def load_source(path: str | Path, topics: Mapping[str, str] | None = None) -> Ru
     return load_run(path)
 
 
-def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> RecordedDrive:
+def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> drive.RecordedDrive:
     """Columns of a drive, in our names, SI units and angles, on one clock.
 
     ``topics`` names topics by role ("odom", "cmd", "joints", "effort") and the wheels' joints
@@ -115,7 +95,7 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> Re
             f"the wheels' joints as {' and '.join(SIDES)}."
         )
     numbers = {"odom": _of_odometry, "cmd": _of_twist, "joints": _of_joints(asked)}
-    with opened_bag(path) as (connections, messages):
+    with bag.opened_bag(path) as (connections, messages):
         chosen = _chosen(Path(path).name, connections, asked)
         parts = {
             role: _gathered(items, messages, numbers.get(role, _of_array))
@@ -126,7 +106,8 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> Re
         raise ResultFileError(f"{str(path)!r}: its topics for {', '.join(chosen)} are empty.")
     remarks: list[str] = []
     stamped = [role for role, part in parts.items() if np.sum(part.stamps == 0) <= 1]
-    lateness = [np.median(parts[role].receipt - parts[role].stamps) / SECOND for role in stamped]
+    lags = (parts[role].receipt - parts[role].stamps for role in stamped)
+    lateness = [np.median(lag) / bag.SECOND for lag in lags]
     if len(stamped) < len(parts) and max(map(abs, lateness), default=0.0) > APART:
         remarks.append("stamps and the recorder are on two clocks; all times are the recorder's.")
         stamped = []
@@ -141,12 +122,12 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> Re
             remarks.append(f"{part.name}: {np.sum(~keep)} messages repeat a stamp; left out.")
         rows = part._replace(values=part.values[order[keep]])
         for name, values in _columns(role, rows, "effort" not in parts, remarks).items():
-            times[name], columns[name] = (clock[keep] - first) / SECOND, values
+            times[name], columns[name] = (clock[keep] - first) / bag.SECOND, values
     if not columns:
         raise ResultFileError(
             f"{str(path)!r}: the messages of {', '.join(chosen)} have no numbers."
         )
-    return RecordedDrive(Path(path).name, times, columns, tuple(remarks))
+    return drive.RecordedDrive(Path(path).name, times, columns, tuple(remarks))
 
 
 def _chosen(
@@ -185,11 +166,11 @@ def _gathered(
     items: Sequence[Connection], messages: Messages, numbers: Callable[[Any], Sequence[float]]
 ) -> Topic:
     """All messages of a topic, in the recorder's order."""
-    types, stamps, receipt, values, frame = message_types(), [], [], [], ""
+    types, stamps, receipt, values, frame = bag.message_types(), [], [], [], ""
     for connection, received, raw in messages(items):
         message: Any = types.deserialize_cdr(raw, connection.msgtype)
-        header = None if connection.msgtype in (TWIST, ROW) else message.header
-        stamps.append(header.stamp.sec * SECOND + header.stamp.nanosec if header else 0)
+        header = None if connection.msgtype in (bag.TWIST, bag.ROW) else message.header
+        stamps.append(header.stamp.sec * bag.SECOND + header.stamp.nanosec if header else 0)
         frame = header.frame_id if header else ""
         receipt.append(received)
         values.append(numbers(message))
@@ -204,7 +185,7 @@ def _of_odometry(message: Any) -> tuple[float, ...]:
 
 
 def _of_twist(message: Any) -> tuple[float, float]:
-    twist = message.twist if message.__msgtype__ == STAMPED else message
+    twist = message.twist if message.__msgtype__ == bag.STAMPED else message
     return twist.linear.x, twist.angular.z
 
 
@@ -243,7 +224,7 @@ def _joint(side: str, asked: str, names: Sequence[str]) -> int:
 
 def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
     """Times (N,) [ns] of a topic's messages, and remarks on them."""
-    late = (topic.receipt - topic.stamps) / SECOND
+    late = (topic.receipt - topic.stamps) / bag.SECOND
     clock = topic.stamps if stamped else topic.receipt
     about = (
         f"recorded {1e3 * np.median(late):.3g} ms after its stamps, {1e3 * late.max():.3g} ms at "
@@ -251,12 +232,12 @@ def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
         if stamped
         else "times are those of the recorder, so an identified delay lacks a message's way to it"
     )
-    step = np.diff(np.sort(clock)) / SECOND
+    step = np.diff(np.sort(clock)) / bag.SECOND
     remarks.append(
         f"{topic.name}: {len(clock)} messages in {step.sum():.4g} s, {about}; the longest gap is "
         f"{step.max(initial=0.0):.3g} s."
     )
-    behind = (np.maximum.accumulate(clock) - clock) / SECOND
+    behind = (np.maximum.accumulate(clock) - clock) / bag.SECOND
     if behind.max() > LATE:
         at = int(np.argmax(behind))
         raise ResultFileError(
@@ -273,7 +254,7 @@ def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
 
 def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
     """Velocities, and poses where they are of the robot's motion; theta = yaw - pi/2."""
-    columns = _named(SPEEDS, topic.values[:, :2])
+    columns = _named(drive.SPEEDS, topic.values[:, :2])
     x, y, *turn = topic.values[:, 2:].T
     reason = ""
     if topic.frame.rpartition("/")[2] == MAP:
@@ -286,17 +267,17 @@ def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
         remarks.append(f"{topic.name}: poses are left out, since {reason}.")
         return columns
     pose = np.column_stack((x, y, np.unwrap(theta_of(turn, np.arctan2))))
-    return columns | _named(POSES, pose)
+    return columns | _named(drive.POSES, pose)
 
 
 def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, Floats]:
     """Angles, speeds and efforts of the joints, those that every message has."""
     wanted: list[tuple[Sequence[str], Floats]] = [
-        (WHEEL_ANGLE, topic.values[:, :2]),
-        (WHEEL_SPEEDS, topic.values[:, 2:4]),
+        (drive.WHEEL_ANGLE, topic.values[:, :2]),
+        (drive.WHEEL_SPEEDS, topic.values[:, 2:4]),
     ]
     if efforts:
-        wanted.append((TORQUES, topic.values[:, 4:]))
+        wanted.append((drive.TORQUES, topic.values[:, 4:]))
         if np.isfinite(topic.values[:, 4:]).all():
             remarks.append(
                 f"{topic.name}: efforts are taken for the torques as commanded. If the drives "
@@ -319,4 +300,4 @@ def _columns(role: str, topic: Topic, efforts: bool, remarks: list[str]) -> dict
         return _odometry(topic, remarks)
     if role == "joints":
         return _joint_states(topic, efforts, remarks)
-    return _named(COMMANDS if role == "cmd" else TORQUES, topic.values)
+    return _named(drive.COMMANDS if role == "cmd" else drive.TORQUES, topic.values)

@@ -77,7 +77,6 @@ class Comparison:
     verdict: Verdict
 
     def __str__(self) -> str:
-        """The comparison as a table and a closing sentence, plain text."""
         return comparison_text(self)
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from wmr_ctrl import signals
 from wmr_ctrl.errors import ArgumentError, ResultFileError, UnknownNameError
 from wmr_ctrl.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.fields.orientation import inward
@@ -20,36 +21,26 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.run import Floats, Run
-from wmr_ctrl.signals import (
-    COMMAND,
-    MEASURED_POSE,
-    MEASURED_VELOCITY,
-    POSE,
-    TIME,
-    TORQUE,
-    VELOCITY,
-    WHEEL_SPEED,
-    Signal,
-)
+from wmr_ctrl.signals import Signal
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def names_of(signals: Sequence[Signal]) -> tuple[str, ...]:
+def names_of(scalars: Sequence[Signal]) -> tuple[str, ...]:
     """Names of scalar signals."""
-    return tuple(signal.name for signal in signals)
+    return tuple(signal.name for signal in scalars)
 
 
 WHEEL_ANGLES = Signal("wheel_angle", "rad", "angles of the wheels (right, left)", 2)
-WHEEL_ANGLE, WHEEL_SPEEDS = WHEEL_ANGLES.elements, WHEEL_SPEED.elements
+WHEEL_ANGLE, WHEEL_SPEEDS = WHEEL_ANGLES.elements, signals.WHEEL_SPEED.elements
 POSES, SPEEDS, COMMANDS, TORQUES = map(
-    names_of, (MEASURED_POSE, MEASURED_VELOCITY, COMMAND, TORQUE)
+    names_of, (signals.MEASURED_POSE, signals.MEASURED_VELOCITY, signals.COMMAND, signals.TORQUE)
 )
 UNITS: Mapping[str, str] = {
     name: unit
     for signal in (
-        *MEASURED_POSE, *MEASURED_VELOCITY, *COMMAND, *TORQUE, WHEEL_SPEED, WHEEL_ANGLES,
+        *signals.MEASURED, *signals.COMMAND, *signals.TORQUE, signals.WHEEL_SPEED, WHEEL_ANGLES,
     )
     for name, unit in zip(signal.elements, signal.units, strict=True)
 }  # fmt: skip
@@ -198,8 +189,8 @@ class RecordedDrive:
             cells[np.searchsorted(t, self.times[name]), place] = list(map(repr, values.tolist()))
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        units = {TIME.name: TIME.unit, **UNITS}
-        writer.writerow([f"{name} [{units[name]}]" for name in (TIME.name, *self.columns)])
+        units = {signals.TIME.name: signals.TIME.unit, **UNITS}
+        writer.writerow([f"{name} [{units[name]}]" for name in (signals.TIME.name, *self.columns)])
         writer.writerows([repr(at), *row] for at, row in zip(t.tolist(), cells, strict=True))
         with atomic_write(path) as file:
             file.write(text.getvalue().encode())
@@ -217,7 +208,7 @@ def drive_of(run: Run, name: str = "") -> RecordedDrive:
 
 
 def _told(run: Run) -> Iterator[tuple[str, Floats]]:
-    for seen, true in ((POSES, names_of(POSE)), (SPEEDS, names_of(VELOCITY))):
+    for seen, true in ((POSES, names_of(signals.POSE)), (SPEEDS, names_of(signals.VELOCITY))):
         own = seen if seen[0] in run else true
         for name, source in zip(seen, own, strict=True):
             turned = name == POSES[2]
@@ -225,8 +216,8 @@ def _told(run: Run) -> Iterator[tuple[str, Floats]]:
     for name in (*COMMANDS, *TORQUES):
         if name in run:
             yield name, run[name]
-    if WHEEL_SPEED.name in run.columns:
-        yield from zip(WHEEL_SPEEDS, run[WHEEL_SPEED.name].T, strict=True)
+    if signals.WHEEL_SPEED.name in run.columns:
+        yield from zip(WHEEL_SPEEDS, run[signals.WHEEL_SPEED.name].T, strict=True)
     encoder = tomllib.loads(run.provenance.get("scenario_toml", "")).get("encoder", {})
     if "wheel_counts" in run.columns and encoder.get("counts"):
         turn = 2 * np.pi / encoder["counts"]

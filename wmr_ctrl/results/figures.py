@@ -113,7 +113,6 @@ def _stopped(run: Run) -> tuple[float, ...] | None:
 
 
 def _event(name: str, meaning: str) -> Figure:
-    """The time of an event that the monitor tells."""
     return Figure(name, "s", meaning, _at(attrgetter(f"monitor.{name}"), 0))
 
 
@@ -147,13 +146,11 @@ def _ise(part: str, over: str, meaning: str) -> Figure:
 
 
 def _position(tail: str, over: str, where: str) -> Figure:
-    """RMS distance from the reference over a window."""
     of, text = _at(measures.position_rms, over), f"RMS distance {where}"
     return Figure(f"position_rms{tail}", "m", text, of, Sum("position", over), "position_rms")
 
 
 def _tracking(part: str, when: str) -> Iterator[Figure]:
-    """RMS and largest distance from the reference while driving, or at rest."""
     totals = {"rms": Sum("position", part), "max": Sum("farthest", part, "largest")}
     for short, text in (("rms", "RMS"), ("max", "largest")):
         of, name = _at(measures.tracking, part, f"position_{short}"), f"tracking_{part}_{short}"
@@ -165,7 +162,6 @@ def _seconds(span: Span) -> str:
 
 
 def _errors(axis: int, unit: str) -> Iterator[Figure]:
-    """RMS of an axis of the tracking error, Eq. (8), in each window."""
     for span in WINDOWS:
         text, total = f"RMS of e{axis} over {_seconds(span)}", Sum(f"e{axis}", named(span))
         of = _at(partial(measures.e_rms, start=span[0], end=span[1]), axis - 1)
@@ -174,12 +170,10 @@ def _errors(axis: int, unit: str) -> Iterator[Figure]:
 
 
 def _barrier(part: str, meaning: str) -> Figure:
-    """A number of the barrier function."""
     return Figure(f"V1_{part}", "1", meaning, _at(measures.barrier, part))
 
 
 def _weights(axis: int) -> Iterator[Figure]:
-    """Norms of an axis' weights."""
     for when, text in (("end", "last sample"), ("largest", "largest")):
         meaning = f"norm of the weights of axis {axis}, {text}"
         of = _at(measures.weight_norm, when, axis - 1)
@@ -187,7 +181,6 @@ def _weights(axis: int) -> Iterator[Figure]:
 
 
 def _over(span: Span, name: str, text: str, of: Callable[[Run, Span], float | None]) -> Figure:
-    """A figure over a window."""
     meaning = f"{text} over {_seconds(span)}"
     return Figure(f"{name}_{named(span)}", "m", meaning, lambda run: of(run, span))
 
@@ -222,7 +215,6 @@ SUMMED: tuple[Figure, ...] = (
     ),
 )
 """Figures that the loop adds up without a log, in the order of a study's columns."""
-
 RIGID: tuple[Figure, ...] = tuple(
     Figure(name, unit, meaning, _at(_rigid, name), key="rigid")
     for name, unit, meaning in (
@@ -235,7 +227,6 @@ RIGID: tuple[Figure, ...] = tuple(
     )
 )
 """Figures that runs on the rigid body have besides."""
-
 _SETTLED = partial(measures.settling_time, within=0.1)
 _LATE_PEAK = partial(measures.tau_peak, start=2.0)
 _LOGGED: tuple[Figure, ...] = (
@@ -298,7 +289,6 @@ class FigureRegistry:
         return foreign
 
     def __iter__(self) -> Iterator[Figure]:
-        """Yield every figure."""
         yield from (*_OURS, *self.plugins)
 
     def __getitem__(self, name: str) -> Figure:

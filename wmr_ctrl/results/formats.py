@@ -68,7 +68,6 @@ def load_run(path: str | os.PathLike[str]) -> Run:
 
 
 def _of_a_robot(path: str | os.PathLike[str]) -> bool:
-    """Whether a path is a bag without a run."""
     try:
         return os.path.exists(path) and is_bag(Path(path)) and not holds_run(Path(path))
     except WmrError:  # it cannot be opened

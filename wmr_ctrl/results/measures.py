@@ -11,23 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.windows import (
-    BEFORE,
-    Span,
-    at_rest,
-    covered,
-    drive,
-    last_quarter,
-    rows_of,
-    window,
-    working,
-)
+from wmr_ctrl.results import windows
 
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import Floats, Run
 
 Pair = tuple[float, float]
-
 AT_LIMIT = 1 - 1e-9
 """Share of the torque limit that is the limit, but for rounding."""
 
@@ -58,7 +47,8 @@ def distance_at_start(run: Run) -> float | None:
 
 def distance_over(run: Run, span: tuple[float, float], *, largest: bool = False) -> float | None:
     """RMS of the distance from the reference over [start, end) [m], or the largest."""
-    return _distances(run, window(run, *span))["position_max" if largest else "position_rms"]
+    found = _distances(run, windows.window(run, *span))
+    return found["position_max" if largest else "position_rms"]
 
 
 def halving_time(run: Run) -> float | None:
@@ -73,7 +63,7 @@ def ise_over(run: Run, start: float, end: float, *, position: bool = False) -> f
 
     With ``position`` without the angle, then in m^2 s; else m^2 s and rad^2 s mixed one to one.
     """
-    rows = window(run, start, end)
+    rows = windows.window(run, start, end)
     if rows is None:
         return None
     names = ("x", "y") if position else ("x", "y", "theta")
@@ -101,7 +91,7 @@ def ise_orientation(run: Run) -> float | None:
 
 def mean_e1(run: Run, span: tuple[float, float]) -> float | None:
     """Mean of |e1| over [start, end) [m]."""
-    rows = window(run, *span)
+    rows = windows.window(run, *span)
     return None if rows is None else float(np.mean(np.abs(run["e"][rows, 0])))
 
 
@@ -110,7 +100,7 @@ def e_rms(run: Run, start: float, end: float) -> tuple[float, float, float] | No
 
     As in the paper, e3 counts whole turns; `heading_rms` leaves them out.
     """
-    rows = window(run, start, end)
+    rows = windows.window(run, start, end)
     if rows is None or rows.start == rows.stop:
         return None
     ahead, aside, angle = np.sqrt(np.mean(run["e"][rows] ** 2, axis=0)).tolist()
@@ -125,16 +115,16 @@ def heading_error(run: Run) -> Floats:
 
 def heading_rms(run: Run, start: float, end: float) -> tuple[float, bool] | None:
     """RMS of `heading_error` over [start, end) [rad]; whether Eq. (8) has whole turns there."""
-    rows = window(run, start, end)
+    rows = windows.window(run, start, end)
     if rows is None or rows.start == rows.stop:
         return None
     turns = bool(np.any(np.abs(run["e"][rows, 2]) > np.pi))
     return float(np.sqrt(np.mean(heading_error(run)[rows] ** 2))), turns
 
 
-def distances(run: Run, samples: Span) -> dict[str, float | None]:
+def distances(run: Run, samples: windows.Span) -> dict[str, float | None]:
     """RMS and largest distance from the desired position over a window of samples [m]."""
-    return _distances(run, rows_of(run, samples))
+    return _distances(run, windows.rows_of(run, samples))
 
 
 def _distances(run: Run, rows: slice | None) -> dict[str, float | None]:
@@ -146,13 +136,13 @@ def _distances(run: Run, rows: slice | None) -> dict[str, float | None]:
 
 def position_rms(run: Run) -> dict[str, float | None]:
     """RMS distance from the desired position [m]: over ``all`` samples and the ``last_quarter``."""
-    spans = {"all": (0, run.settings.samples), "last_quarter": last_quarter(run.settings)}
+    spans = {"all": (0, run.settings.samples), "last_quarter": windows.last_quarter(run.settings)}
     return {name: distances(run, span)["position_rms"] for name, span in spans.items()}
 
 
 def position_max(run: Run) -> float | None:
     """Largest distance from the desired position over the last quarter [m]."""
-    return distances(run, last_quarter(run.settings))["position_max"]
+    return distances(run, windows.last_quarter(run.settings))["position_max"]
 
 
 def tracking(run: Run) -> dict[str, dict[str, float | None] | None]:
@@ -160,9 +150,9 @@ def tracking(run: Run) -> dict[str, dict[str, float | None] | None]:
 
     The end is what follows the arrival of a path that stops; None where there is none.
     """
-    end = at_rest(run.settings)
+    end = windows.at_rest(run.settings)
     return {
-        "drive": distances(run, drive(run.settings)),
+        "drive": distances(run, windows.drive(run.settings)),
         "end": distances(run, end) if end[0] < end[1] else None,
     }
 
@@ -192,7 +182,8 @@ def arrival(run: Run) -> dict[str, float | None] | None:
     if settings.tolerance is not None and run.rows > settings.index(settings.arrival):
         away = np.hypot(run["x"] - run["x_d"][-1], run["y"] - run["y_d"][-1])
         there = _stays(run, away, settings.tolerance)
-    return {"reference": settings.arrival, "robot": there if covered(run) == run.rows else None}
+    lasted = windows.covered(run) == run.rows
+    return {"reference": settings.arrival, "robot": there if lasted else None}
 
 
 def settling_time(run: Run, within: float) -> float | None:
@@ -200,7 +191,7 @@ def settling_time(run: Run, within: float) -> float | None:
 
     None for a run that ended early, or whose last sample is farther away.
     """
-    if covered(run) < run.settings.samples:
+    if windows.covered(run) < run.settings.samples:
         return None
     return _stays(run, distance(run), within)
 
@@ -212,7 +203,7 @@ def _stays(run: Run, gap: Floats, within: float) -> float | None:
     return float(run.time[first]) if first < run.rows else None
 
 
-def guard_share(run: Run, samples: Span | None = None) -> Pair | None:
+def guard_share(run: Run, samples: windows.Span | None = None) -> Pair | None:
     """Share of the samples in which the guard changed the force, per axis; zeros without guard.
 
     Over all rows, or a window of samples; None where the controller does not tell.
@@ -228,8 +219,8 @@ def filter_share(run: Run) -> Pair | None:
     return _changed_share(run) if "filter_flags" in run else (0.0, 0.0)
 
 
-def _changed_share(run: Run, samples: Span | None = None) -> Pair | None:
-    rows = slice(0, run.rows) if samples is None else rows_of(run, samples)
+def _changed_share(run: Run, samples: windows.Span | None = None) -> Pair | None:
+    rows = slice(0, run.rows) if samples is None else windows.rows_of(run, samples)
     if rows is None or run.rows == 0 or "clip_active" not in run:
         return None
     first, second = np.mean(run["clip_active"][rows], axis=0).tolist()
@@ -238,7 +229,7 @@ def _changed_share(run: Run, samples: Span | None = None) -> Pair | None:
 
 def tau_peak(run: Run, start: float = 0.0, end: float | None = None) -> float | None:
     """Largest |commanded wheel torque| [N m] over [start, end), by default over all rows."""
-    torque = torques(run)[window(run, start, end) or slice(0, 0)]
+    torque = torques(run)[windows.window(run, start, end) or slice(0, 0)]
     return float(np.max(np.abs(torque))) if torque.size else None
 
 
@@ -248,14 +239,14 @@ def tau_rms(run: Run, start: float | None = None, end: float | None = None) -> f
     By default from ``rms_from`` to the end of the duration.
     """
     begin = run.settings.rms_from if start is None else start
-    rows = window(run, begin, run.settings.duration if end is None else end)
+    rows = windows.window(run, begin, run.settings.duration if end is None else end)
     torque = torques(run)[rows or slice(0, 0)]
     return float(np.sqrt(np.mean(torque**2))) if torque.size else None
 
 
 def torque_change_rms(run: Run) -> float | None:
     """RMS change of the commanded wheel torques from sample to sample, while `working` [N m]."""
-    rows = rows_of(run, working(run.settings))
+    rows = windows.rows_of(run, windows.working(run.settings))
     return None if rows is None else change_rms(torques(run), rows)
 
 
@@ -267,13 +258,13 @@ def change_rms(torque: Floats, rows: slice) -> float:
 
 def torque_needed_rms(run: Run) -> float | None:
     """RMS of the wheel torques that the desired motion needs, while `working` [N m]."""
-    rows, needed = rows_of(run, working(run.settings)), run.needed
+    rows, needed = windows.rows_of(run, windows.working(run.settings)), run.needed
     return None if rows is None or needed is None else float(np.sqrt(np.mean(needed[rows] ** 2)))
 
 
 def saturated_share(run: Run) -> float | None:
     """Share of the samples in which a wheel is at its torque limit, while `working`."""
-    rows, outlook = rows_of(run, working(run.settings)), run.outlook
+    rows, outlook = windows.rows_of(run, windows.working(run.settings)), run.outlook
     if rows is None or outlook is None:
         return None
     largest = np.max(np.abs(torques(run)[rows]), axis=1)
@@ -288,7 +279,7 @@ def limit_ratios(run: Run) -> Pair:
 
 def velocity_sway(run: Run) -> Pair | None:
     """Standard deviation of v1 and omega about the desired ones, over their limits [1]."""
-    rows = rows_of(run, working(run.settings))
+    rows = windows.rows_of(run, windows.working(run.settings))
     if rows is None:
         return None
     pairs = zip((("v1", "v1_d"), ("omega", "v2_d")), run.settings.v_u1, strict=True)
@@ -303,7 +294,7 @@ def rises(run: Run, start: float = 0.0, end: float | None = None) -> Rises | Non
 
     Without ``end``, up to the last row; None where the run does not cover the window.
     """
-    rows = window(run, start, end)
+    rows = windows.window(run, start, end)
     if rows is None:
         return None
     steps = np.diff(run["V1"][rows])
@@ -317,7 +308,7 @@ def barrier(run: Run) -> dict[str, float | None]:
     Divided by V1 at the start: ``late``, its mean over 30-40 s; ``rise_share``, the rises' sum.
     """
     start = float(run["V1"][0]) if run.rows else None
-    rows, climb = window(run, *BEFORE), rises(run, 0.0, run.settings.split)
+    rows, climb = windows.window(run, *windows.BEFORE), rises(run, 0.0, run.settings.split)
     late = float(np.mean(run["V1"][rows])) / start if rows and start else None
     count = None if climb is None else climb.count
     share = climb.total / start if climb and start else None

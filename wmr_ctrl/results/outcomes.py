@@ -14,7 +14,6 @@ from wmr_ctrl.results.settings import UNCOVERED, WIDER, Event
 
 DIVERGENCE = 1e3
 """A run ends where |v1| [m/s] or |omega| [rad/s] reaches this."""
-
 STOP_REASONS = ("", "diverged", "non-finite")
 _AXES = {
     1: ("linear velocity v1", "m/s"),
@@ -227,7 +226,6 @@ def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:
 
 
 def _rigid(seen: RigidMonitor | None) -> dict[str, str]:
-    """A rigid body's numbers, as the sentences need them."""
     if seen is None:
         return {}
     slip = "Its wheels did not slip."

@@ -37,7 +37,6 @@ NEAR = 0.9
 """Share of the speed at which a law's barrier begins, from which a desired one is close to it."""
 SWAY = 0.2
 """RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
-
 OBJECTED = "objected"
 """Key of what `wmr-ctrl check` objects to."""
 SHORT = {

@@ -91,7 +91,6 @@ class Run:
         )
 
     def _repr_html_(self) -> str:
-        """Labels, outcome and the main figures, for notebooks."""
         from wmr_ctrl.results.frames import run_html
 
         return run_html(self)

@@ -15,13 +15,10 @@ from wmr_ctrl.results.obstacles import Shape
 Pair: TypeAlias = tuple[float, float]
 Event: TypeAlias = tuple[float, int]
 """A time [s] and a velocity axis: 1 linear, 2 angular, 3 a wheel over the ground."""
-
 _GRID = 1e-6
 """Times this close to a sample, in sample periods, count as that sample: 0.3/0.1 is not 3."""
-
 PLANTS = ("ode", "mujoco")
 """The plane model, and the rigid body on tyres."""
-
 COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
 """Numbers of Settings and Assumptions that a guard counts on."""
 TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"

@@ -92,7 +92,6 @@ class RunTable(Mapping[str, Column]):
         return f"<RunTable, {self.rows} runs, {len(self)} columns>"
 
     def _repr_html_(self) -> str:
-        """The first runs and their main figures, for notebooks."""
         names = [name for name in SHOWN if name in self]
         units = {f.name: f.unit for f in FIGURES if f.name not in HEADS}
         heads = [f"{name} [{units[name]}]" if name in units else name for name in names]
@@ -182,6 +181,14 @@ class RunTable(Mapping[str, Column]):
     def broken(self) -> RunTable:
         """The runs that left a velocity limit."""
         return self.at(np.isin(self["outcome"], BROKE))
+
+
+def ratios(
+    values: Mapping[int, float | None], others: Mapping[int, float | None]
+) -> dict[int, float | None]:
+    """Each value over that of the same seed; None where one is missing or the other is 0."""
+    both = {seed: (value, others[seed]) for seed, value in values.items() if seed in others}
+    return {seed: a / b if a is not None and b else None for seed, (a, b) in both.items()}
 
 
 def plain(value: float) -> float | None:

@@ -32,11 +32,9 @@ class Filter(Section, key="filter"):
         usual=(0.1, 10),
     )  # fmt: skip
     d: tuple[float, float] = quantity(
-        (0.0, 0.0),
-        "m/s, rad/s",
-        "steady speed that a push, or an error of the command, alone would cause",
-        minimum=0,
-    )
+        (0.0, 0.0), "m/s, rad/s",
+        "steady speed that a push, or an error of the command, alone would cause", minimum=0,
+    )  # fmt: skip
     odometry: tuple[float, float] | None = quantity(
         None, "m/s, rad/s", "bound of the odometry's error; left out: no odometry is used",
         minimum=0, size=2,
@@ -48,31 +46,26 @@ class Filter(Section, key="filter"):
     )  # fmt: skip
     losses: int = quantity(0, "1", "largest number of consecutive lost commands", minimum=0)
     jitter: float = quantity(
-        0.0,
-        "s",
+        0.0, "s",
         "largest deviation of a sample from the clock's period; of a band's from its beat",
-        minimum=0,
-        usual=(0, 1),
-    )
+        minimum=0, usual=(0, 1),
+    )  # fmt: skip
     hold: float = quantity(
         0.0, "s", "time for which the base keeps its last command before it stops",
         minimum=0, usual=(0, 10),
     )  # fmt: skip
     scale: str = quantity(
-        "curvature",
-        "1",
+        "curvature", "1",
         "scale both axes by one factor, each by its own, or turning or driving first",
         options=SCALES,
-    )
+    )  # fmt: skip
     channels: str = quantity(
         "body", "1", "speeds with a loop of their own: v and omega, or each wheel", options=CHANNELS
     )
     wheel_speed: float | None = quantity(
-        None,
-        "m/s",
-        "limit of each wheel's speed over the ground, for wheels whose loops are alike",
-        above=0,
-    )
+        None, "m/s",
+        "limit of each wheel's speed over the ground, for wheels whose loops are alike", above=0,
+    )  # fmt: skip
     damping: tuple[float, float] | None = quantity(
         None, "1", "bounds of a second-order loop's damping ratio", above=0, size=2
     )
@@ -111,19 +104,9 @@ class Filter(Section, key="filter"):
 
     def relate(self) -> None:
         """Intervals are the right way round, and a filter has what it counts on."""
-        named = (
-            "tau",
-            "gain",
-            "delay",
-            "damping",
-            "frequency",
-            "mass",
-            "inertia",
-            "kp",
-            "ki",
-            "friction",
-        )
-        check_intervals(self, dict.fromkeys(named, "it"))
+        linear = ("tau", "gain", "delay", "damping", "frequency")
+        of_wheels = ("mass", "inertia", "kp", "ki", "friction")
+        check_intervals(self, dict.fromkeys((*linear, *of_wheels), "it"))
         self._relate_loop()
         if self.kind == "band":
             self._relate_band()

@@ -67,7 +67,6 @@ def _gain(value: object, path: str) -> Gain:
 
 ROUNDING = 1e-9
 """Share by which a difference of two times may miss a third."""
-
 S = TypeVar("S", bound=Section)
 
 

@@ -51,26 +51,19 @@ class Body(Section, key="body"):
         0.55, "1", "ratio of the inertia in pitch and roll to that in yaw", minimum=0.5
     )
     wheel: str = quantity(
-        "sphere",
-        "1",
-        "tyre: point contact, or line contact that scrubs in turns",
+        "sphere", "1", "tyre: point contact, or line contact that scrubs in turns",
         options=("sphere", "cylinder"),
-    )
+    )  # fmt: skip
     wheel_width: float = quantity(0.04, "m", "width of a cylinder's tread", above=0)
     radius: float | None = quantity(
-        None,
-        "m",
-        "distance from the axle's midpoint to the body's farthest point, for keep_out",
+        None, "m", "distance from the axle's midpoint to the body's farthest point, for keep_out",
         above=0,
-    )
+    )  # fmt: skip
     wheel_mass: float = quantity(1.5, "kg", "mass of each wheel, part of robot.m", above=0)
     slope: float = quantity(
-        0.0,
-        "rad",
-        "rise of the ground; the plane model has slope.angle",
-        minimum=0,
+        0.0, "rad", "rise of the ground; the plane model has slope.angle", minimum=0,
         maximum=math.pi / 4,
-    )
+    )  # fmt: skip
     uphill: float = quantity(0.0, "rad", "uphill direction, 0 along +Y", orientation=1)
     slip_max: float = quantity(
         0.1, "m/s", "speed of the tread over the ground above which the robot has slipped", above=0
@@ -158,11 +151,9 @@ class Metrics(Section, key="metrics"):
     )
     rms_from: float = quantity(2.0, "s", "start of the torque's RMS", minimum=0)
     tolerance: float = quantity(
-        0.05,
-        "m",
-        "largest RMS position error, in the drive and at the end, that counts as tracked",
-        above=0,
-    )
+        0.05, "m",
+        "largest RMS position error, in the drive and at the end, that counts as tracked", above=0,
+    )  # fmt: skip
 
 
 class CorridorSettings(Section, key="corridor"):
@@ -211,18 +202,13 @@ class Guard(Section, key="guard"):
     enabled: bool = quantity(False, "1", "switch the guard on")
     trust: bool = quantity(False, "1", "accept stated bounds although the scenario breaks them")
     map: str = quantity(
-        "linear-first",
-        "1",
-        "axis that gets the wheel torques first",
+        "linear-first", "1", "axis that gets the wheel torques first",
         options=("linear-first", "rotation-first"),
-    )
+    )  # fmt: skip
     mass_margin: float = quantity(
-        0.1,
-        "1",
-        "share by which M_min and M_max extend beyond the model's mass",
-        minimum=0,
+        0.1, "1", "share by which M_min and M_max extend beyond the model's mass", minimum=0,
         below=1,
-    )
+    )  # fmt: skip
     M_min: tuple[float, float] | None = quantity(
         None, "kg, kg.m2", "smallest possible mass and inertia", above=0, size=2
     )
@@ -239,22 +225,13 @@ class Guard(Section, key="guard"):
         None, "m/s, rad/s", "bound of the velocity's error", minimum=0, size=2
     )
     delay: tuple[float, float] | None = quantity(
-        None,
-        "s",
-        "bounds of a command's delay, which may vary",
-        minimum=0,
-        maximum=10,
-        size=2,
+        None, "s", "bounds of a command's delay, which may vary", minimum=0, maximum=10, size=2,
         usual=(0, 2),
-    )
+    )  # fmt: skip
     lag: tuple[float, float] | None = quantity(
-        None,
-        "s",
-        "bounds of the drives' time constant, which may vary; equal bounds: constant",
-        minimum=0,
-        size=2,
-        usual=(0, 2),
-    )
+        None, "s", "bounds of the drives' time constant, which may vary; equal bounds: constant",
+        minimum=0, size=2, usual=(0, 2),
+    )  # fmt: skip
     alpha: float | None = quantity(
         None, "1/s", "fastest rate of approach to the limit, at most 1/T", above=0
     )

@@ -224,7 +224,6 @@ def _stated(file: Path) -> set[str]:
 
 GainsDocs: TypeAlias = Mapping[str, Mapping[str, tuple[Any, str, str]]]
 """By law and gain: default value, unit, meaning."""
-
 ORDER = ("robot", "model", "limits", "gains", "initial", "reference")
 
 

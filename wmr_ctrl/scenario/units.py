@@ -24,7 +24,6 @@ def unit_questions(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def _parts(scenario: Scenario) -> Iterator[tuple[str, Section]]:
-    """Each section as it was given, with its path."""
     for name in sections():
         yield name, scenario.model if name == "model" else scenario.table(name)
     yield "reference", scenario.reference

@@ -48,14 +48,12 @@ from wmr_ctrl.tuning.search import (
 )
 
 Progress = Callable[[float], None]
-
 MASSES = (0.6, 1.6)
 """True over believed mass and inertia, beside the scenario's own robot."""
 REFERENCES = ("lemniscate", "line")
 """References on which the result is tried besides its own."""
 SEARCH = 0.9
 """Share of the time that the search takes."""
-
 _ERRORS = ("tracking_drive_rms", "torque_change_rms")
 """Figures that are judged, less is better."""
 WORSE = 0.05
@@ -167,11 +165,8 @@ def tune(
     if merit == CORRIDOR:
         _check_corridor(chosen, law)
     target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
-    tell, tries, search = (
-        progress or (lambda share: None),
-        Trials(target, digest_of(text, law, plan.seeds, weight, plan.hold, merit, MASSES)),
-        Search(start),
-    )
+    tries = Trials(target, digest_of(text, law, plan.seeds, weight, plan.hold, merit, MASSES))
+    tell, search = progress or (lambda share: None), Search(start)
     while search.tried < plan.trials:
         candidates = search.ask()
         costs = tries.known(search.generation)
@@ -204,7 +199,6 @@ def with_gains(scenario: Scenario, gains: Mapping[str, Sequence[float]]) -> Scen
 
 
 def _start(plan: TuningPlan) -> dict[str, tuple[float, ...]]:
-    """The scenario's gains, or the law's defaults, by key."""
     law, given = LAWS[plan.law], plan.scenario.gains
     values = {}
     for key in plan.searched:
@@ -235,7 +229,6 @@ def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
 def _costs(
     plan: TuningPlan, sets: Sequence[Mapping[str, Sequence[float]]], jobs: int | None
 ) -> list[Cost]:
-    """Cost of each set of gains, all runs side by side."""
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
     table = _table(cases, plan.law, plan.seeds, jobs)
     reached, change, stop = (
