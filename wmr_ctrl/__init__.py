@@ -40,28 +40,10 @@ if TYPE_CHECKING:  # said without the module typing, which costs more than all e
 __version__ = "1.0.0"
 
 __all__ = [
-    "RecordedDrive",
-    "Run",
-    "Scenario",
-    "command_filter",
-    "compare",
-    "compile_law",
-    "cosimulate",
-    "export_fmu",
-    "identify",
-    "linearize",
-    "load_drive",
-    "load_run",
-    "load_scenario",
-    "prove",
-    "reproduce",
-    "simulate",
-    "simulate_many",
-    "simulate_runs",
-    "study",
-    "tune",
-    "write_page",
-]
+    "RecordedDrive", "Run", "Scenario", "command_filter", "compare", "compile_law", "cosimulate",
+    "export_fmu", "identify", "linearize", "load_drive", "load_run", "load_scenario", "prove",
+    "reproduce", "simulate", "simulate_many", "simulate_runs", "study", "tune", "write_page",
+]  # fmt: skip
 _HOMES = {
     "RecordedDrive": "results.drive", "command_filter": "filter", "compare": "results.compare",
     "identify": "identification", "load_drive": "results.bag_topics", "tune": "tuning",

@@ -1,7 +1,4 @@
-"""The one engine of many runs: cases are compiled once each, then run for all their seeds.
-
-The paper's sections, the comparison past the paper and every study of a user go through here.
-"""
+"""The one engine of many runs: cases are compiled once each, then run for all their seeds."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager

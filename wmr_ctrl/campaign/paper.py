@@ -1,7 +1,6 @@
 """Runs of the paper's Sections V and VI: which scenarios, with which laws, over which seeds."""
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 
 from wmr_ctrl.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
 from wmr_ctrl.errors import ArgumentError
@@ -18,21 +17,15 @@ FEW = 5
 """Seeds of a study whose result hardly depends on the noise."""
 IDEAL = "paper-simulation-nominal"
 """Neither noise nor a change, and a model that is exact: what Theorems 1 and 2 assume."""
-FARTHER: Overrides = MappingProxyType({"initial.pose": [-20.0, 10.0, 2.0]})
-_STARTS: Mapping[str, tuple[str, Overrides]] = MappingProxyType(
-    {
-        "as-stated": ("the paper's start", {}),
-        "as-stated-fast-start": (
-            "a start at 0.99 of both limits",
-            {"initial.velocity": [0.99, -1.485]},
-        ),
-        "as-stated-far-start": ("the far start", {"initial.pose": [-5.0, -5.0, -0.7]}),
-        "as-stated-farther-start": ("a start 22 m away", FARTHER),
-    }
-)
-_FINE: Overrides = MappingProxyType(
-    {"clock.control": 1e-4, "clock.plant": 1e-4, "clock.duration": 2.0}
-)
+FARTHER: Overrides = {"initial.pose": [-20.0, 10.0, 2.0]}
+_FAST: Overrides = {"initial.velocity": [0.99, -1.485]}
+_STARTS: Mapping[str, tuple[str, Overrides]] = {
+    "as-stated": ("the paper's start", {}),
+    "as-stated-fast-start": ("a start at 0.99 of both limits", _FAST),
+    "as-stated-far-start": ("the far start", {"initial.pose": [-5.0, -5.0, -0.7]}),
+    "as-stated-farther-start": ("a start 22 m away", FARTHER),
+}
+_FINE: Overrides = {"clock.control": 1e-4, "clock.plant": 1e-4, "clock.duration": 2.0}
 """Nearly continuous time: a tenth of it changes the fifth digit of |v|/limit."""
 
 

@@ -1,7 +1,4 @@
-"""Chunks of a study: a worker's task and its result, and the executors that run them.
-
-That is threads here, any `concurrent.futures` executor, or Dask.
-"""
+"""Chunks of a study: a worker's task and its result, and the executors that run them."""
 
 from __future__ import annotations
 

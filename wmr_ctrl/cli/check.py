@@ -6,7 +6,7 @@ from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import print_json
 
 
-@click.command(short_help="Validate a scenario, and say what to expect of it.")
+@opt.command("Validate a scenario, and say what to expect of it.")
 @click.argument("scenario")
 @opt.laws_option("chosen", "Check this law instead of all.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every finding below the table.")
@@ -19,7 +19,6 @@ from wmr_ctrl.cli.console import print_json
 @opt.guard_option
 @opt.set_option
 @opt.json_option("Print validity, stable periods, corridors, warnings and nominal runs as JSON.")
-@opt.debug_option
 def check(
     scenario: str,
     chosen: tuple[str, ...],

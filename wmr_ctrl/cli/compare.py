@@ -33,16 +33,14 @@ COLUMNS = (
 """Figures of the table's columns, and their factor."""
 
 
-@click.command(
-    short_help="Compare laws, saved runs or a robot's drives.",
-    epilog=opt.examples(
-        "wmr-ctrl compare mine.toml --law prox,kanayama,mb --plot laws.png",
-        "wmr-ctrl compare far-start --law mb,prox --guard --animate race.html",
-        "wmr-ctrl run --out a.npz",
-        "wmr-ctrl run --engine numpy --out b.npz",
-        "wmr-ctrl compare a.npz b.npz",
-        "wmr-ctrl compare a.npz rosbag2_drive/ --plot both.png",
-    ),
+@opt.command(
+    "Compare laws, saved runs or a robot's drives.",
+    "wmr-ctrl compare mine.toml --law prox,kanayama,mb --plot laws.png",
+    "wmr-ctrl compare far-start --law mb,prox --guard --animate race.html",
+    "wmr-ctrl run --out a.npz",
+    "wmr-ctrl run --engine numpy --out b.npz",
+    "wmr-ctrl compare a.npz b.npz",
+    "wmr-ctrl compare a.npz rosbag2_drive/ --plot both.png",
 )
 @click.argument("sources", metavar="[SCENARIO | RUN RUN...]", nargs=-1)
 @opt.laws_option("laws", "A law to run on the scenario.")
@@ -60,7 +58,6 @@ COLUMNS = (
 @animate_option
 @opt.topics_option
 @opt.json_option("Print the figures, or the difference of two saved runs, as one JSON document.")
-@opt.debug_option
 @click.pass_context
 def compare(
     ctx: click.Context,

@@ -92,10 +92,7 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
 
 
 def write_file(path: str | None, function: str, content: object, text: str = "") -> None:
-    """Write a file, where one is named, by a function of `late_bound`.
-
-    ``text``: what the progress of a long one is called.
-    """
+    """Write a file, where one is named, by a `late_bound` function; ``text`` names its progress."""
     if not path:
         return
     if text:

@@ -10,7 +10,7 @@ from wmr_ctrl.cli.console import DIFFERENCE, Progress, json_text, print_json, sa
 SEEDS, QUICK = 20, 3
 
 
-@click.command(short_help="Rerun the paper's Sections V and VI and judge its claims.")
+@opt.command("Rerun the paper's Sections V and VI and judge its claims.")
 @click.option("--quick", is_flag=True, help=f"Only {QUICK} seeds, in less time.")
 @click.option(
     "--seeds",
@@ -30,7 +30,6 @@ SEEDS, QUICK = 20, 3
     help="Also run the laws on a rigid body with tyres: minutes more; needs the extra physics.",
 )
 @click.option("--out", default="reproduction", metavar="DIR", help="Folder for the results.")
-@opt.debug_option
 @click.pass_context
 def reproduce(
     ctx: click.Context,
@@ -67,13 +66,11 @@ def reproduce(
         ctx.exit(DIFFERENCE)
 
 
-@click.command(
-    short_help="Check equations and promises by machine.",
-    epilog=opt.examples(
-        "wmr-ctrl prove",
-        "wmr-ctrl prove --only eq25.printed --only 'guard.*' --json entries.json",
-        "wmr-ctrl prove --export obligations",
-    ),
+@opt.command(
+    "Check equations and promises by machine.",
+    "wmr-ctrl prove",
+    "wmr-ctrl prove --only eq25.printed --only 'guard.*' --json entries.json",
+    "wmr-ctrl prove --export obligations",
 )
 @click.option(
     "--only",
@@ -95,7 +92,6 @@ def reproduce(
     help="Ignore what the committed ledger recorded: the effect of altering functions, other "
     "solvers' answers, and which engine to try first.",
 )
-@opt.debug_option
 def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
@@ -110,15 +106,12 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
         return
     opt.check_output(file, (".json",), "--json")
     with Progress("proofs") as progress:
-
-        def tell(share: float, _entry: object) -> None:
-            progress(share)
-
-        code = run_prove(only, Path(file) if file else None, tell, anew)
+        target = Path(file) if file else None
+        code = run_prove(only, target, lambda share, _: progress(share), anew)
     raise click.exceptions.Exit(code)
 
 
-@click.command(short_help="Print poles, margins, the largest stable sample time.")
+@opt.command("Print poles, margins, the largest stable sample time.")
 @opt.scenario_argument
 @opt.law_option
 @opt.set_option
@@ -139,7 +132,6 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into the folder DIR.",
 )
 @opt.json_option("Print all figures as one JSON document.")
-@opt.debug_option
 def linearize(
     scenario: str,
     law: str,
@@ -174,9 +166,8 @@ def linearize(
         say("wrote", str(path))
 
 
-@click.command(short_help="Measure the speed of the generated code, as ratios.")
+@opt.command("Measure the speed of the generated code, as ratios.")
 @click.option("--json", "file", metavar="FILE", help="Also write all measurements to FILE (.json).")
-@opt.debug_option
 def bench(file: str | None) -> None:
     """Measure generated C against hand-written C and NumPy, interleaved in one run.
 

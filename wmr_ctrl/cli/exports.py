@@ -16,19 +16,17 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-@click.command(
-    short_help="Write FMUs for other simulation tools.",
-    epilog=opt.examples(
-        "wmr-ctrl export plant --out fmus",
-        "wmr-ctrl export nn --fmi 2 --target all --out fmus",
-        "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
-        "wmr-ctrl export corridor --law prox --scenario safe-simulation --out fmus",
-        "wmr-ctrl export filter --scenario mine.toml --out fmus",
-        "wmr-ctrl export ssp --flat --law pid --out package",
-        "wmr-ctrl export ssp --plant theirs.fmu --map names.toml --out package",
-        "wmr-ctrl export modelica --out models",
-        "wmr-ctrl export simulink --law mb --out kit",
-    ),
+@opt.command(
+    "Write FMUs for other simulation tools.",
+    "wmr-ctrl export plant --out fmus",
+    "wmr-ctrl export nn --fmi 2 --target all --out fmus",
+    "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
+    "wmr-ctrl export corridor --law prox --scenario safe-simulation --out fmus",
+    "wmr-ctrl export filter --scenario mine.toml --out fmus",
+    "wmr-ctrl export ssp --flat --law pid --out package",
+    "wmr-ctrl export ssp --plant theirs.fmu --map names.toml --out package",
+    "wmr-ctrl export modelica --out models",
+    "wmr-ctrl export simulink --law mb --out kit",
 )
 @click.argument(
     "what", metavar="plant|LAW|reference|guard|filter|corridor|closed-loop|ssp|modelica|simulink"
@@ -55,7 +53,6 @@ if TYPE_CHECKING:
     "--flat", is_flag=True, help="ssp: only connections between parts, for ecos and libcosim."
 )
 @click.option("--out", default=".", metavar="DIR", help="Folder to write into.")
-@opt.debug_option
 def export(
     what: str, scenario: str, assignments: tuple[str, ...], out: str, **options: object
 ) -> None:
@@ -109,15 +106,13 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
             raise click.BadParameter(message, param_hint=item.opts[0])
 
 
-@click.command(
-    short_help="Write a law as a C99 package for a robot.",
-    epilog=opt.examples(
-        "wmr-ctrl codegen nn --out nn_c",
-        "wmr-ctrl codegen mb --float32 --out mb_c",
-        "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
-        "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
-        "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
-    ),
+@opt.command(
+    "Write a law as a C99 package for a robot.",
+    "wmr-ctrl codegen nn --out nn_c",
+    "wmr-ctrl codegen mb --float32 --out mb_c",
+    "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
+    "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
+    "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
 )
 @click.argument("law")
 @opt.scenario_option
@@ -135,7 +130,6 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
     help="Parameter of wmr_filter to compile into that node.  May be given several times.",
 )
 @click.option("--out", required=True, metavar="DIR", help="Folder to write into.")
-@opt.debug_option
 def codegen(
     law: str,
     scenario: str,
@@ -190,20 +184,17 @@ def codegen(
     _ask_about_units(law, case)
 
 
-@click.command(
-    short_help="Write a page in which the robot can be dragged and pushed.",
-    epilog=opt.examples(
-        "wmr-ctrl page --out robot.html",
-        "wmr-ctrl page --out mine.html --scenario mine.toml --law nn,prox",
-        "wmr-ctrl page --out burger.html --scenario turtlebot3-burger",
-    ),
+@opt.command(
+    "Write a page in which the robot can be dragged and pushed.",
+    "wmr-ctrl page --out robot.html",
+    "wmr-ctrl page --out mine.html --scenario mine.toml --law nn,prox",
+    "wmr-ctrl page --out burger.html --scenario turtlebot3-burger",
 )
 @click.option("--out", required=True, metavar="FILE.html", help="File to write.")
 @opt.scenario_option
 @opt.set_option
 @opt.laws_option("laws", "A law to offer on the page instead of all.")
 @opt.seed_option
-@opt.debug_option
 def page(
     out: str, scenario: str, assignments: tuple[str, ...], laws: tuple[str, ...], seed: int
 ) -> None:

@@ -13,15 +13,13 @@ if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification
 
 
-@click.command(
-    short_help="Identify a robot from a log, with intervals.",
-    epilog=opt.examples(
-        "wmr-ctrl identify run.npz --out mine.toml",
-        "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
-        "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
-        "wmr-ctrl identify log.csv --base velocity --out mine.toml",
-        "wmr-ctrl identify drive/ --topics odom=/base/odom --out mine.toml",
-    ),
+@opt.command(
+    "Identify a robot from a log, with intervals.",
+    "wmr-ctrl identify run.npz --out mine.toml",
+    "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
+    "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
+    "wmr-ctrl identify log.csv --base velocity --out mine.toml",
+    "wmr-ctrl identify drive/ --topics odom=/base/odom --out mine.toml",
 )
 @click.argument("log")
 @click.option(
@@ -54,7 +52,6 @@ if TYPE_CHECKING:
     help="Width [m] of the area that --propose may use, with the start in the middle.",
 )
 @opt.json_option("Print parameters, bounds, remarks and score as one JSON document.")
-@opt.debug_option
 def identify(
     log: str,
     base: str,

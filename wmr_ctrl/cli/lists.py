@@ -6,26 +6,23 @@ from typing import Any
 import click
 
 from wmr_ctrl.cli.console import print_json, table, wrapped
-from wmr_ctrl.cli.options import debug_option, examples, json_option, load, set_option
+from wmr_ctrl.cli.options import command, json_option, load, set_option
 
 Docs = dict[str, dict[str, tuple[Any, str, str]]]
 """Default, unit and meaning by law and gain."""
 
 
-@click.command(
-    short_help="List the scenarios, or print one to edit.",
-    epilog=examples(
-        "wmr-ctrl scenarios paper-simulation --toml > mine.toml",
-        "wmr-ctrl run mine.toml",
-        "wmr-ctrl scenarios --reference waypoints",
-    ),
+@command(
+    "List the scenarios, or print one to edit.",
+    "wmr-ctrl scenarios paper-simulation --toml > mine.toml",
+    "wmr-ctrl run mine.toml",
+    "wmr-ctrl scenarios --reference waypoints",
 )
 @click.argument("name", required=False)
 @click.option("--toml", "as_toml", is_flag=True, help="Print NAME as commented TOML (the default).")
 @json_option("Print the list, or the scenario NAME, as one JSON document.")
 @click.option("--reference", "kind", metavar="KIND", help="Print a reference's keys and example.")
 @set_option
-@debug_option
 def scenarios(
     name: str | None, as_toml: bool, as_json: bool, kind: str | None, assignments: tuple[str, ...]
 ) -> None:
@@ -50,9 +47,8 @@ def scenarios(
         _list([{"name": name, "title": title} for name, title in preset_titles().items()], as_json)
 
 
-@click.command(short_help="List the control laws.")
+@command("List the control laws.")
 @json_option("Print the list as one JSON document.")
-@debug_option
 def laws(as_json: bool) -> None:
     """List the control laws, one line each."""
     from wmr_ctrl.api import law_table

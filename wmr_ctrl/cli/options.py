@@ -70,47 +70,32 @@ scenario_option = click.option(
 )
 
 
-class Seed(click.ParamType):
-    """A whole number that the noise generator takes."""
-
-    name = "seed"
-
-    def convert(
-        self, value: str | int, param: click.Parameter | None, ctx: click.Context | None
-    ) -> int:
-        """The number, or click's refusal of anything else."""
-        try:
-            seed = int(value)
-        except ValueError:
-            seed = -1
-        if not 0 <= seed < SEED_END:
-            self.fail(f"{value!r} is not a whole number from 0 up, below {SEED_END}.", param, ctx)
-        return seed
-
-
-class LawName(click.ParamType):
+def one_law(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
     """The name of one law; which there are is checked where it is used."""
-
-    name = "law"
-
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """The name, or an error for a list of names."""
-        names = value.split(",")
-        if len(names) > 1:
-            listed = ", ".join(f'"{name.strip()}"' for name in names)
-            self.fail(
-                f"{value!r} names {len(names)} laws, and this takes one. `wmr-ctrl compare "
-                f"SCENARIO --law {value}` runs them side by side; `wmr-ctrl check` without --law "
-                f"covers all laws; for many runs of several write a study: laws = [{listed}] in "
-                "PLAN.toml, and `wmr-ctrl study PLAN.toml --out DIR`.",
-                param, ctx,
-            )  # fmt: skip
-        return value
+    names = value.split(",") if value else []
+    if len(names) > 1:
+        listed = ", ".join(f'"{name.strip()}"' for name in names)
+        raise click.BadParameter(
+            f"{value!r} names {len(names)} laws, and this takes one. `wmr-ctrl compare SCENARIO "
+            f"--law {value}` runs them side by side; `wmr-ctrl check` without --law covers all "
+            f"laws; for many runs of several write a study: laws = [{listed}] in PLAN.toml, and "
+            "`wmr-ctrl study PLAN.toml --out DIR`."
+        )
+    return value
 
 
-law_option = click.option(
-    "--law", type=LawName(), default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`."
-)
+def _seed(_: click.Context, __: click.Parameter, value: str) -> int:
+    try:
+        seed = int(value)
+    except ValueError:
+        seed = -1
+    if not 0 <= seed < SEED_END:
+        raise click.BadParameter(f"{value!r} is not a whole number from 0 up, below {SEED_END}.")
+    return seed
+
+
+LAW = "Control law; see `wmr-ctrl laws`."
+law_option = click.option("--law", callback=one_law, default="nn", metavar="NAME", help=LAW)
 
 
 def laws_option(name: str, text: str) -> Callable[[F], F]:
@@ -130,7 +115,9 @@ def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> t
     return tuple(dict.fromkeys(name for name in names if name != "all"))
 
 
-seed_option = click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
+seed_option = click.option(
+    "--seed", callback=_seed, default="0", metavar="S", help="Seed of all noise."
+)
 
 
 def roles(topics: str | None) -> dict[str, str]:
@@ -166,9 +153,17 @@ def json_option(text: str = "Print one JSON document instead.") -> Callable[[F],
     return click.option("--json", "as_json", is_flag=True, help=text)
 
 
-def examples(*lines: str) -> str:
-    """An epilog that shows command lines as they are."""
-    return "\n".join(("\b", "Examples:", *(f"  {line}" for line in lines)))
+def command(
+    summary: str, *examples: str, name: str | None = None
+) -> Callable[[Callable[..., None]], click.Command]:
+    """A command with its line in the list of all, examples below its help, and ``--debug``."""
+
+    def made(function: Callable[..., None]) -> click.Command:
+        lines = "\n".join(("\b", "Examples:", *(f"  {line}" for line in examples)))
+        epilog = lines if examples else None
+        return debug_option(click.command(name, short_help=summary, epilog=epilog)(function))
+
+    return made
 
 
 def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = None) -> Scenario:

@@ -24,14 +24,12 @@ film_option = click.option(
 figures_option = opt.json_option("Print outcome and figures as one JSON document.")
 
 
-@click.command(
-    short_help="Run one law on one scenario.",
-    epilog=opt.examples(
-        "wmr-ctrl run                          # law and scenario of the paper",
-        "wmr-ctrl run far-start --law mb --plot mb.png",
-        "wmr-ctrl run mine.toml --set clock.control=0.02 --json",
-        "wmr-ctrl run --plant mujoco --film fall.mp4",
-    ),
+@opt.command(
+    "Run one law on one scenario.",
+    "wmr-ctrl run                          # law and scenario of the paper",
+    "wmr-ctrl run far-start --law mb --plot mb.png",
+    "wmr-ctrl run mine.toml --set clock.control=0.02 --json",
+    "wmr-ctrl run --plant mujoco --film fall.mp4",
 )
 @opt.scenario_argument
 @opt.law_option
@@ -55,7 +53,6 @@ figures_option = opt.json_option("Print outcome and figures as one JSON document
 @animate_option
 @film_option
 @figures_option
-@opt.debug_option
 def run(
     scenario: str,
     law: str,
@@ -85,15 +82,13 @@ def run(
     deliver(finished, as_json, **files)
 
 
-@click.command(
-    "show",
-    short_help="Print, draw or film a saved run, or a robot's drive.",
-    epilog=opt.examples(
-        "wmr-ctrl run far-start --law mb --out mb.npz",
-        "wmr-ctrl show mb.npz --plot mb.png --animate mb.html",
-        "wmr-ctrl show mb.npz --out mb.parquet",
-        "wmr-ctrl show rosbag2_drive/ --plot drive.png --out drive.csv",
-    ),
+@opt.command(
+    "Print, draw or film a saved run, or a robot's drive.",
+    "wmr-ctrl run far-start --law mb --out mb.npz",
+    "wmr-ctrl show mb.npz --plot mb.png --animate mb.html",
+    "wmr-ctrl show mb.npz --out mb.parquet",
+    "wmr-ctrl show rosbag2_drive/ --plot drive.png --out drive.csv",
+    name="show",
 )
 @click.argument("file", metavar="RUN")
 @click.option(
@@ -107,7 +102,6 @@ def run(
 @film_option
 @opt.topics_option
 @figures_option
-@opt.debug_option
 def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None) -> None:
     """Print how a saved run went, and draw, film or convert it; only --film simulates it again.
 
@@ -158,18 +152,12 @@ def deliver(run: Run, as_json: bool, **files: str | None) -> None:
         raise click.exceptions.Exit(FMU_FAILED)
 
 
-def write_run(
-    run: Run,
-    out: str | None = None,
-    plot: str | None = None,
-    animate: str | None = None,
-    film: str | None = None,
-) -> None:
-    """Save, draw and film a run, each where a file is named."""
-    write_file(out, "save_run", run)
-    write_file(plot, "plot_run", run)
-    write_file(animate, "animate_runs", [run], "animation")
-    write_file(film, "film_run", run, "film")
+def write_run(run: Run, **files: str | None) -> None:
+    """Save, draw and film a run, each where a file is named: out, plot, animate, film."""
+    write_file(files.get("out"), "save_run", run)
+    write_file(files.get("plot"), "plot_run", run)
+    write_file(files.get("animate"), "animate_runs", [run], "animation")
+    write_file(files.get("film"), "film_run", run, "film")
 
 
 def show(run: Run, as_json: bool) -> None:
@@ -184,22 +172,20 @@ def show(run: Run, as_json: bool) -> None:
         click.echo(summary_text(run))
 
 
-@click.command(
-    short_help="Co-simulate FMUs of plant and controller.",
-    epilog=opt.examples(
-        "wmr-ctrl cosim paper-simulation --law nn",
-        "wmr-ctrl cosim --plant theirs.fmu --map names.toml --out run.npz",
-        "wmr-ctrl cosim --controller theirs.fmu --map names.toml --guard",
-        "wmr-ctrl cosim --law prox --guard --master jacobi --know-delay",
-    ),
+@opt.command(
+    "Co-simulate FMUs of plant and controller.",
+    "wmr-ctrl cosim paper-simulation --law nn",
+    "wmr-ctrl cosim --plant theirs.fmu --map names.toml --out run.npz",
+    "wmr-ctrl cosim --controller theirs.fmu --map names.toml --guard",
+    "wmr-ctrl cosim --law prox --guard --master jacobi --know-delay",
 )
 @opt.scenario_argument
 @click.option(
     "--law",
-    type=opt.LawName(),
+    callback=opt.one_law,
     metavar="NAME",
-    help="Control law; see `wmr-ctrl laws`. Not with a foreign controller.  [default: that of the "
-    "controller if it is ours, else nn]",
+    help=f"{opt.LAW} Not with a foreign controller.  [default: that of the controller if it is "
+    "ours, else nn]",
 )
 @opt.guard_option
 @click.option("--plant", metavar="FILE.fmu", help="Plant to use instead of ours.")
@@ -223,7 +209,6 @@ def show(run: Run, as_json: bool) -> None:
 @save_option
 @plot_option
 @figures_option
-@opt.debug_option
 def cosim(
     scenario: str,
     law: str | None,

@@ -16,14 +16,12 @@ if TYPE_CHECKING:
     from wmr_ctrl.tuning import Tuning
 
 
-@click.command(
-    short_help="Run a plan of many runs; draw its results.",
-    epilog=opt.examples(
-        "wmr-ctrl study plan.toml --out mass",
-        "wmr-ctrl study plan.toml --out mass --executor dask://10.0.0.1:8786",
-        "wmr-ctrl study plot mass",
-        "wmr-ctrl study parquet mass",
-    ),
+@opt.command(
+    "Run a plan of many runs; draw its results.",
+    "wmr-ctrl study plan.toml --out mass",
+    "wmr-ctrl study plan.toml --out mass --executor dask://10.0.0.1:8786",
+    "wmr-ctrl study plot mass",
+    "wmr-ctrl study parquet mass",
 )
 @click.argument("words", metavar="PLAN.toml | plot DIR | parquet DIR", nargs=-1, required=True)
 @click.option(
@@ -44,7 +42,6 @@ if TYPE_CHECKING:
 )
 @opt.jobs_option
 @opt.json_option("Print what was made as one JSON document.")
-@opt.debug_option
 def study(
     words: tuple[str, ...],
     out: str | None,
@@ -106,45 +103,30 @@ WORSE = (
 )
 
 
-class SeedRange(click.ParamType):
+def _seeds(_context: click.Context, _option: click.Parameter, value: str) -> range:
     """Seeds A up to B - 1, as A:B."""
-
-    name = "seeds"
-
-    def convert(
-        self, value: str | range, param: click.Parameter | None, ctx: click.Context | None
-    ) -> range:
-        """The range, or click's refusal of anything else."""
-        if isinstance(value, range):
-            return value
-        first, _, end = value.partition(":")
-        if not (first.isdecimal() and end.isdecimal() and int(first) < int(end) <= SEED_END):
-            self.fail(f"{value!r} is not a range of seeds such as 1:4, which is 1, 2 and 3.")
-        return range(int(first), int(end))
+    first, _, end = value.partition(":")
+    if not (first.isdecimal() and end.isdecimal() and int(first) < int(end) <= SEED_END):
+        raise click.BadParameter(
+            f"{value!r} is not a range of seeds such as 1:4, which is 1, 2 and 3."
+        )
+    return range(int(first), int(end))
 
 
-@click.command(
-    short_help="Find gains of a law for a scenario.",
-    epilog=opt.examples(
-        "wmr-ctrl tune safe-simulation --law prox --out mine.toml",
-        "wmr-ctrl tune robot.toml --law kanayama --out mine.toml --trials 400 --json",
-    ),
+@opt.command(
+    "Find gains of a law for a scenario.",
+    "wmr-ctrl tune safe-simulation --law prox --out mine.toml",
+    "wmr-ctrl tune robot.toml --law kanayama --out mine.toml --trials 400 --json",
 )
 @click.argument("scenario")
-@click.option(
-    "--law",
-    type=opt.LawName(),
-    required=True,
-    metavar="NAME",
-    help="Control law; see `wmr-ctrl laws`.",
-)
+@click.option("--law", callback=opt.one_law, required=True, metavar="NAME", help=opt.LAW)
 @opt.new_file("--out", "Scenario with the gains found", ".toml", required=True)
 @click.option(
-    "--seeds", type=SeedRange(), default="1:4", metavar="A:B", help="Training seeds, A to B-1."
+    "--seeds", callback=_seeds, default="1:4", metavar="A:B", help="Training seeds, A to B-1."
 )
 @click.option(
     "--test-seeds",
-    type=SeedRange(),
+    callback=_seeds,
     default="7101:7106",
     metavar="C:D",
     help="Test seeds, C to D-1.",
@@ -178,7 +160,6 @@ class SeedRange(click.ParamType):
 @opt.jobs_option
 @opt.set_option
 @opt.json_option("Print gains and figures, before and after, as one JSON document.")
-@opt.debug_option
 def tune(
     scenario: str,
     law: str,

@@ -238,22 +238,16 @@ FIGURES = (
 NOTHING_JUDGED = f"A bag has no {NEVER}, so nothing is judged."
 
 
-def show_drive(
-    drive: RecordedDrive,
-    as_json: bool,
-    out: str | None = None,
-    plot: str | None = None,
-    animate: str | None = None,
-    film: str | None = None,
-) -> None:
-    """Save, draw and film a drive, each where a file is named, and print it."""
+def show_drive(drive: RecordedDrive, as_json: bool, **files: str | None) -> None:
+    """Save, draw and film a drive, each where a file is named, and print it; as `write_run`."""
+    out = files["out"]
     check_output(out, (".csv",), "--out of a drive")
-    if film:
+    if files["film"]:
         raise ArgumentError(
             "--film simulates a run again on the rigid body, and a recorded drive cannot be "
             "simulated. Use --animate."
         )
-    _draw([drive], plot, animate)
+    _draw([drive], files["plot"], files["animate"])
     if out:
         drive.save(out)
         say("wrote", out)

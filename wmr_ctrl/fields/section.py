@@ -158,10 +158,7 @@ def put_behind(error: ScenarioError, asked: Iterable[str]) -> None:
 
 
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:
-    """Signal called ``path`` and value of a section's field ``name``.
-
-    Raises UnknownNameError where it is no number.
-    """
+    """Signal called ``path`` and value of a section's field; raises as `numbers_in`."""
     numbers = numbers_in(section, name)
     what = dict(quantities(type(section)))[name]
     return Signal(path, what.unit, what.doc, len(numbers)), numbers

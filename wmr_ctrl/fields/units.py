@@ -1,7 +1,7 @@
 """Values that look like a slip of units: usual sizes, and units mistaken for another; digits."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 USUAL: Mapping[str, tuple[float, float]] = {
@@ -48,14 +48,12 @@ def written(usual: tuple[float, float]) -> str:
 
 def meant(value: float, unit: str, usual: tuple[float, float]) -> str:
     """Ask for the units in which ``value`` would be usual; empty where there is none."""
-    return " ".join(_asked(value, unit, usual))
-
-
-def _asked(value: float, unit: str, usual: tuple[float, float]) -> Iterator[str]:
-    for words, sign, size in OTHERS.get(unit, ()):
-        if is_usual(value * size, usual):
-            here = f" {unit}" if unit != "1" else ""
-            yield f"{words.capitalize()}? {value:g} {sign} is {value * size:.4g}{here}."
+    here = f" {unit}" if unit != "1" else ""
+    return " ".join(
+        f"{words.capitalize()}? {value:g} {sign} is {value * size:.4g}{here}."
+        for words, sign, size in OTHERS.get(unit, ())
+        if is_usual(value * size, usual)
+    )
 
 
 def rounded(value: float, digits: int, up: bool = True) -> str:

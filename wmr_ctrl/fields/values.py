@@ -6,6 +6,7 @@ Beside it the sizes past which input is refused before anything is counted or un
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partialmethod
 from itertools import combinations, islice
 from numbers import Real
 from typing import Any, TypeVar, cast
@@ -191,12 +192,6 @@ class Quantity:
             )
         return value
 
-    def _texts(self, value: object, path: str) -> tuple[object, ...]:
-        return self._listed(value, path, str)
-
-    def _flags(self, value: object, path: str) -> tuple[object, ...]:
-        return self._listed(value, path, bool)
-
     def _listed(self, value: object, path: str, kind: type) -> tuple[object, ...]:
         """One or more values of that kind, or the default; a single value counts as a list."""
         items = [value] if isinstance(value, kind) else as_list(value)
@@ -205,6 +200,8 @@ class Quantity:
             words = {str: "texts in quotes", bool: "flags, such as [false, true]"}[kind]
             raise self.refuse(value, path, f"a list of {words}")
         return tuple(items)
+
+    _texts, _flags = partialmethod(_listed, kind=str), partialmethod(_listed, kind=bool)
 
     def _vector(self, value: object, path: str) -> tuple[float, ...]:
         items = as_list(value)

@@ -4,7 +4,6 @@ import base64
 import gzip
 import json
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
@@ -58,14 +57,12 @@ def write_page(
     usual = SENDING if takes_velocity(scenario) else LAWS
     chosen = tuple(dict.fromkeys(laws or usual))
 
-    def advance(done: float, part: float, share: float) -> None:
-        if progress:
-            progress(done + part * share)
-
+    tell = progress or (lambda share: None)
     toolchain()  # what is missing is said before anything is worked out
-    first, second = partial(advance, 0.0, SETTLING), partial(advance, SETTLING, 1 - SETTLING)
-    content = content_of(scenes(scenario, chosen), chosen, seed, first)
-    module = build_module(content.loops, content.room, second)
+    shown = scenes(scenario, chosen)
+    content = content_of(shown, chosen, seed, lambda share: tell(SETTLING * share))
+    rest = 1 - SETTLING
+    module = build_module(content.loops, content.room, lambda share: tell(SETTLING + rest * share))
     text = page_text(content, module)
     with atomic_text(target) as file:
         file.write(text)

@@ -45,9 +45,7 @@ def animate_runs(
 ) -> None:
     """Animate one run or several at once: a .html (with play and slider), .gif or .mp4 file.
 
-    The file is written whole or not at all.  Raises ResultFileError for another suffix or where
-    the file cannot be written, MissingExtraError for .mp4 without ffmpeg, ArgumentError for a run
-    without any sample or for runs that one picture cannot show (`scene_of`).
+    Raises as `Run.animate`, and ArgumentError for runs that one picture cannot show (`scene_of`).
     """
     target = _film_target(path, SUFFIXES, "a run is animated as .gif, .mp4, .html")
     scene = with_tubes(scene_of(runs, _FRAMES[target.suffix.lower()]), runs)

@@ -44,20 +44,12 @@ RULE = (
 
 
 @dataclass(frozen=True, slots=True)
-class Divisor:
-    """Denominator of a test's ratio; a name that is empty is the test's own."""
-
-    figure: str = ""
-    scenario: str = ""
-    law: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class TestSpec:
     """One number of the runs, and the bound that it must keep in every seed.
 
     The worst of all pairs of ``scenarios`` and ``laws`` counts.  Without ``at_least`` and
-    ``at_most`` the number is reported and decides nothing.  ``unit`` is for readers.
+    ``at_most`` the number is reported and decides nothing.  ``over``: ``figure``, ``scenario`` or
+    ``law`` of the number that it is divided by, where not the test's own.  ``unit`` is for readers.
     """
 
     __test__ = False  # not a test of pytest's
@@ -67,7 +59,7 @@ class TestSpec:
     figure: str
     scenarios: tuple[str, ...] = ("paper-simulation",)
     laws: tuple[str, ...] = ()
-    over: Divisor | None = None
+    over: Mapping[str, str] | None = None
     at_least: float | None = None
     at_most: float | None = None
     unit: str = ""
@@ -80,7 +72,7 @@ class TestSpec:
     @property
     def stand_in(self) -> bool:
         """True if the number is of the law that stands in for reference [32]."""
-        return STAND_IN_LAW in (*self.laws, self.over.law if self.over else "")
+        return STAND_IN_LAW in (*self.laws, (self.over or {}).get("law"))
 
     @property
     def bound(self) -> str:
@@ -217,8 +209,7 @@ def load_claims() -> tuple[PaperClaim, ...]:
 
 def _test(entry: dict[str, Any]) -> TestSpec:
     values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
-    over = {"over": Divisor(**values["over"])} if "over" in values else {}
-    return TestSpec(**{**values, **over})
+    return TestSpec(**values)
 
 
 @dataclass(frozen=True)
@@ -248,8 +239,8 @@ class Evidence:
         values, over = self.table.case(scenario, law).by_seed(spec.figure), spec.over
         if over is None:
             return values
-        runs = self.table.case(over.scenario or scenario, over.law or law)
-        return ratios(values, runs.by_seed(over.figure or spec.figure))
+        runs = self.table.case(over.get("scenario", scenario), over.get("law", law))
+        return ratios(values, runs.by_seed(over.get("figure", spec.figure)))
 
 
 def _worst(spec: TestSpec, values: list[float | None]) -> float | None:

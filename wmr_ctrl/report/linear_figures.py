@@ -64,14 +64,13 @@ def draw_linear(
 def _poles(report: LinearReport, panels: Panels) -> None:
     axes = panels[0, 0]
 
-    def put(poles: Floats, marker: str, colour: str, label: str) -> None:
-        axes.plot(poles.real, poles.imag, marker, color=colour, mfc="none", label=label)
-
-    put(report.poles, "x", INK, "closed loop")
-    if report.kinematic_poles is not None:
-        put(report.kinematic_poles, "s", MUTED, "kinematic loop alone")
-    if report.adaptive_poles is not None:
-        put(report.adaptive_poles, "o", LIMIT, "with learning, rightmost")
+    for poles, marker, colour, label in (
+        (report.poles, "x", INK, "closed loop"),
+        (report.kinematic_poles, "s", MUTED, "kinematic loop alone"),
+        (report.adaptive_poles, "o", LIMIT, "with learning, rightmost"),
+    ):
+        if poles is not None:
+            axes.plot(poles.real, poles.imag, marker, color=colour, mfc="none", label=label)
     axes.axvline(0, color=LIMIT, lw=0.8, label="stable on its left")
     axes.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
     rightmost = shown(float(report.poles.real.max()))

@@ -35,11 +35,7 @@ NEAR = 3.0
 
 
 def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw an overview of ``run``, into a .png, .svg or .pdf file too, whole or not at all.
-
-    Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
-    for a run without any sample.
-    """
+    """Draw an overview of ``run``, into a .png, .svg or .pdf file too; as `Run.plot`."""
     targets = drawing.picture_targets(path, "a run is drawn")
     return overview(run).written(targets)
 

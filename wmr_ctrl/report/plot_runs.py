@@ -41,11 +41,7 @@ _LEAST = 0.01
 
 
 def plot_runs(runs: Sequence[Run], path: str | os.PathLike[str]) -> None:
-    """Draw runs over each other into a .png, .svg or .pdf file, whole or not at all.
-
-    Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
-    for runs that one picture cannot show (`scene_of`).
-    """
+    """Draw runs over each other into a .png, .svg or .pdf file; as `Run.plot` and `scene_of`."""
     targets = drawing.picture_targets(path, "runs are drawn")
     scene_of(runs, 1)
     drawing.Drawing("runs", _SIZE, partial(_draw, runs=runs)).written(targets)
@@ -130,10 +126,9 @@ Panel: TypeAlias = Callable[[SubFigure], None]
 def plot_drives(
     drives: Sequence[RecordedDrive], path: str | os.PathLike[str] | None = None
 ) -> Figure:
-    """Draw drives over each other, into a .png, .svg or .pdf file too, whole or not at all.
+    """Draw drives over each other, into a .png, .svg or .pdf file too; as `RecordedDrive.plot`.
 
-    What none of them has is left out, and named.  Raises ResultFileError for another suffix or
-    where the file cannot be written.
+    What none of them has is left out, and named.
     """
     targets = drawing.picture_targets(path, "drives are drawn")
     return page_of(drives).written(targets)

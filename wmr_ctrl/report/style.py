@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import matplotlib as mpl
@@ -62,25 +61,12 @@ _LOOKS = {
     "pursuit": Look("pursuit", "#8a5a2b", DASH_DOT, "X"),
 }
 """The paper's laws, from light to dark, so that they stay apart without colour; ours; the peers."""
-AFTER_DARK: Mapping[str, str] = MappingProxyType(
-    {
-        INK: "#dfe3e8",
-        MUTED: "#9aa4b0",
-        GRID: "#343b44",
-        RULE_LINE: "#2a3038",
-        PAPER: "#15191e",
-        LIMIT: "#ff6b5e",
-        "#e69f00": "#f0b429",
-        "#00956d": "#2fc79a",
-        "#1f77c9": "#5aaaf5",
-        "#5b0e3b": "#d987b8",
-        "#d6336c": "#ff7aa2",
-        "#6b7a1e": "#b9c94f",
-        "#7f7f7f": "#a3a9b0",
-        "#b0408f": "#e08fc6",
-        "#4c4c9d": "#9f9ff0",
-    }
-)
+AFTER_DARK: Mapping[str, str] = {
+    INK: "#dfe3e8", MUTED: "#9aa4b0", GRID: "#343b44", RULE_LINE: "#2a3038", PAPER: "#15191e",
+    LIMIT: "#ff6b5e", "#e69f00": "#f0b429", "#00956d": "#2fc79a", "#1f77c9": "#5aaaf5",
+    "#5b0e3b": "#d987b8", "#d6336c": "#ff7aa2", "#6b7a1e": "#b9c94f", "#7f7f7f": "#a3a9b0",
+    "#b0408f": "#e08fc6", "#4c4c9d": "#9f9ff0",
+}  # fmt: skip
 """Each colour of a drawing, and its counterpart where a reader has asked for dark pages."""
 
 

@@ -21,7 +21,7 @@ from wmr_ctrl.report.page import Reproduction, write_page
 from wmr_ctrl.report.paper_figures import paper_figure
 from wmr_ctrl.report.rigid_section import rigid_figures
 from wmr_ctrl.results import atomic_text, check_writable, json_safe, make_folder
-from wmr_ctrl.results.figures import FIGURES, Figure
+from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import STATISTICS, RunTable
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
@@ -108,15 +108,13 @@ def write_reproduction(
             pictures += drawing.save(figures)
             advance(1)
     write_table(home / "table.csv", table)
-    write_runs(home / "runs.csv", table, (), FIGURES.with_others(REPORTED))
+    write_runs(home / "runs.csv", table, (), REPORTED)
     write_claims(home / "claims.json", reproduction.judged, table)
     write_page(home / "report.html", reproduction, drawings, figures)
     if compared:
-        taken = FIGURES.with_others(COMPARED)
-        write_runs(home / COMPARISON_FILE, compared, ("base", "guard"), taken)
+        write_runs(home / COMPARISON_FILE, compared, ("base", "guard"), COMPARED)
     if rigid.table:
-        taken = FIGURES.with_others(RIGID_COMPARED)
-        write_runs(home / RIGID_FILE, rigid.table, ("plant",), taken)
+        write_runs(home / RIGID_FILE, rigid.table, ("plant",), RIGID_COMPARED)
     names = file_names(bool(compared), bool(rigid.table))
     files = (*(home / name for name in names), *pictures)
     return Verdicts(reproduction.judged, table, home, files)
@@ -179,12 +177,10 @@ def write_table(path: Path, table: RunTable) -> None:
     write_csv(path, ("scenario", "law", "seeds", "statistic", *headings), rows)
 
 
-def write_runs(
-    path: Path, table: RunTable, labels: Sequence[str], figures: Iterable[Figure]
-) -> None:
+def write_runs(path: Path, table: RunTable, labels: Sequence[str], figures: Sequence[str]) -> None:
     """One row per run: scenario, law, seed, outcome, further ``labels``, and the figures."""
     columns = {"scenario": "case"} | {name: name for name in ("law", "seed", "outcome", *labels)}
-    columns |= {figure.heading: figure.name for figure in figures}
+    columns |= {figure.heading: figure.name for figure in FIGURES.with_others(figures)}
     rows = ([row[name] for name in columns.values()] for row in table.records())
     write_csv(path, columns, rows)
 

@@ -1,7 +1,4 @@
-"""The search behind tuning: its plan, CMA-ES over logarithms of gains, and its trials on disk.
-
-The plan is law, scenario, seeds, length, and what is made small.
-"""
+"""The search behind tuning: its plan, CMA-ES over logarithms of gains, and its trials on disk."""
 
 import hashlib
 import json
