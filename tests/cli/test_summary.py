@@ -146,7 +146,7 @@ def test_text_from_outside_cannot_command_the_terminal() -> None:
 )
 def test_a_seed_is_from_zero_up_and_below_its_end(seed: str, good: bool) -> None:
     with nullcontext() if good else pytest.raises(click.UsageError, match=f"below {SEED_END}"):
-        assert options.Seed().convert(seed, None, None) == int(seed)
+        assert options._seed(None, None, seed) == int(seed)
 
 
 def test_laws_are_named_once_each_in_the_order_in_which_they_were_given() -> None:

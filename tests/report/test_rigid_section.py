@@ -13,7 +13,6 @@ from wmr_ctrl.campaign.rigid import AS_PRINTED, COMPARED, E1, E1_BEFORE, LIMITED
 from wmr_ctrl.report.page import report_environment
 from wmr_ctrl.report.rigid_section import RigidSection, rigid_figures
 from wmr_ctrl.report.write import write_runs
-from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import table_of_rows
 
 
@@ -69,7 +68,7 @@ def test_without_whole_runs_nothing_is_drawn():
 
 
 def test_the_file_has_units_and_a_row_a_run(tmp_path):
-    write_runs(tmp_path / "rigid.csv", ROWS, ("plant",), map(FIGURES.__getitem__, COMPARED))
+    write_runs(tmp_path / "rigid.csv", ROWS, ("plant",), COMPARED)
     text = (tmp_path / "rigid.csv").read_text(encoding="utf-8")
     head, *rows = csv.reader(text.splitlines())
 

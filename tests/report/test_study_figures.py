@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.container import ErrorbarContainer
 
 from wmr_ctrl.campaign.study_plan import plan_of
 from wmr_ctrl.report.study_figures import _bins, _by_group, _drawings, _indices, _maps
@@ -69,6 +70,23 @@ def test_many_points_of_a_grid_stand_in_several_pictures():
     names = [name for name, _ in _drawings(table)]
 
     assert [name for name in names if "sobol" in name] == ["sobol", "sobol-2", "sobol-3"]
+
+
+def test_the_same_study_has_the_same_intervals():
+    pytest.importorskip("SALib")
+    table = table_of(lambda r: r["robot.mu"])
+    first, second = (
+        [
+            part[2][0].get_segments()
+            for axes in _indices(table, range(1)).axes
+            for part in axes.containers
+            if isinstance(part, ErrorbarContainer)
+        ]
+        for _ in range(2)
+    )
+
+    assert first
+    assert np.array_equal(first, second)
 
 
 def test_what_has_no_indices_says_why():

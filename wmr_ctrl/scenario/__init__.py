@@ -21,3 +21,13 @@ from wmr_ctrl.scenario.toml_io import preset_names as preset_names
 from wmr_ctrl.scenario.toml_io import preset_titles as preset_titles
 from wmr_ctrl.scenario.toml_io import title_of as title_of
 from wmr_ctrl.scenario.toml_io import to_toml as to_toml
+from wmr_ctrl.world.references import Circle as Circle
+from wmr_ctrl.world.references import Lemniscate as Lemniscate
+from wmr_ctrl.world.references import Line as Line
+from wmr_ctrl.world.references import Reference as Reference
+from wmr_ctrl.world.references import RoundedSquare as RoundedSquare
+from wmr_ctrl.world.references import StopAndGo as StopAndGo
+from wmr_ctrl.world.references import Waypoints as Waypoints
+from wmr_ctrl.world.registry import Actuator as Actuator
+from wmr_ctrl.world.registry import Disturbance as Disturbance
+from wmr_ctrl.world.registry import Sensor as Sensor
