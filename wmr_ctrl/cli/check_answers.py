@@ -236,8 +236,8 @@ def findings(answers: Answers) -> Iterator[Note]:
     if answers.taken:
         yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))
     ignored = lost_samples(answers.scenario), rounded_effects(answers.scenario)
-    told = ((law, item, "" if item.objects else "note: ") for law, item in _merged(answers))
-    warnings = [Note(law, item.key, f"{head}{item}") for law, item, head in told]
+    heads = ((law, item, "" if item.objects else "note: ") for law, item in _merged(answers))
+    warnings = [Note(law, item.key, f"{head}{item}") for law, item, head in heads]
     yield from (item for item in warnings if item.law is None)
     for law, tube in answers.tubes.items():
         if law in answers.stable:

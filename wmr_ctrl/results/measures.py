@@ -47,8 +47,8 @@ def distance_at_start(run: Run) -> float | None:
 
 def distance_over(run: Run, span: tuple[float, float], *, largest: bool = False) -> float | None:
     """RMS of the distance from the reference over [start, end) [m], or the largest."""
-    found = _distances(run, windows.window(run, *span))
-    return found["position_max" if largest else "position_rms"]
+    sizes = _distances(run, windows.window(run, *span))
+    return sizes["position_max" if largest else "position_rms"]
 
 
 def halving_time(run: Run) -> float | None:
