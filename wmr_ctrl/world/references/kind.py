@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 GRID = 2001
 MOST_SAMPLES = 20_000
+AT_ONCE = 64
+"""Times at once: a function that is mapped over very many has a copy of all numbers for each."""
 Numbers: TypeAlias = tuple[tuple[Signal, tuple[float, ...]], ...]
 """Signals of a reference's parameters, each with its values; their names begin with ``ref_``."""
 Raw: TypeAlias = dict[str, object]
@@ -148,8 +150,11 @@ def sample(scenario: Scenario, times: Floats) -> Floats:
     if system.x.numel():
         return _stepped(system, scenario.clock.control, np.asarray(times, dtype=float))
     graph = system.function("reference", [ca.densify(system.y)])
-    every = graph.map("sampled", "serial", np.size(times), [1, 2], [])
-    return evaluated(every, times, [], system.p0)[0].T
+    count = np.size(times)
+    at_once = min(count, AT_ONCE)
+    every = graph.map("sampled", "serial", at_once, [1, 2], [])
+    rows = np.resize(times, (-(-count // at_once), at_once))  # the last is filled up by the first
+    return np.vstack([evaluated(every, row, [], system.p0)[0].T for row in rows])[:count]
 
 
 def _stepped(system: System, period: float, times: Floats) -> Floats:
