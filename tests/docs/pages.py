@@ -2,7 +2,8 @@
 
 A comment in the line above a block tells what becomes of it: ``<!-- file: NAME -->`` writes it to
 that file, ``<!-- exit: N -->`` expects another exit code than 0, ``<!-- not tried here: WHY -->``
-leaves it alone, and ``<!-- tried by PATH -->`` names what runs it instead.
+leaves it alone, ``<!-- tried by PATH -->`` names what runs it instead, and ``<!-- slow -->`` leaves
+it to ``--every-case``.
 """
 
 from __future__ import annotations
@@ -46,6 +47,11 @@ class Block:
         """Whether it is run with its page."""
         elsewhere = self.mark.startswith(("not tried", "tried by"))
         return self.language in RUN and not elsewhere
+
+    @property
+    def slow(self) -> bool:
+        """Whether it is run with ``--every-case`` alone."""
+        return self.mark == "slow"
 
     @cached_property
     def commands(self) -> list[tuple[str, str]]:

@@ -10,18 +10,28 @@ from pathlib import Path
 
 import pytest
 
+from tests.architecture.tree import ROOT
 from tests.conftest import QUICK
 
 pytestmark = pytest.mark.slow
 
 UNWANTED = (".so", ".dll", ".dylib", ".o", ".pyc", ".fmu")
 LAWS = {"pid", "smc", "mb", "nn"}
+PLACES = {"wmr_ctrl": "wmr_ctrl", "fmu": "wmr_ctrl/_fmu", "benchmarks": "wmr_ctrl/_benchmarks"}
+"""Folders of the tree, and of the package that is installed."""
 
 
 def test_wheel_has_package_data_and_nothing_else(built):
     with zipfile.ZipFile(next(built.glob("*.whl"))) as wheel:
         names = wheel.namelist()
 
+    kept = {
+        f"{place}/{path.relative_to(ROOT / folder).as_posix()}"
+        for folder, place in PLACES.items()
+        for path in (ROOT / folder).rglob("*")
+        if path.is_file() and not path.name.endswith(UNWANTED)
+    }
+    assert {name for name in names if ".dist-info/" not in name} == kept
     tops = {name.split("/")[0] for name in names}
     assert {top for top in tops if not top.endswith(".dist-info")} == {"wmr_ctrl"}
     assert "wmr_ctrl/py.typed" in names

@@ -19,7 +19,7 @@ from wmr_ctrl.page import content
 def laws(request: pytest.FixtureRequest) -> tuple[str, ...]:
     """Those of the page."""
     every = request.config.getoption("every_case")
-    return tuple(name for name in LAWS if every or name not in ("kanayama", "pursuit"))
+    return tuple(name for name in LAWS if every or name not in ("smc", "kanayama", "pursuit"))
 
 
 @pytest.fixture(scope="session")

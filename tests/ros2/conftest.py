@@ -21,7 +21,10 @@ from wmr_ctrl.scenario import load_scenario
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 AT_ONCE = 3
 """Scripts that run beside each other; each keeps less than half a processor busy."""
-FURTHER = ("behind, clip", "wild, governor without odometry")
+FURTHER = (
+    "behind, clip", "loop, velocity", "second vendor, Python", "wild, clip",
+    "wild, governor without odometry",
+)  # fmt: skip
 """How jobs begin whose tests tests/many_cases.txt leaves to ``--every-case``."""
 SLACK, TICK = 0.15, 0.02
 """Time [s] that DDS may take, beside time-outs and ticks; a tick of the nodes that are tested."""
