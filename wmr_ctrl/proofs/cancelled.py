@@ -77,11 +77,8 @@ def uncancelled(claim: Claim) -> Statement:
     with _nothing_simplified():
         # The function with new copies of the objects that it is given: they keep what they built.
         given = {name: item.default for name, item in signature(claim.statement).parameters.items()}
-        fresh = {
-            name: replace(value)
-            for name, value in given.items()
-            if is_dataclass(value) and (not isinstance(value, type))
-        }
+        held = {n: x for n, x in given.items() if is_dataclass(x) and not isinstance(x, type)}
+        fresh = {name: replace(value) for name, value in held.items()}
         statement = partial(claim.statement, **fresh)(CLAIMED)
         _ = statement.graph
     return statement
@@ -120,9 +117,8 @@ def derived_powers(graph: ProvedGraph) -> frozenset[int]:
 def _within(method: Method, inputs: Mapping[str, Any], context: Any) -> list[Any]:
     """Hypotheses that a method holds in regions or boxes, about these inputs."""
     if isinstance(method, Both):  # each of the two shows the claim by itself
-        return _within(
-            method.second if isinstance(method.first, Ring) else method.first, inputs, context
-        )
+        one = method.second if isinstance(method.first, Ring) else method.first
+        return _within(one, inputs, context)
     if isinstance(method, Ball):
         sides = ((inputs[name], pair) for name, pair in method.box.items() if name in inputs)
         return [

@@ -59,11 +59,8 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         cancelled = None
     if cancelled is None and verdict in (PROVED, LEMMA):
         verdict, reason, cancelled = _defined(claim, verdict)
-    counts = [
-        f"{told[many]} {one if told[many] == 1 else many}"
-        for one, many in (("case", "cases"), ("box", "boxes"))
-        if many in told
-    ]
+    counted = [pair for pair in (("case", "cases"), ("box", "boxes")) if pair[1] in told]
+    counts = [f"{told[many]} {one if told[many] == 1 else many}" for one, many in counted]
     return _entry(
         claim,
         verdict,

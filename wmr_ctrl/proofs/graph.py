@@ -59,11 +59,8 @@ class ProvedGraph:
     def digest(self) -> str:
         """sha256 of the nodes that the outputs depend on, with constants to the bit."""
         used = self._reached()
-        rows = [
-            f"{k} {n.op} {n.args} {float(n.value).hex()} {n.name}"
-            for k, n in enumerate(self.nodes)
-            if k in used
-        ]
+        numbered = ((k, n) for k, n in enumerate(self.nodes) if k in used)
+        rows = [f"{k} {n.op} {n.args} {float(n.value).hex()} {n.name}" for k, n in numbered]
         return hashlib.sha256("\n".join([*rows, str(self.outputs)]).encode()).hexdigest()
 
     def _reached(self) -> set[int]:
@@ -103,11 +100,9 @@ def graph_of(
     known = numbers or {}
     nodes = [ProvedNode("const", value=known[n.name]) if n.name in known else n for n in nodes]
     graph = ProvedGraph(tuple(nodes), tuple(places[: len(outputs)]))
-    free = [name for name in graph.input_names if name.startswith("?")]
+    free = ", ".join(name for name in graph.input_names if name.startswith("?"))
     if free:
-        raise ValueError(
-            f"the graph depends on {', '.join(free)}, which the statement does not name"
-        )
+        raise ValueError(f"the graph depends on {free}, which the statement does not name")
     return _compact(graph)
 
 
@@ -151,9 +146,8 @@ def _compact(graph: ProvedGraph) -> ProvedGraph:
             stack.extend((arg, False) for arg in reversed(node.args))
             continue
         place[k] = len(nodes)
-        nodes.append(
-            ProvedNode(node.op, tuple(place[arg] for arg in node.args), node.value, node.name)
-        )
+        args = tuple(place[arg] for arg in node.args)
+        nodes.append(ProvedNode(node.op, args, node.value, node.name))
     return ProvedGraph(tuple(nodes), tuple(place[k] for k in graph.outputs))
 
 

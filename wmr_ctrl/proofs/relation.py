@@ -50,11 +50,8 @@ def between(
 def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, ...]:
     """|value| <= bound, for each element of a column."""
     most = ca.SX(bound) * ca.SX.ones(value.shape)
-    return tuple(
-        side
-        for part, end in zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)
-        for side in (at_least(end, part), at_least(part, -end))
-    )
+    pairs = zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)
+    return tuple(side for x, end in pairs for side in (at_least(end, x), at_least(x, -end)))
 
 
 def when(condition: ca.SX, relation: Relation) -> Relation:

@@ -170,18 +170,14 @@ def follow_parent(parent: int) -> None:
 
 def _costs(ids: Sequence[str]) -> Mapping[str, float]:
     """Seconds by the committed ledger: the longest first, so that both processes end together."""
-    known = _committed()
-    return {
-        key: max(known[key].seconds, LEAST_COST) if key in known else 5 * LEAST_COST for key in ids
-    }
+    known, new = _committed(), 5 * LEAST_COST
+    return {key: max(known[key].seconds, LEAST_COST) if key in known else new for key in ids}
 
 
 REMEDY = (
     "Some entries were not checked; install the proving packages with: "
     "pip install 'wmr_ctrl[proofs]'"
 )
-
-
 ALTERED = {"tried": "functions altered", "caught": "REFUTED then", "open": "left open"}
 
 
@@ -260,9 +256,8 @@ def provenance(ledger: Ledger, committed: Ledger, anew: bool) -> str:
     given = sum(1 for e in ledger.entries if not e.graph_hash and e.verdict != "NOT_CHECKED")
     altered = sum(1 for entry in checked if entry.alterations)
     confirmed = sum(1 for entry in checked if entry.confirmed_by)
-    defined = sum(
-        1 for e in checked if e.id in known and known[e.id].is_about(e.graph_hash, e.versions)
-    )
+    then = ((known[e.id], e) for e in checked if e.id in known)
+    defined = sum(1 for old, e in then if old.is_about(e.graph_hash, e.versions))
     taken = (
         f"the alterations of {altered} of them, the second solvers' answers for {confirmed} and "
         f"that what CasADi cancels is defined for {defined}, where claim, method and versions are "
@@ -277,14 +272,10 @@ def provenance(ledger: Ledger, committed: Ledger, anew: bool) -> str:
 
 def summary(ledger: Ledger, committed: Ledger, complete: bool, anew: bool) -> list[str]:
     """Counts, where they come from, differences from the committed ledger, what is missing."""
-    lines = [
-        ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items()),
-        provenance(ledger, committed, anew),
-    ]
-    lines += [
-        f"{d.id}: {d.now}, committed {d.committed}"
-        for d in differences(ledger, committed, complete)
-    ]
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())
+    lines = [counts, provenance(ledger, committed, anew)]
+    others = differences(ledger, committed, complete)
+    lines += [f"{d.id}: {d.now}, committed {d.committed}" for d in others]
     if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries):
         lines.append(REMEDY)
     return lines

@@ -146,13 +146,11 @@ def estimate(mutation: Mutation) -> Statement:
     The bound on the speed that is carried from sample to sample remains a bound.
     """
     t = symbols("v w mean target least share most")
-    inside = (
-        at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least),
-        *between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(ca.SX(1), t.most),
-    )  # fmt: skip
+    bounds = at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least)
+    shares = *between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(1, t.most)
     end = governor.relaxed(t.w, t.target, t.most, t.least)
     goal = at_least(end, t.v + t.share * (t.mean - t.v))
-    return Statement(t, (goal,), inside)
+    return Statement(t, (goal,), (*bounds, *shares))
 
 
 @claim("filter.curvature", given="lo_i < 0 < hi_i; both axes' commands r_i of any size")

@@ -158,11 +158,10 @@ def lemma_piece(mutation: Mutation) -> Statement:
     a, t = GuardAxis(), symbols("end drag push")
     v, end, edge = a.v, t.end, a.f_speed
     above_edge = ca.logic_or(v > edge, end > edge)
-    given = (
-        *a.sound(), at_least(a.mass, a.M_min), at_least(a.t), *within(t.push, a.dbar),
-        at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min)),
-        equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push)),
-    )  # fmt: skip
+    sizes = at_least(a.mass, a.M_min), at_least(a.t), *within(t.push, a.dbar)
+    sides = at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min))
+    moves = equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push))
+    given = (*a.sound(), *sizes, *sides, moves)
     most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
     return Statement(a.symbols | t, (at_least(most, ca.fmax(end, edge)),), given)
 

@@ -80,11 +80,10 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     more = g.bound("dbar")[axis]
     heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
     moves = right + left if axis == 0 else right - left
-    given = (
-        *(at_least(item) for item in (*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)),
-        *g.above_zero("robot.l", "robot.g", "robot.m"), heaviest,
-        at_least(v if axis == 0 else omega), *within(ca.vertcat(right, left), 1),
-    )  # fmt: skip
+    signs = map(at_least, (*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves))
+    sizes = *g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
+    turns = at_least((v, omega)[axis]), *within(ca.vertcat(right, left), 1)
+    given = (*signs, *sizes, *turns)
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
     return g.states(goal, given=given, cuts={"right": right, "left": left})
 
@@ -196,11 +195,9 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     h, lasts, u1 = g["clock.plant"], g["clock.duration"], g[f"limits.v_u1[{axis + 1}]"]
     window = 2 * g["clock.control"]
     missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t.way
-    given = (
-        *g.above_zero("clock.plant", "sample"), above(u1), *between(2 * h, window, lasts),
-        at_least(lasts, 8 * h), *within(t.way, u1 * window),
-        *within(h * missed, UNIT * u1 * lasts * window),
-    )  # fmt: skip
+    times = *between(2 * h, window, lasts), at_least(lasts, 8 * h)
+    ways = *within(t.way, u1 * window), *within(h * missed, UNIT * u1 * lasts * window)
+    given = (*g.above_zero("clock.plant", "sample"), above(u1), *times, *ways)
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
     off = within(t.shown * window - t.way, most * window)
     whole = g.states(*off, given=given, more=t)

@@ -239,10 +239,9 @@ def agrees(mutation: Mutation) -> Statement:
     """
     s = symbols("V v above below n sum least", "V")
     V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
-    given = (
-        above(V), at_least(ca.SX(2.0**16), s.n), at_least(s.n), at_least(V, s.above),
-        at_least(V, s.below), at_least(s.above + off, s.v), at_least(s.below + off, -s.v),
-    )  # fmt: skip
+    sizes = at_least(2.0**16, s.n), at_least(s.n), at_least(V, s.above), at_least(V, s.below)
+    bounds = at_least(s.above + off, s.v), at_least(s.below + off, -s.v)
+    given = (above(V), *sizes, *bounds)
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
     return Statement(s, (at_least(s.sum, s.least),), given, computed=computed)
 

@@ -218,10 +218,9 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     last = b.period + a.J - a.since
     end = over + last * ca.fmax(most + a.net + D, 0) / a.mass
     free = a.arrived - D * (a.late - a.J) / b.M_min - b.u1
-    given = (
-        *a.sound(), *a.capped, *a.during(), at_least(a.arrived, b.f_speed),
-        *a.lines(way, left, -free), at_least(D), a.withstands(D), at_least(limit, over),
-    )  # fmt: skip
+    known = *a.sound(), *a.capped, *a.during(), at_least(a.arrived, b.f_speed)
+    begins = at_least(D), a.withstands(D), at_least(limit, over)
+    given = (*known, *a.lines(way, left, -free), *begins)
     cuts = {**a.cuts, "room": a.left[0 if way > 0 else 1]}
     return Statement(a.symbols, (at_least(limit, end),), given, cuts)
 

@@ -156,11 +156,10 @@ class GuardAxis(Named):
         b = self.bounds
         have = b.M_min * b.alpha * (b.u1 - b.f_speed)
         need = 2 * self.net * (1 + b.alpha * self.late)
-        return (
-            *self._signs, at_least(ca.SX(faster), b.alpha * b.period),
-            at_least(pushed * have, need), at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net),
-            *self._times, *([self.spread] * (not self.both_act.is_zero())),
-        )  # fmt: skip
+        known = at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * have, need)
+        brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net)
+        spread = [] if self.both_act.is_zero() else [self.spread]
+        return (*self._signs, *known, *brakes, *self._times, *spread)
 
     @property
     def spread(self) -> Relation:
@@ -284,10 +283,9 @@ class GuardAxis(Named):
         if self.lateness < LAGGING:
             return (*self.stated, *self.seen(way), *self.during(), above(beyond), *ordered)
         u1, most, again = self.u1, self.arrived, self.lasts(way)[2] / self.M_min
-        return (
-            *self.stated, above(beyond), at_least(most + again - u1, beyond),
-            at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo),
-        )  # fmt: skip
+        past = above(beyond), at_least(most + again - u1, beyond)
+        left = at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo)
+        return (*self.stated, *past, *left)
 
     def ordered(self, way: int) -> tuple[Relation, ...]:
         """lo <= hi, of which forwards nothing hangs: the clip to hi is the last."""

@@ -162,8 +162,8 @@ class LateAssembled(Assembled):
         assert late.tail is not None
         sure, mixed = late.tail.entering
         n, rows = late.commands, []
+        old, newer = self.forces[n - 1][axis], self.forces[n - 2][axis]
         for k, way in enumerate((1, -1)):
-            old, newer = self.forces[n - 1][axis], self.forces[n - 2][axis]
             joins = sure * push([old], b, way) + mixed * push([old, newer], b, way)
             stays = late.tail.decay * self.p["guard_tail"][2 * axis + k]
             rows.append(stays + b.period * (joins - (sure + mixed) * rest))

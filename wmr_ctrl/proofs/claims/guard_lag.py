@@ -216,11 +216,9 @@ def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     early = waiting(z, p, period + a.J, a.rise_late) / a.mass
     late = (waiting(after, p, period, a.rise) + again) / a.mass
     goals = [at_least(b.u1, a.arrived + ca.if_else(p > 0, more, spare)) for more in (early, late)]
-    given = (
-        *a.sound(), *exponentials(a), at_least(b.braking, a.net), at_least(a.hi, a.lo),
-        *a.lines(way, a("room_", way), spare), *nonnegative(z, after, again),
-        at_least(a.mass, b.M_min), *positive(b.M_min),
-    )  # fmt: skip
+    limits = at_least(b.braking, a.net), at_least(a.hi, a.lo), *a.lines(way, a("room_", way), spare)
+    masses = *nonnegative(z, after, again), at_least(a.mass, b.M_min), *positive(b.M_min)
+    given = (*a.sound(), *exponentials(a), *limits, *masses)
     return Statement(a.symbols, tuple(goals), given, a.rooms)
 
 

@@ -103,12 +103,9 @@ def eq04_reduced(mutation: Mutation) -> Statement:
     h = velocity_map(theta)
     h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, t.omega), 3, 2)
     coriolis = h.T @ dynamics.mass_matrix(t.m, t.I) @ h_dot
-    goals = (
-        *every(mass, ca.diag(dynamics.reduced_mass(mutation * t.m, t.I))),
-        *every(push @ tau, dynamics.wheel_to_force(t.r, t.l, tau)),
-        *every(coriolis, ca.SX(2, 2)),
-    )
-    return Statement(t, goals)
+    masses = every(mass, ca.diag(dynamics.reduced_mass(mutation * t.m, t.I)))
+    forces = every(push @ tau, dynamics.wheel_to_force(t.r, t.l, tau))
+    return Statement(t, (*masses, *forces, *every(coriolis, ca.SX(2, 2))))
 
 
 @claim(

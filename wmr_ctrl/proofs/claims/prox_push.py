@@ -188,12 +188,10 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d w way x_next x_real eps E p W")
     whole = s.period * t.p / s.mass + t.eps + t.E * t.way
-    given = (
-        *s.numbers, above(t.E), above(1, t.E), at_least(t.w),
-        at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next)),
-        *within(t.x_real - t.x_next, t.eps), *within(s.free.f + t.d, t.p),
-        equal(t.W * (1 - t.E), mutation(1, 0.9) * whole),
-    )  # fmt: skip
+    nearest = at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next))
+    off = *within(t.x_real - t.x_next, t.eps), *within(s.free.f + t.d, t.p)
+    sums_up = equal(t.W * (1 - t.E), mutation(1, 0.9) * whole)
+    given = (*s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, *off, sums_up)
     goal = falls(ca.fabs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 

@@ -163,11 +163,9 @@ def level_set(mutation: Mutation) -> Statement:
     t = Tracking("u21 u22 level")
     e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t.level, _undisturbed(t)
     room = t.u22 - ca.fabs(v_d[1])
-    given = (
-        *positive(k2, v_d[0]), at_least(t.u21, v_d[0]), above(room),
-        at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level),
-        above(level, analysis.position_lyapunov(e, k2)),
-    )  # fmt: skip
+    low = at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level)
+    sizes = *positive(k2, v_d[0]), at_least(t.u21, v_d[0]), above(room)
+    given = (*sizes, *low, above(level, analysis.position_lyapunov(e, k2)))
     kept = (at_least(t[f"u2{i + 1}"], ca.fabs(p[i])) for i in (0, 1))
     return t.states(*kept, above(ca.cos(e[2]), -1), given=given)
 

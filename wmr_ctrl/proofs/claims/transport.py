@@ -189,10 +189,8 @@ def root(mutation: Mutation) -> Statement:
     In units of velocity, V1 rises by no more than the way of its target.
     """
     t = symbols("before after S S_next w step")
-    given = (
-        *nonnegative(t.S, t.S_next), equal(t.S ** 2, 2 * t.before),
-        equal(t.S_next ** 2, 2 * t.after), at_least(2 * t.before, t.w ** 2),
-        at_least(t.before - t.w * t.step + 0.5 * t.step ** 2, t.after),
-    )  # fmt: skip
+    roots = equal(t.S**2, 2 * t.before), equal(t.S_next**2, 2 * t.after)
+    moves = at_least(t.before - t.w * t.step + 0.5 * t.step**2, t.after)
+    given = (*nonnegative(t.S, t.S_next), *roots, at_least(2 * t.before, t.w**2), moves)
     most = t.S + mutation(1, 0.9) * ca.fabs(t.step)
     return Statement(t, (at_least(most, t.S_next),), given)

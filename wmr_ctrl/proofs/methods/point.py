@@ -76,9 +76,8 @@ class PointArithmetic(Arithmetic):
 def decide_points(statement: Statement, method: Refute) -> Finding:
     """REFUTED by the first point that keeps every hypothesis and breaks a goal."""
     found = first_violation(statement, method.points)
-    if found is None:
-        return Finding(OPEN, {"points tried": len(method.points)})
-    return Finding(REFUTED, {"points tried": len(method.points)}, found)
+    verdict = OPEN if found is None else REFUTED
+    return Finding(verdict, {"points tried": len(method.points)}, found)
 
 
 def first_violation(statement: Statement, points: Iterable[Point]) -> Point | None:

@@ -272,22 +272,15 @@ def relation(kind: str, value: Any) -> Any:
 
 def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Iterator[Point]:
     """A model as rational points; angles from their sine and cosine."""
-    term = {
-        name: model.eval(variable.translate(model.ctx), model_completion=True)
-        for name, variable in arithmetic.inputs.items()
-    }
-    point = {name: _rational(value) for name, value in term.items()}
+
+    def rational(term: Any) -> Fraction:
+        value = model.eval(term.translate(model.ctx), model_completion=True)
+        return (value.approx(40) if z3.is_algebraic_value(value) else value).as_fraction()
+
+    point = {name: rational(variable) for name, variable in arithmetic.inputs.items()}
     for name, (s, c) in arithmetic.angles().items():
-        s_value, c_value = (
-            _rational(model.eval(x.translate(model.ctx), model_completion=True)) for x in (s, c)
-        )
-        point[name] = Fraction(atan2(float(s_value), float(c_value)))
+        point[name] = Fraction(atan2(float(rational(s)), float(rational(c))))
     yield {name: point.get(name, Fraction(0)) for name in statement.graph.input_names}
-
-
-def _rational(value: Any) -> Fraction:
-    exact: Fraction = (value.approx(40) if z3.is_algebraic_value(value) else value).as_fraction()
-    return exact
 
 
 OUTSIDE: dict[str, Callable[..., Any]] = {
