@@ -7,7 +7,7 @@ from typing import Any
 import z3
 
 from wmr_ctrl.proofs.methods.smt import Problem, posed
-from wmr_ctrl.proofs.methods.spec import Z3, Method, parts
+from wmr_ctrl.proofs.methods.spec import Z3, Both, Method
 from wmr_ctrl.proofs.statement import Statement
 
 COMMANDS = frozenset({"assert", "echo", "exit", "pop", "push", "reset"})
@@ -54,4 +54,6 @@ def _text(problem: Problem, term: Any) -> str:
 
 def uses_z3(method: Method | None) -> bool:
     """True if a verdict of this method rests on z3."""
-    return method is not None and any(isinstance(part, Z3) for part in parts(method))
+    return isinstance(method, Z3) or (
+        isinstance(method, Both) and (uses_z3(method.first) or uses_z3(method.second))
+    )
