@@ -113,9 +113,8 @@ def target_value(target: str, u2: Any, b: Any, j: Any) -> Any:
 
 def side_value(side: str, u2: Any, b: Any, i: Any) -> Any:
     """v of a region."""
-    size = {"zero": u2 - u2, "in": u2 * i / (1 + i), "kink": u2, "out": u2 + b * i / (1 + i)}[
-        side.rstrip("+-")
-    ]
+    sizes = {"zero": u2 - u2, "in": u2 * i / (1 + i), "kink": u2, "out": u2 + b * i / (1 + i)}
+    size = sizes[side.rstrip("+-")]
     return -size if side.endswith("-") else size
 
 

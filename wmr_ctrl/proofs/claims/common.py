@@ -34,18 +34,13 @@ def named_axes(angular: str = "-angular") -> tuple[dict[str, Any], ...]:
     return rows(axis=(0, 1), of=("", angular), where=("linear", "angular"))
 
 
-BARRIERS = (
-    {
-        "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
-        "optimal": "prox.optimal", "least": "eq81", "compiled": "forms.V1 forms.v_c1 P1.prox",
-        "bound": "m (m + C - v_u1)", "C_less": "C - v_u1"
-    },
-    {
-        "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
-        "optimal": "prox.optimal-smooth", "least": "prox.optimal-smooth",
-        "compiled": "smooth.V1 smooth.v_c1", "bound": "m (m + C - v_u1 + k/(v_u1 - v_u2))",
-        "C_less": "C - v_u1 + 1/(v_u1 - v_u2)"
-    },
+BARRIERS = rows(
+    key=("", "-smooth"), smooth=(False, True), words=("paper's barrier", "smooth barrier"),
+    convex=("convex", "smooth.convex"), optimal=("prox.optimal", "prox.optimal-smooth"),
+    least=("eq81", "prox.optimal-smooth"),
+    compiled=("forms.V1 forms.v_c1 P1.prox", "smooth.V1 smooth.v_c1"),
+    bound=("m (m + C - v_u1)", "m (m + C - v_u1 + k/(v_u1 - v_u2))"),
+    C_less=("C - v_u1", "C - v_u1 + 1/(v_u1 - v_u2)"),
 )  # fmt: skip
 """Both barriers, for entries of both: name, words, and the entries on each."""
 

@@ -35,9 +35,8 @@ def _within(sign: int) -> Case:
     def values(n: Mapping[str, Any]) -> dict[str, Any]:
         return {"y": sign * n["n"] / (20 * n["n"] + n["m"])}
 
-    return Case(
-        f"{'0 < y < 0.05' if sign > 0 else '-0.05 < y < 0'}", {"n": POSITIVE, "m": POSITIVE}, values
-    )
+    label = "0 < y < 0.05" if sign > 0 else "-0.05 < y < 0"
+    return Case(label, {"n": POSITIVE, "m": POSITIVE}, values)
 
 
 BEYOND = (

@@ -212,11 +212,9 @@ def speed(mutation: Mutation, rises: bool) -> Statement:
     d = s.d
     inverse = ca.vertcat(s.inverse, s.inverse_behind)
     steps = a.forecast.steps(c, inverse)
-    given = [
-        *a.faded, *within(a.table.high[0], 5), at_least(0.2, s.left), at_least(4 * c, s.tail),
-        *within(s.u, 2 * c), *within(s.over1, 4 * c), *within(s.under1, 4 * c),
-        *between(0, d, s.turn + ENDED * c),
-    ]  # fmt: skip
+    given = [*a.faded, *within(a.table.high[0], 5), at_least(0.2, s.left), at_least(4 * c, s.tail)]
+    given += *within(s.u, 2 * c), *within(s.over1, 4 * c), *within(s.under1, 4 * c)
+    given += between(0, d, s.turn + ENDED * c)
     for word in ("over", "under"):
         given += [at_least(4 * c, s[f"past_{word}"]), at_least(s[f"past_{word}"], -c)]
     for item, high in zip(ca.vertsplit(inverse), ca.vertsplit(a.table.high), strict=True):

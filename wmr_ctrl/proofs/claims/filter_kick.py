@@ -177,10 +177,8 @@ class Command(Named):
 
     def __init__(self, mutation: Mutation) -> None:
         """Name the numbers; what counts as a push leads to the kick in the shortest while."""
-        self.symbols = t = symbols(
-            "start bound asked gone gone_least gone_most credit left V d K_max kick",
-            "V d K_max kick gone_least gone_most",
-        )
+        fixed = "gone_least gone_most V d K_max kick"
+        self.symbols = t = symbols(f"start bound asked gone credit left {fixed}", fixed)
         self.push = held_loop.push_of_kick(mutation(1, 0.9) * t.kick, t.gone_least)
         kappa = 1 / t.gone_most - 1
         unused, d = ca.SX(0), t.d + self.push

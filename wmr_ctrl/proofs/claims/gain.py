@@ -19,7 +19,7 @@ import casadi as ca
 from wmr_ctrl.barrier.stable import Axis, SmoothAxis, smooth_barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs import regions
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.authority_table import AXES, Numbers
 from wmr_ctrl.proofs.claims.common import (
     ALL_LIMITS,
@@ -175,11 +175,10 @@ def fades(mutation: Mutation) -> Statement:
     "gain.closed{key}",
     by=lambda targets: Ring(tuple(map(charted, targets))),
     premises="gain.cover",
-    over=(
-        {"key": "", "equations": (15,), "words": "paper's", "form": Axis,
-         "targets": regions.TARGETS + regions.TARGET_EDGES},
-        {"key": "-smooth", "equations": (), "words": "smooth", "form": SmoothAxis,
-         "targets": regions.SMOOTH_TARGETS},
+    over=rows(
+        key=("", "-smooth"), equations=((15,), ()), words=("paper's", "smooth"),
+        form=(Axis, SmoothAxis),
+        targets=(regions.TARGETS + regions.TARGET_EDGES, regions.SMOOTH_TARGETS),
     ),
 )  # fmt: skip
 def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:

@@ -10,7 +10,7 @@ import casadi as ca
 
 from wmr_ctrl.guard.delay import InFlight, waiting
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
-from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claim import Claims, Mutation, rows
 from wmr_ctrl.proofs.claims.guard import HARD, NUMBERS_FREE, upper
 from wmr_ctrl.proofs.claims.guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import FEASIBLE, only
@@ -49,10 +49,9 @@ def maximal(mutation: Mutation) -> Statement:
 @claim(
     "guard.{at}necessary",
     given="u1, T, M_min, dbar{more} > 0",
-    over=(
-        {"at": "", "late": False, "T": "T", "more": "", "when": ""},
-        {"at": "delay.", "late": True, "T": "(T + delay)", "more": ", delay",
-         "when": " just after a sample"},
+    over=rows(
+        late=(False, True), at=("", "delay."), T=("T", "(T + delay)"), more=("", ", delay"),
+        when=("", " just after a sample"),
     ),
 )  # fmt: skip
 def necessary(mutation: Mutation, late: bool) -> Statement:
@@ -148,10 +147,8 @@ def unvaried(_: Mutation) -> Statement:
     force = clipped(a.asked, a.y, b, InFlight(a.ahead, a.back))
     p = ca.fmax(force + a.net, 0)
     end = a.arrived + waiting(z, p, b.period, t.rise) / b.M_min
-    given = (
-        *a.stated, *a.seen(1), at_least(z), equal(a.rest_ahead, a.ahead),
-        equal(a.rest_back, a.back), above(t.fast), above(t.slow, t.fast), above(t.rise),
-        at_least(t.slow - t.fast, t.rise), at_least(a.ahead * b.M_min, t.slow * z),
-        at_least(b.u1, a.arrived),
-    )  # fmt: skip
+    sums = at_least(z), equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back)
+    lags = above(t.fast), above(t.slow, t.fast), above(t.rise), at_least(t.slow - t.fast, t.rise)
+    room = at_least(a.ahead * b.M_min, t.slow * z), at_least(b.u1, a.arrived)
+    given = (*a.stated, *a.seen(1), *sums, *lags, *room)
     return Statement(a.symbols | t, (at_least(b.u1, end),), given, a.cuts)

@@ -6,6 +6,8 @@ carried velocity v* and values of V1 stand as free numbers with what other entri
 holds none of the graphs is a LEMMA.
 """
 
+from typing import TypeAlias
+
 import casadi as ca
 
 from wmr_ctrl.barrier.proximal import LARGEST, resolvent, root, transported
@@ -134,6 +136,8 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
 
 
 HARD = Z3(effort=150)
+Goals: TypeAlias = tuple[Relation, ...]
+NONE = Symbols()
 
 
 class Step:
@@ -152,23 +156,16 @@ class Step:
         self.end = prox_step(t.v, way, self.shares, self.limits, smooth)
 
     def states(
-        self,
-        goals: tuple[Relation, ...],
-        given: tuple[Relation, ...],
-        names: tuple[str, ...],
-        more: dict[str, ca.SX] | None = None,
+        self, goals: Goals, given: Goals, names: tuple[str, ...], more: Symbols = NONE
     ) -> Statement:
         """Statement for 0 < u2 < u1 and 0 < E < 1 on the graph of `prox_step`, cut at ``names``."""
         t, one = self.inputs, ca.SX(1)
-        inner = {
-            "carried": self.start,
-            "end": resolvent(self.argument, self.shares[1], *self.limits, self.smooth),
-            "x_followed": resolvent(t.followed, one, *self.limits, self.smooth),
-            "x_target": resolvent(t.target, one, *self.limits, self.smooth),
-        }
+        maps = {"end": (self.argument, self.shares[1]), "x_followed": (t.followed, one)}
+        maps["x_target"] = t.target, one
+        inner = {name: resolvent(*of, *self.limits, self.smooth) for name, of in maps.items()}
+        cuts = {name: (inner | {"carried": self.start})[name] for name in names}
         plain = above(t.u2), above(t.u1, t.u2), above(t.E), above(1, t.E)
-        cuts = {name: inner[name] for name in names}
-        return Statement(t | self.free | (more or {}), goals, (*plain, *given), cuts)
+        return Statement(t | self.free | more, goals, (*plain, *given), cuts)
 
 
 claim = Claims(by=HARD, given="0 < v_u2 < v_u1, 0 < E < 1")

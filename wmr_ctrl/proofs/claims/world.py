@@ -79,6 +79,8 @@ class EffectGraph(Named):
 
 SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
 INSIDE = "r, l, N, 1 + radius_i, 1 + track > 0; |v1| <= u1, |omega| <= u2"
+MISREAD = "|c - 1| u1 + |d| l' u2", "|c l'/l - 1| u2 + |d| u1/l"
+MISMADE = "tau sum |1/(1 + radius_i) - 1|/r", "l tau sum |(1 + track)/(1 + radius_i) - 1|/r"
 WHOLE = (
     "every turn of both wheels now and a window ago; counts are their whole parts: "
     "n <= turn < n + 1; r, l, N, w > 0; w one control period, after the first sample"
@@ -177,10 +179,7 @@ def _shares(g: EffectGraph) -> tuple[Relation, ...]:
     "world.wheels.misread-{name}",
     given=INSIDE,
     by=lambda axis: Both(HARD, Ring(wheel_cases(axis, True))),
-    over=(
-        {"name": "v1", "axis": 0, "off": "|c - 1| u1 + |d| l' u2"},
-        {"name": "omega", "axis": 1, "off": "|c l'/l - 1| u2 + |d| u1/l"},
-    ),
+    over=rows(axis=(0, 1), name=("v1", "omega"), off=MISREAD),
 )
 def misread_speed(mutation: Mutation, axis: int) -> Statement:
     """with wheels other than believed, their turns give {name} off by at most {off}, c
@@ -207,10 +206,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     "world.wheels.{name}",
     given=SIZES,
     by=lambda axis: Both(HARD, Ring(wheel_cases(axis, False))),
-    over=(
-        {"name": "thrust", "axis": 0, "off": "tau sum |1/(1 + radius_i) - 1|/r"},
-        {"name": "moment", "axis": 1, "off": "l tau sum |(1 + track)/(1 + radius_i) - 1|/r"},
-    ),
+    over=rows(axis=(0, 1), name=("thrust", "moment"), off=MISMADE),
 )
 def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
     """torques of at most tau make a {name} that is off by at most {off}.
