@@ -135,19 +135,20 @@ def scheduled(items: Sequence[Item]) -> list[Item]:
     The last items keep their order, so that results stay where they are.
     """
     maker = {number: item for item in items for number in item.defines}
-    done: dict[Item, None] = {}
+    done, begun = dict[Item, None](), set[Item]()
     for start in (*(item for item in items if not item.defines), *items):
-        stack = [(start, False)]  # depth first, without recursion: chains are hundreds long
+        stack = [start]  # depth first, without recursion: chains are hundreds long
         while stack:
-            item, ready = stack.pop()
-            if item in done:
+            item = stack[-1]
+            if item in begun:
+                done[stack.pop()] = None
                 continue
-            if ready:
-                done[item] = None
-                continue
-            stack.append((item, True))
-            before = [maker[k] for k in sorted(item.reads, reverse=True) if k in maker]
-            stack.extend((other, False) for other in before if other not in done)
+            begun.add(item)
+            reads = item.reads
+            for number in sorted(reads, reverse=True) if len(reads) > 1 else reads:
+                before = maker.get(number)
+                if before is not None and before not in done:
+                    stack.append(before)
     return list(done)
 
 
