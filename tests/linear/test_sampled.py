@@ -84,11 +84,10 @@ def test_velocity_swings_about_the_kink_just_above_its_limit(nominal, axis):
     asked[axis] = u2 + 2.5
     pull = pull_of(nominal, "mb", axis, asked)
 
-    for factor, settles in ((BELOW, True), (ABOVE, False)):
-        v = u2 - 1e-5
-        for _ in range(2000):
-            v += factor * limit * float(pull(v)) / mass
-        assert bool(abs(v - u2) < 1e-7) is settles
+    v, factors = np.full(2, u2 - 1e-5), np.array([BELOW, ABOVE])
+    for _ in range(2000):
+        v = v + factors * limit * pull(v) / mass
+    assert (abs(v - u2) < 1e-7).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(
