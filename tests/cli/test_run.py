@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 
 import pytest
+from click.testing import CliRunner
 
+from wmr_ctrl import api
 from wmr_ctrl.checks import grip_warnings, warnings_for
-from wmr_ctrl.cli import options
+from wmr_ctrl.cli import options, root
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import MissingExtraError
 from wmr_ctrl.report import animate, drawing
@@ -260,3 +262,21 @@ def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_pa
     assert "note: without effect here: encoder.window, gyro.noise, gains.prox.rho." in found.stderr
     assert OWN_K in " ".join(own.stderr.split())
     assert "without effect" not in plain.stderr + shared.stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "idle"),
+    [
+        (("plant",), "gains.nn.eta, gains.mb.rho, gains.kinematics.k"),
+        (("closed-loop", "--law", "mb"), "gains.nn.eta"),
+        (("modelica",), ""),
+    ],
+)  # fmt: skip
+def test_outputs_name_the_keys_that_they_do_not_read(command, idle, monkeypatch):
+    monkeypatch.setattr(api, "export_fmu", lambda *_, **__: ())
+    keys = ("gains.nn.eta=1", "gains.mb.rho=15,57", "gains.kinematics.k=8,5,4")
+    stated = [part for key in keys for part in ("--set", key)]
+    found = CliRunner().invoke(root, ["export", *command, *stated])
+    said = [line for line in found.stderr.splitlines() if "without effect" in line]
+
+    assert said == ([f"note: without effect here: {idle}."] if idle else [])

@@ -240,6 +240,11 @@ REFUSED = {
     "counts a lag or late velocities": ("safe-simulation", {"actuator.lag": 0.005}, "prox"),
     "unstable": ("safe-simulation", {"clock.control": 0.2, "guard.enabled": False}, "prox"),
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
+    "depends on the heading, such as a slope": (
+        "turtlebot3-burger",
+        {"slope.angle": 0.01, "filter.kind": "none"},
+        "prox",
+    ),
     "may grow as large as what the loop corrects, beyond the 30.4 mm that the linear loop leaves": (
         "safe-experiment",
         EXACT_POSE,

@@ -165,7 +165,7 @@ def filter_lines(setup: Setup) -> Iterator[str]:
     if facts is None:
         return
     limits, stated = speeds(setup.scenario.limits.v_u1), setup.scenario.filter
-    v, omega = (rounded(speed, 3, up=False) for speed in facts.usable_speed)
+    v, omega = (rounded(max(speed, 0.0), 3, up=False) for speed in facts.usable_speed)
     held = "is not guaranteed to keep" if facts.broken else "keeps"
     yield (
         f"the filter ({facts.statement}) {held} {limits}; at rest it leaves at least {v} "

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from wmr_ctrl.api_types import ExportOptions
     from wmr_ctrl.scenario import Scenario
 
+WITH_LAW = ("corridor", "closed-loop", "ssp", "simulink")
+"""Outputs that hold the law of the option ``--law``."""
+
 
 @opt.command(
     "Write FMUs for other simulation tools.",
@@ -32,7 +35,10 @@ if TYPE_CHECKING:
     "what", metavar="plant|LAW|reference|guard|filter|corridor|closed-loop|ssp|modelica|simulink"
 )
 @click.option(
-    "--law", default="nn", metavar="NAME", help="Law for corridor, closed-loop, ssp and simulink."
+    "--law",
+    default="nn",
+    metavar="NAME",
+    help=f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}.",
 )
 @opt.scenario_option
 @opt.set_option
@@ -70,6 +76,7 @@ def export(
     _refuse_unread(what, options.keys() - given)
     opt.check_folder(out, "--out")
     case = opt.load(scenario, assignments)
+    opt.note_idle(case, scenario, assignments, _laws(what, options.get("law")))
     given |= {"scenario": case, "out": out}
     with Progress(f"export {what}", measured=False):
         paths = api.export_fmu(what, **cast("ExportOptions", given))
@@ -84,6 +91,14 @@ def export(
             say("note", f"{paths[0].name}: {text}")
     if "arrays" in read_by(what) and not steps_fmus():
         say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")
+
+
+def _laws(what: str, law: object) -> list[str]:
+    """Laws whose gains an output reads: its own, one that is chosen, or all."""
+    from wmr_ctrl.laws.registry import LAWS
+
+    own = what, law if what in WITH_LAW else None
+    return [name for name in LAWS if name in own or what == "modelica"]
 
 
 def _ask_about_units(what: str, case: Scenario) -> None:
@@ -156,6 +171,7 @@ def codegen(
             "it works only with --ros2. Add --ros2, or leave --param out.", param_hint="--param"
         )
     case = opt.load(scenario, assignments)
+    opt.note_idle(case, scenario, assignments, _laws(law, watched))
     _refuse_unread(f"codegen {law}", ("float32", "ros2") if law == CORRIDOR else ("watched",))
     if law == CORRIDOR and watched is None:
         raise click.BadParameter(

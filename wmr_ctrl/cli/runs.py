@@ -228,6 +228,7 @@ def cosim(
     from wmr_ctrl import api
 
     case = opt.load(scenario, assignments, guard)
+    opt.note_idle(case, scenario, assignments, [law] if law else [])
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress
         run = api.cosimulate(case, law, **options)

@@ -127,7 +127,7 @@ def bounded_inputs(setup: Setup) -> Inputs:
             )
     if scenario.section(Lag).lag_spread > 0:
         raise NoCorridorError("actuator.lag_spread > 0: a lag that varies is not covered")
-    if _turns(setup, acting):
+    if len(surroundings(punctual(scenario)).headings) > 1:
         raise NoCorridorError(
             "an effect that depends on the heading, such as a slope, is not covered: leave it out"
         )
@@ -173,17 +173,6 @@ def without_pose(scenario: Scenario, losses: int) -> int:
     """Samples in a row without a pose, where so many poses in a row are lost."""
     period = scenario.section(PoseSensor).pose_period
     return max(1, round(period / scenario.clock.control)) * (1 + losses) - 1
-
-
-def _turns(setup: Setup, acting: list[Effect]) -> bool:
-    """True where something acts by the heading."""
-    if not setup.takes_velocity:
-        return len(surroundings(punctual(setup.scenario)).headings) > 1
-    theta = PLANT_STATE[2]
-    return any(
-        theta in (port.signal for port in effect.system(setup.scenario).inputs)
-        for effect in acting if effect.role is EffectRole.DISTURBANCE
-    )  # fmt: skip
 
 
 def check_covered(setup: Setup) -> None:
