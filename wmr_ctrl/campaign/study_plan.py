@@ -129,9 +129,8 @@ def plan_of(raw: Raw, folder: Path = Path()) -> Study:
     _check_guard({**varied, **({"set": fixed} if "guard" in raw else {})})
     _check(study)
     keys = (*fixed, *study.grid, *varied["sample"])
-    return replace(
-        study, stated=frozenset(stated_keys(source if isinstance(source, str) else "", keys))
-    )
+    stated = stated_keys(source if isinstance(source, str) else "", keys)
+    return replace(study, stated=frozenset(stated))
 
 
 def _check_places(tables: Mapping[str, Iterable[str]]) -> None:

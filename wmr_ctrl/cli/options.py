@@ -222,9 +222,8 @@ def check_folder(path: str, option: str) -> None:
             f"folder. Name the folder, such as {folder.stem!r}."
         )
     nearest = next(item for item in (folder, *folder.absolute().parents) if item.exists())
+    where = f"{option} {path!r}: {nearest}"
     if not nearest.is_dir():
-        raise ArgumentError(f"{option} {path!r}: {nearest} is a file. Name a folder.")
+        raise ArgumentError(f"{where} is a file. Name a folder.")
     if not os.access(nearest, os.W_OK | os.X_OK):
-        raise ArgumentError(
-            f"{option} {path!r}: {nearest} may not be written to. Name another folder."
-        )
+        raise ArgumentError(f"{where} may not be written to. Name another folder.")

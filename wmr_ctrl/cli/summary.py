@@ -7,19 +7,11 @@ from typing import Any
 import click
 import numpy as np
 
+from wmr_ctrl import results
 from wmr_ctrl.cli.console import print_json, say, table, wrapped, write_file
 from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results import (
-    OBJECTED,
-    RigidMonitor,
-    Run,
-    driving,
-    labouring,
-    percent,
-    speeds,
-    summary,
-)
+from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
 from wmr_ctrl.results.frames import FMUS
 from wmr_ctrl.results.measures import heading_rms
@@ -46,7 +38,7 @@ def summary_text(run: Run) -> str:
     ]
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
     said = (wrapped(run.explanation), *remarks, *_counted(run))
-    return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, summary(run)))))
+    return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, results.summary(run)))))
 
 
 def _theirs(run: Run) -> bool:
@@ -57,11 +49,11 @@ def _theirs(run: Run) -> bool:
 def _unsaid(run: Run) -> Iterator[str]:
     """Remarks that are not the outcome's own sentence; objections by key, as `check` has them."""
     for item in run.remarks:
-        if item.key not in (run.outcome.value, OBJECTED):
+        if item.key not in (run.outcome.value, results.OBJECTED):
             yield f"{item.key}: {item.text}"
     keys = dict.fromkeys(item.key for item in run.outlook.objections) if run.outlook else ()
     if keys:
-        yield f"{OBJECTED}: `wmr-ctrl check` objects to {', '.join(keys)}, and says why"
+        yield f"{results.OBJECTED}: `wmr-ctrl check` objects to {', '.join(keys)}, and says why"
 
 
 def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -77,12 +69,12 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
-    changed, when = figures["torque_change_rms"], labouring(run)
+    changed, when = figures["torque_change_rms"], results.labouring(run)
     yield "wheel torque, change", _number(changed, "N m"), f"RMS per sample, {when}"
     needed = "RMS, by the motion" + (" of the scenario's robot" if _theirs(run) else "")
     yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), f"{needed}, {when}"
     if figures["saturated_share"] is not None:
-        share = percent(figures["saturated_share"])
+        share = results.percent(figures["saturated_share"])
         yield "wheel torque at its limit", share, f"of the samples, {when}"
     if run.monitor.rigid is not None:
         yield from _rigid(run.monitor.rigid)
@@ -91,7 +83,7 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 def _changed(by: str, axes: tuple[str, str], figures: dict[str, Any]) -> Iterator[Row]:
     """Shares of the samples that guard or filter changed."""
     for axis, share in zip(axes, figures[f"{by}_share"] or (None, None), strict=True):
-        changed = MISSING if share is None else percent(share)
+        changed = MISSING if share is None else results.percent(share)
         yield f"{by} changed {axis}", changed, "of the samples"
 
 
@@ -103,7 +95,7 @@ def _counted(run: Run) -> Iterator[str]:
     named = zip(("M", "I"), *known.masses, ("kg", "kg m2"), strict=True)
     masses = ("{} {:.4g} to {:.4g} {}".format(*item) for item in named)
     dbar = "" if known.dbar is None else f"dbar {_force(known.dbar)}; "
-    rest = f"{dbar}nbar {speeds(known.nbar)}; alpha {_number(known.alpha, '1/s')}"
+    rest = f"{dbar}nbar {results.speeds(known.nbar)}; alpha {_number(known.alpha, '1/s')}"
     yield wrapped(f"The guard relies on {', '.join(masses)}; {rest}.")
 
 
@@ -111,7 +103,8 @@ def _usable(run: Run) -> Iterator[Row]:
     usable, asked = run.settings.usable, run.settings.asked
     if usable is not None and asked is not None:
         beyond = ": TOO FAST" if any(a > u for a, u in zip(asked, usable, strict=True)) else ""
-        yield "usable with the guard", speeds(usable), f"reference {speeds(asked)}{beyond}"
+        wanted = f"reference {results.speeds(asked)}{beyond}"
+        yield "usable with the guard", results.speeds(usable), wanted
 
 
 def _rigid(seen: RigidMonitor) -> Iterator[Row]:
@@ -127,7 +120,7 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     """The headline: how far the robot was from where it should have been."""
     parts, tolerance = figures["tracking"], run.settings.tolerance
     yield "position error, RMS", _small(figures["position_rms"]["all"], "m"), "whole run"
-    windows = {"drive": driving(run), "end": "after arrival"}
+    windows = {"drive": results.driving(run), "end": "after arrival"}
     for part, when in windows.items():
         if parts[part] is not None:
             rms = parts[part]["position_rms"]

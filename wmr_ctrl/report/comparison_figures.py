@@ -48,9 +48,8 @@ def _draw_violations(figure: Figure, rows: RunTable) -> None:
         ticks = {0: "0", 1: "1", 10: "10", 100: "100", 1e3: "10³", 1e4: "10⁴", 1e5: "10⁵"}
         axes.set_xticks([*ticks], [*ticks.values()])
         axes.axvspan(0.5, 2e5, color=LIMIT, alpha=0.07, lw=0)
-    drawing.heading(
-        figure, "Plant steps beyond a velocity limit", [*drawing.law_marks(rows.laws), *_kinds()]
-    )
+    marks = [*drawing.law_marks(rows.laws), *_kinds()]
+    drawing.heading(figure, "Plant steps beyond a velocity limit", marks)
 
 
 def _fill(axes: Axes, rows: RunTable, base: str) -> None:
@@ -75,9 +74,8 @@ def _draw_position(figure: Figure, rows: RunTable) -> None:
         for place, law in enumerate(rows.laws):
             for guard in (False, True):
                 runs = rows.where(case=BASE, law=law, base=base, guard=guard)
-                drawing.dots(
-                    axes, 1e3 * runs[AWAY], place + (0.2 if guard else -0.2), law, filled=not guard
-                )
+                height = place + (0.2 if guard else -0.2)
+                drawing.dots(axes, 1e3 * runs[AWAY], height, law, filled=not guard)
         axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
         drawing.plain_ticks(axes, (1,))
         _name(axes, f"torque held for {base}")

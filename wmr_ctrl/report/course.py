@@ -126,7 +126,6 @@ def band(path: Floats, width: Floats) -> Floats:
     begun = np.append(0, moved)
     path, width = path[:, begun], np.maximum.reduceat(width, begun)
     ahead = np.gradient(path, axis=1)
-    side = (
-        width * np.array((-ahead[1], ahead[0])) / np.maximum(np.hypot(*ahead), np.finfo(float).tiny)
-    )
+    step = np.maximum(np.hypot(*ahead), np.finfo(float).tiny)
+    side = width * np.array((-ahead[1], ahead[0])) / step
     return np.hstack([path + side, (path - side)[:, ::-1]])

@@ -73,9 +73,8 @@ class Trace:
             if self.smooth:
                 rest.plot(*drawing.thin(t, y), color=seen.colour, lw=0.5, alpha=0.25)
                 mean = drawing.running_mean(y, max(1, round(self.smooth / run.settings.control)))
-                rest.plot(
-                    *drawing.thin(t, mean, 500), color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5
-                )
+                line = drawing.thin(t, mean, 500)
+                rest.plot(*line, color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5)
             else:
                 rest.plot(*drawing.thin(t, y), color=seen.colour, ls=seen.dash, lw=0.9)
         run = next(iter(group.values()))
@@ -117,9 +116,8 @@ class WholeTrace:
                 axes.plot(*drawing.thin(run.time, y, 1000), color=seen.colour, lw=0.4, alpha=0.2)
                 y = drawing.running_mean(y, max(1, round(self.mean / run.settings.control)))
                 axes.set(xlabel=f"t [s] (faint: samples; line: {self.mean:g} s mean)", yscale="log")
-            axes.plot(
-                *drawing.thin(run.time, y, points), color=seen.colour, ls=seen.dash, zorder=2.5
-            )
+            line = drawing.thin(run.time, y, points)
+            axes.plot(*line, color=seen.colour, ls=seen.dash, zorder=2.5)
         run = next(iter(group.values()))
         axes.set(xlim=(0, run.settings.duration))
         axes.set_ylim(bottom=self.floor)
@@ -154,9 +152,8 @@ def _draw_paths(
         rows = slice(None if end is None else run.settings.index(end) + 1)
         path, desired = (run["x"][rows], run["y"][rows]), (run["x_d"][rows], run["y_d"][rows])
         seen += [np.column_stack(path), np.column_stack(desired)]
-        axes.plot(
-            *drawing.thin_path(*path, points), color=look(law).colour, ls=look(law).dash, lw=1.1
-        )
+        line = drawing.thin_path(*path, points)
+        axes.plot(*line, color=look(law).colour, ls=look(law).dash, lw=1.1)
     drawing.plot_reference(axes, *drawing.thin_path(*desired, dots))
     axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
     places = np.concatenate(seen)

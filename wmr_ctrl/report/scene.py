@@ -96,9 +96,8 @@ class Scene:
         for axis, (symbol, unit) in enumerate((("v₁", "m/s"), ("ω", "rad/s"))):
             scale = self.scales[axis]
             shares = np.column_stack([one.velocity[:, axis] for one in self.actors]) / scale
-            gauges.append(
-                Gauge(f"{symbol}, {word}\n±{scale:.4g} {unit}", shares, (-1, 1), self.limited)
-            )
+            words = f"{symbol}, {word}\n±{scale:.4g} {unit}"
+            gauges.append(Gauge(words, shares, (-1, 1), self.limited))
         if self.tubes:
             gauges.append(Gauge(self.tube_words, self.off_path, (1,), False))
         return gauges
@@ -119,9 +118,8 @@ class Scene:
         known = [one for one in self.actors if one.tube is not None]
         widths = {length(one.widest) for one in known}
         same = len(widths) == 1 and all(one.has_one_width for one in known)
-        return (
-            f"off its place,\n{f'certified {widths.pop()}' if same else 'over what is certified'}"
-        )
+        tube = f"certified {widths.pop()}" if same else "over what is certified"
+        return f"off its place,\n{tube}"
 
     def band(self, one: Actor) -> Floats:
         """Corners (2, m) of a robot's corridor about the path; none without one."""
@@ -207,9 +205,8 @@ def scene_of_drives(drives: Sequence[RecordedDrive], frames: int) -> Scene:
         rows = [np.interp(t, drive.times[name], drive.columns[name]) for name in (*POSES, *SPEEDS)]
         moving = np.column_stack(rows)
         actors.append(Actor(drive.name, colour, moving[:, :3], moving[:, 3:]))
-    v, omega = (
-        max(float(np.abs(drive.columns[name]).max()) for drive in drives) or 1.0 for name in SPEEDS
-    )
+    speeds = ([np.abs(drive.columns[name]).max() for drive in drives] for name in SPEEDS)
+    v, omega = (float(max(largest)) or 1.0 for largest in speeds)
     view = _view([one.pose for one in actors], Course())
     title = actors[0].label if len(actors) == 1 else "drives"
     return Scene(title, tuple(actors), t, None, (v, omega), view, limited=False)

@@ -248,9 +248,8 @@ def _map(
     colours = "RdYlBu_r" if name == "violated" else "viridis"
     axes.grid(visible=False)
     axes.patch.set(hatch="////", edgecolor=style.GRID)
-    image = axes.imshow(
-        cells, origin="lower", aspect="auto", cmap=colours, vmin=ends[0], vmax=ends[1]
-    )
+    low, high = ends
+    image = axes.imshow(cells, origin="lower", aspect="auto", cmap=colours, vmin=low, vmax=high)
     for ticks, bins in zip((axes.set_xticks, axes.set_yticks), grid, strict=True):
         step = -(-len(bins.ticks) // 6)
         ticks(bins.ticks[::step], bins.labels[::step])

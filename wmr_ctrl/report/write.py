@@ -141,16 +141,12 @@ def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
 def check_folder(folder: Path, names: Sequence[str] = FILES) -> None:
     """Raise ResultFileError if it is plain that files ``names`` cannot be written to ``folder``."""
     known = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    where = f"cannot write to {str(folder)!r}: {str(known)!r}"
     if not known.is_dir():
-        raise ResultFileError(
-            f"cannot write to {str(folder)!r}: {str(known)!r} is not a folder. "
-            "Give the name of a folder."
-        )
+        raise ResultFileError(f"{where} is not a folder. Give the name of a folder.")
     if not os.access(known, os.W_OK | os.X_OK):
-        raise ResultFileError(
-            f"cannot write to {str(folder)!r}: {str(known)!r} may not be written to. "
-            "Choose another folder, or allow writing to this one."
-        )
+        remedy = "Choose another folder, or allow writing to this one."
+        raise ResultFileError(f"{where} may not be written to. {remedy}")
     for name in names if known == folder else ():
         check_writable(folder / name)
 

@@ -164,10 +164,8 @@ def table_html(title: str, rows: Iterable[Sequence[str]], header: Sequence[str] 
     """A titled table; every cell is escaped."""
     head = f"<tr>{''.join(f'<th>{escape(cell)}</th>' for cell in header)}</tr>" if header else ""
     style = "text-align:left;vertical-align:top"
-    body = "".join(
-        f"<tr>{''.join(f'<td style={style!r}>{escape(cell)}</td>' for cell in row)}</tr>"
-        for row in rows
-    )
+    cells = ("".join(f"<td style={style!r}>{escape(cell)}</td>" for cell in row) for row in rows)
+    body = "".join(f"<tr>{row}</tr>" for row in cells)
     return f"<div><strong>{escape(title)}</strong><table>{head}{body}</table></div>"
 
 

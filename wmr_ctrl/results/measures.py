@@ -282,11 +282,9 @@ def velocity_sway(run: Run) -> Pair | None:
     rows = windows.rows_of(run, windows.working(run.settings))
     if rows is None:
         return None
-    pairs = zip((("v1", "v1_d"), ("omega", "v2_d")), run.settings.v_u1, strict=True)
-    linear, angular = (
-        float(np.std((run[name] - run[desired])[rows])) / limit for (name, desired), limit in pairs
-    )
-    return linear, angular
+    off = (run["v1"] - run["v1_d"])[rows], (run["omega"] - run["v2_d"])[rows]
+    linear, angular = run.settings.v_u1
+    return float(np.std(off[0])) / linear, float(np.std(off[1])) / angular
 
 
 def rises(run: Run, start: float = 0.0, end: float | None = None) -> Rises | None:

@@ -82,9 +82,8 @@ def _torque_cycles(run: Run, rows: slice) -> list[Oscillation]:
 
 def _velocity_cycles(run: Run, rows: slice) -> list[Oscillation]:
     swings = []
-    for (name, unit), desired, limit in zip(
-        SPEEDS, ("v1_d", "v2_d"), run.settings.v_u1, strict=True
-    ):
+    axes = zip(SPEEDS, ("v1_d", "v2_d"), run.settings.v_u1, strict=True)
+    for (name, unit), desired, limit in axes:
         off = (run[name] - run[desired])[rows]
         line = _line(off, run.settings.control, 0.0) if np.isfinite(off).all() else None
         if line is not None and line.swing > SWAY * limit:

@@ -130,9 +130,8 @@ def _not_tracked(run: Run) -> Iterator[str]:
 
 
 def _too_fast(run: Run) -> Iterator[str]:
-    for name, unit, limit in zip(
-        ("v1_d", "v2_d"), ("m/s", "rad/s"), run.settings.v_u1, strict=True
-    ):
+    axes = zip(("v1_d", "v2_d"), ("m/s", "rad/s"), run.settings.v_u1, strict=True)
+    for name, unit, limit in axes:
         asked = float(np.max(np.abs(run[name]), initial=0.0))
         if asked > limit:
             yield (

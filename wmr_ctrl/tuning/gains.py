@@ -36,16 +36,7 @@ from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_io import to_toml
 from wmr_ctrl.sim.many import checked_seeds
-from wmr_ctrl.tuning.search import (
-    CORRIDOR,
-    MEASURED,
-    TRACKING,
-    Cost,
-    Search,
-    Trials,
-    TuningPlan,
-    digest_of,
-)
+from wmr_ctrl.tuning import search
 
 Progress = Callable[[float], None]
 MASSES = (0.6, 1.6)
@@ -78,10 +69,10 @@ class Tuning:
     ``corridor``: certified before and after [m], None where there is none or it was not asked for.
     """
 
-    plan: TuningPlan
+    plan: search.TuningPlan
     scenario: Scenario
     gains: Mapping[str, tuple[float, ...]]
-    objective: tuple[Cost, Cost]
+    objective: tuple[search.Cost, search.Cost]
     before: RunTable
     after: RunTable
     out: Path
@@ -137,7 +128,7 @@ def tune(
     trials: int = 200,
     weight: float = 1e-3,
     hold: Iterable[str] = (),
-    merit: str = TRACKING,
+    merit: str = search.TRACKING,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Tuning:
@@ -152,7 +143,7 @@ def tune(
     say), ScenarioError, UnknownNameError, ResultFileError.
     """
     chosen = scenario_of(scenario)
-    plan = TuningPlan(
+    plan = search.TuningPlan(
         scenario=chosen,
         law=law,
         seeds=tuple(checked_seeds(seeds)),
@@ -162,27 +153,28 @@ def tune(
         hold=tuple(hold),
         merit=merit,
     )
-    if merit == CORRIDOR:
+    if merit == search.CORRIDOR:
         _check_corridor(chosen, law)
     target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
-    tries = Trials(target, digest_of(text, law, plan.seeds, weight, plan.hold, merit, MASSES))
-    tell, search = progress or (lambda share: None), Search(start)
-    while search.tried < plan.trials:
-        candidates = search.ask()
-        costs = tries.known(search.generation)
+    digest = search.digest_of(text, law, plan.seeds, weight, plan.hold, merit, MASSES)
+    tries = search.Trials(target, digest)
+    tell, optimiser = progress or (lambda share: None), search.Search(start)
+    while optimiser.tried < plan.trials:
+        candidates = optimiser.ask()
+        costs = tries.known(optimiser.generation)
         if costs is None:
-            costs = _costs(plan, [search.gains(item) for item in candidates], jobs)
+            costs = _costs(plan, [optimiser.gains(item) for item in candidates], jobs)
             tries.keep(costs)
-        search.tell(candidates, costs)
-        tell(SEARCH * min(1.0, search.tried / plan.trials))
-    best = search.best()
+        optimiser.tell(candidates, costs)
+        tell(SEARCH * min(1.0, optimiser.tried / plan.trials))
+    best = optimiser.best()
     first, last = _costs(plan, [start, best], jobs)
     if last > first:
         best, last = start, first
     better = with_gains(chosen, best)
     before, after = (judged(item, law, plan.test_seeds, jobs) for item in (chosen, better))
     tubes: tuple[float | None, float | None] = (None, None)
-    if merit == CORRIDOR:
+    if merit == search.CORRIDOR:
         tubes = certified_corridor(chosen, law).position, certified_corridor(better, law).position
     tuning = Tuning(plan, better, best, (first, last), before, after, target, tubes)
     with atomic_text(target) as file:
@@ -198,7 +190,7 @@ def with_gains(scenario: Scenario, gains: Mapping[str, Sequence[float]]) -> Scen
     return override(scenario, values)
 
 
-def _start(plan: TuningPlan) -> dict[str, tuple[float, ...]]:
+def _start(plan: search.TuningPlan) -> dict[str, tuple[float, ...]]:
     law, given = LAWS[plan.law], plan.scenario.gains
     values = {}
     for key in plan.searched:
@@ -227,8 +219,8 @@ def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
 
 
 def _costs(
-    plan: TuningPlan, sets: Sequence[Mapping[str, Sequence[float]]], jobs: int | None
-) -> list[Cost]:
+    plan: search.TuningPlan, sets: Sequence[Mapping[str, Sequence[float]]], jobs: int | None
+) -> list[search.Cost]:
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
     table = _table(cases, plan.law, plan.seeds, jobs)
     reached, change, stop = (
@@ -240,12 +232,12 @@ def _costs(
     costs = []
     for k, gains in enumerate(sets):
         refused, distance, whole = False, reached[k], completed[k]
-        if plan.merit == CORRIDOR:
+        if plan.merit == search.CORRIDOR:
             refused, merit = certified_corridor(with_gains(plan.scenario, gains), plan.law).merit
             distance = np.full(len(whole), merit)
         runs = (distance**2 + squares[k])[whole]
         metres = math.sqrt(runs.mean()) if len(runs) else math.inf
-        costs.append(Cost(refused, int((~whole).sum()), metres))
+        costs.append(search.Cost(refused, int((~whole).sum()), metres))
     return costs
 
 
@@ -255,8 +247,8 @@ def _check_corridor(scenario: Scenario, law: str) -> None:
     tube = find_corridor(scenario, law)
     if tube.linear is None:
         raise ArgumentError(
-            f"merit = {CORRIDOR}: {scenario.name} with {law} has {tube.sentence}. Tune a "
-            f"scenario that `wmr-ctrl check` certifies a corridor for, or use merit = {TRACKING}."
+            f"merit = corridor: {scenario.name} with {law} has {tube.sentence}. Tune a scenario "
+            "that `wmr-ctrl check` certifies a corridor for, or use merit = tracking."
         )
 
 
@@ -311,7 +303,7 @@ def _document(tuning: Tuning) -> str:
         *([f"held: {', '.join(plan.hold)};"] if plan.hold else []),
         f"trials {plan.trials}, training seeds {list(plan.seeds)}, true over believed mass 1, "
         f"{', '.join(f'{ratio:g}' for ratio in MASSES)};",
-        f"root of the mean of {MEASURED[plan.merit]}^2 + ({plan.weight:g} torque_change_rms)^2: "
-        f"{first.sentence} before, {last.sentence} after",
+        f"root of the mean of {search.MEASURED[plan.merit]}^2 + ({plan.weight:g} "
+        f"torque_change_rms)^2: {first.sentence} before, {last.sentence} after",
     ]  # fmt: skip
     return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)
