@@ -58,7 +58,7 @@ def test_a_search_is_another_with_every_part_of_its_plan(scenario, monkeypatch, 
         found.add(repr(parts))
         raise InterruptedError
 
-    monkeypatch.setattr(gains, "digest_of", told)
+    monkeypatch.setattr(gains.search, "digest_of", told)
     monkeypatch.setattr(gains, "_check_corridor", lambda *_: None)
     one = {"scenario": scenario, "law": "mb", "seeds": [1], "weight": 0.1, "hold": []}
     others = (

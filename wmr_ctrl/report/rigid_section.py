@@ -13,31 +13,13 @@ from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES, RigidClaim, r
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
 from wmr_ctrl.results import PLANTS, Run
-from wmr_ctrl.results.table import RunTable, Spread
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
 ISE = "ise_total"
 FRAMES = 6
 _BACK = 1.0
 """Time from the film's start to the fall [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class RigidFinding:
-    """Runs of a law on the rigid body: how many broke a limit, when they fell and slid [s].
-
-    ``apart``: largest distance of a seed's ISE from the plane model's, a share; ``ise`` (on tyres
-    of those that stayed up) and ``e1`` [m] on both plants.
-    """
-
-    law: str
-    runs: int
-    broke: int
-    falls: Spread
-    slips: Spread
-    apart: float | None
-    ise: tuple[Spread, Spread]
-    e1: tuple[Spread, Spread]
 
 
 @dataclass(frozen=True)
@@ -47,10 +29,10 @@ class RigidSection:
     campaign: Campaign
 
     @property
-    def findings(self) -> dict[str, list[RigidFinding]]:
+    def findings(self) -> dict[str, list[dict[str, object]]]:
         """Findings by case, of the laws that ran on both plants."""
         plants = [self.campaign.table.where(plant=plant) for plant in PLANTS]
-        by_case: dict[str, list[RigidFinding]] = {}
+        by_case: dict[str, list[dict[str, object]]] = {}
         for study in RIGID_STUDIES["ode"]:
             for law in study.laws:
                 plane, body = (rows.where(case=study.label, law=law) for rows in plants)
@@ -74,20 +56,25 @@ class RigidSection:
         }
 
 
-def _finding(law: str, plane: RunTable, body: RunTable) -> RigidFinding:
+def _finding(law: str, plane: RunTable, body: RunTable) -> dict[str, object]:
+    """Runs of a law on the rigid body: how many broke a limit, when they fell and slid [s].
+
+    ``apart``: largest distance of a seed's ISE from the plane model's, a share; ``ise`` (on tyres
+    of those that stayed up) and ``e1`` [m] on both plants.
+    """
     apart = np.abs(body[ISE] / plane[ISE] - 1)
     ratios = apart[np.isfinite(apart)]
     upright = body.at(np.isnan(body["tipped"]))
-    return RigidFinding(
-        law,
-        body.rows,
-        int((body["limit_ratio"] > 1).sum()),
-        body.spread("tipped"),
-        body.spread("slipped"),
-        float(ratios.max()) if ratios.size else None,
-        (plane.spread(ISE), upright.spread(ISE)),
-        (plane.spread(E1), body.spread(E1)),
-    )
+    return {
+        "law": law,
+        "runs": body.rows,
+        "broke": int((body["limit_ratio"] > 1).sum()),
+        "falls": body.spread("tipped"),
+        "slips": body.spread("slipped"),
+        "apart": float(ratios.max()) if ratios.size else None,
+        "ise": (plane.spread(ISE), upright.spread(ISE)),
+        "e1": (plane.spread(E1), body.spread(E1)),
+    }
 
 
 # -- the figures --------------------------------------------------------------------------
