@@ -1,6 +1,6 @@
 """Figures of the comparison: violations, distance after the change, ISE against T and tau_max."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TypeAlias
 
@@ -86,6 +86,8 @@ def _draw_position(figure: Figure, rows: RunTable) -> None:
 
 Points: TypeAlias = Sequence[tuple[float, str, str]]
 """Position of a case on the axis, its base, its factor."""
+Places: TypeAlias = Mapping[str, tuple[Points, bool]]
+_GUARDS = {"without the guard": False, "with the guard": True}
 UNLIMITED = 40.0
 """Position of "no limit" on the axis of torque limits [N m]."""
 
@@ -104,31 +106,23 @@ def limits(base: str) -> Points:
 
 
 def _draw_period(figure: Figure, rows: RunTable) -> None:
-    places = {
-        f"{'with' if guard else 'without'} the guard": (periods(), guard) for guard in (False, True)
-    }
-    title = "ISE against the control period"
-    _draw_lines(figure, rows, places, 0.45, "control period T [ms]", title)
+    places = {name: (periods(), guard) for name, guard in _GUARDS.items()}
+    _draw_lines(figure, rows, places, 0.45, "control period T [ms]")
+    drawing.heading(figure, "ISE against the control period", drawing.law_handles(rows.laws))
 
 
 def _draw_torque(figure: Figure, rows: RunTable) -> None:
     places = {
-        f"{base}, {'with' if guard else 'without'} the guard": (limits(base), guard)
+        f"{base}, {name}": (limits(base), guard)
         for base in rows.different("base")
-        for guard in (False, True)
+        for name, guard in _GUARDS.items()
     }
+    _draw_lines(figure, rows, places, 0.42, "torque limit [N m]")
     title = "ISE against the torque limit, without and with the guard"
-    _draw_lines(figure, rows, places, 0.42, "torque limit [N m]", title)
+    drawing.heading(figure, title, drawing.law_handles(rows.laws))
 
 
-def _draw_lines(
-    figure: Figure,
-    rows: RunTable,
-    places: dict[str, tuple[Points, bool]],
-    gap: float,
-    label: str,
-    title: str,
-) -> None:
+def _draw_lines(figure: Figure, rows: RunTable, places: Places, gap: float, label: str) -> None:
     """Axes by their title: points of the axis, and whether the guard is on."""
     padding = drawing.Padding(left=0.60, right=0.15, bottom=0.42, top=0.74)
     panels = drawing.row_of_axes(figure, padding, [1.0] * len(places), gap)
@@ -141,7 +135,6 @@ def _draw_lines(
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0.3), max(high, 30.0))
     panels[0].set_ylabel("ISE [m² s + rad² s]")
-    drawing.heading(figure, title, drawing.law_handles(rows.laws))
 
 
 def _line(axes: Axes, rows: RunTable, points: Points, law: str, guard: bool) -> None:
