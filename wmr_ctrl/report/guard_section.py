@@ -127,14 +127,11 @@ class GuardSection:
 
     def broken_by_prox(self, base: str) -> list[Numbers]:
         """Cases in which prox breaks a limit without the guard."""
-        cases = {
-            factor: self._runs(base, factor, "prox", guard=False)
-            for factor in self._cases(base)
-            if factor != comparison.OUTSIDE
-        }
+        cases = [case for case in self._cases(base) if case != comparison.OUTSIDE]
+        runs_of = {case: self._runs(base, case, "prox", guard=False) for case in cases}
         return [
             {"factor": f, "broken": runs.broken.rows, "runs": runs.rows, "fastest": _fastest(runs)}
-            for f, runs in cases.items()
+            for f, runs in runs_of.items()
             if runs.broken.rows
         ]
 
@@ -146,15 +143,12 @@ class GuardSection:
 
     def _cells(self, base: str, factor: str, figure: str) -> Cells:
         """A figure of each law that was run so."""
-        return [
-            (
-                look(law).label,
-                held.median(figure),
-                self._runs(base, factor, law, guard=False).median(figure),
-            )
-            for law in self.rows.laws
-            if (held := self._runs(base, factor, law)).rows
-        ]
+        cells = []
+        for law in self.rows.laws:
+            held, free = (self._runs(base, factor, law, guard=guard) for guard in (True, False))
+            if held.rows:
+                cells.append((look(law).label, held.median(figure), free.median(figure)))
+        return cells
 
     def _runs(
         self, base: str, factor: str, law: str | None = None, *, guard: bool = True

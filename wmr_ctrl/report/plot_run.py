@@ -51,9 +51,8 @@ def _draw(figure: Figure, run: Run) -> None:
     title = f"{style.verbatim(run.scenario)}: {style.driver(run.law, run.guard)}"
     figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
     note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
-    note += {"mujoco": ", a rigid body on tyres", "fmu": ", somebody else's plant"}.get(
-        run.settings.plant_kind, ""
-    )
+    plants = {"mujoco": ", a rigid body on tyres", "fmu": ", somebody else's plant"}
+    note += plants.get(run.settings.plant_kind, "")
     switch = course.switch_time(run)
     note += "" if switch is None else f"; the robot changes at {switch:g} s (vertical line)"
     tube = course.course_of_tube(run)

@@ -150,15 +150,10 @@ def _odometry(
     half = outward(theta, "rep103") / 2
     poses = zip(*(item.tolist() for item in (x, y, np.sin(half), np.cos(half))), strict=True)
     for header, twist, (px, py, sine, cosine) in zip(headers, twists, poses, strict=True):
-        where = place(
-            position=point(x=px, y=py, z=0.0), orientation=turn(x=0.0, y=0.0, z=sine, w=cosine)
-        )
-        yield types[ODOMETRY](
-            header=header,
-            child_frame_id="base_link",
-            pose=placed(pose=where, covariance=unknown),
-            twist=moved(twist=twist, covariance=unknown),
-        )
+        at, facing = point(x=px, y=py, z=0.0), turn(x=0.0, y=0.0, z=sine, w=cosine)
+        where = placed(pose=place(position=at, orientation=facing), covariance=unknown)
+        speed = moved(twist=twist, covariance=unknown)
+        yield types[ODOMETRY](header=header, child_frame_id="base_link", pose=where, twist=speed)
 
 
 def _joint_states(columns: Mapping[str, Floats], headers: Iterator[Msg]) -> Iterator[Msg]:

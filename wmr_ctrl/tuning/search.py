@@ -118,9 +118,8 @@ class Cost:
 
 def digest_of(*parts: object) -> str:
     """Hash that tells one search from another."""
-    return hashlib.sha256(
-        repr((*parts, SPREAD, WIDEST, DIGITS, [item.name for item in fields(Cost)])).encode()
-    ).hexdigest()
+    rules = (SPREAD, WIDEST, DIGITS, [item.name for item in fields(Cost)])
+    return hashlib.sha256(repr((*parts, *rules)).encode()).hexdigest()
 
 
 class Search:
