@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from functools import partial
 from typing import Any
 
 from wmr_ctrl.codegen.package import FILTER
@@ -46,7 +45,6 @@ def description(
     """Text of modelDescription.xml for FMI 2 or 3; ``note``: what it says after the title."""
     arrays = arrays and version == 3
     rows = [(i, v) for i, v in enumerate(model.variables) if row_size(v, arrays)]
-    variable = _fmi2_variable if version == 2 else partial(_fmi3_variable, arrays=arrays)
     clock = model.scenario.clock
     shown = {
         "identifier": model.identifier,
@@ -64,7 +62,7 @@ def description(
         "model_exchange": bool(model.layout["HAS_ME"]),
     }
     shown["structure"] = _structure(model, version, arrays)
-    shown["variables"] = [variable(model, i, v) for i, v in rows]
+    shown["variables"] = [_variable(model, i, v, version, arrays) for i, v in rows]
     return render(f"fmi{version}.xml", m=shown)
 
 
@@ -144,23 +142,16 @@ def _typed(model: FmuModel, v: Variable) -> Attributes:
     ]
 
 
-def _fmi2_variable(model: FmuModel, row: int, v: Variable) -> dict[str, Any]:
-    start, typed = _start(v), _typed(model, v)
-    typed += [] if start is None else [("start", start)]
-    typed += [("derivative", str(model.row(v.rate_of) + 1))] if v.rate_of else []
-    scalar = _head(v, row, v.name, v.meaning)
-    return {"type": "Integer" if v.integer else "Real", "scalar": scalar, "typed": typed}
-
-
-def _fmi3_variable(model: FmuModel, row: int, v: Variable, arrays: bool) -> dict[str, Any]:
-    size = row_size(v, arrays)
-    whole = bool(arrays and v.array)
-    starts = filter(None, map(_start, model.variables[row : row + size]))
+def _variable(model: FmuModel, row: int, v: Variable, version: int, arrays: bool) -> dict[str, Any]:
+    size, whole = row_size(v, arrays), bool(arrays and v.array)
+    text = " ".join(filter(None, map(_start, model.variables[row : row + size])))
+    start, typed = [("start", text)] if text else [], _typed(model, v)
+    rate = [("derivative", str(model.row(v.rate_of) + (version == 2)))] if v.rate_of else []
+    if version == 2:
+        scalar, kind = _head(v, row, v.name, v.meaning), "Integer" if v.integer else "Real"
+        return {"type": kind, "scalar": scalar, "typed": [*typed, *start, *rate]}
     meaning = v.meaning.partition(", element")[0] if whole else v.meaning
-    attributes = _head(v, row, v.array if whole else v.name, meaning) + _typed(model, v)
-    attributes += [("derivative", str(model.row(v.rate_of)))] if v.rate_of else []
-    start = " ".join(starts)
-    attributes += [("start", start)] if start else []
+    attributes = [*_head(v, row, v.array if whole else v.name, meaning), *typed, *rate, *start]
     kind, dimensions = "Int64" if v.integer else "Float64", [size] if whole else []
     return {"type": kind, "attributes": attributes, "dimensions": dimensions}
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
+from itertools import count
 from pathlib import Path
 from typing import TypeAlias, TypeVar, cast
 
@@ -180,19 +181,6 @@ class LinearReport:
         return cast("list[Path]", late_bound("draw_linear")(self, Path(folder), progress))
 
 
-class _Steps:
-    """Hands values on, and tells which share of so many there have been."""
-
-    def __init__(self, progress: Progress | None, count: int) -> None:
-        self._progress, self._count, self._done = progress, count, 0
-
-    def __call__(self, value: T) -> T:
-        self._done += 1
-        if self._progress:
-            self._progress(min(1.0, self._done / self._count))
-        return value
-
-
 @checks_arguments
 def report_linear(
     scenario: Scenario,
@@ -209,7 +197,13 @@ def report_linear(
     on; ArgumentError where it acts at that point, and for a time outside the run.  Raises
     UnknownNameError or ScenarioError.  ``progress`` is called with the share that is done.
     """
-    step = _Steps(progress, SLOW_PARTS)
+    shares = (min(1.0, k / SLOW_PARTS) for k in count(1))
+
+    def step(value: T) -> T:
+        if progress:
+            progress(next(shares))
+        return value
+
     scenario = with_kinematics(scenario, LAWS[law])
     time = instant(scenario, at)
     if guard:

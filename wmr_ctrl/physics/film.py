@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, WmrError
-from wmr_ctrl.physics.rigid import CHASSIS, Floats, description, mujoco
+from wmr_ctrl.physics.rigid import CHASSIS, description, mujoco
 from wmr_ctrl.physics.run import Coupling
 from wmr_ctrl.physics.workers import Worker
-from wmr_ctrl.results import Run
+from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.sim.runnable import RunnableLoop
 
 Picture: TypeAlias = NDArray[np.uint8]

@@ -20,7 +20,6 @@ from types import ModuleType
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError
-from wmr_ctrl.results import Floats
 from wmr_ctrl.scenario import Change, Robot, Scenario
 from wmr_ctrl.world.slope import Slope
 
@@ -251,22 +250,3 @@ class RigidBody:
             return 0.0
         front, back = (load[name] for name in CASTERS)
         return 1.0 - (abs(load[RIGHT] - load[LEFT]) + abs(front - back)) / total
-
-    @property
-    def _kind(self) -> int:
-        """MuJoCo's state specification that resumes to the bit."""
-        return int(self._mujoco.mjtState.mjSTATE_INTEGRATION)
-
-    def save(self) -> Floats:
-        """All that the next steps depend on, but for changed parameters."""
-        whole = np.empty(self._mujoco.mj_stateSize(self.model, self._kind))
-        self._mujoco.mj_getState(self.model, self.data, whole, self._kind)
-        return np.array([self._theta, float(self._pushed), *whole])
-
-    def restore(self, saved: Floats) -> None:
-        """Go on from what `save` gave, to the bit."""
-        self._theta, self._pushed = float(saved[0]), bool(saved[1])
-        self._mujoco.mj_setState(self.model, self.data, saved[2:], self._kind)
-        self._mujoco.mj_forward(self.model, self.data)
-        self._mujoco.mj_setState(self.model, self.data, saved[2:], self._kind)
-        self._read()

@@ -12,6 +12,7 @@ import mujoco
 import pytest
 
 from tests.compilers import compile_in, where
+from tests.physics.states import state_of
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.physics.rigid import RigidBody, description
 from wmr_ctrl.scenario import Scenario
@@ -87,8 +88,8 @@ def library() -> bytes:
 def start(scenario: Scenario) -> str:
     """What a run of the body starts from, to the bit."""
     body, robot = RigidBody(scenario), scenario.robot
-    theta, _, *state = body.save().tolist()
-    head = (robot.r, robot.l, scenario.initial.pose[2], theta)
+    state = state_of(body).tolist()
+    head = (robot.r, robot.l, scenario.initial.pose[2], body.pose[2])
     return "\n".join([*map(float.hex, head), str(len(state)), *map(float.hex, state)]) + "\n"
 
 
