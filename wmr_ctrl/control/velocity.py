@@ -131,17 +131,10 @@ class SentVelocity:
         agrees = ca.logic_not(has_bit(flags, BOUNDS_LEFT))
         watched = zip(GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
         shown = (Output(ASKED, self.asked), Output(FLAGS, flags))
-        law = self._law(memory)
-        return replace(
-            law,
-            inputs=(*law.inputs, *self.age),
-            state=(*self.core.state, *memory, *held),
-            update=ca.vertcat(self._learnt(sent), *following, filtering),
-            outputs=outputs(COMMAND, sent),
-            diagnostics=(
-                *self.core.diagnostics, *(Output(*item) for item in watched), *shown,
-            ),
-        )  # fmt: skip
+        told = (*self.core.diagnostics, *(Output(*item) for item in watched), *shown)
+        update = ca.vertcat(self._learnt(sent), *following, filtering)
+        law = self._around(memory, self.age, held, update, outputs(COMMAND, sent))
+        return replace(law, diagnostics=told)
 
     def asking(self) -> System:
         """The same without the filter: it asks for a velocity, and is told the command sent.
@@ -152,10 +145,8 @@ class SentVelocity:
         sent, asked = port(SENT), self.asked
         usable = ca.vertcat(*usable_command(sent.sym)[0])
         memory, following = self._remembering(usable)
-        law, state = self._law(memory), (*self.core.state, *memory)
         update = ca.vertcat(self._learnt(usable), *following)
-        shown, inputs = (Output(ASKED, asked),), (*law.inputs, sent)
-        return replace(law, inputs=inputs, state=state, update=update, outputs=shown)
+        return self._around(memory, (sent,), (), update, (Output(ASKED, asked),))
 
     def _learnt(self, sent: ca.SX) -> ca.SX:
         """The law's next memory: estimates stay while another velocity is sent than it asks for.
@@ -177,14 +168,20 @@ class SentVelocity:
             following.append(self._acting(sent))
         return memory, following
 
-    def _law(self, memory: Sequence[Port]) -> System:
-        """The law with the parameters of all; its inputs without its memory's."""
-        known = {item.signal for item in memory}
-        inputs = tuple(item for item in self.core.inputs if item.signal not in known)
-        update = ca.SX.zeros(0, 1)
+    def _around(
+        self,
+        memory: Sequence[Port],
+        inputs: Sequence[Port],
+        held: Sequence[Port],
+        update: ca.SX,
+        shown: tuple[Output, ...],
+    ) -> System:
+        """The law with the parameters of all, its inputs without its memory's, and more of both."""
+        known, core = {item.signal for item in memory}, self.core
+        own = (item for item in core.inputs if item.signal not in known)
         return System(
-            self.core.name, self.core.title, inputs=inputs, params=self.p.ports, update=update,
-            period=self.core.period,
+            core.name, core.title, inputs=(*own, *inputs), state=(*core.state, *memory, *held),
+            params=self.p.ports, update=update, outputs=shown, period=core.period,
         )  # fmt: skip
 
     def _acting(self, sent: ca.SX) -> ca.SX:

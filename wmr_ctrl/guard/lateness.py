@@ -136,22 +136,15 @@ def lateness(times: Times) -> Counting:
     """Weights of past commands."""
     age, window, lo, hi = map(times.in_periods, (times.age, times.window, *times.delay))
     least, most = (Fraction(item) / Fraction(times.period) for item in times.lag)
+    oldest, usual = age + window, float(age + window / 2 + hi + most)
+    count, long = math.ceil(oldest + hi), ramp(oldest, Fraction(0))
+    own = float(hi - lo), float(most), float(oldest), float(oldest + hi + most), usual
     with localcontext(Context(prec=DIGITS)):
         if least == most:
-            return _lateness(age, window, lo, hi, most)
-        count, long = math.ceil(age + window + hi), ramp(age + window, Fraction(0))
-        return Counting(
-            mean=(),
-            rest=(),
-            jitter=float(hi - lo),
-            lag=float(most),
-            oldest=float(age + window),
-            most=float(age + window + hi + most),
-            usual=float(age + window / 2 + hi + most),
-            mixed=float(age + window / 2 + hi + most),
-            commands=count,
-            varying=varying(count, (lo, hi), (least, most), ramp(age, window), long),
-        )
+            mean, rest, mixed, tail = _lateness(age, window, lo, hi, most)
+            return Counting(mean, rest, *own, mixed, count, tail)
+        slow = varying(count, (lo, hi), (least, most), ramp(age, window), long)
+        return Counting((), (), *own, usual, count, varying=slow)
 
 
 def since_last(times: Times) -> Since | None:
@@ -186,8 +179,9 @@ def _varying_since(times: Times, count: int) -> Varying:
 
 def _lateness(
     age: Fraction, window: Fraction, lo: Fraction, hi: Fraction, lag: Fraction
-) -> Counting:
-    oldest, jitter = age + window, hi - lo
+) -> tuple[tuple[Piece, ...], tuple[Piece, ...], float, Tail | None]:
+    """Mean, rest, mixed and tail of a Counting behind a constant lag."""
+    oldest, jittered = age + window, hi > lo
     count = math.ceil(oldest + hi)
     mean, rest = _mean_weight(age, window, lag), _rest_weight(oldest, lag)
     pieces = [(*_group(j, lo, hi, mean), *_group(j, lo, hi, rest)) for j in range(1, count + 2)]
@@ -201,18 +195,8 @@ def _lateness(
         mixed += over / (1 - decay)
         steady = (sure + either) / (1 - decay)
         tail = Tail(float(decay), (float(sure), float(either)), float(share), float(steady))
-    return Counting(
-        mean=_pieces([(item[0], item[1]) for item in listed], bool(jitter)),
-        rest=_pieces([(item[2], item[3]) for item in listed], bool(jitter)),
-        jitter=float(jitter),
-        lag=float(lag),
-        oldest=float(oldest),
-        most=float(oldest + hi + lag),
-        usual=float(age + window / 2 + hi + lag),
-        mixed=float(mixed),
-        commands=count,
-        tail=tail,
-    )
+    means, rests = ([(item[k], item[k + 1]) for item in listed] for k in (0, 2))
+    return _pieces(means, jittered), _pieces(rests, jittered), float(mixed), tail
 
 
 def _pieces(weights: list[tuple[Decimal, Decimal]], jittered: bool) -> tuple[Piece, ...]:
