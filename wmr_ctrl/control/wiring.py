@@ -12,21 +12,10 @@ from typing import TypeAlias
 
 import casadi as ca
 
+from wmr_ctrl import signals
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.model.system import NORMAL, Draw, Parameters, Port, System, port, stack
-from wmr_ctrl.signals import (
-    BODY_FORCE,
-    DISTURBING,
-    MEASURED,
-    PLANT_STATE,
-    SAMPLE,
-    STEP,
-    TIME,
-    TORQUE_NOISE,
-    Signal,
-    places,
-)
 from wmr_ctrl.world.effect import EffectRole, Rate
 
 Named: TypeAlias = dict[str, ca.SX]
@@ -77,13 +66,14 @@ class Wiring:
     def __init__(self, setup: Setup, parameters: Parameters, rate: Rate, true: Named) -> None:
         sampled = rate is Rate.SAMPLE
         self.setup, self.parameters, self.rate = setup, parameters, rate
-        self.clock = port(SAMPLE if sampled else STEP)
+        self.clock = port(signals.SAMPLE if sampled else signals.STEP)
         time = self.clock.sym * parameters.take("clock.control" if sampled else "clock.plant")
-        self.known: Named = {**true, TIME.name: time, self.clock.signal.name: self.clock.sym}
+        own = {signals.TIME.name: time, self.clock.signal.name: self.clock.sym}
+        self.known: Named = {**true, **own}
         self.state: list[Port] = []
         self.following: list[ca.SX] = []
         self.streams: list[Stream] = []
-        self.shown: list[Signal] = []
+        self.shown: list[signals.Signal] = []
 
     def of(self, system: System) -> ca.SX:
         """The shared symbols for a System's parameters."""
@@ -99,7 +89,7 @@ class Wiring:
         graph = system.function("run", [system.update, system.y, system.d])
         update, y, d = graph(*given, *([system.w] if system.draws else []))
         self.add(system.state, update)
-        shown = places(item.signal for item in (*system.outputs, *system.diagnostics))
+        shown = signals.places(item.signal for item in (*system.outputs, *system.diagnostics))
         return {name: ca.vertcat(y, d)[rows] for name, rows in shown.items()}
 
     def add(self, state: Sequence[Port], following: ca.SX) -> None:
@@ -119,14 +109,14 @@ class Wiring:
 
     def measure(self, sensors: Sequence[System]) -> None:
         """Sensors one after the other, the first from the true state."""
-        for seen, true in zip(MEASURED, PLANT_STATE, strict=True):
+        for seen, true in zip(signals.MEASURED, signals.PLANT_STATE, strict=True):
             self.known[seen.name] = self.known[true.name]
         for system in sensors:
             self.known |= self._shown(system)
 
     def disturb(self, disturbances: Sequence[System]) -> None:
         """Sum of torques at the wheels and of forces on the body, onto those there already."""
-        total = {s.name: self.known.get(s.name, ca.SX(0)) for s in DISTURBING}
+        total = {s.name: self.known.get(s.name, ca.SX(0)) for s in signals.DISTURBING}
         for system in disturbances:
             given = self._shown(system)
             total |= {name: total[name] + given.pop(name) for name in total if name in given}
@@ -154,17 +144,17 @@ class Wiring:
         self.shown.extend(item.signal for item in system.diagnostics)
         return self.run(system)
 
-    def column(self, signals: Sequence[Signal]) -> ca.SX:
+    def column(self, wanted: Sequence[signals.Signal]) -> ca.SX:
         """Known signals, stacked."""
-        return stack(self.known[item.name] for item in signals)
+        return stack(self.known[item.name] for item in wanted)
 
 
 def pushes(systems: Sequence[System]) -> bool:
     """True if any of the disturbances exerts a force on the body."""
-    names = {item.name for item in BODY_FORCE}
+    names = {item.name for item in signals.BODY_FORCE}
     return any(item.signal.name in names for system in systems for item in system.outputs)
 
 
-def held_signals(setup: Setup, pushed: bool) -> tuple[Signal, ...]:
+def held_signals(setup: Setup, pushed: bool) -> tuple[signals.Signal, ...]:
     """Signals held over a sample, the commanded torques or velocities first."""
-    return (*setup.commanded, *TORQUE_NOISE, *(BODY_FORCE if pushed else ()))
+    return (*setup.commanded, *signals.TORQUE_NOISE, *(signals.BODY_FORCE if pushed else ()))

@@ -9,23 +9,16 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl import signals
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.blocks import guard_model, parallel
-from wmr_ctrl.fmi.cosim import fitting
+from wmr_ctrl.fmi.cosim import fitting, parts
 from wmr_ctrl.fmi.cosim.mapping import NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
-from wmr_ctrl.fmi.cosim.parts import (
-    GuardedController,
-    Part,
-    controller_part,
-    guard_part,
-    plant_part,
-    reference_part,
-)
 from wmr_ctrl.fmi.cosim.slave import FmuError, Slave
 from wmr_ctrl.fmi.export import model_of, scenario_given, write_fmu
 from wmr_ctrl.fmi.model import FmuModel, Role
@@ -34,15 +27,6 @@ from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.model.kinematics import tracking_error
 from wmr_ctrl.results import Assumptions, Run
 from wmr_ctrl.scenario import Change, Scenario
-from wmr_ctrl.signals import (
-    DIAGNOSTICS,
-    FORCE,
-    GUARD_DIAGNOSTICS,
-    LOG_HEAD,
-    PSI,
-    TRACKING_ERROR,
-    Signal,
-)
 from wmr_ctrl.sim.many import checked_seeds
 from wmr_ctrl.sim.runnable import assemble_run
 
@@ -80,10 +64,10 @@ class CosimSetup:
         return self.setup.scenario.guard.enabled and (self.foreign or self.bare is not None)
 
     @cached_property
-    def diagnostics(self) -> tuple[Signal, ...]:
+    def diagnostics(self) -> tuple[signals.Signal, ...]:
         """Signals that the controller publishes beside those of all laws."""
         if self.foreign:
-            return GUARD_DIAGNOSTICS
+            return signals.GUARD_DIAGNOSTICS
         return own_diagnostics(watched_controller(self.own))
 
     @cached_property
@@ -205,17 +189,17 @@ def _run(
 ) -> Run:
     scenario, maps = case.setup.scenario, case.maps
     outside = Outside(case.setup, seed)
-    parts = Parts(
-        reference_part(slaves["reference"]),
+    coupled = Parts(
+        parts.reference_part(slaves["reference"]),
         _controller(case, slaves),
-        plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
+        parts.plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
-    fitting.check_parts(case.setup, parts.plant)
-    giver = parts.controller
-    for part in (parts.plant, giver if isinstance(giver, Part) else giver.controller):
+    fitting.check_parts(case.setup, coupled.plant)
+    giver = coupled.controller
+    for part in (coupled.plant, giver if isinstance(giver, parts.Part) else giver.controller):
         fitting.check_step(scenario, part)
-    fitting.check_spans(scenario, parts.plant, outside.steady)
+    fitting.check_spans(scenario, coupled.plant, outside.steady)
     for name, slave in slaves.items():
         if name in maps:
             starts = maps[name].start
@@ -225,8 +209,8 @@ def _run(
             given = (v for v in single if v.parameter or v.role is Role.START)
             starts = {v.name: v.start for v in given}
         slave.begin(scenario.clock.duration, starts)
-    fitting.check_start(scenario, parts.plant)
-    loop: Master = MASTERS[master](scenario, parts, outside)
+    fitting.check_start(scenario, coupled.plant)
+    loop: Master = MASTERS[master](scenario, coupled, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
     facts |= {"delay": "known to the controller"} if case.own is not case.setup else {}
     failure = ""
@@ -237,10 +221,10 @@ def _run(
     facts |= {f"warned_{name}": slave.warnings for name, slave in slaves.items() if slave.warnings}
     named = slaves["controller"].description.modelName
     law = named if case.foreign else case.setup.name
-    signals = (*LOG_HEAD, *case.diagnostics, *outside.columns)
-    logged = (signals, _columns(signals, _table(loop)), outside.monitor(failure))
+    logged_signals = (*signals.LOG_HEAD, *case.diagnostics, *outside.columns)
+    logged = (logged_signals, _columns(logged_signals, _table(loop)), outside.monitor(failure))
     run = assemble_run(scenario, law, seed, "fmu", logged, facts, _assumed(case))
-    if not parts.plant.foreign:
+    if not coupled.plant.foreign:
         return run
     return replace(run, settings=replace(run.settings, plant_kind="fmu", plant=loop.watched_every))
 
@@ -258,13 +242,17 @@ def _assumed(case: CosimSetup) -> Assumptions:
     return replace(assumed, void=" ".join(filter(None, (assumed.void, UNTOLD, remedy))))
 
 
-def _controller(case: CosimSetup, slaves: Mapping[str, Slave]) -> Part | GuardedController:
+def _controller(
+    case: CosimSetup, slaves: Mapping[str, Slave]
+) -> parts.Part | parts.GuardedController:
     """The controller, with the guard behind it where that is a part of its own."""
-    names = elements((*DIAGNOSTICS, *case.diagnostics))
+    names = elements((*signals.DIAGNOSTICS, *case.diagnostics))
     slave, robot = slaves["controller"], case.setup.scenario.robot
-    asked = FORCE.elements if case.guarded else TORQUES
-    part = controller_part(slave, case.maps.get("controller"), robot, names, asked)
-    return GuardedController(part, guard_part(slaves["guard"])) if case.guarded else part
+    asked = signals.FORCE.elements if case.guarded else TORQUES
+    part = parts.controller_part(slave, case.maps.get("controller"), robot, names, asked)
+    if not case.guarded:
+        return part
+    return parts.GuardedController(part, parts.guard_part(slaves["guard"]))
 
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
@@ -306,9 +294,9 @@ def _table(loop: Master) -> dict[str, np.ndarray]:
     names = (*HEAD, *TORQUES, *NOISES, *effects, *further)
     rows = np.array(loop.rows, dtype=float).reshape(len(loop.rows), len(names))
     table = {name: rows[:, i] for i, name in enumerate(names)}
-    table[PSI.name] = table["theta"] + np.pi / 2
+    table[signals.PSI.name] = table["theta"] + np.pi / 2
     errors = np.asarray(_error()(rows[:, 6:9].T, rows[:, 1:4].T))
-    return table | {name: errors[i] for i, name in enumerate(TRACKING_ERROR.elements)}
+    return table | {name: errors[i] for i, name in enumerate(signals.TRACKING_ERROR.elements)}
 
 
 @cache
@@ -318,8 +306,10 @@ def _error() -> ca.Function:
     return ca.Function("e", [desired, pose], [tracking_error(desired, pose)])
 
 
-def _columns(signals: Sequence[Signal], table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _columns(
+    listed: Sequence[signals.Signal], table: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
     """Columns by signal; what a foreign controller does not publish is not a number."""
     nothing = np.full(len(table["t"]), np.nan)
-    rows = {s.name: [table.get(name, nothing) for name in s.elements] for s in signals}
+    rows = {s.name: [table.get(name, nothing) for name in s.elements] for s in listed}
     return {name: np.column_stack(row) if len(row) > 1 else row[0] for name, row in rows.items()}
