@@ -18,6 +18,7 @@ from functools import cached_property
 
 import casadi as ca
 
+from wmr_ctrl import signals
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, has_bit, usable_command, within
@@ -25,17 +26,6 @@ from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import ODOMETRY
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.system import Output, Parameters, Port, System, outputs, port, stack
-from wmr_ctrl.signals import (
-    ASKED,
-    COMMAND,
-    GUARD_DIAGNOSTICS,
-    ODOMETRY_AGE,
-    SENT_BEFORE,
-    TAU_APPLIED,
-    VELOCITY,
-    Signal,
-    places,
-)
 from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
@@ -54,21 +44,20 @@ class SentVelocity:
     def __init__(self, setup: Setup, core: System, p: Parameters, wish: ca.SX) -> None:
         """Take the ports of the law's System ``core``, whose parameters ``p`` has."""
         self.setup, self.core, self.p, self.wish = setup, core, p, wish
-        self.v = stack(item.sym for item in core.inputs if item.signal in VELOCITY)
+        self.v = stack(item.sym for item in core.inputs if item.signal in signals.VELOCITY)
         self.whole, self.part = in_periods(setup.scenario.base.delay, setup.scenario)
         own = {item.signal: item for item in core.inputs}
-        before = own.get(SENT_BEFORE) or port(SENT_BEFORE)
+        before = own.get(signals.SENT_BEFORE) or port(signals.SENT_BEFORE)
         ages = range(2, 2 + self.whole + bool(self.part) - 1)
-        sent = (
-            Signal(f"v_sent_before{age}", "m/s, rad/s", f"velocity sent {age} samples ago", 2)
-            for age in ages
-        )
+        words = ((f"v_sent_before{age}", f"velocity sent {age} samples ago") for age in ages)
+        sent = (signals.Signal(name, "m/s, rad/s", meaning, 2) for name, meaning in words)
         self.earlier = (before, *map(port, sent))
-        self.applied = own.get(TAU_APPLIED)
+        self.applied = own.get(signals.TAU_APPLIED)
         kind = setup.scenario.filter.kind
         self.filter = None if kind == "none" else filter_system(setup.scenario)
         read = self.filter.inputs if self.filter and VELOCITY_LOSS in setup.effects else ()
-        self.age = tuple(port(ODOMETRY_AGE) for item in read if item.signal == ODOMETRY_AGE)
+        dated = signals.ODOMETRY_AGE in (item.signal for item in read)
+        self.age = (port(signals.ODOMETRY_AGE),) if dated else ()
 
     @cached_property
     def F1(self) -> ca.SX:
@@ -99,7 +88,7 @@ class SentVelocity:
     @cached_property
     def asked(self) -> ca.SX:
         """Velocity that the law asks for (2,)."""
-        if self.core.outputs[0].signal == ASKED:
+        if self.core.outputs[0].signal == signals.ASKED:
             return self.wish
         return self.v + self.reach * (self.wish - self.F1) / self.mass
 
@@ -108,13 +97,13 @@ class SentVelocity:
         """The velocity that is sent (2,), the filter's flags and its next state."""
         if self.filter is None:
             return self.asked, ca.SX(0), ca.SX(0, 1)
-        known = {ASKED: self.asked, ODOMETRY: self.v}
+        known = {signals.ASKED: self.asked, ODOMETRY: self.v}
         known |= {item.signal: item.sym for item in self.age}
         inputs = stack(known.get(item.signal, ca.SX(0)) for item in self.filter.inputs)
         p = stack(self.p.take(item.signal.name) for item in self.filter.params)
         graph = self.filter.function("filter", [self.filter.update, self.filter.y])
         following, y = graph(inputs, self.filter.x, p)
-        rows = places(item.signal for item in self.filter.outputs)
+        rows = signals.places(item.signal for item in self.filter.outputs)
         sent, flags = (y[rows[signal.name]] for signal in (SENT, FLAGS))
         return sent, flags, following
 
@@ -129,11 +118,11 @@ class SentVelocity:
         held = () if self.filter is None else self.filter.state
         changed = sent != self.asked
         agrees = ca.logic_not(has_bit(flags, BOUNDS_LEFT))
-        watched = zip(GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
-        shown = (Output(ASKED, self.asked), Output(FLAGS, flags))
+        watched = zip(signals.GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
+        shown = (Output(signals.ASKED, self.asked), Output(FLAGS, flags))
         told = (*self.core.diagnostics, *(Output(*item) for item in watched), *shown)
         update = ca.vertcat(self._learnt(sent), *following, filtering)
-        law = self._around(memory, self.age, held, update, outputs(COMMAND, sent))
+        law = self._around(memory, self.age, held, update, outputs(signals.COMMAND, sent))
         return replace(law, diagnostics=told)
 
     def asking(self) -> System:
@@ -146,7 +135,7 @@ class SentVelocity:
         usable = ca.vertcat(*usable_command(sent.sym)[0])
         memory, following = self._remembering(usable)
         update = ca.vertcat(self._learnt(usable), *following)
-        return self._around(memory, (sent,), (), update, (Output(ASKED, asked),))
+        return self._around(memory, (sent,), (), update, (Output(signals.ASKED, asked),))
 
     def _learnt(self, sent: ca.SX) -> ca.SX:
         """The law's next memory: estimates stay while another velocity is sent than it asks for.
