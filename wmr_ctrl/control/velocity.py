@@ -120,10 +120,10 @@ class SentVelocity:
         agrees = ca.logic_not(has_bit(flags, BOUNDS_LEFT))
         watched = zip(signals.GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
         shown = (Output(signals.ASKED, self.asked), Output(FLAGS, flags))
-        told = (*self.core.diagnostics, *(Output(*item) for item in watched), *shown)
+        diagnostics = (*self.core.diagnostics, *(Output(*item) for item in watched), *shown)
         update = ca.vertcat(self._learnt(sent), *following, filtering)
         law = self._around(memory, self.age, held, update, outputs(signals.COMMAND, sent))
-        return replace(law, diagnostics=told)
+        return replace(law, diagnostics=diagnostics)
 
     def asking(self) -> System:
         """The same without the filter: it asks for a velocity, and is told the command sent.
