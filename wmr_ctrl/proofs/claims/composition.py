@@ -267,11 +267,7 @@ def sine(mutation: Mutation) -> Statement:
     t = names.t
     gap, rise = t - ca.sin(t), t**2 / 2 - 1 + ca.cos(t)
     slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
-    goals = (
-        *(vanishes(value, t, 0) for value in (gap, rise, slope)),
-        at_least(ca.gradient(gap, t)),
-        equal(ca.gradient(rise, t), gap),
-        equal(t**2 * ca.gradient(share, t), mutation * slope),
-        at_least(-ca.gradient(slope, t)),
-    )
+    at_0 = (vanishes(value, t, 0) for value in (gap, rise, slope))
+    rates = equal(ca.gradient(rise, t), gap), equal(t**2 * ca.gradient(share, t), mutation * slope)
+    goals = (*at_0, at_least(ca.gradient(gap, t)), *rates, at_least(-ca.gradient(slope, t)))
     return Statement(names, goals, (above(t), at_least(ca.sin(t))))

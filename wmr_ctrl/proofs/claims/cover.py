@@ -120,10 +120,7 @@ def ordered(mutation: Mutation) -> Statement:
     t = symbols("i j")
     i, j = t.values()
     more, less = i - j, i / (j - i)
-    rest = ca.if_else(
-        i > j,
-        ca.fabs(j + more - i),
-        ca.if_else(i < j, ca.fabs(j * less / (1 + less) - mutation * i), 0),
-    )
+    below = ca.if_else(i < j, ca.fabs(j * less / (1 + less) - mutation * i), 0)
+    rest = ca.if_else(i > j, ca.fabs(j + more - i), below)
     sign = ca.if_else(i > j, more, ca.if_else(i < j, less, 1))
     return Statement(t, (equal(rest), above(sign)), positive(i, j))

@@ -85,11 +85,9 @@ def lag_bound(mutation: Mutation) -> Statement:
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
     fast, slow = ca.vertsplit(g.bound("lag"))
     tau = time * (1 + spread * x)
-    given = (
-        *g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread),
-        at_least(t.most_growth * time * (1 - spread), h), at_least(500 * time * (1 - spread), h),
-        *within(x, 1), above(t.growth), at_least(t.most_growth, t.growth),
-    )  # fmt: skip
+    sizes = *g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread)
+    steps = (at_least(most * time * (1 - spread), h) for most in (t.most_growth, 500))
+    given = (*sizes, *steps, *within(x, 1), above(t.growth), at_least(t.most_growth, t.growth))
     least = lag.equivalent_lag(h, t.growth)
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
@@ -160,10 +158,9 @@ def jitter_bound(mutation: Mutation) -> Statement:
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
-    given = (
-        above(h), equal(width, t.most * h), at_least(width), *between(0, t.drawn, t.most),
-        at_least(t.most, g[jitter.DUE.name]), at_least(t.phase), at_least(t.steps),
-    )  # fmt: skip
+    widths = above(h), equal(width, t.most * h), at_least(width), *between(0, t.drawn, t.most)
+    waits = at_least(t.most, g[jitter.DUE.name]), at_least(t.phase), at_least(t.steps)
+    given = (*widths, *waits)
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
     told = (equal(g.bound(name)[0], width) for name in ("delay", "jitter"))

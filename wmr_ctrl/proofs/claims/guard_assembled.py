@@ -64,12 +64,10 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     b = a.bounds
     need = mutation(2, 2.01) * a.net * (1 + b.alpha * a.late)
     spread = [a.spread] if a.lateness == LATE else []
-    goals = (
-        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need), *spread,
-        at_least(b.u1, 2 * b.nbar), at_least(b.brake, a.net), at_least(1, b.alpha * b.period),
-        at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
-    )  # fmt: skip
-    return a.states(*goals, given=(above(feasible(b)),))
+    room = at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need)
+    brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, a.net), at_least(1, b.alpha * b.period)
+    order = at_least(b.M_max, b.M_min), above(b.u1, b.f_speed)
+    return a.states(room, *spread, *brakes, *order, given=(above(feasible(b)),))
 
 
 @claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")

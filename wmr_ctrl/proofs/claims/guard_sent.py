@@ -181,12 +181,11 @@ def added(a: GuardAxis) -> tuple[Relation, ...]:
     if a.lateness < LATE:
         return (at_least(a.late * most, a.ahead + a.back),)
     rest, again = (a.late - a.J) * most, a.again
-    return (
-        at_least(rest, a.rest_ahead), at_least(rest, a.rest_back),
-        at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back),
-        at_least(a.J * most, again.ahead + again.back), *positive(b.M_min),
-        at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back),
-    )  # fmt: skip
+    from_rest = at_least(rest, a.rest_ahead), at_least(rest, a.rest_back)
+    mean = at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back)
+    last = at_least(a.J * most, again.ahead + again.back), *positive(b.M_min)
+    longer = at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back)
+    return (*from_rest, mean, *last, *longer)
 
 
 def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:

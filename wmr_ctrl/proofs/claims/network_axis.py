@@ -92,14 +92,10 @@ def residual_chart(n: Mapping[str, Any]) -> dict[str, Any]:
 
 def decay_chart(n: Mapping[str, Any]) -> dict[str, Any]:
     """Both rates of (86) exceed rho2: rho1 = 1 + M (rho2 + a), sigma Gamma = rho2 + b."""
-    gamma = n["gamma"]
-    return {
-        **residual_chart(n),
-        "rho2": n["rho2"],
-        "gains.nn.Gamma[1]": gamma,
-        "gains.nn.rho1[1]": 1 + n["mass"] * (n["rho2"] + n["a"]),
-        "gains.nn.sigma[1]": (n["rho2"] + n["b"]) / gamma,
-    }
+    gains = {"Gamma": n["gamma"], "rho1": 1 + n["mass"] * (n["rho2"] + n["a"])}
+    gains["sigma"] = (n["rho2"] + n["b"]) / n["gamma"]
+    named = {f"gains.nn.{name}[1]": value for name, value in gains.items()}
+    return {**residual_chart(n), "rho2": n["rho2"], **named}
 
 
 NODES, DIMENSIONS = nn.NODES, 6

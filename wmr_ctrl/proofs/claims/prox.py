@@ -127,11 +127,9 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     x = resolvent(c, k, u1, u2, smooth)
     bent = k / (u1 - u2) if smooth else 0
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
-    given = (
-        *_target(t), above(m), at_least(u1 - u2, m),
-        at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent)),
-        at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k),
-    )  # fmt: skip
+    margin = at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent))
+    sizes = at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
+    given = (*_target(t), above(m), at_least(u1 - u2, m), margin, *sizes)
     return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
 
 
@@ -286,11 +284,9 @@ def rises(mutation: Mutation) -> Statement:
     S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
     values = t.before, t.after, t.mid, t.carried
     squares = (equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True))
-    given = (
-        *squares, *nonnegative(*roots), above(E), above(1, E), at_least(t.way),
-        at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid),
-        at_least(E**2 * t.mid, t.after),
-    )  # fmt: skip
+    signs = *nonnegative(*roots), above(E), above(1, E), at_least(t.way)
+    moved = at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid)
+    given = (*squares, *signs, *moved, at_least(E**2 * t.mid, t.after))
     most = E * (S + mutation(1, 0.9) * t.way)
     level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
     return Statement(t, (at_least(most, t.S_next), level), given)
