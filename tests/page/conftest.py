@@ -1,7 +1,8 @@
 """The page that the tests look at, written once.
 
-With `--every-case` it is compiled as it ships, with every law and the corridor of each; tests/bits
-compares the bits of both levels, and test_story.py has a page's corridors.
+With `--every-case` it is compiled as it ships, with every law and the corridor of each, and for all
+delays that are offered; tests/bits compares the bits of both levels, and test_story.py has a page's
+corridors.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ def page(
         if request.config.getoption("every_case"):
             patch.delenv("WMR_CTRL_OPTIMIZE", raising=False)
         else:
+            patch.setattr("wmr_ctrl.page.scenes.LATE", (0, 5))
             patch.setattr(
                 content, "_tube", lambda setup, whole: setup.name == "prox" and tube(setup, whole)
             )

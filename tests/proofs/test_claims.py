@@ -27,7 +27,7 @@ from wmr_ctrl.proofs.runner import hashes, selected
 IDS = [claim.id for claim in all_claims()]
 LONG = ("eq57", "eq58", "eq6", "eq7", "eq8", "authority.", "filter.slew-sent")
 LATER = (
-    "authority.*-angular", "eq58.angular", "eq6[79]*", "eq7[0-3]", "eq82-83",
+    "authority.*-angular", "eq6[79]*", "eq7[0-3]", "eq82-83",
     "guard.assembled.*rotation-first-*",
 )  # fmt: skip
 """Entries of long graphs or tables whose function or network others speak of too."""
