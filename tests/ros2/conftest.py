@@ -22,8 +22,8 @@ HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 AT_ONCE = 3
 """Scripts that run beside each other; each keeps less than half a processor busy."""
 FURTHER = (
-    "behind, clip", "loop, velocity", "second vendor, Python", "wild, clip",
-    "wild, governor without odometry",
+    "behind, clip", "behind, governor with odometry, Python", "governor, Python", "loop, velocity",
+    "second vendor, Python", "watched, C", "wild, clip", "wild, governor without odometry",
 )  # fmt: skip
 """How jobs begin whose tests tests/many_cases.txt leaves to ``--every-case``."""
 SLACK, TICK = 0.15, 0.02
