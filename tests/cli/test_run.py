@@ -270,6 +270,7 @@ def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_pa
         (("plant",), "gains.nn.eta, gains.mb.rho, gains.kinematics.k"),
         (("closed-loop", "--law", "mb"), "gains.nn.eta"),
         (("modelica",), ""),
+        (("filter",), ""),
     ],
 )  # fmt: skip
 def test_outputs_name_the_keys_that_they_do_not_read(command, idle, monkeypatch):

@@ -76,7 +76,7 @@ def export(
     _refuse_unread(what, options.keys() - given)
     opt.check_folder(out, "--out")
     case = opt.load(scenario, assignments)
-    opt.note_idle(case, scenario, assignments, _laws(what, options.get("law")))
+    _note_idle(what, options.get("law"), case, scenario, assignments)
     given |= {"scenario": case, "out": out}
     with Progress(f"export {what}", measured=False):
         paths = api.export_fmu(what, **cast("ExportOptions", given))
@@ -93,12 +93,17 @@ def export(
         say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")
 
 
-def _laws(what: str, law: object) -> list[str]:
-    """Laws whose gains an output reads: its own, one that is chosen, or all."""
+def _note_idle(
+    what: str, law: object, case: Scenario, scenario: str, assignments: tuple[str, ...]
+) -> None:
+    """Name keys without effect, but of a filter by itself, which any base may have."""
+    from wmr_ctrl.codegen.package import FILTER
     from wmr_ctrl.laws.registry import LAWS
 
     own = what, law if what in WITH_LAW else None
-    return [name for name in LAWS if name in own or what == "modelica"]
+    if what != FILTER:
+        read = [name for name in LAWS if name in own or what == "modelica"]
+        opt.note_idle(case, scenario, assignments, read)
 
 
 def _ask_about_units(what: str, case: Scenario) -> None:
@@ -171,7 +176,7 @@ def codegen(
             "it works only with --ros2. Add --ros2, or leave --param out.", param_hint="--param"
         )
     case = opt.load(scenario, assignments)
-    opt.note_idle(case, scenario, assignments, _laws(law, watched))
+    _note_idle(law, watched, case, scenario, assignments)
     _refuse_unread(f"codegen {law}", ("float32", "ros2") if law == CORRIDOR else ("watched",))
     if law == CORRIDOR and watched is None:
         raise click.BadParameter(
