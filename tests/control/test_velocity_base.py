@@ -27,7 +27,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.filter.held_loop import push_speeds
 from wmr_ctrl.filter.hypotheses import broken_hypotheses, most_torque
-from wmr_ctrl.linear.linearise import law_loop
+from wmr_ctrl.linear.nonlinear import law_nlsys
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.effect import Bound
@@ -699,9 +699,9 @@ def test_late_torques_are_refused_where_velocities_are_sent(name: str) -> None:
         based({**VELOCITY, f"actuator.{name}": 0.01})
 
 
-def test_linear_loops_refuse_a_velocity_base_by_name() -> None:
+def test_nonlinear_loops_refuse_a_velocity_base_by_name() -> None:
     with pytest.raises((ScenarioError, ArgumentError), match=r'base\.kind = "velocity"'):
-        law_loop(based(VELOCITY), "kanayama")
+        law_nlsys(based(VELOCITY), "kanayama")
 
 
 def test_a_torque_base_has_no_speed_loop() -> None:
