@@ -158,10 +158,13 @@ class Step:
     ) -> Statement:
         """Statement for 0 < u2 < u1 and 0 < E < 1 on the graph of `prox_step`, cut at ``names``."""
         t, one = self.inputs, ca.SX(1)
-        maps = {"end": (self.argument, self.shares[1]), "x_followed": (t.followed, one)}
-        maps["x_target"] = t.target, one
+        maps = {
+            "end": (self.argument, self.shares[1]), "x_followed": (t.followed, one),
+            "x_target": (t.target, one),
+        }  # fmt: skip
         inner = {name: resolvent(*of, *self.limits, self.smooth) for name, of in maps.items()}
-        cuts = {name: (inner | {"carried": self.start})[name] for name in names}
+        inner["carried"] = self.start
+        cuts = {name: inner[name] for name in names}
         plain = above(t.u2), above(t.u1, t.u2), above(t.E), above(1, t.E)
         return Statement(t | self.free | more, goals, (*plain, *given), cuts)
 
