@@ -66,6 +66,7 @@ def test_no_adversary_leaves_it_and_some_come_near(case):
     farthest = max(reached, key=lambda item: item.position)
 
     assert tube.run == 12.0
+    assert ", in a run of 12 s; " in tube.sentence
     assert farthest.position <= tube.position
     assert tube.position / loose <= farthest.position
     assert np.abs(farthest.e[:, 2]).max() <= tube.heading
