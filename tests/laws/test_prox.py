@@ -52,7 +52,7 @@ def test_resolvent_minimises_its_cost(smooth: bool) -> None:
     draw = np.random.default_rng(1)
     grid = np.linspace(-1, 1, 4003)[1:-1]
     barrier = barrier_at(grid, smooth)
-    for value, weight in zip(targets(draw, 20), draw.uniform(0.01, 1, 20), strict=True):
+    for value, weight in zip(targets(draw, 60), draw.uniform(0.01, 1, 60), strict=True):
         found = float(X[smooth](value, weight))
         least = 0.5 * (found - value) ** 2 + weight * barrier_at(np.array([found]), smooth)[0]
         cost = 0.5 * (grid - value) ** 2 + weight * barrier
