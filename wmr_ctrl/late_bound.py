@@ -1,7 +1,8 @@
-"""Functions of higher layers that values offer, imported when asked for.
+"""Functions of higher layers that values and commands offer, imported when asked for.
 
 Folders import downwards only.  A Run that draws itself and a Scenario that shows its gains are for
-the user's convenience; these few names are the whole of it, and importing this file loads nothing.
+the user's convenience, and commands write the same files; these few names are the whole of it, and
+importing this file loads nothing.
 """
 
 from collections.abc import Callable

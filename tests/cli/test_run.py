@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from unittest.mock import Mock
 
 import pytest
 from click.testing import CliRunner
@@ -11,7 +12,7 @@ from wmr_ctrl import api
 from wmr_ctrl.checks import grip_warnings, warnings_for
 from wmr_ctrl.cli import options, root
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.errors import ArgumentError, MissingExtraError
 from wmr_ctrl.report import animate, drawing
 from wmr_ctrl.results import load_run, summary
 from wmr_ctrl.scenario import load_scenario
@@ -281,3 +282,12 @@ def test_outputs_name_the_keys_that_they_do_not_read(command, idle, monkeypatch)
     said = [line for line in found.stderr.splitlines() if "without effect" in line]
 
     assert said == ([f"note: without effect here: {idle}."] if idle else [])
+
+
+@pytest.mark.parametrize(("law", "idle"), [((), "mb.rho"), (("--law", "mb"), "nn.eta")])
+def test_a_co_simulation_names_gains_of_other_laws_than_its_own(law, idle, monkeypatch):
+    monkeypatch.setattr(api, "cosimulate", Mock(side_effect=ArgumentError("enough")))
+    stated = ("--set", "gains.nn.eta=1", "--set", "gains.mb.rho=15,57")
+    found = CliRunner().invoke(root, ["cosim", *law, *stated])
+
+    assert found.stderr.startswith(f"note: without effect here: gains.{idle}.")

@@ -176,12 +176,12 @@ def codegen(
             "it works only with --ros2. Add --ros2, or leave --param out.", param_hint="--param"
         )
     case = opt.load(scenario, assignments)
-    _note_idle(law, watched, case, scenario, assignments)
     _refuse_unread(f"codegen {law}", ("float32", "ros2") if law == CORRIDOR else ("watched",))
     if law == CORRIDOR and watched is None:
         raise click.BadParameter(
             "codegen corridor needs one: the law that drives.", param_hint="--law"
         )
+    _note_idle(law, watched, case, scenario, assignments)
     if watched is not None:
         from wmr_ctrl.corridor import corridor_monitor
         from wmr_ctrl.results import write_all

@@ -226,9 +226,13 @@ def cosim(
     the call, and the exit code is 3; what was simulated until then is printed and saved as usual.
     """
     from wmr_ctrl import api
+    from wmr_ctrl.fmi.cosim.fitting import law_within
+    from wmr_ctrl.fmi.cosim.run import STAND_IN
 
     case = opt.load(scenario, assignments, guard)
-    opt.note_idle(case, scenario, assignments, [law] if law else [])
+    theirs = options.get("controller")
+    read = law or (law_within(theirs) if theirs else STAND_IN)
+    opt.note_idle(case, scenario, assignments, [read] if read else [])
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress
         run = api.cosimulate(case, law, **options)

@@ -300,7 +300,8 @@ def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
     analyze: Any = library("SALib.analyze.sobol", "study")
     sample = SamplePlan(**table.plan["sample"])
     means = np.bincount(points, values) / np.bincount(points)
-    indices = analyze.analyze(sample.problem, means, calc_second_order=False, seed=1)  # 0: none
+    seed = 1  # 0 would count as none
+    indices = analyze.analyze(sample.problem, means, calc_second_order=False, seed=seed)
     bars = (-0.18, "S1", "first", KEPT), (0.18, "ST", "total", style.MUTED)
     for shift, key, label, colour in bars:
         places = np.arange(len(sample.ranges)) + shift
