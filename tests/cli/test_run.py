@@ -284,6 +284,15 @@ def test_outputs_name_the_keys_that_they_do_not_read(command, idle, monkeypatch)
     assert said == ([f"note: without effect here: {idle}."] if idle else [])
 
 
+@pytest.mark.parametrize("what", ["plant", "nn"])
+def test_an_output_without_a_law_of_its_own_choice_refuses_one(what, monkeypatch):
+    monkeypatch.setattr(api, "export_fmu", lambda *_, **__: ())
+    found = CliRunner().invoke(root, ["export", what, "--law", "mb"])
+
+    assert found.exit_code == 2
+    assert f"{what} does not use it. Leave it out." in found.stderr
+
+
 @pytest.mark.parametrize(("law", "idle"), [((), "mb.rho"), (("--law", "mb"), "nn.eta")])
 def test_a_co_simulation_names_gains_of_other_laws_than_its_own(law, idle, monkeypatch):
     monkeypatch.setattr(api, "cosimulate", Mock(side_effect=ArgumentError("enough")))

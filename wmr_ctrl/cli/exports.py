@@ -73,6 +73,8 @@ def export(
     from wmr_ctrl.outputs import read_by
 
     given = {name: value for name, value in options.items() if name in read_by(what)}
+    if what not in WITH_LAW:
+        given.pop("law", None)
     _refuse_unread(what, options.keys() - given)
     opt.check_folder(out, "--out")
     case = opt.load(scenario, assignments)
