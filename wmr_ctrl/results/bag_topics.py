@@ -44,7 +44,7 @@ MAP = "map"
 
 class Topic(NamedTuple):
     """Messages of a topic: stamps (N,) (0 where there are none) and times of receipt (N,) [ns],
-    numbers (N, width) as `_READERS` order them, and the frame of the last one.
+    numbers (N, width) in the order of its role's reader, and the frame of the last one.
     """
 
     name: str
