@@ -419,7 +419,7 @@ def check_tests(base: Path, rows: Iterable[TextAlteration]) -> None:
 def failing(base: Path, tests: str) -> str:
     """The first of the tests that fails on a copied tree; empty where all pass.
 
-    Tests that do not end fail, too.  RuntimeError where they could not run at all.
+    Tests that do not end or crash fail, too.  RuntimeError where they could not run at all.
     """
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "0", "-m", "", "--tb=no",
                "-o", f"cache_dir={base / 'cache'}", *tests.split()]  # fmt: skip
@@ -438,6 +438,8 @@ def failing(base: Path, tests: str) -> str:
         )
     except subprocess.TimeoutExpired:
         return f"{tests} (did not end)"
+    if done.returncode < 0:
+        return f"{tests} (crashed)"
     if done.returncode not in (0, 1):
         raise RuntimeError(done.stdout + done.stderr)
     words = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("FAILED")]

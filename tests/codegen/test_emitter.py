@@ -145,7 +145,8 @@ def test_a_loop_of_which_something_else_reads_one_element_keeps_its_array() -> N
     draw = np.random.default_rng(4).normal(size=17)
     step, wanted = compiled([item])[0], machine(item)
 
-    assert "sin" in definition(item) and "double a" in definition(item)
+    assert "sin" in definition(item)
+    assert "double a" in definition(item)
     assert (step(draw[:16], draw[16:]) == wanted(draw[:16], draw[16:])).all()
 
 
