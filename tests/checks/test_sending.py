@@ -209,6 +209,49 @@ def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number() -> None:
     assert "no rest near the reference" in stable(stability(weak, "pursuit"), 0.05)
 
 
+def test_an_integral_that_never_moves_is_not_moved_to_find_the_rest() -> None:
+    """With base.ki = 0 friction leaves the robot behind, and the integral of the base at 0."""
+    proportional = moving({"base.loop": "pi", "base.kp": 10.0, "base.ki": 0.0, "robot.mu": 0.02})
+    run = simulate(proportional, "pid", overrides={"clock.duration": 40.0})
+    desired = sample(proportional, np.zeros(1))[0][3:5]
+    at = loop_of(settle(proportional, "pid")).resting(desired, 0.0, 0.05)
+    assert at is not None
+
+    assert at.e[0] > 1e-3
+    assert run["e"][-1] == pytest.approx(at.e, abs=1e-6)
+
+
+def test_a_rest_is_found_at_periods_in_which_a_law_changes_its_command_little() -> None:
+    """At 2 m/s2 a command changes by 1 mm/s in half a millisecond."""
+    scenario = moving({"base.gain": [0.75, 1.0]})
+    loop, desired = loop_of(settle(scenario, "kanayama")), sample(scenario, np.zeros(1))[0][3:5]
+    short, long = (loop.resting(desired, 0.0, period) for period in (0.0005, 0.05))
+    assert short is not None
+    assert long is not None
+
+    assert short.s == pytest.approx(long.s, abs=1e-9)
+    assert stability(scenario, "kanayama").shortest == 0
+
+
+def test_a_slope_is_looked_at_up_and_down() -> None:
+    scenario = moving({"base.loop": "pi", "base.ki": 0.0, "slope.angle": 0.05})
+    loop, desired = loop_of(settle(scenario, "pursuit")), sample(scenario, np.zeros(1))[0][3:5]
+    rests = [loop.resting(desired, theta, 0.05) for theta in loop.around.headings]
+
+    off = [float(np.hypot(*at.e[:2])) for at in rests if at]
+    assert max(off) > 2 * off[0]
+    assert stability(scenario, "pursuit").off == pytest.approx(max(off), abs=1e-9)
+
+
+def test_a_filter_that_cuts_the_paths_own_commands_is_named() -> None:
+    """A weak base needs 0.16 m/s / gain, and the clip passes (0.22 - 0.005) / 1.05 m/s."""
+    clip = {"filter.kind": "clip", "filter.gain": [0.7, 1.05]}
+    told = [stability(moving({**clip, "base.gain": [gain, 1.0]}), "pid") for gain in (0.77, 0.8)]
+
+    assert ["filter" in " ".join(item.remarks) for item in told] == [True, False]
+    assert "may end elsewhere" in stable(told[0], 0.05)
+
+
 def test_a_firmware_that_cuts_the_paths_own_commands_is_named() -> None:
     """The outer wheel of this circle turns at (0.16 + 0.08 * 0.2) / 0.033 = 5.33 rad/s."""
     told = [stability(moving({"base.w_max": w}), "kanayama").remarks for w in (5.3, 5.4)]

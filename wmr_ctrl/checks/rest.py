@@ -55,16 +55,19 @@ def _graph(loop: Loop, around: Surroundings, world: World) -> ca.Function:
     after = world.step(0, z, theta, around.torque(world, force), p, v_d)
     known = ca.repmat(force, len(loop.remembered), 1)
     asked, following = loop.act(z[:ROBOT], v_d, rate, core.x, known, core.p)
-    rows = [i for i, name in enumerate(world.names) if name not in (PATH.name, SKID.name)]
     unknown = ca.vertcat(z, force, core.x)
-    change = ca.vertcat((after - z)[rows], asked - force, following - core.x)
+    change = ca.vertcat(after - z, asked - force, following - core.x)
+    change[[i for i, name in enumerate(world.names) if name in (PATH.name, SKID.name)]] = 0
     slope = ca.densify(ca.jacobian(change, unknown))
     given = [unknown, theta, v_d, rate, p, core.p]
     return ca.Function("change", given, [ca.densify(change), slope])
 
 
 def newton(change: ca.Function, start: Floats, given: tuple[ArrayLike, ...] = ()) -> Floats | None:
-    """A zero of ``change``, whose second output is its slope, by its first input; None for none."""
+    """A zero of ``change``, whose second output is its slope, by its first input; None for none.
+
+    What nothing changes stays as it is, such as the integral of a speed loop with base.ki = 0.
+    """
     point = start.copy()
     for _ in range(STEPS):
         value, slope = evaluated(change, point, *given)
@@ -72,6 +75,7 @@ def newton(change: ca.Function, start: Floats, given: tuple[ArrayLike, ...] = ()
             return None
         if np.abs(value).max() < LEFT:
             return point
-        step = np.linalg.lstsq(slope, value.ravel(), rcond=None)[0]
+        moving = slope.any(axis=1)
+        step = np.linalg.lstsq(slope * moving, value.ravel(), rcond=None)[0] * moving
         point = point - step * min(1.0, STRIDE / max(1e-300, float(np.abs(step[:ROBOT]).max())))
     return None

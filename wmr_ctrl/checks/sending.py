@@ -7,7 +7,7 @@ command inside (ledger: corridor.filter).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.system import Output, System
 from wmr_ctrl.scenario import Robot
 from wmr_ctrl.signals import ASKED, SENT_BEFORE, places
+
+LONG = 0.1
+"""A control period in which laws may change their command much [s]."""
 
 
 @dataclass(frozen=True)
@@ -82,10 +85,17 @@ class SendingLoop(Loop):
     def resting(
         self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
     ) -> Point | None:
-        """The point where it really rests, whose commands are all alike, however late they act."""
+        """The point where it really rests, whose commands are all alike, however late they act.
+
+        In a short period a law may change its command little, which hides the rest from Newton's
+        method on its way; that of a long period is near.
+        """
         own = loop_of(self.setup)
-        start = own.on_reference(v_d, theta)
-        if (at := rest(own, own.around, start, period, robot)) is None:
+        find, on = partial(rest, own, own.around), own.on_reference(v_d, theta)
+        at = find(on, period, robot)
+        if at is None and period < LONG and (near := find(on, LONG, robot)):
+            at = find(near, period, robot)
+        if at is None:
             return None
         rows = places(item.signal for item in own.core.state)
         known = [at.memory[rows[name]] if (name := item.signal.name) in rows else at.force

@@ -24,6 +24,7 @@ from wmr_ctrl.checks.surroundings import oldest_shown
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.values import LARGEST
+from wmr_ctrl.filter.filter import passing_commands
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.speed_loop import has_loop
 
@@ -108,7 +109,7 @@ def distance_at_rest(loop: Loop) -> float | None:
 def _rests(loop: Loop) -> list[Point | None]:
     period, stretches = loop.scenario.clock.control, stretches_of(loop.scenario)
     speeds = operating_points(loop.scenario) if stretches is None else stretches[0]
-    return [loop.resting(v_d, loop.around.headings[0], period) for v_d in speeds]
+    return [loop.resting(v_d, theta, period) for theta in loop.around.headings for v_d in speeds]
 
 
 def _remarks(loop: Loop) -> Iterator[str]:
@@ -121,6 +122,10 @@ def _remarks(loop: Loop) -> Iterator[str]:
     sent = np.array([at.force for at in _rests(loop) if at]).reshape(-1, 2)
     if (np.abs(sent) @ (1.0, robot.l) > robot.r * base.w_max).any():
         yield "as if base.w_max let the commands pass that its path takes"
+    if loop.scenario.filter.kind in ("clip", "governor") and any(
+        (np.abs(sent @ row) > most).any() for _, row, most in passing_commands(loop.scenario)
+    ):
+        yield "as if the filter let the commands pass that its path takes"
 
 
 def largest_period(loop: Loop) -> float:

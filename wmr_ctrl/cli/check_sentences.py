@@ -297,8 +297,10 @@ def stable(limits: Stability, period: float) -> str:
     if limits.masses is not None:
         parts.append(limits.mass_words)
     here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
-    rests = f", {limits.off:.2g} m off it at rest," if limits.off >= TOLD else ""
-    return f"stable around the reference{rests} {limit}{here}"
+    place = "around the reference"
+    if (off := limits.off) >= TOLD:
+        place = f"near its rest, {off:.2g} m off the reference (farther starts may end elsewhere),"
+    return f"stable {place} {limit}{here}"
 
 
 def _masses(known: Mapping[str, SourcedNumber]) -> str:

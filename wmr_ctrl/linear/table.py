@@ -79,8 +79,8 @@ def _head(report: LinearReport, width: int) -> Iterator[str]:
         yield _folded(text, width)
     if report.rest is not None:
         off = f"{report.rest:.2g} m off" if report.rest >= 1e-6 else "on"
-        text = f"Where the loop rests, {off} its reference, as if no limit cut its commands."
-        yield _folded(text, width)
+        text = f"Where the loop rests, {off} its reference, as if no limit cut its commands"
+        yield _folded(f"{text}; a start farther from there may end elsewhere.", width)
     yield ""
 
 
