@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Loop
-from wmr_ctrl.checks.radius import only_forwards
+from wmr_ctrl.checks.radius import MARGIN, RATIO, largest_radius, only_forwards
 from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.checks.stable_ranges import (
     distance_at_rest,
@@ -33,6 +33,8 @@ SAFE = 0.5
 
 NEAR, CLOSE = (0.6, 1.6), (0.8, 1.25)
 """Ratios of true to believed mass that are to be stood, and those that a load soon reaches."""
+BEYOND_NEAR = RATIO**4
+"""The first ratio of those tried that is beyond all that are near, as one over it is."""
 
 MOST_STEPS = 500
 
@@ -66,6 +68,9 @@ def _linear(loop: Loop) -> Iterator[Warning]:
     if (reason := next(_without_loop(loop), None)) is not None:
         yield reason
         return
+    if _stable(loop):
+        yield from _mass(loop)
+        return
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
     words = delays_by_name(loop.setup)
     late = "".join(f"a {word} of {value:g} s and " for word, value in words.items())
@@ -92,19 +97,17 @@ def _linear(loop: Loop) -> Iterator[Warning]:
             f"{beginning}: lower {lower}{gains_that_fit(loop, _stable)}.",
             f"{loop.equations}, linearised",
         )
-    elif period >= limit:
-        choice = f"{low:.3g} to {limit:.3g} s" if low else f"{SAFE * limit:.2g} s or less"
-        delay = loop.around.drives.delay
-        total = f" (period and delay together {limit + delay:.4g} s)" if delay else ""
-        yield Warning(
-            PERIOD,
-            f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
-            f"{loop.law} is stable around the reference with {late}these gains{total}: "
-            f"choose {choice}, or lower the gains{gains_that_fit(loop, _stable)}.",
-            f"{loop.equations}, linearised and sampled",
-        )
-    else:
-        yield from _mass(loop)
+        return
+    choice = f"{low:.3g} to {limit:.3g} s" if low else f"{SAFE * limit:.2g} s or less"
+    delay = loop.around.drives.delay
+    total = f" (period and delay together {limit + delay:.4g} s)" if delay else ""
+    yield Warning(
+        PERIOD,
+        f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
+        f"{loop.law} is stable around the reference with {late}these gains{total}: "
+        f"choose {choice}, or lower the gains{gains_that_fit(loop, _stable)}.",
+        f"{loop.equations}, linearised and sampled",
+    )
 
 
 def _without_loop(loop: Loop) -> Iterator[Warning]:
@@ -138,8 +141,7 @@ def _without_loop(loop: Loop) -> Iterator[Warning]:
 
 def _mass(loop: Loop) -> Iterator[Warning]:
     """Yield a robot unlike the believed one, from which on the loop is unstable, if it is near."""
-    masses = stable_masses(loop)
-    if masses is None or _stands(loop):
+    if not loop.traits.model or _stands(loop) or (masses := stable_masses(loop)) is None:
         return
     yield Warning(
         "model.m",
@@ -153,7 +155,7 @@ def _mass(loop: Loop) -> Iterator[Warning]:
 
 
 def _stable(loop: Loop) -> bool:
-    return loop.scenario.clock.control < stable_periods(loop)[1]
+    return largest_radius(loop, loop.scenario.clock.control) <= 1 + MARGIN
 
 
 def _blames_gain(loop: Loop) -> bool:
@@ -166,7 +168,7 @@ def _blames_gain(loop: Loop) -> bool:
 
 def _stands(loop: Loop) -> bool:
     """Whether the loop is stable with every mass that is near the believed one."""
-    masses = stable_masses(loop)
+    masses = stable_masses(loop, BEYOND_NEAR)
     return masses is not None and masses[0] <= NEAR[0] and masses[1] >= NEAR[1]
 
 

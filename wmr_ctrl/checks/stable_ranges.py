@@ -193,12 +193,12 @@ def stable_delays(loop: Loop) -> tuple[float, float] | None:
 
 
 @lru_cache(maxsize=64)
-def stable_masses(loop: Loop) -> tuple[float, float] | None:
+def stable_masses(loop: Loop, most: float = MASSES) -> tuple[float, float] | None:
     """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
 
-    Both are scaled alike, at the scenario's period; tried from 1/20 to 20, as far as a scenario
-    can state them.  None for a law that believes no mass, and where the loop is unstable with the
-    believed one.
+    Both are scaled alike, at the scenario's period; tried from 1/``most`` to ``most``, as far as a
+    scenario can state them.  None for a law that believes no mass, and where the loop is unstable
+    with the believed one.
     """
     if not loop.traits.model:
         return None
@@ -208,11 +208,11 @@ def stable_masses(loop: Loop) -> tuple[float, float] | None:
         robot = replace(loop.scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
         return largest_radius(loop, loop.scenario.clock.control, robot=robot)
 
-    steps = [RATIO**k for k in range(1, round(math.log(MASSES) / math.log(RATIO)) + 1)]
+    steps = [RATIO**k for k in range(1, round(math.log(most) / math.log(RATIO)) + 1)]
     heavier = [step for step in steps if step * max(believed.m, believed.I) <= LARGEST]
     up = _last(of, 1.0, heavier) if heavier else math.inf
     down = _last(of, 1.0, [1 / step for step in steps])
-    return None if up is None or down is None else (max(down, 1 / MASSES), min(up, MASSES))
+    return None if up is None or down is None else (max(down, 1 / most), min(up, most))
 
 
 def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) -> float | None:
