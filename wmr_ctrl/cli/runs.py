@@ -230,8 +230,8 @@ def cosim(
     from wmr_ctrl.fmi.cosim.run import STAND_IN
 
     case = opt.load(scenario, assignments, guard)
-    theirs = options.get("controller")
-    read = law or (law_within(theirs) if theirs else STAND_IN)
+    file = options.get("controller")
+    read = law or (law_within(file) if file else STAND_IN)
     opt.note_idle(case, scenario, assignments, [read] if read else [])
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress
