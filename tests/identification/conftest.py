@@ -12,6 +12,8 @@ from wmr_ctrl.codegen import build
 from wmr_ctrl.identification import identify
 
 TRUTH = Truth(delay=0.036)
+STEP = 4e-3
+"""A ninth of its delay, and a quarter of the fastest time constant, that of friction [s]."""
 KNOWN = {"robot.r": TRUTH.r, "robot.l": TRUTH.l, "encoder.counts": TRUTH.counts}
 POSED = ("t", "wheel_counts[1]", "wheel_counts[2]", "tau_right", "tau_left", "x", "y", "theta")
 
@@ -40,7 +42,7 @@ def level_one():
 
 @pytest.fixture(scope="session")
 def driven():
-    return simulate(TRUTH, 4, 24.0, seed=0, step=2e-3)
+    return simulate(TRUTH, 4, 24.0, seed=0, step=STEP)
 
 
 @pytest.fixture(scope="session")

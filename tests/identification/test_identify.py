@@ -9,7 +9,7 @@ import pytest
 
 import wmr_ctrl.identification.identification as identifying
 from benchmarks.own_plant import log_of, simulate
-from tests.identification.conftest import KNOWN, TRUTH
+from tests.identification.conftest import KNOWN, STEP, TRUTH
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
 from wmr_ctrl.identification.fit import SKIPPED, WATCHED, events_of, packed
@@ -144,7 +144,7 @@ def identify_text(text):
 
 @pytest.mark.slow
 def test_the_guard_has_room_for_the_delay_and_lag_that_creeping_tyres_hide():
-    columns = simulate(replace(TRUTH, creep=1500.0), 1, 40.0, seed=0, step=2e-3)
+    columns = simulate(replace(TRUTH, creep=1500.0), 1, 40.0, seed=0, step=STEP)
 
     found = identify(log_of(columns, 0), overrides=KNOWN)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.own_plant import Drives, log_of, simulate
-from tests.identification.conftest import KNOWN, TRUTH
+from tests.identification.conftest import KNOWN, STEP, TRUTH
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.propose import (
@@ -85,13 +85,13 @@ def test_a_drive_as_text_has_its_numbers_and_what_the_corners_showed():
 def driven_by(drive):
     """The own plant, which follows with a loop of its own."""
     wanted = np.column_stack((drive.v, drive.omega))
-    return simulate(TRUTH, 1, len(wanted) * TRUTH.period, 7, Drives("given", wanted=wanted), 2e-3)
+    return simulate(TRUTH, 1, len(wanted) * TRUTH.period, 7, Drives("given", wanted=wanted), STEP)
 
 
 @pytest.fixture(scope="module")
 def after_a_circle():
     """What the log of a circle tells, the drive that is proposed then, and the robot's on it."""
-    circle = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), step=2e-3)
+    circle = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), STEP)
     poor = identify(log_of(circle, 0), overrides=KNOWN)
     drive = propose(poor, FLOOR)
     return poor, drive, driven_by(drive)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks.own_plant import log_of, simulate
-from tests.identification.conftest import KNOWN, TRUTH
+from tests.identification.conftest import KNOWN, STEP, TRUTH
 from wmr_ctrl.identification import identify, widths
 from wmr_ctrl.identification.refuted import _monitor, contradictions, explaining
 from wmr_ctrl.identification.widths import Fitted, changes
@@ -21,7 +21,7 @@ PAUSE = 1.0
 
 def goes_on(driven, seconds=12.0, **changes):
     """The first robot's log, and after a pause that of the same robot with other numbers."""
-    other = simulate(replace(TRUTH, **changes), 1, seconds, seed=5, step=2e-3)
+    other = simulate(replace(TRUTH, **changes), 1, seconds, seed=5, step=STEP)
     first, last = (
         {key: np.array(value) for key, value in log.items()}
         for log in (log_of(driven, 0), log_of(other, 0))
