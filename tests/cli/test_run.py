@@ -293,6 +293,13 @@ def test_an_output_without_a_law_of_its_own_choice_refuses_one(what, monkeypatch
     assert f"{what} does not use it. Leave it out." in found.stderr
 
 
+def test_a_misspelt_output_is_told_its_name_not_to_leave_the_law_out():
+    found = CliRunner().invoke(root, ["export", "closedloop", "--law", "mb"])
+
+    assert found.exit_code == 2
+    assert "no FMU is named 'closedloop'" in found.stderr
+
+
 @pytest.mark.parametrize(("law", "idle"), [((), "mb.rho"), (("--law", "mb"), "nn.eta")])
 def test_a_co_simulation_names_gains_of_other_laws_than_its_own(law, idle, monkeypatch):
     monkeypatch.setattr(api, "cosimulate", Mock(side_effect=ArgumentError("enough")))

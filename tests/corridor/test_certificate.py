@@ -242,7 +242,7 @@ REFUSED = {
     "depends on the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
     "depends on the heading, such as a slope": (
         "turtlebot3-burger",
-        {"slope.angle": 0.01, "filter.kind": "none"},
+        {"slope.angle": 0.01, "slope.direction": 0.5, "filter.kind": "none"},
         "prox",
     ),
     "may grow as large as what the loop corrects, beyond the 30.4 mm that the linear loop leaves": (

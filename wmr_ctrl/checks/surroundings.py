@@ -131,9 +131,10 @@ class Surroundings:
     def headings(self) -> tuple[float, ...]:
         """Orientations [rad] at which the loop is another: one, unless something acts by it."""
         clock = self.scenario.clock.control
-        motions = (Motion((0.0, 0.0, 0.0), (0.2, 0.1), (0.2, 0.1), theta) for theta in (0.0, 1.0))
-        here, there = (self._assembly(motion, clock).flow(clock)[0] for motion in motions)
-        alike = np.abs(here - there).max() < GRID
+        thetas = (0.0, 1.0, 2.0)  # a slope has the same gradient at two of them, not at three
+        motions = (Motion((0.0, 0.0, 0.0), (0.2, 0.1), (0.2, 0.1), theta) for theta in thetas)
+        here, *there = (self._assembly(motion, clock).flow(clock)[0] for motion in motions)
+        alike = np.abs(there - here).max() < GRID
         return (0.0,) if alike else tuple(np.arange(8) * math.pi / 4)
 
     def scenario_at(self, period: float, delay: float) -> Scenario:

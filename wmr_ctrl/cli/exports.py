@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 WITH_LAW = ("corridor", "closed-loop", "ssp", "simulink")
-"""Outputs that hold the law of the option ``--law``."""
+WITHOUT_LAW = ("plant", "reference", "guard", "filter")
+"""Outputs that hold the law of the option ``--law``, and none."""
 
 
 @opt.command(
@@ -70,10 +71,11 @@ def export(
     """
     from wmr_ctrl import api
     from wmr_ctrl.fmi.extra import steps_fmus
+    from wmr_ctrl.laws.registry import LAWS
     from wmr_ctrl.outputs import read_by
 
     given = {name: value for name, value in options.items() if name in read_by(what)}
-    if what not in WITH_LAW:
+    if what in (*WITHOUT_LAW, *LAWS):
         given.pop("law", None)
     _refuse_unread(what, options.keys() - given)
     opt.check_folder(out, "--out")
