@@ -245,48 +245,50 @@ def _followed_drive(
     inner, force_of = math.ceil(period / STEP), ca.SX.sym("force", 2)
     torque_of = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force_of)
     wheels = ca.Function("wheels", [force_of], [torque_of]).map(count)
-    step = _robot(scenario).map(count)
+    step = _robot(scenario, inner).map(count)
     p = np.array([[item[name] for name in WALKED] for item in robots])
     queues = np.array([round(item["delay"] / period * inner) for item in robots])
     latest = max(item["delay"] + item["lag"] for item in robots)
     bandwidth = CROSSOVER / max(latest, period)
     gains = bandwidth * np.array([min(item[name] for item in robots) for name in ("m", "I")])
-    sums, state = np.zeros((count, 2)), np.zeros((6, count))
+    sums, state = np.zeros((count, 2)), np.zeros((8, count))
     # Before the first command comes the last, which nobody sends: 0.
-    place, sent = np.zeros((2, count)), np.zeros((len(wanted) * inner + 1, count, 2))
+    sent = np.zeros((len(wanted) * inner + 1, count, 2))
     motions = np.empty((count, len(wanted), 6))
     torques = np.empty((count, len(wanted), 2))
     h = np.full(count, period / inner)
     for k, desired in enumerate(wanted):
-        motions[:, k] = np.concatenate((state[:4], place)).T
+        motions[:, k] = state[:6].T
         error = desired - state[2:4].T
         force = gains * (error + sums)
         sums += bandwidth / 5 * error * period
         (tau,) = evaluated(wheels, force)
         torques[:, k] = np.clip(tau, -scenario.actuator.tau_max, scenario.actuator.tau_max).T
-        for i in range(k * inner, (k + 1) * inner):
-            sent[i] = torques[:, k]
-            due = sent[np.where(i >= queues, i - queues, -1), range(count)]
-            (after,) = evaluated(step, state.T, due, p, h)
-            middle = (state[1] + after[1]) / 2
-            place += (after[0] - state[0]) * np.stack((-np.sin(middle), np.cos(middle)))
-            state = after
+        own = np.arange(k * inner, (k + 1) * inner)[:, None]
+        sent[own[:, 0]] = torques[:, k]
+        due = sent[np.maximum(own - queues, -1), range(count)]
+        (state,) = evaluated(step, state.T, due.transpose(1, 0, 2), p, h)
     return motions, torques
 
 
-def _robot(scenario: Scenario) -> ca.Function:
-    """One step of (way, turn, v, omega, acting torques): the plant's graph behind the lag."""
-    s, u, p, h = ca.SX.sym("s", 6), ca.SX.sym("u", 2), ca.SX.sym("p", len(WALKED)), ca.SX.sym("h")
+def _robot(scenario: Scenario, steps: int) -> ca.Function:
+    """Steps of (way, turn, v, omega, x, y, acting torques): the plant's graph behind the lag."""
+    s, u, p, h = ca.SX.sym("s", 8), ca.SX.sym("u", 2), ca.SX.sym("p", len(WALKED)), ca.SX.sym("h")
     robot = scenario.robot
     a = {name: p[k] for k, name in enumerate(WALKED)}
     a |= {"r": ca.SX(robot.r), "l": ca.SX(robot.l), "g": ca.SX(robot.g), "v_s": ca.SX(robot.v_s)}
-    after = followed(u, ca.exp(-h / a["lag"]), s[4:6])
-    torque = u + a["lag"] * (s[4:6] - after) / h
+    after = followed(u, ca.exp(-h / a["lag"]), s[6:8])
+    torque = u + a["lag"] * (s[6:8] - after) / h
     moved, force = ca.SX.sym("moved", 4), ca.SX.sym("force", 2)
     rest = ca.substitute(stepped(scenario, a, torque, h, moved, force), force, ca.SX.zeros(2))
-    return ca.Function(
-        "robot", [s, u, p, h], [ca.vertcat(ca.substitute(rest, moved, s[:4]), after)]
-    )
+    gone = ca.substitute(rest, moved, s[:4])
+    middle = (s[1] + gone[1]) / 2
+    place = s[4:6] + (gone[0] - s[0]) * ca.vertcat(-ca.sin(middle), ca.cos(middle))
+    one = ca.Function("step", [s, u, p, h], [ca.vertcat(gone, place, after)])
+    all_u, state = ca.SX.sym("u", 2, steps), s
+    for k in range(steps):
+        state = one(state, all_u[:, k], p, h)
+    return ca.Function("robot", [s, ca.vec(all_u), p, h], [state])
 
 
 def _expected(
