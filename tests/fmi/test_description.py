@@ -184,20 +184,6 @@ def test_provenance_travels_along(exported, what, version):
             assert f.n_in() == f.n_out() == 1
 
 
-def test_without_fmpy_a_reference_result_is_all_that_is_missing(exported, tmp_path, monkeypatch):
-    complete = exported("plant", 2)
-    monkeypatch.setattr("wmr_ctrl.fmi.extra.find_spec", lambda name: None)
-    (path,) = export_fmu("plant", fmi=2, out=tmp_path)
-    with zipfile.ZipFile(path) as bare, zipfile.ZipFile(complete) as whole:
-        missing = set(whole.namelist()) - set(bare.namelist())
-        assert missing == {
-            "extra/org.wmr-ctrl/reference.csv",
-            "extra/org.wmr-ctrl/reference.ssv",
-            "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml",
-        }
-        assert all(bare.read(name) == whole.read(name) for name in bare.namelist())
-
-
 @pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
 def test_reference_result_is_reproduced(exported, what, tmp_path):
     path = exported(what, 2)

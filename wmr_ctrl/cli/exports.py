@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
+from warnings import catch_warnings
 
 import click
 
@@ -70,7 +71,6 @@ def export(
     The Simulink kit has an S-function of one law and a script that builds the loop.
     """
     from wmr_ctrl import api
-    from wmr_ctrl.fmi.extra import steps_fmus
     from wmr_ctrl.laws.registry import LAWS
     from wmr_ctrl.outputs import read_by
 
@@ -82,10 +82,13 @@ def export(
     case = opt.load(scenario, assignments)
     _note_idle(what, options.get("law"), case, scenario, assignments)
     given |= {"scenario": case, "out": out}
-    with Progress(f"export {what}", measured=False):
+    with Progress(f"export {what}", measured=False), catch_warnings(record=True) as lacking:
         paths = api.export_fmu(what, **cast("ExportOptions", given))
     for path in paths:
         say("wrote", str(path))
+    for warning in lacking:
+        if warning.category is UserWarning:  # not what a library says of another
+            say("note", str(warning.message))
     _ask_about_units(what, case)
     if what == "ssp":
         from wmr_ctrl.fmi.ssp import has_conversions
@@ -93,8 +96,6 @@ def export(
         if has_conversions(paths[0]):
             text = "connections convert units, which FMPy reads but does not do: see docs/fmu.md."
             say("note", f"{paths[0].name}: {text}")
-    if "arrays" in read_by(what) and not steps_fmus():
-        say("note", "reference results are left out: pip install 'wmr_ctrl[fmi]' adds FMPy.")
 
 
 def _note_idle(

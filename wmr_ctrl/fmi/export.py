@@ -1,10 +1,12 @@
 """Export: from a scenario to FMU files that need nothing else to run.
 
 Some tools look for an Apple processor's library in FMI 2's folder darwin64; a universal one
-(several libraries in one file, each for its own processor) serves them and Intel alike.
+(several libraries in one file, each for its own processor) serves them and Intel alike. Some look
+for an ARM processor's library in linux64, which is x86_64's: it is there if that folder is free.
 """
 
 import struct
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -111,10 +113,11 @@ def write_fmu(
     result: bool = True,
     level: int = LEVEL,
 ) -> Path:
-    """Build and pack one file; ``result``: with a reference result, where FMPy is installed, and
-    of a law its plain C; ``level``: of compression.
+    """Build and pack one file; ``result``: with a reference result, if this machine's library is
+    built, and of a law its plain C; ``level``: of compression.
 
-    Raises PartlyBuiltError, with the file written, where some of several platforms failed.
+    Warns if FMPy cannot run it for the reference result, and leaves that out.  Raises
+    PartlyBuiltError, with the file written, where some of several platforms failed.
     """
     sources = sources_of(model, version, arrays=arrays)
     code = extra.plain_code(model) if result else {}
@@ -132,9 +135,17 @@ def write_fmu(
     packed = {name: text.encode() for name, text in files.items()}
     built, failed = build_for(targets, sources, model.identifier)
     packed |= binaries(model, version, built)
-    if result and host() in built and extra.steps_fmus():
-        packed[extra.RESULT] = extra.reference_result(model, packed)
-        packed |= {name: text.encode() for name, text in extra.references(model, TOOL).items()}
+    if result and host() in built:
+        run = binaries(model, version, {host(): built[host()]})
+        run["modelDescription.xml"] = text.encode()
+        try:
+            packed[extra.RESULT] = extra.reference_result(model, run)
+        except Exception as error:  # FMPy raises bare Exceptions
+            said = str(error).rstrip(".")
+            note = f"{path} has no reference result: FMPy could not run it here ({said})."
+            warnings.warn(note, stacklevel=2)
+        else:
+            packed |= {name: text.encode() for name, text in extra.references(model, TOOL).items()}
     write_archive(path, packed, level=level)
     if failed:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
@@ -157,6 +168,8 @@ def binaries(model: FmuModel, version: int, built: Mapping[str, bytes]) -> dict[
     both = [built[name] for name in ("x86_64-darwin", "aarch64-darwin") if name in built]
     if version == 2 and both:
         packed[f"binaries/darwin64/{model.identifier}.dylib"] = joined(both)
+    if "aarch64-linux" in built and "x86_64-linux" not in built:  # FMPy looks there, in FMI 3 too
+        packed[f"binaries/linux64/{model.identifier}.so"] = built["aarch64-linux"]
     return packed
 
 

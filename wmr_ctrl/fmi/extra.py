@@ -8,7 +8,6 @@ structs.
 
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from importlib.util import find_spec
 from pathlib import Path
 
 from wmr_ctrl.codegen.package import FILTER, c_name, package_files
@@ -18,7 +17,6 @@ from wmr_ctrl.filter import filter_system
 from wmr_ctrl.fmi.files import render
 from wmr_ctrl.fmi.model import FmuModel, Role
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.results.frames import library
 from wmr_ctrl.signals import Signal
 
 EXTRA = "extra/org.wmr-ctrl"
@@ -96,22 +94,20 @@ def _seconds(model: FmuModel) -> float:
     return min(SECONDS, model.scenario.clock.duration)
 
 
-def steps_fmus() -> bool:
-    """Whether FMPy is installed, which reference results are made with."""
-    return find_spec("fmpy") is not None
-
-
 def reference_result(model: FmuModel, files: Mapping[str, bytes]) -> bytes:
-    """CSV of two seconds of co-simulation with constant inputs: time, inputs and outputs."""
-    simulate_fmu = library("fmpy", "fmi").simulate_fmu
+    """CSV of two seconds of co-simulation with constant inputs: time, inputs and outputs.
+
+    ``files``: the model description, and the library for this machine in all its places.
+    """
+    from fmpy import simulate_fmu
+
     names = [v.name for v in model.variables if (v.output or v.role is Role.INPUT) and not v.array]
     step = model.scenario.clock.control
     with tempfile.TemporaryDirectory() as folder:
         for name, content in files.items():
-            if name.startswith(("binaries/", "modelDescription.xml")):
-                path = Path(folder) / name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(content)
+            path = Path(folder) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
         result = simulate_fmu(
             folder,
             validate=False,

@@ -9,16 +9,19 @@ import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property, partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from weakref import WeakValueDictionary
 
+import fmpy
+from fmpy import fmi2, fmi3
+
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
 from wmr_ctrl.fields.values import may_unpack
+from wmr_ctrl.fmi.targets import TARGETS, host
 from wmr_ctrl.fmi.units import BASE, NamedUnit
-from wmr_ctrl.results.frames import library
 
-_fmpy, _fmi2, _fmi3 = (library(f"fmpy{part}", "fmi") for part in ("", ".fmi2", ".fmi3"))
 _WARNING = 1  # the highest status of a call that did what it should
 _NEAR = 1e-3
 """Share of a step by which the time that an FMU says it reached may be off."""
@@ -34,12 +37,12 @@ def _heard(environment: int | None, *logged: Any) -> None:
     """Pass a message on to its instance, or to FMPy: the library knows one logger for all."""
     slave = _HEARERS.get(environment or 0)
     if slave is None:
-        _fmi2.printLogMessage(environment, *logged)
+        fmi2.printLogMessage(environment, *logged)
     else:
         slave._hear(*logged)
 
 
-_LOGGER = _fmi2.fmi2CallbackLoggerTYPE(_heard)
+_LOGGER = fmi2.fmi2CallbackLoggerTYPE(_heard)
 
 
 class FmuError(WmrError, RuntimeError):
@@ -62,7 +65,7 @@ class FmuFile:
                     f"it is {unpacked / 1e6:.0f} MB unpacked, which is implausible for its size. "
                     "Check where it comes from."
                 )
-            self.description = _fmpy.read_model_description(self.path, validate=checked)
+            self.description = fmpy.read_model_description(self.path, validate=checked)
         except Exception as error:  # FMPy raises bare Exceptions
             raise self.unusable(error) from error
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -132,14 +135,26 @@ def _reason(error: Exception) -> str:
     return f"{said}. Export it again, for co-simulation by FMI 2.0 or 3.0 on this platform."
 
 
-def _try_to_load(folder: Path, version: int, model: str) -> None:
+def _place(folder: Path, version: int, model: str) -> Path:
+    """Place of this machine's library in an unpacked FMU.
+
+    In FMI 2 a processor's own folder comes before the one that FMPy takes, which may hold another
+    processor's library.
+    """
+    name = model + fmpy.sharedLibraryExtension
+    if version == 3:
+        return Path("binaries", fmpy.platform_tuple, name)
+    own = (Path("binaries", target.fmi2, name) for target in TARGETS if target.name == host())
+    there = (place for place in own if (folder / place).is_file())
+    return next(there, Path("binaries", fmpy.platform, name))
+
+
+def _try_to_load(folder: Path, inside: Path) -> None:
     """Raise ArgumentError unless a process of its own can load an unpacked FMU's library.
 
     One that is cut off or overwritten ends the process that loads it instead of raising.
     """
-    here = _fmpy.platform if version == 2 else _fmpy.platform_tuple
-    inside = Path("binaries", here, model + _fmpy.sharedLibraryExtension)
-    library = folder.absolute() / inside
+    here, library = inside.parent.name, folder.absolute() / inside
     if not library.is_file():
         others = sorted(item.name for item in folder.glob("binaries/*") if any(item.iterdir()))
         raise ArgumentError(
@@ -190,14 +205,16 @@ class Slave(FmuFile):
                 text = "it has no co-simulation interface. Export it for co-simulation."
                 raise ArgumentError(text)
             model = interface.modelIdentifier
-            _fmpy.extract(self.path, str(folder))
+            fmpy.extract(self.path, str(folder))
+            place = _place(Path(folder), self.version, model)
             if not ours and sys.executable:
-                _try_to_load(Path(folder), self.version, model)
-            self._fmu = (_fmi2.FMU2Slave if self.version == 2 else _fmi3.FMU3Slave)(
+                _try_to_load(Path(folder), place)
+            self._fmu = (fmi2.FMU2Slave if self.version == 2 else fmi3.FMU3Slave)(
                 guid=self.description.guid,
                 unzipDirectory=str(folder),
                 instanceName=self.name,
                 modelIdentifier=model,
+                libraryPath=str(Path(folder).absolute() / place),
             )
             self._instantiate()
         except AttributeError as error:  # a symbol that FMPy looks for
@@ -214,14 +231,14 @@ class Slave(FmuFile):
         if self.version == 3:
             self._fmu.instantiate(logMessage=self._hear)
             return
-        callbacks = _fmi2.fmi2CallbackFunctions()
+        callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = _LOGGER
         callbacks.componentEnvironment = id(self)
         _HEARERS[id(self)] = self
-        callbacks.allocateMemory = _fmi2.defaultCallbacks.allocateMemory
-        callbacks.freeMemory = _fmi2.defaultCallbacks.freeMemory
+        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
         with suppress(Exception):  # FMPy's library that puts a message's values into its text
-            library("fmpy.logging", "fmi").addLoggerProxy(ct.byref(callbacks))
+            import_module("fmpy.logging").addLoggerProxy(ct.byref(callbacks))
         self._callbacks = callbacks
         self._fmu.instantiate(callbacks=callbacks)
 
