@@ -1,14 +1,14 @@
 """The cheap measures, in about a minute: what ``wmr-ctrl bench`` runs and prints.
 
 All ratios come from rounds that take turns in three fresh processes.  Above 1 the first of the two
-named takes longer.
+named takes longer.  A ratio that cannot be measured here is a line of the table with the reason.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 from wmr_ctrl.paper import PAPER_TIMES
@@ -17,7 +17,7 @@ from . import floor, fmu, generated, numba_peer
 from .hand_c import HandC
 from .numpy_loop import closed_loop
 from .setup import Case, Setup
-from .timing import Candidate, Timing, measure_in_processes
+from .timing import Builders, Candidate, Timing, built, measure_in_processes, reason
 
 Progress = Callable[[float], None]
 
@@ -69,24 +69,36 @@ def run_bench(progress: Progress | None = None, quick: bool = True) -> dict[str,
 
     Returns
     -------
-    ``ratios`` by name (None where it could not be measured), ``spread`` (their quartiles),
-    ``targets``, ``ns`` (nanoseconds of each candidate's step, for the record) and ``paper``
-    (seconds for 10,000 evaluations: theirs and ours).  Raises CompilerError without a compiler.
+    ``ratios`` by name (None where it could not be measured), ``reasons`` for each of these,
+    ``spread`` (quartiles), ``targets``, ``ns`` (nanoseconds of each candidate's step, for the
+    record) and ``paper`` (seconds for 10,000 evaluations: theirs and ours).
     """
     rounds = 9 if quick else 25
     found: dict[str, Timing] = {}
-    for place, (factory, base) in enumerate(FACTORIES):
-        told = partial(_told, progress, place / len(FACTORIES)) if progress else None
-        found |= measure_in_processes(factory, base, rounds=rounds, progress=told)
-    return summary(found)
+    failed: dict[str, str] = {}
+    for place, group in enumerate(GROUPS):
+        told = partial(_told, progress, place / len(GROUPS)) if progress else None
+        try:
+            found |= measure_in_processes(
+                partial(built, group), next(iter(group)),
+                rounds=rounds, progress=told, failed=failed,
+            )  # fmt: skip
+        except Exception as error:  # the process ended, say by a signal
+            failed |= dict.fromkeys(group, reason(error))
+    return summary(found, failed)
 
 
-def summary(found: Mapping[str, Timing]) -> dict[str, Any]:
-    """The result of `run_bench` from the timings of its candidates."""
+def summary(found: Mapping[str, Timing], failed: Mapping[str, str]) -> dict[str, Any]:
+    """The result of `run_bench` from the timings of its candidates, and why others have none."""
     spread = {item.key: quartiles(found, item) for item in RATIOS}
     ours = {law: found[law].ns * 1e4 * 1e-9 for law in PAPER_TIMES if law in found}
     return {
         "ratios": {key: values and values[1] for key, values in spread.items()},
+        "reasons": {
+            item.key: failed.get(item.above) or failed.get(item.below, "")
+            for item in RATIOS
+            if not spread[item.key]
+        },
         "spread": {key: values and [values[0], values[2]] for key, values in spread.items()},
         "targets": {item.key: item.target for item in RATIOS if item.target},
         "ns": {name: timing.ns for name, timing in found.items()},
@@ -98,65 +110,91 @@ def table(result: Mapping[str, Any]) -> str:
     """The result as lines of text."""
     rows = [f"{'ratio':38} {'median':>9} {'quartiles':>19}  target"]
     for key, value in result["ratios"].items():
-        low, high = result["spread"][key] or (None, None)
-        shown = f"{value:9.3g} {low:9.3g} {high:9.3g}" if value else f"{'not measured':>29}"
-        rows.append(f"{key:38} {shown}  {result['targets'].get(key, '')}".rstrip())
+        if value:
+            low, high = result["spread"][key]
+            shown, last = f"{low:9.3g} {high:9.3g}", result["targets"].get(key, "")
+            rows.append(f"{key:38} {value:9.3g} {shown}  {last}".rstrip())
+        else:
+            rows.append(f"{key:38} not measured: {result['reasons'][key]}")
     rows += ["", f"{'10,000 evaluations':38} {'paper, MATLAB':>14} {'here':>12}"]
     for law, seconds in result["paper"]["ours_s"].items():
         rows.append(f"{law:38} {PAPER_TIMES[law]:12.4f} s {1e3 * seconds:9.3f} ms")
     return "\n".join(rows)
 
 
-def steps() -> dict[str, Candidate]:
-    """Control and plant steps: hand-written, generated, NumPy, numba, CasADi's VM, from Python."""
+@cache
+def _setup(control: float | None = None) -> Setup:
     setup = Setup.from_scenario(generated.scenario())
-    hand = floor.step_candidates(HandC(setup), STEPS)
-    slow = floor.numpy_candidates(200)
-    return {
-        **{f"{name.removesuffix('_step')}_hand": item for name, item in hand.items()},
-        **{law: generated.step(law, STEPS) for law in PAPER_TIMES},
-        "plant": generated.plant_step(STEPS),
-        "nn_numpy": slow["nn_numpy"],
-        **numba_peer.step_candidates(setup, STEPS),
-        "nn_vm": generated.virtual_machine("nn", 300),
-        **{f"{law}_python": generated.call_from_python(law, STEPS) for law in ("mb", "nn")},
-    }
+    return setup if control is None else replace(setup, period=control)
 
 
-def loops() -> dict[str, Candidate]:
-    """Closed loops at 1 ms; a step is one control sample with its plant step."""
-    setup = replace(Setup.from_scenario(generated.scenario()), period=CONTROL)
-    hand, case = HandC(setup), replace(Case(), control=CONTROL)
-    short = replace(case, duration=0.2, t_change=0.1)
-    return {
+@cache
+def _hand(control: float | None = None) -> HandC:
+    return HandC(_setup(control))
+
+
+def _hand_step(name: str) -> Candidate:
+    return floor.step_candidates(_hand(), STEPS)[f"{name}_step"]
+
+
+def _numpy_step() -> Candidate:
+    return floor.numpy_candidates(200)["nn_numpy"]
+
+
+def _numba_step() -> Candidate:
+    return numba_peer.step(_setup(), STEPS)
+
+
+def _hand_loop(law: str) -> Candidate:
+    return Candidate(partial(_hand(CONTROL).loop, law, CASE), CASE.samples)
+
+
+def _numpy_loop() -> Candidate:
+    short = replace(CASE, duration=0.2, t_change=0.1)
+    return Candidate(partial(closed_loop, "nn", _setup(CONTROL), short), short.samples)
+
+
+def _numba_loop() -> Candidate:
+    return numba_peer.loop(_setup(CONTROL), CASE)
+
+
+CASE = replace(Case(), control=CONTROL)
+GROUPS: tuple[Builders, ...] = (
+    {
+        "nn_hand": partial(_hand_step, "nn"),
+        "mb_hand": partial(_hand_step, "mb"),
+        "plant_hand": partial(_hand_step, "plant"),
+        **{law: partial(generated.step, law, STEPS) for law in PAPER_TIMES},
+        "plant": partial(generated.plant_step, STEPS),
+        "nn_numpy": _numpy_step,
+        "nn_numba": _numba_step,
+        "nn_vm": partial(generated.virtual_machine, "nn", 300),
+        "nn_python": partial(generated.call_from_python, "nn", STEPS),
+        "mb_python": partial(generated.call_from_python, "mb", STEPS),
+    },
+    {
+        "nn_loop_hand": partial(_hand_loop, "nn"),
+        "mb_loop_hand": partial(_hand_loop, "mb"),
+        "nn_loop": partial(generated.closed_loop, "nn", CONTROL),
+        "mb_loop": partial(generated.closed_loop, "mb", CONTROL),
+        "nn_loop_numpy": _numpy_loop,
+        "nn_loop_numba": _numba_loop,
+        "nn_robot": partial(generated.robot, {}),
+        "nn_robot_exact": partial(generated.robot, generated.EXACT),
+        "nn_batch": partial(generated.batch, None, CONTROL),
         **{
-            f"{law}_loop_hand": Candidate(partial(hand.loop, law, case), case.samples)
-            for law in ("mb", "nn")
+            f"nn_batch_{name}": partial(generated.batch, name, CONTROL)
+            for name in ("avx512", "avx2", "baseline")
         },
-        **{f"{law}_loop": generated.closed_loop(law, CONTROL) for law in ("mb", "nn")},
-        "nn_loop_numpy": Candidate(partial(closed_loop, "nn", setup, short), short.samples),
-        **numba_peer.loop_candidates(setup, case),
-        "nn_robot": generated.robot({}),
-        "nn_robot_exact": generated.robot(generated.EXACT),
-        **generated.batches(CONTROL),
-    }
-
-
-def fmus() -> dict[str, Candidate]:
-    """Steps of the plant FMU and of an empty one, by FMPy."""
-    return fmu.candidates(20_000)
-
-
-FACTORIES: tuple[tuple[Callable[[], dict[str, Candidate]], str], ...] = (
-    (steps, "nn_hand"),
-    (loops, "nn_loop_hand"),
-    (fmus, "fmu_empty"),
+    },
+    {"fmu_empty": partial(fmu.empty, 20_000), "fmu_plant": partial(fmu.plant, 20_000)},
 )
-"""What is measured together, and the candidate that the others are divided by."""
+"""What is measured together: steps of 10 ms; closed loops at 1 ms, a step of which is one control
+sample with its plant steps; FMUs by FMPy.  The others of a group are divided by its first."""
 
 
 def _told(progress: Progress, start: float, done: int, of: int) -> None:
-    progress(start + done / of / len(FACTORIES))
+    progress(start + done / of / len(GROUPS))
 
 
 def quartiles(found: Mapping[str, Timing], item: Ratio) -> tuple[float, float, float] | None:

@@ -26,33 +26,46 @@ GetNominalsOfContinuousStates
 _EXPORTED = '__attribute__((visibility("default")))'
 
 
-def candidates(steps: int) -> dict[str, Candidate]:
-    """``fmu_plant`` and ``fmu_empty``, in a folder that goes when this process ends."""
-    from fmpy.fmi2 import FMU2Slave
-
+def plant(steps: int) -> Candidate:
+    """Steps of the plant FMU."""
     from wmr_ctrl.fmi.export import export_fmu
 
     folder = Path(_temporary().name)
     (archive,) = export_fmu("plant", fmi=2, out=folder)
     unpack_archive(archive, folder / "plant", "zip")
-    identifier = next((folder / "plant" / "binaries").rglob("*.*")).stem
-    slave = FMU2Slave(
-        guid=_guid(folder / "plant"), unzipDirectory=str(folder / "plant"),
-        modelIdentifier=identifier, instanceName="plant",
-    )  # fmt: skip
-    empty = FMU2Slave(
-        guid="", unzipDirectory=str(_nothing(folder, identifier)), modelIdentifier=identifier,
-        instanceName="empty",
-    )  # fmt: skip
-    return {
-        "fmu_plant": Candidate(partial(_steps, slave, steps), steps),
-        "fmu_empty": Candidate(partial(_steps, empty, steps), steps),
-    }
+    text = (folder / "plant" / "modelDescription.xml").read_text(encoding="utf-8")
+    return _candidate(folder / "plant", steps, text.split('guid="')[1].split('"')[0])
+
+
+def empty(steps: int) -> Candidate:
+    """Steps of an FMU all of whose functions return at once."""
+    import fmpy
+
+    lines = [f"{_EXPORTED} int fmi2{name}(void) {{ return 0; }}" for name in _FUNCTIONS.split()]
+    lines.append(f"{_EXPORTED} void *fmi2Instantiate(void) {{ static int one; return &one; }}")
+    lines.append(f'{_EXPORTED} const char *fmi2GetTypesPlatform(void) {{ return "default"; }}')
+    library = build_library({"empty.c": "\n".join(lines) + "\n"}, name="empty")
+    folder = Path(_temporary().name) / "empty"
+    place = folder / "binaries" / fmpy.platform / f"empty{fmpy.sharedLibraryExtension}"
+    place.parent.mkdir(parents=True)
+    copyfile(library, place)
+    return _candidate(folder, steps)
 
 
 @cache
 def _temporary() -> tempfile.TemporaryDirectory[str]:
+    """A folder that goes when this process ends."""
     return tempfile.TemporaryDirectory(prefix="wmr_ctrl-bench-", ignore_cleanup_errors=True)
+
+
+def _candidate(folder: Path, steps: int, guid: str = "") -> Candidate:
+    from fmpy.fmi2 import FMU2Slave
+
+    library = next((folder / "binaries").rglob("*.*"))
+    slave = FMU2Slave(
+        guid=guid, unzipDirectory=str(folder), modelIdentifier=library.stem, instanceName="one"
+    )
+    return Candidate(partial(_steps, slave, steps), steps)
 
 
 def _steps(slave: Any, steps: int) -> None:
@@ -67,21 +80,3 @@ def _steps(slave: Any, steps: int) -> None:
     slave.exitInitializationMode()
     for k in range(steps):
         slave.doStep(currentCommunicationPoint=k * _STEP, communicationStepSize=_STEP)
-
-
-def _nothing(folder: Path, identifier: str) -> Path:
-    """An unpacked FMU all of whose functions return at once."""
-    lines = [f"{_EXPORTED} int fmi2{name}(void) {{ return 0; }}" for name in _FUNCTIONS.split()]
-    lines.append(f"{_EXPORTED} void *fmi2Instantiate(void) {{ static int one; return &one; }}")
-    lines.append(f'{_EXPORTED} const char *fmi2GetTypesPlatform(void) {{ return "default"; }}')
-    library = build_library({"empty.c": "\n".join(lines) + "\n"}, name="empty")
-    source = next((folder / "plant" / "binaries").rglob(f"{identifier}.*"))
-    target = folder / "empty" / source.relative_to(folder / "plant")
-    target.parent.mkdir(parents=True)
-    copyfile(library, target)
-    return folder / "empty"
-
-
-def _guid(folder: Path) -> str:
-    text = (folder / "modelDescription.xml").read_text(encoding="utf-8")
-    return text.split('guid="')[1].split('"')[0]

@@ -15,11 +15,11 @@ from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.engines import runnable_of
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.batch import run_tasks
 from wmr_ctrl.sim.compiled_law import CompiledLaw
-from wmr_ctrl.sim.memory import Task, VectorSet, laid_out, load, opened, vector_sets
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.sim.memory import Task, laid_out, load, opened, vector_sets
 
 from .drive import out_of_place, plant_only
 from .inputs import plant_torques, tracking_rows
@@ -125,18 +125,16 @@ def plant_step(steps: int) -> Candidate:
     return Candidate(partial(run, steps), steps)
 
 
-def batches(control: float = 1e-3) -> dict[str, Candidate]:
+def batch(name: str | None = None, control: float = 1e-3) -> Candidate:
     """NN closed loops side by side on one core; a step is one control sample of one robot.
 
-    ``nn_batch`` takes the best vector instructions of this processor.
+    ``name``: of the vector instructions, else the best of this processor.
     """
     loop = compile_loop(scenario(control), "nn")
     sets = vector_sets(loop.compiled.library)
-    found = {f"nn_batch_{item.name}": _batch(loop, item) for item in sets}
-    return {"nn_batch": next(iter(found.values())), **found}
-
-
-def _batch(loop: RunnableLoop, vectors: VectorSet) -> Candidate:
+    vectors = next((item for item in sets if name in (None, item.name)), None)
+    if vectors is None:
+        raise ArgumentError(f"no loop for {name} was built, or this processor has no {name}")
     tasks = [Task(loop, seed, vectors=vectors.name) for seed in range(vectors.lanes)]
     samples = loop.scenario.clock.samples * vectors.lanes
     return Candidate(partial(run_tasks, tasks, jobs=1), samples)

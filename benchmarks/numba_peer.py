@@ -1,7 +1,6 @@
 """numba as a peer, where it is installed: the network law's step and its closed loop.
 
-`pip install wmr_ctrl[bench]` brings numba.  It is imported when candidates are asked for and not
-before; without it, or with one that does not go with this NumPy, there are none.
+`pip install 'wmr_ctrl[bench]'` brings numba.  It is imported when a candidate is asked for.
 """
 
 from __future__ import annotations
@@ -12,31 +11,26 @@ from typing import Any
 
 import numpy as np
 
+from wmr_ctrl.results.frames import library
+
 from .inputs import tracking_rows
 from .setup import Case, Setup
 from .timing import Candidate
 
 
 def loops() -> Any:
-    """The module `numba_loop`, None where numba cannot be imported."""
-    try:
-        return import_module(".numba_loop", __package__)
-    except ImportError:
-        return None
+    """The module `numba_loop`; raises MissingExtraError where numba cannot be imported."""
+    library("numba", "bench")
+    return import_module(".numba_loop", __package__)
 
 
-def step_candidates(setup: Setup, steps: int) -> dict[str, Candidate]:
-    """``nn_numba``: steps in a loop inside numba, over the ring of tracking inputs."""
+def step(setup: Setup, steps: int) -> Candidate:
+    """Steps in a loop inside numba, over the ring of tracking inputs."""
     numba, rows, scratch = loops(), tracking_rows(), np.empty(64)
-    if numba is None:
-        return {}
     law, W = numba.law_of(setup), np.zeros((2, 64))
-    return {"nn_numba": Candidate(partial(numba.repeat, law, steps, rows, W, scratch), steps)}
+    return Candidate(partial(numba.repeat, law, steps, rows, W, scratch), steps)
 
 
-def loop_candidates(setup: Setup, case: Case) -> dict[str, Candidate]:
-    """``nn_loop_numba``: whole runs, noise drawn by NumPy at once; a step is one control sample."""
-    numba = loops()
-    if numba is None:
-        return {}
-    return {"nn_loop_numba": Candidate(partial(numba.closed_loop, setup, case), case.samples)}
+def loop(setup: Setup, case: Case) -> Candidate:
+    """Whole runs, noise drawn by NumPy at once; a step is one control sample."""
+    return Candidate(partial(loops().closed_loop, setup, case), case.samples)

@@ -17,7 +17,7 @@ from .bench import CONTROL, STEPS, Ratio, quartiles
 from .numpy_loop import circle, rate
 from .numpy_step import NumpyLaws
 from .setup import Case, Setup
-from .timing import Candidate, measure
+from .timing import Builders, Candidate, built, measure
 
 Array = NDArray[np.float64]
 
@@ -29,18 +29,17 @@ RATIOS = (
 )
 
 
-def candidates() -> dict[str, Candidate]:
-    """Loops by python-control, numba and in C, steps by numba and in C; a step is one sample."""
-    setup, case = Setup(period=CONTROL), Case(control=CONTROL)
-    samples = round(SECONDS / CONTROL)
-    return {
-        "mb_loop": generated.closed_loop("mb", CONTROL),
-        "mb_loop_control": Candidate(partial(control_loop, Setup(), Case()), samples),
-        "nn": generated.step("nn", STEPS),
-        **numba_peer.step_candidates(Setup(), STEPS),
-        "nn_loop": generated.closed_loop("nn", CONTROL),
-        **numba_peer.loop_candidates(setup, case),
-    }
+BUILDERS: Builders = {
+    "mb_loop": partial(generated.closed_loop, "mb", CONTROL),
+    "mb_loop_control": lambda: Candidate(
+        partial(control_loop, Setup(), Case()), round(SECONDS / CONTROL)
+    ),
+    "nn": partial(generated.step, "nn", STEPS),
+    "nn_numba": lambda: numba_peer.step(Setup(), STEPS),
+    "nn_loop": partial(generated.closed_loop, "nn", CONTROL),
+    "nn_loop_numba": lambda: numba_peer.loop(Setup(period=CONTROL), Case(control=CONTROL)),
+}
+"""Loops by python-control, numba and in C, steps by numba and in C; a step is one sample."""
 
 
 def control_loop(setup: Setup, case: Case, seconds: float = SECONDS) -> Array:
@@ -61,10 +60,12 @@ def control_loop(setup: Setup, case: Case, seconds: float = SECONDS) -> Array:
 
 def main() -> None:
     """Print the ratios."""
-    found = measure(candidates(), "mb_loop")
+    failed: dict[str, str] = {}
+    found = measure(built(BUILDERS), "mb_loop", failed=failed)
     for item in RATIOS:
         values = quartiles(found, item)
-        print(f"{item.key:28} {f'{values[1]:.3g}' if values else 'not measured'}")
+        why = failed.get(item.above) or failed.get(item.below)
+        print(f"{item.key:28} {f'{values[1]:.3g}' if values else f'not measured: {why}'}")
 
 
 if __name__ == "__main__":

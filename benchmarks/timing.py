@@ -4,6 +4,8 @@ A shared machine's speed drifts by up to a factor of two, so times of different 
 compared.  Each round therefore runs every candidate once, in an order that rotates, and only
 ratios within one round are taken; the median over rounds (and processes) is what is reported.
 The clock is the process's own processor time, which stands still while others are at work.
+A candidate that raises is left out where the caller passes ``failed``, a dictionary that takes its
+reason by its name.
 """
 
 from __future__ import annotations
@@ -12,8 +14,12 @@ import multiprocessing
 import os
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from statistics import median, quantiles
+
+from wmr_ctrl.errors import WmrError
 
 ROUNDS = 9
 """Fewest rounds whose median is reported."""
@@ -48,12 +54,38 @@ class Timing:
     ratios: tuple[float, ...]
 
 
+Builders = Mapping[str, Callable[[], Candidate]]
+"""Functions that build candidates, by their names."""
+
+
+def built(builders: Builders) -> dict[str, Candidate]:
+    """All candidates; one that cannot be built raises its error when it is run."""
+    candidates = {}
+    for name, build in builders.items():
+        try:
+            candidates[name] = build()
+        except Exception as error:  # of a package, a compiler or what is measured
+            candidates[name] = Candidate(partial(_raise, error), 1)
+    return candidates
+
+
+def _raise(error: Exception) -> None:
+    raise error
+
+
+def reason(error: Exception) -> str:
+    """The first sentence of an error, in one line."""
+    said = " ".join(str(error).split()).partition(". ")[0].rstrip(".")[:200]
+    return said if isinstance(error, WmrError) else f"{type(error).__name__}: {said}"
+
+
 def measure(
     candidates: Mapping[str, Candidate],
     floor: str,
     *,
     rounds: int = ROUNDS,
     progress: Progress | None = None,
+    failed: dict[str, str] | None = None,
 ) -> dict[str, Timing]:
     """Time all candidates in this process, one round of warming up first.
 
@@ -62,7 +94,7 @@ def measure(
     candidates
         By name; each should take some 10 ms, so that the clock and the call do not count.
     floor
-        Name of the candidate that the others are divided by.
+        Name of the candidate that the others are divided by; the first one left if it failed.
     rounds
         At least `ROUNDS`.
     progress
@@ -74,7 +106,7 @@ def measure(
         If there are too few rounds or no candidate is named ``floor``.
     """
     _check(candidates, floor, rounds)
-    return summarize(sample(candidates, rounds, progress), floor)
+    return summarize(sample(candidates, rounds, progress, failed), floor)
 
 
 def measure_in_processes(
@@ -84,6 +116,7 @@ def measure_in_processes(
     processes: int = 3,
     rounds: int = ROUNDS,
     progress: Progress | None = None,
+    failed: dict[str, str] | None = None,
 ) -> dict[str, Timing]:
     """Do the same in fresh processes, one after the other, and pool the rounds.
 
@@ -93,26 +126,39 @@ def measure_in_processes(
     pooled: dict[str, list[float]] = {}
     context = multiprocessing.get_context("spawn")
     for done in range(processes):
-        with context.Pool(1) as pool:
-            times = pool.apply(_sample_of, (factory, floor, rounds))
-            pool.close()  # let it end by itself and take its temporary folder with it
-            pool.join()
+        with ProcessPoolExecutor(1, context) as pool:
+            times, reasons = pool.submit(
+                _sample_of, factory, floor, rounds, failed is not None
+            ).result()
+        if failed is not None:
+            failed |= reasons
         for name, values in times.items():
             pooled.setdefault(name, []).extend(values)
         if progress:
             progress(rounds * (done + 1), rounds * processes)
-    return summarize(pooled, floor)
+    left = {name: values for name, values in pooled.items() if name not in (failed or ())}
+    return summarize(left, floor)
 
 
 def sample(
-    candidates: Mapping[str, Candidate], rounds: int, progress: Progress | None = None
+    candidates: Mapping[str, Candidate],
+    rounds: int,
+    progress: Progress | None = None,
+    failed: dict[str, str] | None = None,
 ) -> dict[str, list[float]]:
     """Return nanoseconds per step of every candidate in every round."""
-    names = list(candidates)
-    times: dict[str, list[float]] = {name: [] for name in names}
-    for item in candidates.values():
-        item.run()
-    for number in range(rounds):
+    times: dict[str, list[float]] = {}
+    for name, item in candidates.items():
+        try:
+            item.run()
+        except Exception as error:
+            if failed is None:
+                raise
+            failed[name] = reason(error)
+        else:
+            times[name] = []
+    names = list(times)
+    for number in range(rounds if names else 0):
         first = number % len(names)
         for name in names[first:] + names[:first]:
             times[name].append(_nanoseconds(candidates[name]))
@@ -123,7 +169,8 @@ def sample(
 
 def summarize(times: Mapping[str, list[float]], floor: str) -> dict[str, Timing]:
     """Divide round by round by the floor, then take medians and quartiles."""
-    return {name: _timing(name, values, times[floor]) for name, values in times.items()}
+    base = floor if floor in times else next(iter(times), floor)
+    return {name: _timing(name, values, times[base]) for name, values in times.items()}
 
 
 def _timing(name: str, values: list[float], base: list[float]) -> Timing:
@@ -138,10 +185,12 @@ def _nanoseconds(candidate: Candidate) -> float:
     return (clock() - start) / candidate.steps
 
 
-def _sample_of(factory: Factory, floor: str, rounds: int) -> dict[str, list[float]]:
-    candidates = factory()
+def _sample_of(
+    factory: Factory, floor: str, rounds: int, tolerant: bool
+) -> tuple[dict[str, list[float]], dict[str, str]]:
+    candidates, failed = factory(), dict[str, str]()
     _check(candidates, floor, rounds)
-    return sample(candidates, rounds)
+    return sample(candidates, rounds, None, failed if tolerant else None), failed
 
 
 def _check(candidates: Mapping[str, Candidate], floor: str, rounds: int) -> None:

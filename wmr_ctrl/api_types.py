@@ -65,12 +65,14 @@ class PageOptions(TypedDict, total=False):
 
 
 class Measurements(TypedDict):
-    """Results of the benchmarks: ratios by name (None: not measured), quartiles and targets.
+    """Results of the benchmarks: ratios by name, None and a reason where one could not be
+    measured, quartiles and targets.
 
     ``ns`` per step of each candidate; ``paper``: the paper's times and ours.
     """
 
     ratios: dict[str, float | None]
+    reasons: dict[str, str]
     spread: dict[str, list[float] | None]
     targets: dict[str, str]
     ns: dict[str, float]

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import re
+import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import pytest
 
 from benchmarks import bench
-from benchmarks.timing import ROUNDS, Factory, Timing, sample, summarize
+from benchmarks.timing import ROUNDS, Candidate, Factory, Timing, sample, summarize
+from tests.architecture.tree import ROOT
 from wmr_ctrl import api
 
 NAMED = {
@@ -27,7 +33,7 @@ def timing(name: str, ratios: tuple[float, ...]) -> Timing:
 
 def test_ratios_have_their_names_and_come_from_within_rounds() -> None:
     found = {"nn": timing("nn", (1.0, 4.0, 3.0)), "nn_hand": timing("nn_hand", (1.0, 2.0, 3.0))}
-    result = bench.summary(found)
+    result = bench.summary(found, {})
 
     assert set(result["ratios"]) >= NAMED
     assert result["ratios"]["nn_step_vs_hand_c"] == 1.0
@@ -36,16 +42,67 @@ def test_ratios_have_their_names_and_come_from_within_rounds() -> None:
 
 
 def test_table_says_what_was_not_measured() -> None:
-    text = bench.table(bench.summary({"nn": timing("nn", (1.0, 1.0, 1.0))}))
+    found = {"nn": timing("nn", (1.0, 1.0, 1.0))}
+    text = bench.table(bench.summary(found, {"fmu_plant": "it broke"}))
 
-    assert "not measured" in text
+    assert re.search("^fmu_plant_step_vs_empty_call +not measured: it broke$", text, flags=re.M)
     assert "1.4294 s" in text
+
+
+def fails() -> Candidate:
+    raise OSError("no disk.\nThe second sentence")
+
+
+def raising() -> Candidate:
+    return Candidate(fails, 1)
+
+
+def dying() -> Candidate:
+    return Candidate(partial(os._exit, 3), 1)
+
+
+def works() -> Candidate:
+    return Candidate(list, 1)
+
+
+def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that cannot be built, one that raises when it runs, and one that ends its process."""
+    groups = (
+        {"nn_hand": fails, "nn": works, "nn_vm": works, "nn_numpy": raising},
+        {"nn_loop_hand": works, "nn_loop": dying},
+    )
+    monkeypatch.setattr(bench, "GROUPS", groups)
+    result = bench.run_bench()
+    lines = {line.split()[0]: line for line in bench.table(result).splitlines() if line}
+
+    assert result["ratios"]["nn_step_vm_vs_native"] is not None
+    assert lines["nn_step_vs_hand_c"].endswith("not measured: OSError: no disk")
+    assert lines["nn_step_numpy_vs_native"].endswith("not measured: OSError: no disk")
+    assert "not measured: BrokenProcessPool: " in lines["closed_loop_nn_vs_hand_c"]
+
+
+@pytest.mark.slow
+def test_without_compiler_and_packages_the_command_ends_well(tmp_path: Path) -> None:
+    for name in ("fmpy", "numba"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('half installed')\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "wmr_ctrl", "bench"],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+        env={**os.environ, "WMR_CTRL_CC": "no-such-compiler", "PYTHONPATH": str(tmp_path)},
+    )  # fmt: skip
+
+    assert done.returncode == 0, done.stderr
+    lines = {line.split()[0]: line for line in done.stdout.splitlines() if line}
+    for item in bench.RATIOS:
+        assert " not measured: " in lines[item.key]
+    for name in ("nn_step_numba_vs_native", "fmu_plant_step_vs_empty_call"):
+        assert lines[name].endswith("not measured: RuntimeError: half installed")
 
 
 def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    measured = bench.summary({"nn": timing("nn", (1.0, 1.0, 1.0))})
+    measured = bench.summary({"nn": timing("nn", (1.0, 1.0, 1.0))}, {})
     monkeypatch.setattr(bench, "run_bench", lambda progress: measured)
     before = [*sys.path]
     report = api.bench()
@@ -62,10 +119,15 @@ def test_all_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     """
 
     def once(
-        factory: Factory, floor: str, *, rounds: int, progress: Callable[[int, int], None]
+        factory: Factory,
+        floor: str,
+        *,
+        rounds: int,
+        progress: Callable[[int, int], None],
+        failed: dict[str, str],
     ) -> dict[str, Timing]:
         assert rounds == ROUNDS
-        found = summarize(sample(factory(), 1), floor)
+        found = summarize(sample(factory(), 1, None, failed), floor)
         progress(1, 1)
         return found
 

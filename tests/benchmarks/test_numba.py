@@ -1,8 +1,10 @@
-"""The peer in numba computes what the NumPy step computes; without numba it is simply not there."""
+"""The peer in numba computes what the NumPy step computes; without numba it says so."""
 
 from __future__ import annotations
 
 import sys
+from functools import partial
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -12,13 +14,14 @@ from benchmarks.inputs import mixed_rows, tracking_rows
 from benchmarks.numpy_loop import closed_loop
 from benchmarks.numpy_step import NumpyLaws
 from benchmarks.setup import Case, Setup
+from wmr_ctrl.errors import MissingExtraError
 
 TOLERANCE = 1e-11
 SETUP = Setup()
-numba = numba_peer.loops()
 needs_numba = pytest.mark.skipif(
-    numba is None, reason="NOT RUN: numba is not installed (extra `bench`)"
+    find_spec("numba") is None, reason="NOT RUN: numba is not installed (extra `bench`)"
 )
+numba = numba_peer.loops() if find_spec("numba") else None
 
 
 @needs_numba
@@ -52,19 +55,14 @@ def test_closed_loop_equals_a_plain_python_loop(noise: float) -> None:
 @needs_numba
 def test_candidates_are_there_and_run() -> None:
     case = Case(duration=0.1)
-    found = numba_peer.step_candidates(SETUP, 10) | numba_peer.loop_candidates(SETUP, case)
-
-    assert {name: item.steps for name, item in found.items()} == {
-        "nn_numba": 10, "nn_loop_numba": 10
-    }  # fmt: skip
-    for item in found.values():
+    for item in (numba_peer.step(SETUP, 10), numba_peer.loop(SETUP, case)):
+        assert item.steps == 10
         item.run()
 
 
-def test_without_numba_there_are_no_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("benchmarks.numba_loop", "benchmarks.numba_step"):
-        monkeypatch.delitem(sys.modules, name, raising=False)
+def test_without_numba_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)
 
-    assert numba_peer.step_candidates(SETUP, 10) == {}
-    assert numba_peer.loop_candidates(SETUP, Case()) == {}
+    for build in (partial(numba_peer.step, SETUP, 10), partial(numba_peer.loop, SETUP, Case())):
+        with pytest.raises(MissingExtraError, match=r"numba, .*wmr_ctrl\[bench\]"):
+            build()

@@ -133,10 +133,11 @@ def library(name: str, extra: str = "data") -> ModuleType:
     """A module of an optional package; raises MissingExtraError where it is not installed."""
     try:
         return import_module(name)
-    except ImportError:
+    except ImportError as error:
+        missing = isinstance(error, ModuleNotFoundError)
+        fault = "is not installed" if missing else f"cannot be imported ({error})"
         raise MissingExtraError(
-            f"this needs {name.partition('.')[0]}, which is not installed: "
-            f"pip install 'wmr_ctrl[{extra}]'."
+            f"this needs {name.partition('.')[0]}, which {fault}: pip install 'wmr_ctrl[{extra}]'."
         ) from None
 
 
