@@ -307,3 +307,15 @@ def test_a_co_simulation_names_gains_of_other_laws_than_its_own(law, idle, monke
     found = CliRunner().invoke(root, ["cosim", *law, *stated])
 
     assert found.stderr.startswith(f"note: without effect here: gains.{idle}.")
+
+
+def test_export_says_why_a_reference_result_is_missing(wmr, tmp_path, monkeypatch):
+    def refused(*_, **__):
+        raise Exception("not on this platform.")
+
+    monkeypatch.setattr("fmpy.simulate_fmu", refused)
+    found = wmr("export", "reference", "--fmi", "2", "--out", tmp_path)
+
+    assert found.exit_code == 0, found.stderr
+    said = " ".join(found.stderr.split())
+    assert "has no reference result: FMPy could not run it here (not on this platform)." in said
