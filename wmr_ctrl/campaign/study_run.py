@@ -19,6 +19,7 @@ from wmr_ctrl.campaign.study_plan import load_plan, plan_of
 from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.fields.files import one_command
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import check_jobs
 
@@ -59,6 +60,7 @@ class StudyOutcome:
 
 
 @checks_arguments
+@one_command()
 def study(
     plan: str | Path | Mapping[str, object] | Study,
     out: str | Path,

@@ -207,6 +207,9 @@ def codegen(
         paths = write_node(Path(out), case, node_settings(params))
     for path in paths:
         say("wrote", str(path))
+    if others := sorted(path.name for path in {*Path(out).glob("wmr_*.[ch]")} - {*paths}):
+        text = f"{out} also holds files of another package: {', '.join(others)}. Delete them, or"
+        say("note", f"{text} write each package into a folder of its own.")
     _ask_about_units(law, case)
 
 
@@ -216,7 +219,7 @@ def codegen(
     "wmr-ctrl page --out mine.html --scenario mine.toml --law nn,prox",
     "wmr-ctrl page --out burger.html --scenario turtlebot3-burger",
 )
-@click.option("--out", required=True, metavar="FILE.html", help="File to write.")
+@opt.new_file("--out", "File to write", ".html", required=True)
 @opt.scenario_option
 @opt.set_option
 @opt.laws_option("laws", "A law to offer on the page instead of all.")
@@ -233,7 +236,6 @@ def page(
     """
     from wmr_ctrl import api
 
-    opt.check_output(out, (".html",), "--out")
     case = opt.load(scenario, assignments)
     with Progress("compiling the page") as progress:
         path = api.write_page(out, case, laws=laws or None, seed=seed, progress=progress)

@@ -21,6 +21,7 @@ from wmr_ctrl.cli.options import debug_option
 from wmr_ctrl.cli.runs import cosim, run, show_saved
 from wmr_ctrl.cli.studies import study, tune
 from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.fields.files import one_command
 
 PROGRAM = "wmr-ctrl"
 
@@ -81,7 +82,8 @@ class Root(click.Group):
         Silence.broken()
         extra["standalone_mode"] = False
         try:
-            code = super().main(args, prog_name or PROGRAM, **extra)
+            with one_command():
+                code = super().main(args, prog_name or PROGRAM, **extra)
         except Exception as error:  # whatever it is, the user gets a paragraph
             code = explain(error, debug=self.debug)
         sys.exit(code if isinstance(code, int) else 0)

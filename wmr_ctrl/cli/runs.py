@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 save_option = opt.new_file("--out", "Save the run", *opt.RUNS)
 plot_option = opt.new_file("--plot", "Draw the run", *opt.PLOTS)
 animate_option = opt.new_file("--animate", "Film the robot on its path", *opt.ANIMATIONS)
-film_option = click.option(
-    "--film", metavar="FILE", help="Film the rigid body in 3-D (--plant mujoco): .mp4 or .gif."
-)
+film_option = opt.new_file("--film", "Film the rigid body in 3-D (--plant mujoco)", ".mp4", ".gif")
 figures_option = opt.json_option("Print outcome and figures as one JSON document.")
 
 

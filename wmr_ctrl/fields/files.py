@@ -1,14 +1,18 @@
-"""Reading of small text files, TOML among them; every failure is a ScenarioError.
+"""Reading of small text files, TOML among them, and which files a command reads and writes.
 
-A message quotes what it read, so a file is read only if its suffix says that it is meant.
+Failures of reading are ScenarioErrors.  A message quotes what it read, so a file is read only if
+its suffix says that it is meant.
 """
 
+import os
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.errors import ResultFileError, ScenarioError
 from wmr_ctrl.fields.problems import printable
 
 LARGEST_FILE = 1_000_000
@@ -16,12 +20,63 @@ LARGEST_FILE = 1_000_000
 TOML = (".toml",)
 EXCERPT = 72
 """Characters of a line that are shown at most, around the column."""
+_COMMAND = ContextVar[tuple[dict[Path, str], set[Path]] | None]("files of a command", default=None)
+
+
+@contextmanager
+def one_command() -> Iterator[None]:
+    """Context of a command, in which no file may be both read and written.
+
+    Within the context of another command it does nothing.
+    """
+    if _COMMAND.get() is not None:
+        yield
+        return
+    token = _COMMAND.set(({}, set()))
+    try:
+        yield
+    finally:
+        _COMMAND.reset(token)
+
+
+def note_input(file: str | os.PathLike[str], what: str) -> None:
+    """Record that the command reads ``file``; ``what`` it is, for the message.
+
+    Raises ResultFileError if the command writes it.  Nothing is recorded outside of a command.
+    """
+    if (command := _COMMAND.get()) is not None:
+        inputs, outputs = command
+        inputs.setdefault(Path(file), what)
+        for output in outputs:
+            _refuse_same(output, Path(file), what)
+
+
+def note_output(file: str | os.PathLike[str]) -> None:
+    """Record that the command writes ``file``.  Raises ResultFileError if it reads it."""
+    if (command := _COMMAND.get()) is not None:
+        inputs, outputs = command
+        outputs.add(Path(file))
+        for source, what in inputs.items():
+            _refuse_same(Path(file), source, what)
+
+
+def _refuse_same(output: Path, source: Path, what: str) -> None:
+    try:
+        same = os.path.samefile(output, source)
+    except (OSError, ValueError):  # one of them does not exist
+        return
+    if same:
+        raise ResultFileError(
+            f"cannot write {str(output)!r}: the same command reads this file ({what}: {source}). "
+            "Write to another file."
+        )
 
 
 def read_text(
     file: Path, what: str, suffixes: Sequence[str] = TOML, largest: int = LARGEST_FILE
 ) -> str:
     """Return the text of a UTF-8 file of at most ``largest`` bytes; errors start with ``what``."""
+    note_input(file, what)
     try:
         if file.is_dir():
             raise ScenarioError(f"{what}: {file} is a directory. Name a file in it.")

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, WmrError
+from wmr_ctrl.fields.files import note_input
 from wmr_ctrl.results import Floats, Run, drive
 from wmr_ctrl.results.bag import is_bag
 from wmr_ctrl.results.bag_topics import load_source
@@ -97,6 +98,7 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
     ResultFileError, ArgumentError, MissingExtraError.
     """
     place = Path(path)
+    note_input(place, "log")
     suffix = place.suffix.lower()
     begins = _begins(place) if suffix == ".csv" else ""
     if is_bag(place) or topics or suffix in (".npz", ".parquet") or begins == "#":

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.fields.files import note_input
 from wmr_ctrl.fields.orientation import outward
 from wmr_ctrl.results import drive
 from wmr_ctrl.results.frames import library
@@ -74,6 +75,8 @@ def _opened(path: Path) -> Iterator[Opened]:
 @contextmanager
 def opened_bag(path: str | Path) -> Iterator[Opened]:
     """The same; whatever a damaged file does is a ResultFileError."""
+    for file in Path(path).iterdir() if os.path.isdir(path) else (path,):
+        note_input(file, "bag")
     try:
         with _opened(Path(path)) as bag:
             yield bag

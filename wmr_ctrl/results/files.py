@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import IO
 
 from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.fields.files import note_output
 
 _REMEDIES = {
     errno.EACCES: "Choose a folder that you may write to.",
@@ -96,8 +97,10 @@ def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
 def check_writable(path: str | os.PathLike[str]) -> Path:
     """The file that writing to ``path`` would replace, links followed; nothing is touched.
 
-    Raises ResultFileError where it is plain beforehand that it cannot be written.
+    Raises ResultFileError where it is plain beforehand that it cannot be written, or if the same
+    command reads it.
     """
+    note_output(path)
     try:
         target = Path(os.path.realpath(path))
         reason = _objection(target)

@@ -21,6 +21,7 @@ import numpy as np
 
 from wmr_ctrl.errors import MissingExtraError, ResultFileError, WmrError
 from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.fields.files import note_input
 from wmr_ctrl.fields.values import may_unpack
 from wmr_ctrl.results.bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
 from wmr_ctrl.results.drive import NEVER
@@ -76,6 +77,7 @@ def _of_a_robot(path: str | os.PathLike[str]) -> bool:
 
 def _loaded(path: str | os.PathLike[str]) -> Run:
     _, decode = _FORMATS[check_suffix(path)]
+    note_input(path, "run")
     try:
         data = Path(path).read_bytes()
     except (OSError, ValueError) as error:

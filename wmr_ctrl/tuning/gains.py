@@ -26,6 +26,7 @@ from wmr_ctrl.corridor import certified_corridor, find_corridor
 from wmr_ctrl.engines import table_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.fields.files import one_command
 from wmr_ctrl.fields.section import Section, numbers_in
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.kinematics import KinematicGains
@@ -118,6 +119,7 @@ class Tuning:
 
 
 @checks_arguments
+@one_command()
 def tune(
     scenario: str | Path | Scenario,
     law: str,

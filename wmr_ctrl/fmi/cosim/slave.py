@@ -18,6 +18,7 @@ import fmpy
 from fmpy import fmi2, fmi3
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.fields.files import note_input
 from wmr_ctrl.fields.values import may_unpack
 from wmr_ctrl.fmi.targets import TARGETS, host
 from wmr_ctrl.fmi.units import BASE, NamedUnit
@@ -57,6 +58,7 @@ class FmuFile:
 
     def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
         self.name, self.path = name, os.fspath(path)
+        note_input(path, name)
         try:
             with zipfile.ZipFile(self.path) as archive:
                 unpacked = sum(item.file_size for item in archive.infolist())

@@ -1,0 +1,207 @@
+"""No command replaces a file that it reads, whatever name the path has."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import click
+import pytest
+
+from wmr_ctrl.campaign.study_plan import load_plan
+from wmr_ctrl.cli import root
+from wmr_ctrl.errors import ResultFileError, WmrError
+from wmr_ctrl.fields.files import note_input, one_command, read_text
+from wmr_ctrl.fmi.cosim.mapping import load_map
+from wmr_ctrl.fmi.cosim.slave import FmuFile
+from wmr_ctrl.logs.log import read_log
+from wmr_ctrl.report import animate
+from wmr_ctrl.results import Run, atomic_text, check_writable, load_run, write_all
+from wmr_ctrl.results.bag_topics import load_drive
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.tuning import tune
+
+WORDS = {
+    "check": ("check", "mine.toml"),
+    "run": ("run", "mine.toml"),
+    "cosim": ("cosim", "mine.toml"),
+    "compare": ("compare", "mine.toml", "--law", "pid"),
+    "show": ("show", "saved.csv"),
+    "tune": ("tune", "mine.toml", "--law", "pid"),
+    "identify": ("identify", "log.csv", "--robot", "mine.toml"),
+    "page": ("page", "--scenario", "mine.toml"),
+}
+"""How each command that writes files by name is called with a file that it reads."""
+FOLDERS = {
+    ("study", "--out"): (("study", "plan.toml"), "table.csv"),
+    ("codegen", "--out"): (("codegen", "pid", "--scenario", "mine.toml"), "README.md"),
+    ("export", "--out"): (("export", "modelica", "--scenario", "mine.toml"), "WheeledRobot.mo"),
+    ("linearize", "--plot"): (("linearize", "circle.toml", "--law", "pid"), "circle-pid-bode.png"),
+}
+"""The same of commands that write a folder, and a file of it."""
+READS_NOTHING = ("prove", "bench", "reproduce")
+SUFFIXES = (".csv", ".npz", ".svg", ".png", ".html", ".toml", ".gif")
+
+
+def outputs(metavar: str) -> Iterator[object]:
+    """Every command's options for a file or folder to write."""
+    for name, command in root.commands.items():
+        for option in command.params:
+            writes = isinstance(option, click.Option) and option.metavar == metavar
+            if writes and name not in READS_NOTHING:
+                slow = [pytest.mark.slow] if name == "linearize" else []
+                yield pytest.param(name, option.opts[0], marks=slow)
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, short_run) -> Path:
+    """An empty folder, now the working one, with a scenario on a path of its own, plan and log."""
+    monkeypatch.chdir(tmp_path)
+    Path("path.csv").write_text("x,y\n0,0\n1,0\n2,1\n")
+    Path("robot.toml").write_text('[reference]\nkind = "waypoints"\nfile = "path.csv"\n')
+    Path("mine.toml").write_text('extends = "robot.toml"\nclock.duration = 0.2\n')
+    Path("circle.toml").write_text("clock.duration = 0.2\n")
+    Path("plan.toml").write_text('scenario = "mine.toml"\nlaws = ["pid"]\nseeds = 1\n')
+    assert short_run("--out", "saved.csv").exit_code == 0
+    shutil.copy("saved.csv", "log.csv")
+    return tmp_path
+
+
+def refused(result) -> bool:
+    return result.exit_code == 2 and "the same command reads this file" in " ".join(
+        result.stderr.split()
+    )
+
+
+def test_every_output_says_that_it_is_one():
+    """Options of outputs have one of two placeholders, by which the tests below find them."""
+    for command in root.commands.values():
+        for option in command.params:
+            if isinstance(option, click.Option) and "--out" in option.opts:
+                assert option.metavar in ("FILE", "DIR"), command.name
+
+
+@pytest.mark.parametrize(("name", "option"), [*outputs("FILE")])
+def test_no_file_that_is_read_is_replaced(wmr, place, monkeypatch, name, option):
+    monkeypatch.setattr(animate, "check_film", lambda *_: None)  # no OpenGL is needed
+    words = WORDS[name]
+    source = next(Path(word) for word in words if Path(word).suffix in (".toml", ".csv"))
+    before = source.read_bytes()
+    found = []
+    for suffix in SUFFIXES:
+        link = Path(f"link{suffix}")
+        link.symlink_to(source)
+        found.append(wmr(*words, option, link))
+        link.unlink()
+
+    assert any(map(refused, found)), [result.stderr for result in found]
+    assert all(result.exit_code == 2 for result in found)
+    assert source.read_bytes() == before
+
+
+@pytest.mark.parametrize(("name", "option"), [*outputs("DIR")])
+def test_no_file_that_is_read_is_replaced_in_a_folder(wmr, place, name, option):
+    words, file = FOLDERS[name, option]
+    source = next(word for word in words if word.endswith(".toml"))
+    Path("there").mkdir()
+    os.link(source, Path("there", file))
+
+    assert refused(wmr(*words, option, "there"))
+    assert Path("there", file).samefile(source)
+
+
+@pytest.mark.parametrize(
+    "path", ["path.csv", "./path.csv", "folder/../path.csv", "absolute", "hard.csv", "symbolic.csv"]
+)
+def test_any_spelling_is_seen(wmr, place, path):
+    Path("folder").mkdir()
+    os.link("path.csv", "hard.csv")
+    Path("symbolic.csv").symlink_to("path.csv")
+    result = wmr("run", "mine.toml", "--out", place / "path.csv" if path == "absolute" else path)
+
+    assert refused(result)
+    assert "reference.file: path.csv" in " ".join(result.stderr.split())
+    assert Path("path.csv").read_text().startswith("x,y")
+
+
+@pytest.mark.parametrize("file", ["mine.toml", "robot.toml"])
+def test_files_that_a_scenario_extends_are_kept(wmr, place, file):
+    assert refused(wmr("tune", "mine.toml", "--law", "pid", "--out", file))
+
+
+def test_a_study_goes_on_in_its_folder(wmr, place):
+    for _ in range(2):
+        assert wmr("study", "plan.toml", "--out", "study").exit_code == 0
+
+
+def test_a_run_may_replace_the_one_before(wmr, place, short_run):
+    assert short_run("mine.toml", "--out", "saved.csv").exit_code == 0
+
+
+def test_package_in_the_folder_of_another_is_noted(wmr, place):
+    for law in ("pid", "kanayama"):
+        result = wmr("codegen", law, "--out", "c")
+    said = " ".join(result.stderr.split())
+
+    assert "c also holds files of another package: wmr_pid.c, wmr_pid.h. Delete them" in said
+
+
+def test_notebook_may_save_over_what_it_loaded(place):
+    load_run("saved.csv").save("saved.csv")
+
+    assert isinstance(load_run("saved.csv"), Run)
+
+
+def test_function_that_reads_and_writes_is_a_command(place):
+    with pytest.raises(ResultFileError, match="the same command reads this file"):
+        tune("mine.toml", "pid", "mine.toml")
+
+
+READERS: dict[str, Callable[[str], object]] = {
+    "mine.toml": load_scenario,
+    "plan.toml": load_plan,
+    "map.toml": load_map,
+    "saved.csv": load_run,
+    "log.csv": read_log,
+    "bag.db3": load_drive,
+    "plant.fmu": lambda path: FmuFile(path, "plant"),
+}
+
+
+@pytest.mark.parametrize("file", READERS)
+def test_each_kind_of_file_is_noted_when_it_is_read(place, file):
+    Path(file).touch()
+    with one_command():
+        with suppress(WmrError):  # some of them are empty
+            READERS[file](file)
+        with pytest.raises(ResultFileError, match="the same command reads this file"):
+            check_writable(file)
+
+
+def test_files_of_a_bag_are_noted(place):
+    Path("drive").mkdir()
+    for name in ("metadata.yaml", "drive_0.mcap"):
+        Path("drive", name).touch()
+    with one_command():
+        with suppress(WmrError):
+            load_drive("drive")
+        with pytest.raises(ResultFileError, match=r"bag: .*drive_0\.mcap"):
+            check_writable("drive/drive_0.mcap")
+
+
+def test_file_is_free_again_after_the_command(place):
+    with one_command():
+        with one_command():
+            read_text(Path("mine.toml"), "scenario")
+        with pytest.raises(ResultFileError, match=r"scenario: mine\.toml"):
+            write_all({"mine.toml": ""}, place)
+    with atomic_text("mine.toml") as file:
+        file.write("")
+
+
+def test_file_to_be_written_is_not_read_any_more(place):
+    with one_command(), atomic_text("mine.toml"), pytest.raises(ResultFileError, match="plan"):
+        note_input("mine.toml", "plan")
