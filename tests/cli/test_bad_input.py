@@ -46,6 +46,7 @@ CASES = {
     "tolerance": (("compare", "--tolerance", "x", "a.npz", "b.npz"), "'x' is not a valid float"),
     "scenario to print": (("scenarios", "far"), "near: far-start"),
     "nothing to print": (("scenarios", "--toml"), "need the NAME of a scenario"),
+    "nothing to complete": (("scenarios", "--complete"), "need the NAME of a scenario"),
     "two forms": (("scenarios", "far-start", "--toml", "--json"), "either --toml or --json"),
     "law to check": (("check", "far-start", "--law", "nm"), "near: nn"),
     "nothing to check": (("check",), "Missing argument 'SCENARIO'"),

@@ -39,7 +39,7 @@ def test_list_of_scenarios_as_json(wmr):
 
 @pytest.mark.parametrize("name", preset_names())
 def test_printed_scenario_is_the_scenario(wmr, tmp_path, name):
-    found = wmr("scenarios", name, "--toml")
+    found = wmr("scenarios", name, "--toml", "--complete")
     file = tmp_path / f"{name}.toml"
     file.write_text(found.stdout)
     printed, preset = scenario_of(file), scenario_of(name)
@@ -48,6 +48,27 @@ def test_printed_scenario_is_the_scenario(wmr, tmp_path, name):
     assert printed.gains.keys() == {"kinematics", *LAWS}
     for part in vars(preset):
         assert part == "gains" or getattr(printed, part) == getattr(preset, part)
+
+
+@pytest.mark.parametrize("name", ["paper-simulation", "far-start-drop"])
+def test_changes_are_left_out_of_a_file_to_edit(wmr, tmp_path, name):
+    file = tmp_path / f"{name}.toml"
+    file.write_text(wmr("scenarios", name, "--toml").stdout)
+    printed, preset = scenario_of(file), scenario_of(name)
+    first = f"# changes at {preset.changes[0].t:g} s are left out; --complete writes them"
+
+    assert file.read_text().startswith(f"{first}\n# guard.M_min and guard.M_max may cover")
+    assert printed.changes == ()
+    assert printed.title == f"{name}, changed"
+    for part in vars(preset).keys() - {"gains", "changes", "title"}:
+        assert getattr(printed, part) == getattr(preset, part)
+
+
+def test_changes_that_are_asked_for_are_printed(wmr):
+    found = wmr("scenarios", "safe-simulation", "--set", "changes=[{t = 9, m = 60}]").stdout
+
+    assert tomllib.loads(found)["changes"] == [{"t": 9, "m": 60}]
+    assert found.startswith("title")
 
 
 def test_printed_scenario_explains_every_number(wmr):
@@ -60,7 +81,7 @@ def test_printed_scenario_explains_every_number(wmr):
 
 def test_printed_gains_give_the_same_run(wmr, short_run, tmp_path):
     file = tmp_path / "my.toml"
-    file.write_text(wmr("scenarios", "paper-simulation", "--toml").stdout)
+    file.write_text(wmr("scenarios", "paper-simulation", "--complete").stdout)
     mine, preset = (json.loads(short_run(s, "--json").stdout) for s in (file, "paper-simulation"))
 
     assert mine["scenario"] == "my"

@@ -19,7 +19,8 @@ from wmr_ctrl.guard.price import early_speed
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.scenario import Scenario, load_scenario, override, quantities
+from wmr_ctrl.scenario.sections import Change
 
 check, compare, runs, summary = (
     import_module(f"wmr_ctrl.cli.{name}")
@@ -189,6 +190,28 @@ def test_a_law_is_run_for_two_million_steps_at_most(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(api, "simulate", lambda scenario, _: made.append(scenario))
     check._runs(long, ("pid", "mb"), Silent())
     assert made == [short, short]
+
+
+def test_changes_are_announced_in_plain_words() -> None:
+    later = {"changes": [{"t": 0.05, "m": 65.0}, {"t": 0.1, "mu": 0.15, "I": 7.0, "m": 60.0}]}
+    told = [
+        "From 0.05 s on the robot weighs 65 kg.",
+        "From 0.1 s on the robot weighs 60 kg, has an inertia of 7 kg m2 and has a friction "
+        "coefficient of 0.15.",
+    ]
+    run = simulate(load_scenario("paper-simulation", SHORT | later), "pid", engine="numpy")
+    case = override(Scenario(), later)
+    checked = list(check.head(replace(answers(), scenario=case)))
+
+    assert check_sentences.changes(case) == told
+    assert " ".join(checked[1:3]).split() == " ".join(told).split()
+    for text in (summary.summary_text(run).partition("\n")[2], compare.comparison_text({"a": run})):
+        assert " ".join(text.split()).startswith(" ".join(told))
+
+
+def test_every_key_of_a_change_has_words_and_no_change_has_none() -> None:
+    assert {"t", *check_sentences.CHANGED} == {name for name, _ in quantities(Change)}
+    assert check_sentences.changes(Scenario()) == []
 
 
 @pytest.mark.parametrize(("share", "said"), [(0.5, True), (1.0, False)])

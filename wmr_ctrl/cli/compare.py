@@ -161,6 +161,7 @@ def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
 
 def comparison_text(runs: dict[str, Run]) -> str:
     """Figures of runs by name as a table, a line of what its columns are, and the remarks."""
+    from wmr_ctrl.cli.summary import changes_of
     from wmr_ctrl.results import driving, labouring
 
     def each(words: Callable[[Run], str]) -> str:
@@ -171,7 +172,13 @@ def comparison_text(runs: dict[str, Run]) -> str:
         f"|omega|: largest over the run, limits {each(_limits)}. peak: largest wheel torque of the "
         f"run; change: its RMS from sample to sample over the {each(labouring)} [N m]."
     )
-    lines = [table([_row(name, run) for name, run in runs.items()], HEADER), "", wrapped(about)]
+    said = dict.fromkeys(text for run in runs.values() for text in changes_of(run))
+    lines = [
+        *map(wrapped, said),
+        table([_row(name, run) for name, run in runs.items()], HEADER),
+        "",
+        wrapped(about),
+    ]
     for name, run in runs.items():
         keys = dict.fromkeys(item.key for item in run.remarks if item.key != run.outcome.value)
         if keys:

@@ -1,12 +1,18 @@
 """``wmr-ctrl scenarios`` and ``laws``: what there is, and any scenario as TOML to edit."""
 
+from __future__ import annotations
+
 import json
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from wmr_ctrl.cli.console import print_json, table, wrapped
 from wmr_ctrl.cli.options import command, json_option, load, set_option
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
 
 Docs = dict[str, dict[str, tuple[Any, str, str]]]
 """Default, unit and meaning by law and gain."""
@@ -20,27 +26,34 @@ Docs = dict[str, dict[str, tuple[Any, str, str]]]
 )
 @click.argument("name", required=False)
 @click.option("--toml", "as_toml", is_flag=True, help="Print NAME as commented TOML (the default).")
+@click.option("--complete", is_flag=True, help="Print the [[changes]] of NAME, too.")
 @json_option("Print the list, or the scenario NAME, as one JSON document.")
 @click.option("--reference", "kind", metavar="KIND", help="Print a reference's keys and example.")
 @set_option
 def scenarios(
-    name: str | None, as_toml: bool, as_json: bool, kind: str | None, assignments: tuple[str, ...]
+    name: str | None,
+    as_toml: bool,
+    complete: bool,
+    as_json: bool,
+    kind: str | None,
+    assignments: tuple[str, ...],
 ) -> None:
     """List the built-in scenarios, one line each, or print one in full.
 
     With NAME (a preset or a TOML file), print every field with its unit and meaning, and every
-    gain of every law: a file to edit and run.
+    gain of every law: a file to edit and run. Changes of the robot during the run are left out of
+    it without --complete, since they are not your robot's.
     """
     if as_toml and as_json:
         raise click.UsageError("give either --toml or --json, not both.")
     if kind is not None:
-        if name or as_toml or as_json or assignments:
+        if name or as_toml or complete or as_json or assignments:
             raise click.UsageError("--reference KIND cannot be combined with other options.")
         click.echo(reference_text(kind))
     elif name is not None:
-        _print(name, as_json, assignments)
-    elif as_toml or assignments:
-        raise click.UsageError("--toml and --set need the NAME of a scenario.")
+        _print(name, as_json, complete, assignments)
+    elif as_toml or complete or assignments:
+        raise click.UsageError("--toml, --complete and --set need the NAME of a scenario.")
     else:
         from wmr_ctrl.scenario import preset_titles
 
@@ -86,14 +99,31 @@ def reference_text(kind: str) -> str:
     return "\n\n".join((*about, keys, "Example:", entry.example or example))
 
 
-def _print(name: str, as_json: bool, assignments: tuple[str, ...]) -> None:
-    from wmr_ctrl.scenario import scenario_dict, to_toml
+def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...]) -> None:
+    from wmr_ctrl.scenario import scenario_dict, title_of, to_toml
 
     scenario = load(name, assignments)
     if as_json:
         print_json({"name": scenario.name, **scenario_dict(scenario)})
-    else:
-        click.echo(to_toml(scenario, gains_docs=gains_docs()), nl=False)
+        return
+    asked = complete or any(item.startswith("changes") for item in assignments)
+    if scenario.changes and not asked:
+        click.echo(f"# {_left_out(scenario)}")
+        scenario = replace(scenario, changes=())
+        scenario = replace(scenario, title=title_of(scenario))
+    click.echo(to_toml(scenario, gains_docs=gains_docs()), nl=False)
+
+
+def _left_out(scenario: Scenario) -> str:
+    """The comment on changes that are left out, and on the guard's masses, which may cover them."""
+    times = " and ".join(f"{item.t:g} s" for item in scenario.changes)
+    text = f"changes at {times} are left out; --complete writes them"
+    if scenario.guard.M_min is None and scenario.guard.M_max is None:
+        return text
+    return (
+        f"{text}\n# guard.M_min and guard.M_max may cover these changes: state the range of your robot,"
+        "\n# or remove both lines, and it follows from robot.m and robot.I"
+    )
 
 
 def gains_docs() -> Docs:

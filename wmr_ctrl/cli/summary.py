@@ -8,6 +8,8 @@ import click
 import numpy as np
 
 from wmr_ctrl import results
+from wmr_ctrl.checks.outlook import scenario_of_run
+from wmr_ctrl.cli.check_sentences import changes
 from wmr_ctrl.cli.console import print_json, say, table, wrapped, write_file
 from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.errors import ArgumentError
@@ -15,7 +17,6 @@ from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
 from wmr_ctrl.results.frames import FMUS
 from wmr_ctrl.results.measures import heading_rms
-from wmr_ctrl.scenario import loads_scenario
 
 MISSING = "- (not reached)"
 TINY = 1e-6
@@ -28,6 +29,7 @@ def summary_text(run: Run) -> str:
     guarded = ", guarded" if run.guard else ""
     rigid = "" if run.monitor.rigid is None else f", {run.settings.plant_kind} plant"
     head = [f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"]
+    head += map(wrapped, changes_of(run))
     labels = {name: run.provenance.get(f"fmu_{name}") for name in FMUS}
     if _theirs(run):
         labels["plant"] = f"{labels['plant']}; watched every {run.settings.plant:g} s"
@@ -39,6 +41,12 @@ def summary_text(run: Run) -> str:
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
     said = (wrapped(run.explanation), *remarks, *_counted(run))
     return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, results.summary(run)))))
+
+
+def changes_of(run: Run) -> list[str]:
+    """How the robot changed during a run, a sentence for each time, as far as is known."""
+    case = scenario_of_run(run)
+    return [] if case is None else changes(case)
 
 
 def _theirs(run: Run) -> bool:
@@ -161,10 +169,8 @@ def _without_turns(run: Run, window: str) -> str:
 
 def _changes_there(run: Run) -> bool:
     """True if the robot changes at the time that splits the run, as far as is known."""
-    text = run.provenance.get("scenario_toml")
-    if not text:
-        return True
-    return any(change.t == run.settings.split for change in loads_scenario(text).changes)
+    case = scenario_of_run(run)
+    return case is None or any(change.t == run.settings.split for change in case.changes)
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -183,7 +189,6 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 def _rims(run: Run) -> Iterator[Row]:
     """The faster wheel at the samples, where the scenario of a run limits it."""
-    from wmr_ctrl.checks.outlook import scenario_of_run
     from wmr_ctrl.world.speed_loop import takes_velocity
 
     case, first = scenario_of_run(run), run.monitor.first_violation
