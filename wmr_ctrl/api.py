@@ -21,7 +21,6 @@ from wmr_ctrl.campaign.engine import PhaseProgress
 from wmr_ctrl.campaign.study_run import study as study
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.files import one_command
 from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
@@ -248,7 +247,6 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
 
 
 @checks_arguments
-@one_command()
 def export_fmu(what: str, **options: Unpack[types.ExportOptions]) -> list[Path]:
     """Write FMUs, or files for other simulation tools, and return their paths.
 
@@ -263,7 +261,6 @@ def export_fmu(what: str, **options: Unpack[types.ExportOptions]) -> list[Path]:
 
 
 @checks_arguments
-@one_command()
 def write_page(
     out: str | Path,
     scenario: str | Path | Scenario = "paper-simulation",

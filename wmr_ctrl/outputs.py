@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.files import one_command
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ def read_by(what: str) -> tuple[str, ...]:
     return tuple(signature(_writer(what)).parameters)
 
 
+@one_command()
 def write_output(what: str, options: ExportOptions) -> list[Path]:
     """Write ``what``; returns the files' paths.
 

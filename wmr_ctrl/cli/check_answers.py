@@ -153,7 +153,7 @@ def head(answers: Answers) -> Iterator[str]:
     """The promise, and lines on the scenario whatever the law."""
     case = answers.scenario
     yield wrapped(check_sentences.valid(case))
-    yield from map(wrapped, check_sentences.changes(case))
+    yield from (wrapped(item.sentence) for item in case.changes)
     yield wrapped(check_sentences.promise(answers.setup))
     if case.reference.arrival is not None:
         yield wrapped(check_sentences.rest(case.reference.arrival, case.clock.duration))

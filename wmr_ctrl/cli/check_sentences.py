@@ -91,24 +91,6 @@ def valid(case: Scenario) -> str:
     return f"{case.name} is valid{f' ({title})' if title else ''}."
 
 
-CHANGED = {
-    "m": "weighs {:g} kg",
-    "I": "has an inertia of {:g} kg m2",
-    "mu": "has a friction coefficient of {:g}",
-}
-"""What a change makes of the robot, by its field."""
-
-
-def changes(case: Scenario) -> list[str]:
-    """How the robot changes during a run, a sentence for each time."""
-    sentences = []
-    for item in case.changes:
-        *others, last = (CHANGED[key].format(value) for key, value in item.values().items())
-        words = f"{', '.join(others)} and {last}" if others else last
-        sentences.append(f"From {item.t:g} s on the robot {words}.")
-    return sentences
-
-
 def promise(setup: Setup) -> str:
     """The promise on the limits, if there is one: by what, and as long as what."""
     case = setup.scenario

@@ -121,8 +121,9 @@ def _left_out(scenario: Scenario) -> str:
     if scenario.guard.M_min is None and scenario.guard.M_max is None:
         return text
     return (
-        f"{text}\n# guard.M_min and guard.M_max may cover these changes: state the range of your robot,"
-        "\n# or remove both lines, and it follows from robot.m and robot.I"
+        f"{text}\n"
+        "# guard.M_min and guard.M_max may cover these changes: state the range of your robot,\n"
+        "# or remove both lines, and it follows from robot.m and robot.I"
     )
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from wmr_ctrl import results
 from wmr_ctrl.checks.outlook import scenario_of_run
-from wmr_ctrl.cli.check_sentences import changes
 from wmr_ctrl.cli.console import print_json, say, table, wrapped, write_file
 from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.errors import ArgumentError
@@ -46,7 +45,7 @@ def summary_text(run: Run) -> str:
 def changes_of(run: Run) -> list[str]:
     """How the robot changed during a run, a sentence for each time, as far as is known."""
     case = scenario_of_run(run)
-    return [] if case is None else changes(case)
+    return [] if case is None else [item.sentence for item in case.changes]
 
 
 def _theirs(run: Run) -> bool:

@@ -188,6 +188,18 @@ class Change(Section, key="changes"):
         given = {"m": self.m, "I": self.I, "mu": self.mu}
         return {key: value for key, value in given.items() if value is not None}
 
+    @property
+    def sentence(self) -> str:
+        """What the robot is from then on, in plain words."""
+        words = {
+            "m": "weighs {:g} kg",
+            "I": "has an inertia of {:g} kg m2",
+            "mu": "has a friction coefficient of {:g}",
+        }
+        *others, last = (words[key].format(value) for key, value in self.values().items())
+        listed = f"{', '.join(others)} and {last}" if others else last
+        return f"From {self.t:g} s on the robot {listed}."
+
 
 class Guard(Section, key="guard"):
     """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
