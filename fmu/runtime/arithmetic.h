@@ -17,6 +17,18 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Flags that let a compiler compute other values than those written, or assume that none is NaN.  Clang
+   has no macro for some of them: the pragma keeps the order of operations under these. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || defined(_M_FP_FAST)
+#error "these formulas need IEEE arithmetic as written: compile without -ffast-math, -Ofast, -funsafe-math-optimizations, -fassociative-math, -freciprocal-math, -ffinite-math-only and /fp:fast"
+#elif defined(__clang__) && __clang_major__ >= 13
+#pragma clang fp reassociate(off) contract(off)
+#endif
+
+typedef char wmr_needs_doubles_compile_without_fsingle_precision_constant
+    [sizeof(1.0) == sizeof(double) ? 1 : -1];
+
 #if DBL_MANT_DIG != 53
 #error "this arithmetic needs doubles of 64 bits"
 #endif

@@ -131,6 +131,33 @@ def test_rebuilt_from_its_own_sources(exported, tmp_path, version):
     assert abs(results[0]["tau_right"] - results[1]["tau_right"]).max() < 1e-9
 
 
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "flags",
+    [
+        ("-funsafe-math-optimizations",),
+        ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"),
+    ],
+    ids=["unsafe", "associative"],
+)
+def test_clang_computes_the_same_whatever_it_may_reorder(exported, tmp_path, flags):
+    """It has no macro for these flags, so that the sources cannot refuse them, as with GCC."""
+    path = exported("closed-loop", 3, scenario="safe-simulation")
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path)
+    library = next(tmp_path.glob("binaries/*/*.so"))
+    units = sorted(unit.name for unit in (tmp_path / "sources").glob("*.c"))
+    command = [tool("clang"), "-std=c99", "-O2", *flags, "-fPIC", "-shared", "-fvisibility=hidden"]
+    subprocess.run(
+        [*command, "-o", str(library), *units, "-lm"], cwd=tmp_path / "sources", check=True
+    )
+    options = {"stop_time": 3.0, "output_interval": 0.01, "step_size": 0.01}
+    first, second = (simulate_fmu(str(where), **options) for where in (path, tmp_path))
+    for name in first.dtype.names:
+        assert abs(first[name] - second[name]).max() < 1e-6, name
+
+
 @pytest.mark.slow
 @linux
 def test_the_battery_runs_clean_under_sanitizers(tmp_path, request, monkeypatch):

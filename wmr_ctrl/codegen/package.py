@@ -188,7 +188,7 @@ def _context(
         "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
                    "parameters": system.p.numel(), "outputs": system.y.numel(),
                    "memory": max(system.x.numel() + tabled + len(made_of) + prepared, 1)},
-        "qualifiers": QUALIFIERS, "kernel": text, "calls": library_calls(text, float32),
+        "qualifiers": QUALIFIERS, "flags": _flags_refused(), "kernel": text, "calls": library_calls(text, float32),
         "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
         "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": _margin(law, scenario),
@@ -226,6 +226,12 @@ STARTED = {
     "band": "Start where the base rests at the command 0: started in motion it breaks the limit.",
 }
 """When a filter may be started, by its form."""
+
+
+def _flags_refused() -> str:
+    """The lines of arithmetic.h on compiler flags, for packages without that file."""
+    text = c_texts(HEADER)[HEADER]
+    return text[text.index("/* Flags") :].partition("\n\n")[0]
 
 
 def _margin(law: str, scenario: Scenario) -> float:

@@ -1,0 +1,149 @@
+"""Compiler flags that change values: C that is exported refuses them, or they change nothing."""
+
+from __future__ import annotations
+
+import ctypes as ct
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from subprocess import CompletedProcess, run
+
+import numpy as np
+import pytest
+
+from tests.codegen.measured import COMPILER, FILTERS, TARGET
+from tests.codegen.test_package import needs
+from wmr_ctrl.codegen.build import program_of, unity
+from wmr_ctrl.codegen.compiler import compile_object
+from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, package_files
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import corridor_monitor
+from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.filter.gate import GateSettings, gate_system
+from wmr_ctrl.fmi.export import model_of
+from wmr_ctrl.fmi.files import sources_of
+from wmr_ctrl.page.module import UNIT, toolchain
+from wmr_ctrl.ros2.filter_core import core_files
+from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.simulink import kit_files
+
+SAFE = load_scenario("safe-simulation")
+STILL = override(SAFE, {"changes": []})
+FILTERED = load_scenario("paper-simulation", FILTERS["governor"])
+GATE = GateSettings(odometry="none")
+FLAGS = (
+    "-ffast-math",
+    "-Ofast",
+    "-funsafe-math-optimizations",
+    "-fassociative-math",
+    "-fassociative-math -fno-signed-zeros -fno-trapping-math",
+    "-freciprocal-math",
+    "-ffinite-math-only",
+    "-fsingle-precision-constant",
+)
+REFUSALS = ("compile without -ffast-math", "compile_without_fsingle_precision_constant")
+KINDS: Mapping[str, Callable[[], Mapping[str, str]]] = {
+    "law": lambda: package_files("nn", SAFE),
+    "law-float32": lambda: package_files("nn", SAFE, float32=True),
+    "filter": lambda: package_files(FILTER, FILTERED),
+    "filter-float32": lambda: package_files(FILTER, FILTERED, float32=True),
+    "corridor": lambda: files_of(CORRIDOR, corridor_monitor(STILL, "prox"), STILL),
+    "fmu": lambda: sources_of(model_of("closed-loop", "nn", SAFE), 3).files,
+    "simulink": lambda: kit_files("nn", SAFE),
+    "ros": lambda: core_files(FILTERED, GATE),
+}
+"""Every kind of C that a user compiles: file name to text."""
+NOT_COMPILED = ("check.c", "example.c", "sfun_wmr_nn.c")
+
+
+@cache
+def texts(kind: str) -> Mapping[str, str]:
+    return KINDS[kind]()
+
+
+def written(kind: str, folder: Path) -> list[str]:
+    """Write the files of a kind; its units are returned."""
+    for name, text in texts(kind).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return sorted(path.name for path in folder.glob("*.c") if path.name not in NOT_COMPILED)
+
+
+def compiled(folder: Path, compiler: str, *words: str) -> CompletedProcess[str]:
+    target = TARGET if compiler == COMPILER else ("-fPIC",)
+    command = [compiler, *target, "-std=c99", "-w", "-O1", "-ffp-contract=off", *words]
+    return run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    "compiler", ["gcc", *(pytest.param(c, marks=pytest.mark.slow) for c in ("clang", COMPILER))]
+)
+@pytest.mark.parametrize("kind", KINDS)
+def test_flag_is_refused_or_values_stay(kind: str, compiler: str, tmp_path: Path) -> None:
+    """Vectors pass, or where there are none (or no board) it is the same instructions.
+
+    By Clang the ROS node is looked at below, the FMU in tests/fmi. The float filter turns nanoseconds
+    into seconds by a constant, which may be a float.
+    """
+    needs(compiler)
+    units = written(kind, tmp_path)
+    plain = instructions(tmp_path, compiler, units)
+    for flag in FLAGS:
+        words = flag.split()
+        done = compiled(tmp_path, compiler, *words, "-fsyntax-only", *units)
+        if done.returncode:
+            assert any(sentence in done.stderr for sentence in REFUSALS), (flag, done.stderr)
+        elif "check.c" in texts(kind) and compiler != COMPILER:
+            done = compiled(tmp_path, compiler, *words, "check.c", *units, "-lm", "-o", "check")
+            assert done.returncode == 0, done.stderr
+            done = run(["./check"], cwd=tmp_path, capture_output=True, text=True, check=False)
+            assert done.returncode == 0, (flag, done.stdout)
+        elif compiler != "clang" and (kind, flag) != ("filter-float32", FLAGS[-1]):
+            assert instructions(tmp_path, compiler, units, *words) == plain, flag
+
+
+def instructions(folder: Path, compiler: str, units: Sequence[str], *words: str) -> list[str]:
+    done = compiled(folder, compiler, *words, "-S", *units)
+    assert done.returncode == 0, done.stderr
+    return [(folder / unit).with_suffix(".s").read_text(encoding="utf-8") for unit in units]
+
+
+def test_refusal_names_the_flag(tmp_path: Path) -> None:
+    needs("gcc")
+    written("law", tmp_path)
+    for flag in ("-ffast-math", "-funsafe-math-optimizations", "-ffinite-math-only"):
+        assert flag in compiled(tmp_path, "gcc", flag, "-S", "wmr_nn.c").stderr
+    said = compiled(tmp_path, "gcc", "-fsingle-precision-constant", "-S", "wmr_nn.c").stderr
+    assert "wmr_needs_doubles_compile_without_fsingle_precision_constant" in said
+
+
+@pytest.mark.parametrize("flag", FLAGS)
+def test_gate_of_the_ros_node_has_its_values_by_clang(flag: str, tmp_path: Path) -> None:
+    needs("clang")
+    written("ros", tmp_path)
+    gate = gate_system(FILTERED, GATE)
+    sizes = (gate.u.numel(), gate.x.numel(), gate.p.numel(), gate.x.numel(), gate.y.numel())
+    u, x, p, after, y = (np.zeros(size) for size in sizes)
+    x[:], p[:], told = gate.x0, gate.p0, []
+    for name, words in (("plain.so", []), ("flagged.so", flag.split())):
+        done = compiled(tmp_path, "clang", *words, "-shared", "gate.c", "-lm", "-o", name)
+        if done.returncode:
+            assert REFUSALS[0] in done.stderr
+            return
+        step = ct.CDLL(str(tmp_path / name)).wmr_gate
+        for u[:] in np.random.default_rng(1).normal(size=(200, len(u))):
+            step(*(ct.c_void_p(item.ctypes.data) for item in (u, x, p, after, y)))
+            told.append(np.concatenate([after, y]))
+    assert np.array(told[:200]) == pytest.approx(np.array(told[200:]), rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.slow
+def test_page_refuses_fast_math(tmp_path: Path) -> None:
+    pytest.importorskip("ziglang")
+    text = program_of(settle(SAFE, "nn")).generated_watched
+    for name, content in unity(text, UNIT).items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    most = ("-DWMR_PHASES_MOST=2", "-DWMR_DELAY_MOST=2", "-DWMR_SET=k0")
+    with pytest.raises(CompilerError, match="IEEE arithmetic as written"):
+        compile_object(
+            toolchain().with_flags(*most, "-ffast-math"), tmp_path / UNIT[0], tmp_path / "k0.o"
+        )
