@@ -81,8 +81,8 @@ def compiled(folder: Path, compiler: str, *words: str) -> CompletedProcess[str]:
 def test_flag_is_refused_or_values_stay(kind: str, compiler: str, tmp_path: Path) -> None:
     """Vectors pass, or where there are none (or no board) it is the same instructions.
 
-    By Clang the ROS node is looked at below, the FMU in tests/fmi. The float filter turns nanoseconds
-    into seconds by a constant, which may be a float.
+    By Clang the ROS node is looked at below, the FMU in tests/fmi. The float filter turns
+    nanoseconds into seconds by a constant, which may be a float.
     """
     needs(compiler)
     units = written(kind, tmp_path)
@@ -130,7 +130,8 @@ def test_gate_of_the_ros_node_has_its_values_by_clang(flag: str, tmp_path: Path)
             assert REFUSALS[0] in done.stderr
             return
         step = ct.CDLL(str(tmp_path / name)).wmr_gate
-        for u[:] in np.random.default_rng(1).normal(size=(200, len(u))):
+        for row in np.random.default_rng(1).normal(size=(200, len(u))):
+            u[:] = row
             step(*(ct.c_void_p(item.ctypes.data) for item in (u, x, p, after, y)))
             told.append(np.concatenate([after, y]))
     assert np.array(told[:200]) == pytest.approx(np.array(told[200:]), rel=1e-12, abs=1e-12)
