@@ -1,6 +1,7 @@
 """A law as a self-contained C99 package: header, source, example, test vectors, build file."""
 
 import json
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -27,8 +28,8 @@ from wmr_ctrl.filter.rounding_ranges import check_single_precision
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LARGEST, VELOCITY, Signal
-from wmr_ctrl.world.encoder import COUNTS, ENCODER, reader
+from wmr_ctrl.signals import LARGEST, VELOCITY, Signal, places
+from wmr_ctrl.world.encoder import ENCODER, MOVED, Encoder, reader
 from wmr_ctrl.world.references import Circle
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
@@ -111,7 +112,10 @@ def files_of(
 
 
 def packaged(setup: Setup) -> System:
-    """The controller; where the scenario has encoders, it is given counts, not velocities."""
+    """The controller; where the scenario has encoders, it is given counts, not velocities.
+
+    Its last input is then how far counts have moved, which the C around it takes from them.
+    """
     core = controller(setup)
     if ENCODER not in setup.effects:
         return core
@@ -170,7 +174,9 @@ def _context(
     dialect = single_precision.package_dialect(float32, own=own)
     largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
     periods = single_precision.PERIODS.get((law, guarded), ())
-    vectors = vectors_of(system, scenario.limits, float32=float32)
+    given = [item.signal for item in system.inputs]
+    encoders, half = MOVED in given, 2 ** (scenario.section(Encoder).bits - 1)
+    vectors = vectors_of(system, scenario.limits, float32=float32, half=half)
     made_of, prepared = prepared_from(step) if law == FILTER else ((), 0)
     form = "slew" if scenario.filter.slew is not None else scenario.filter.kind
     tabled = law == FILTER and scenario.filter.kind == "band"
@@ -182,10 +188,12 @@ def _context(
         "period": scenario.clock.control, "float32": float32,
         "bits": "uint32_t" if float32 else "uint64_t",
         "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
-        "largest": largest, "digits": 9 if float32 else 17,
-        "inputs": _fields(system.inputs), "state": _fields(system.state),
+        "largest": largest, "most_angle": dialect.number(math.pi if float32 else largest),
+        "remainder": "remainderf" if float32 else "remainder", "given": system.u.numel(), "digits": 9 if float32 else 17,
+        "inputs": _fields(item for item in system.inputs if item.signal != MOVED),
+        "state": _fields(system.state),
         "parameters": _fields(system.params), "outputs": outputs,
-        "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
+        "counts": {"inputs": system.u.numel() - encoders * MOVED.size, "state": system.x.numel(),
                    "parameters": system.p.numel(), "outputs": system.y.numel(),
                    "memory": max(system.x.numel() + tabled + len(made_of) + prepared, 1)},
         "qualifiers": QUALIFIERS, "flags": _flags_refused(), "kernel": text,
@@ -206,7 +214,8 @@ def _context(
         "untimely": UNTIMELY.get(form, ""), "started": STARTED.get(form, ""),
         "idle": ["filter_d"] if form == "slew" else [],
         "derived": [*map(c_name_of, derived_numbers(scenario))] if law == FILTER else [],
-        "encoders": any(item.signal == COUNTS for item in system.inputs),
+        "encoders": encoders, "half": half,
+        "at": {name: place.start for name, place in places(given).items()},
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
     }  # fmt: skip
 

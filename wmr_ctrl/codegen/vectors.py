@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario.sections import Limits
 from wmr_ctrl.signals import ASKED, TORQUE, VELOCITY
-from wmr_ctrl.world.encoder import COUNTS
+from wmr_ctrl.world.encoder import MOVED
 
 Floats = NDArray[np.float64]
 
@@ -47,16 +47,22 @@ SITUATIONS = (
 
 @dataclass(frozen=True)
 class Vectors:
-    """Inputs (steps, inputs) and outputs (steps, outputs); every SAMPLES steps a run begins."""
+    """Inputs (steps, inputs) and outputs (steps, outputs); every SAMPLES steps a run begins.
+
+    ``counts`` (steps, 2): the counters whose steps are the last inputs, where there are encoders.
+    """
 
     inputs: Floats
     torques: Floats
+    counts: NDArray[np.int64]
 
 
-def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vectors:
+def vectors_of(
+    system: System, limits: Limits, *, float32: bool = False, half: int = 2**31
+) -> Vectors:
     """Runs in all SITUATIONS of a law whose velocities are limited by ``limits``.
 
-    In single precision inputs and parameters are rounded to it first; the torques are those of
+    Counters begin just below ``half`` of their range, where they wrap.  In single precision inputs and parameters are rounded to it first; the torques are those of
     double precision.
     """
     machine = system.function("step", [system.update, system.y])
@@ -72,15 +78,16 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
         exact = np.hstack([exact[:, :3], exact[:, 7:12], told])
     inputs: Floats = np.round(exact, 6)
     p, x = np.array(system.p0), np.array(system.x0)
-    if any(item.signal == COUNTS for item in system.inputs):
-        inputs = _with_counts(inputs, system)
+    counts = np.zeros((len(inputs), 0), int)
+    if MOVED in known:
+        inputs, counts = _with_counts(inputs, system, half)
     if float32:
         inputs, p = (values.astype(np.float32).astype(np.float64) for values in (inputs, p))
     torques = np.empty((len(inputs), system.y.numel()))
     for k, u in enumerate(inputs):
         following, torque = machine(u, x if k % SAMPLES else np.array(system.x0), p)
         x, torques[k] = following.full().ravel(), torque.full().ravel()
-    return Vectors(inputs, torques)
+    return Vectors(inputs, torques, counts)
 
 
 def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floats]:
@@ -108,13 +115,17 @@ def _commands(system: System, limits: Limits) -> Floats:
     return np.array(rows)
 
 
-def _with_counts(inputs: Floats, system: System) -> Floats:
-    """The same with counts of the wheels at the end, in the place of the speeds made of them."""
+def _with_counts(
+    inputs: Floats, system: System, half: int
+) -> tuple[Floats, NDArray[np.int64]]:
+    """The same with steps of counts at the end, in the place of the speeds made of them; counts."""
     numbers = {item.signal.name: item.value[0] for item in system.params}
     names = [name for item in system.inputs for name in item.signal.elements]
     turn = numbers["robot.l"] * inputs[:, -1:] * (1.0, -1.0)
     share = numbers["encoder.counts"] / (2 * np.pi * numbers["robot.r"])
     moved = (inputs[:, -2:-1] + turn) * numbers["clock.control"] * share
-    counts = np.vstack([np.cumsum(run, axis=0) for run in np.split(moved, len(SITUATIONS))])
+    runs = [np.floor(np.cumsum(run, axis=0)) for run in np.split(moved, len(SITUATIONS))]
+    steps = np.vstack([np.diff(run, axis=0, prepend=run[:1]) for run in runs])
+    counts = np.vstack(runs).astype(np.int64) + half - 1
     gyro = inputs[:, -1:] if VELOCITY[1].name in names else inputs[:, :0]
-    return np.hstack([inputs[:, :-2], gyro, np.floor(counts)])
+    return np.hstack([inputs[:, :-2], gyro, steps]), (counts + half) % (2 * half) - half

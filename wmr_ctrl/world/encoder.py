@@ -8,25 +8,36 @@ the time between counts shows it finer where counts are rare, at the price of an
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Output, Parameters, Port, System, outputs, port, ports
+from wmr_ctrl.model.system import (
+    Number,
+    Output,
+    Parameters,
+    Port,
+    System,
+    outputs,
+    port,
+    ports,
+    stack,
+)
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
-from wmr_ctrl.world.history import MOST_REMEMBERED, History, history
+from wmr_ctrl.world.history import MOST_REMEMBERED, history
 from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
 
 DIFFERENCE, TIME = "difference", "time"
 COUNTS = Signal("wheel_counts", "1", "whole counts of the wheels' turn (right, left)", 2)
+MOVED = Signal("wheel_moved", "1", "counts of the wheels since the sample before (right, left)", 2)
 TURN = Signal("encoder_turn", "1", "turn of the wheels at the previous sample, in counts", 2)
 EDGE = Signal("encoder_edge", "1", "turn at which the last count came, in counts", 2)
 SINCE = Signal("encoder_since", "s", "time from the last count to the previous sample", 2)
 SPEED = Signal("encoder_speed", "1/s", "counts over time of the previous sample", 2)
 
-STARTED = Signal("encoder_started", "1", "0 before the first sample, then 1")
 LONG = 1e9
 """Time since a last count that there was not yet [s]: the first one shows no speed."""
 
@@ -51,9 +62,15 @@ class Encoder(Section, key="encoder"):
         "counts over a window, or one count over the time that it took",
         options=(DIFFERENCE, TIME),
     )
+    bits: int = quantity(32, "1", "bits of the counters that a C package reads: 16 or 32")
 
     def relate(self) -> None:
-        """Counts are whole."""
+        """Counts are whole, and counters have 16 or 32 bits."""
+        if self.bits not in (16, 32):
+            raise ScenarioError(
+                f"encoder.bits = {self.bits!r} must be 16 or 32. For a counter with other bits, "
+                "add up its steps in a variable of 32 bits and set encoder.bits = 32."
+            )
         if self.counts is not None and not self.counts.is_integer():
             raise ScenarioError(
                 f"encoder.counts = {self.counts!r} must be a whole number: so many edges pass in "
@@ -71,7 +88,8 @@ def build(scenario: Scenario) -> System:
     state: tuple[Port, ...]
     if encoder.method == DIFFERENCE:
         seen = history(COUNTS, counts, first, periods_in_window(scenario))
-        rate, state, update = _differenced(scenario, p, seen), seen.state, seen.update
+        rate = _per_second(scenario, p, seen.aged[0] - seen.aged[-1])
+        state, update = seen.state, seen.update
     else:
         rate, state, update = _timed(turns, first, p.take("clock.control"))
     velocity = velocity_of(rate, p)
@@ -88,35 +106,53 @@ def build(scenario: Scenario) -> System:
 
 
 def reader(scenario: Scenario) -> System:
-    """Sampled System: whole counts to velocity, for a controller that is given counts itself.
+    """Sampled System: counts since the sample before to velocity, for C that is given counts.
 
-    It shows what `build` shows, of the axes that no gyro has; raises ArgumentError where the time
-    between counts is asked for, which counts at a sample do not tell.
+    It shows what `build` shows, of the axes that no gyro has: sums of whole numbers are exact.
+    Raises ArgumentError where the time between counts is asked for, which counts at a sample do not
+    tell, and where a wheel within the limits turns by half of the counter's range in a sample.
     """
     if scenario.section(Encoder).method == TIME:
         raise ArgumentError(
             "encoder.method = time needs the times at which counts came, but a controller gets "
             "counts only at its samples. Use encoder.method = difference."
         )
-    p, counts, started = Parameters(scenario), port(COUNTS), port(STARTED)
-    seen = history(COUNTS, counts.sym, started.sym == 0, periods_in_window(scenario))
-    velocity = velocity_of(_differenced(scenario, p, seen), p)
+    _check_range(scenario)
+    p, moved = Parameters(scenario), port(MOVED)
+    earlier = ports(
+        replace(MOVED, name=f"{MOVED.name}_{k}", meaning=f"{MOVED.meaning}, {k} samples ago")
+        for k in range(1, periods_in_window(scenario))
+    )
+    recent = [moved.sym, *(item.sym for item in earlier)]
+    velocity = velocity_of(_per_second(scenario, p, sum(recent[1:], moved.sym)), p)
     return System(
         "encoder_reader",
         "velocity from counts",
-        inputs=(counts,),
-        state=(*seen.state, started),
+        inputs=(moved,),
+        state=earlier,
         params=p.ports,
-        update=ca.vertcat(seen.update, 1),
+        update=stack(recent[:-1]),
         outputs=tuple(Output(VELOCITY[i], velocity[i]) for i in axes_without_gyro(scenario)),
         period=scenario.clock.control,
     )
 
 
-def _differenced(scenario: Scenario, p: Parameters, seen: History) -> ca.SX:
-    """Counts over time (2,) [1/s], over the window."""
-    window = p.take("clock.control") * periods_in_window(scenario)
-    return (seen.aged[0] - seen.aged[-1]) / window
+def _check_range(scenario: Scenario) -> None:
+    """Raise ArgumentError where a step of counts within the limits can be read either way."""
+    encoder, robot, (v, omega) = scenario.section(Encoder), scenario.robot, scenario.limits.v_u1
+    turns = (v + robot.l * omega) * scenario.clock.control / (2 * math.pi * robot.r)
+    step, half = turns * float(encoder.counts or 0), 2 ** (encoder.bits - 1)
+    if step >= half:
+        raise ArgumentError(
+            f"At limits.v_u1 a wheel turns by {step:.4g} counts in a control period, but with "
+            f"encoder.bits = {encoder.bits} only steps below {half} counts show their direction. "
+            "Read a counter of more bits, sample more often, or lower the limits."
+        )
+
+
+def _per_second(scenario: Scenario, p: Parameters, turned: ca.SX) -> ca.SX:
+    """Counts over time (2,) [1/s], for counts in the window."""
+    return turned / (p.take("clock.control") * periods_in_window(scenario))
 
 
 def turned(scenario: Scenario, p: Parameters, path: ca.SX, theta: ca.SX) -> ca.SX:
