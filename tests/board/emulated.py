@@ -6,6 +6,7 @@ import ctypes as ct
 import shutil
 import struct
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,12 +64,17 @@ def built(law: str, scenario: Scenario, board: Board, folder: Path, *, float32: 
     return out
 
 
+def packed(inputs: np.ndarray, counts: Sequence[int], real: type) -> bytes:
+    """The struct of a sample's inputs: numbers, then counters of 32 bits that wrap."""
+    return np.asarray(inputs, real).tobytes() + np.asarray(counts, np.int64).astype("i4").tobytes()
+
+
 class Emulated:
     """A board that runs a law; use it as a context."""
 
     def __init__(self, firmware: Path, board: Board, *, float32: bool) -> None:
-        self.code = "f" if float32 else "d"
-        self.reply = struct.Struct(f"<i2{self.code}I")
+        self.real = np.float32 if float32 else np.float64
+        self.reply = struct.Struct(f"<i2{'f' if float32 else 'd'}I")
         self.process = subprocess.Popen(
             [EMULATOR, "-M", board.machine, "-kernel", str(firmware), "-icount", "shift=0",
              "-serial", "stdio", "-monitor", "none", "-display", "none"],
@@ -84,9 +90,11 @@ class Emulated:
         for pipe in (self.process.stdin, self.process.stdout):
             pipe.close()
 
-    def step(self, inputs: np.ndarray) -> tuple[int, np.ndarray, int]:
+    def step(
+        self, inputs: np.ndarray, counts: Sequence[int] = ()
+    ) -> tuple[int, np.ndarray, int]:
         """Status, torques [N m], and instructions of one sample."""
-        self._write(b"S" + struct.pack(f"<{len(inputs)}{self.code}", *inputs))
+        self._write(b"S" + packed(inputs, counts, self.real))
         status, right, left, ticks = self.reply.unpack(self._read(self.reply.size))
         return status, np.array([right, left]), ticks * INSTRUCTIONS_PER_TICK
 
@@ -130,9 +138,9 @@ class HostBuild:
         """Memory of the first sample."""
         self._start(_pointer(self.memory))
 
-    def step(self, inputs: np.ndarray) -> tuple[int, np.ndarray]:
+    def step(self, inputs: np.ndarray, counts: Sequence[int] = ()) -> tuple[int, np.ndarray]:
         """Status and torques [N m] of one sample."""
-        given = np.ascontiguousarray(inputs, dtype=self.real)
+        given = np.frombuffer(packed(inputs, counts, self.real), np.uint8)
         arrays = (self.parameters, self.memory, given, self.outputs)
         status = self._step(*(_pointer(item) for item in arrays))
         return status, self.outputs.astype(float)

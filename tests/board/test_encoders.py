@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -27,10 +28,10 @@ def encoded(**more: object) -> Scenario:
     return scenario_of("paper-simulation", {**ENCODED, **more})
 
 
-def given(run: Run) -> np.ndarray:
-    """What the package is given in each sample of a run."""
-    names = [*(item.name for item in REFERENCE), "x", "y", "theta"]
-    return np.column_stack([*(run[name] for name in names), run["wheel_counts"]])
+def given(run: Run, *more: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """What the package is given in each sample of a run: numbers, and counts."""
+    names = [*(item.name for item in REFERENCE), "x", "y", "theta", *more]
+    return zip(np.column_stack([run[name] for name in names]), run["wheel_counts"], strict=True)
 
 
 def torques(run: Run) -> np.ndarray:
@@ -40,7 +41,7 @@ def torques(run: Run) -> np.ndarray:
 def test_counts_take_the_place_of_velocities():
     names = [item.signal.name for item in packaged(settle(encoded(), "nn")).inputs]
 
-    assert names == [*(item.name for item in REFERENCE), "x", "y", "theta", "wheel_counts"]
+    assert names == [*(item.name for item in REFERENCE), "x", "y", "theta", "wheel_moved"]
 
 
 @HOST
@@ -48,7 +49,7 @@ def test_counts_take_the_place_of_velocities():
 def test_counts_in_torques_out_as_in_the_native_run(law, tmp_path):
     run = simulate(encoded(), law, seed=3)
     host = HostBuild(law, encoded(), tmp_path, float32=False)
-    shown = [host.step(row) for row in given(run)]
+    shown = [host.step(*sample) for sample in given(run)]
 
     assert not any(status for status, _ in shown)
     assert np.array_equal([torque for _, torque in shown], torques(run))
@@ -60,7 +61,7 @@ GYRO = {"gyro.enabled": True}
 def test_a_gyro_stays_an_input():
     names = [item.signal.name for item in packaged(settle(encoded(**GYRO), "nn")).inputs]
 
-    assert names[-2:] == ["omega", "wheel_counts"]
+    assert names[-2:] == ["omega", "wheel_moved"]
 
 
 @HOST
@@ -68,10 +69,11 @@ def test_a_gyro_stays_an_input():
 def test_rate_and_counts_in_torques_out_as_in_the_native_run(tmp_path):
     scenario = encoded(**GYRO)
     run = simulate(scenario, "nn", seed=3)
-    rows = np.column_stack([given(run)[:, :-2], run["omega"], given(run)[:, -2:]])
     host = HostBuild("nn", scenario, tmp_path, float32=False)
 
-    assert np.array_equal([host.step(row)[1] for row in rows], torques(run))
+    shown = [host.step(*sample)[1] for sample in given(run, "omega")]
+
+    assert np.array_equal(shown, torques(run))
 
 
 @HOST
@@ -104,7 +106,7 @@ def test_the_emulated_board_gives_the_native_torques(tmp_path):
     run = simulate(encoded(), "nn", seed=3)
     firmware = built("nn", encoded(), BOARDS[BOARD], tmp_path, float32=False)
     with Emulated(firmware, BOARDS[BOARD], float32=False) as emulated:
-        shown = [emulated.step(row)[:2] for row in given(run)]
+        shown = [emulated.step(*sample)[:2] for sample in given(run)]
 
     assert not any(status for status, _ in shown)
     assert np.array_equal([torque for _, torque in shown], torques(run))

@@ -20,6 +20,8 @@ from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import LARGEST
 
+ANGLES = (2, 9)
+"""Places of theta_d and theta, which grow without end."""
 GOOD = (0.1, 0.0, -1.5, 0.2, 0.1, 0.0, 0.0, -0.1, -0.2, -0.7, 0.1, 0.05)
 REFUSED, TAKEN = 1, 0
 
@@ -62,7 +64,7 @@ class Packaged:
 def test_what_is_too_large_is_refused_and_leaves_no_trace(
     law: str, float32: bool, guarded: bool, tmp_path: Path
 ) -> None:
-    """Each input alone, of either sign, and no number: torques 0, and the law goes on as before."""
+    """Each input that has a bound, of either sign, and no number: torques 0; then as before."""
     one = Packaged(law, tmp_path, float32, guarded)
     sizes = (1.7e308, 1.0001 * one.largest, math.inf, math.nan)
     for _ in range(3):
@@ -71,6 +73,8 @@ def test_what_is_too_large_is_refused_and_leaves_no_trace(
     for at, size, sign in itertools.product(range(len(GOOD)), sizes, (-1.0, 1.0)):
         given = np.array(GOOD)
         given[at] = sign * size
+        if at in ANGLES and size < float(np.finfo(one.real).max):
+            continue
         with np.errstate(over="ignore"):
             assert one.step(given) == REFUSED, (at, given[at])
         assert (one.torque == 0).all()

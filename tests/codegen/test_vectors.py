@@ -79,11 +79,15 @@ def test_the_guard_acts_in_some_samples_and_not_in_others(law: str) -> None:
 def test_counts_of_the_wheels_are_those_of_the_speeds_in_their_place() -> None:
     of = load_scenario(SCENARIOS[False], {"encoder.counts": 1e7})
     setup = settle(of, "mb")
-    plain, counted = (
-        vectors_of(system, of.limits).inputs for system in (controller(setup), packaged(setup))
-    )
+    plain = vectors_of(controller(setup), of.limits).inputs
+    counted = vectors_of(packaged(setup), of.limits)
+    steps = np.diff(counted.counts, axis=0)
+    wrapped = (steps + 2**31) % 2**32 - 2**31
+    assert (steps != wrapped).any()
     for k in range(0, len(plain), SAMPLES):
-        turned = np.diff(counted[k : k + SAMPLES, -2:], axis=0) * 2 * np.pi / 1e7
+        moved = counted.inputs[k + 1 : k + SAMPLES, -2:]
+        assert (wrapped[k : k + SAMPLES - 1] == moved).all()
+        turned = moved * 2 * np.pi / 1e7
         way = turned * of.robot.r / of.clock.control
         v, omega = way.mean(axis=1), (way[:, 0] - way[:, 1]) / (2 * of.robot.l)
         assert np.column_stack((v, omega)) == pytest.approx(

@@ -1,0 +1,162 @@
+"""Wheel counts and angles in C packages: they grow without end, and no robot stops for it."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.board.emulated import HostBuild
+from wmr_ctrl.codegen.package import package_files, write_package
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.scenario import Scenario, load_scenario
+
+HOURS = Path(__file__).parent / "ten_hours.c"
+FINE = {"encoder.counts": 61440, "gyro.enabled": False, "guard.alpha": 6.0}
+"""A geared encoder on both axes, and what the guard needs with it."""
+GOOD = np.array([0.1, 0.0, -1.5, 0.2, 0.1, 0.0, 0.0, 0.099, 0.001, -1.501])
+TAKEN, REFUSED, AMBIGUOUS = 0, 1, 2
+STEPS = np.cumsum([(0, 0), (3, 2), (4, 1), (5, -3), (4, 2)], axis=0)
+needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="NOT RUN: no cc")
+every_counter = pytest.mark.parametrize("bits", [16, 32])
+either = pytest.mark.parametrize("float32", [False, True], ids=["double", "float32"])
+
+
+def encoded(**more: object) -> Scenario:
+    return load_scenario("paper-simulation", {"encoder.counts": 1024, **more})
+
+
+def with_bits(bits: int, window: float = 0.02) -> Scenario:
+    return encoded(**{"encoder.bits": bits, "encoder.window": window})
+
+
+def torques(host: HostBuild, counts: np.ndarray) -> list[list[float]]:
+    host.reset()
+    shown = [host.step(GOOD, row) for row in counts]
+    assert not any(status for status, _ in shown)
+    return [torque.tolist() for _, torque in shown]
+
+
+@needs_cc
+@every_counter
+def test_ten_hours_of_a_fine_encoder_refuse_no_sample(bits: int, tmp_path: Path) -> None:
+    """Counters wrap, angles reach 600 turns: the robot keeps to its circle, and loses no count."""
+    scenario = load_scenario("robot-10ms", {**FINE, "encoder.bits": bits})
+    write_package("kanayama", tmp_path, scenario, float32=True)
+    shutil.copy(HOURS, tmp_path)
+    command = ["cc", "-std=c99", "-O2", "-ffp-contract=off", HOURS.name, "-lm", "-o", "hours"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    begin = 2**31 - 400_000_000
+    arguments = [str(item) for item in (10, FINE["encoder.counts"], bits, begin)]
+    done = subprocess.run(
+        ["./hours", *arguments], cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    refused, far, wrong, right, left, *lost = map(float, done.stdout.split())
+
+    assert refused == 0
+    assert far < 1e-3
+    assert wrong < 1e-3
+    assert right > left > 6e8
+    assert lost == [0, 0]
+
+
+@needs_cc
+@every_counter
+@either
+def test_torques_are_the_same_wherever_counters_begin(
+    bits: int, float32: bool, tmp_path: Path
+) -> None:
+    host = HostBuild("prox", with_bits(bits), tmp_path, float32=float32)
+    half = 2 ** (bits - 1)
+    plain = torques(host, STEPS)
+
+    for begin in (half - 5, -5, 2 * half - 5, 2**31 - 5, 123_456_789):
+        assert torques(host, STEPS + begin) == plain
+        assert torques(host, (STEPS + begin) % (2 * half)) == plain
+    assert torques(host, -STEPS) == torques(host, half - STEPS) != plain
+
+
+@needs_cc
+@every_counter
+def test_half_of_the_range_is_refused_once_by_name(bits: int, tmp_path: Path) -> None:
+    """Either wheel: torques are 0, and the next sample counts from where that one was."""
+    host = HostBuild("mb", with_bits(bits, 0.0), tmp_path, float32=True)
+    half = 2 ** (bits - 1)
+    wanted = torques(host, np.array([(0, 0), (3, 2)]))[1]
+    header = (tmp_path / "wmr_mb.h").read_text(encoding="utf-8")
+    assert f"#define WMR_COUNTS_AMBIGUOUS {AMBIGUOUS}" in header
+    for moved in ((half, 0), (0, half), (-half, 7)):
+        host.reset()
+        assert host.step(GOOD, (0, 0))[0] == TAKEN
+        status, torque = host.step(GOOD, moved)
+        assert (status, *torque) == (AMBIGUOUS, 0, 0)
+        status, torque = host.step(GOOD, np.add(moved, (3, 2)))
+        assert (status, torque.tolist()) == (TAKEN, wanted)
+    for moved in ((half - 1, 0), (0, 1 - half)):
+        host.reset()
+        assert [host.step(GOOD, counts)[0] for counts in ((0, 0), moved)] == [TAKEN, TAKEN]
+
+
+@needs_cc
+@either
+def test_counts_of_refused_samples_are_counted(float32: bool, tmp_path: Path) -> None:
+    """After two samples without pose the speed is that of one period, not of three."""
+    host = HostBuild("mb", with_bits(16, 0.0), tmp_path, float32=float32)
+    wanted = torques(host, np.array([(0, 0), (3, 2)]))[1]
+    host.reset()
+    host.step(GOOD, (0, 0))
+    for counts in ((30_000, 5), (60_000, 9)):
+        status, torque = host.step(np.where(np.arange(10) == 7, math.nan, GOOD), counts)
+        assert (status, *torque) == (REFUSED, 0, 0)
+    status, torque = host.step(GOOD, (60_003, 11))
+
+    assert (status, torque.tolist()) == (TAKEN, wanted)
+
+
+@needs_cc
+def test_a_new_start_forgets_counts(tmp_path: Path) -> None:
+    host = HostBuild("prox", with_bits(16), tmp_path, float32=True)
+    assert torques(host, STEPS + 20_000) == torques(host, STEPS - 9_000)
+
+
+@needs_cc
+@either
+def test_whole_turns_of_angles_do_not_matter(float32: bool, tmp_path: Path) -> None:
+    """Continuous angles, or such as a compass shows: the same torques, to the angle's own digits."""
+    host = HostBuild("prox", load_scenario("paper-simulation"), tmp_path, float32=float32)
+    wanted = None
+    for turns_d, turns in ((0, 0), (0, 1), (-2, 5), (600, 600), (200_000, 200_000)):
+        given = np.append(GOOD, (0.19, 0.1))
+        given[2] += 2 * math.pi * turns_d
+        given[9] += 2 * math.pi * turns
+        host.reset()
+        status, torque = host.step(given)
+        wanted = torque if wanted is None else wanted
+        digits = np.spacing(host.real(abs(given[[2, 9]]).max()))
+        assert status == TAKEN
+        assert np.abs(torque - wanted).max() <= 1e-4 * float32 + 1e3 * digits
+
+
+@pytest.mark.parametrize(
+    ("stated", "said"),
+    [
+        ({"encoder.bits": 16, "encoder.counts": 2**22}, r"by 9.179e\+04 counts .* below 32768"),
+        ({"encoder.counts": 1e12}, "encoder.bits = 32"),
+    ],
+)
+def test_limits_that_make_counts_ambiguous_are_refused(
+    stated: Mapping[str, object], said: str
+) -> None:
+    with pytest.raises(ArgumentError, match=said):
+        package_files("mb", encoded(**stated))
+
+
+@pytest.mark.parametrize("bits", [8, 24, 64])
+def test_other_counters_are_refused(bits: int) -> None:
+    with pytest.raises(ScenarioError, match=rf"encoder\.bits = {bits} must be 16 or 32"):
+        encoded(**{"encoder.bits": bits})
