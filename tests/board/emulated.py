@@ -90,9 +90,7 @@ class Emulated:
         for pipe in (self.process.stdin, self.process.stdout):
             pipe.close()
 
-    def step(
-        self, inputs: np.ndarray, counts: Sequence[int] = ()
-    ) -> tuple[int, np.ndarray, int]:
+    def step(self, inputs: np.ndarray, counts: Sequence[int] = ()) -> tuple[int, np.ndarray, int]:
         """Status, torques [N m], and instructions of one sample."""
         self._write(b"S" + packed(inputs, counts, self.real))
         status, right, left, ticks = self.reply.unpack(self._read(self.reply.size))

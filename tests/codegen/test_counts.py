@@ -127,7 +127,7 @@ def test_a_new_start_forgets_counts(tmp_path: Path) -> None:
 @needs_cc
 @either
 def test_whole_turns_of_angles_do_not_matter(float32: bool, tmp_path: Path) -> None:
-    """Continuous angles, or such as a compass shows: the same torques, to the angle's own digits."""
+    """Continuous angles, or a compass's: the same torques, to the angle's own digits."""
     host = HostBuild("prox", load_scenario("paper-simulation"), tmp_path, float32=float32)
     wanted = None
     for turns_d, turns in ((0, 0), (0, 1), (-2, 5), (600, 600), (200_000, 200_000)):

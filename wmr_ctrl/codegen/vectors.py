@@ -62,8 +62,8 @@ def vectors_of(
 ) -> Vectors:
     """Runs in all SITUATIONS of a law whose velocities are limited by ``limits``.
 
-    Counters begin just below ``half`` of their range, where they wrap.  In single precision inputs and parameters are rounded to it first; the torques are those of
-    double precision.
+    Counters begin just below ``half`` of their range, where they wrap.  In single precision inputs
+    and parameters are rounded to it first; the torques are those of double precision.
     """
     machine = system.function("step", [system.update, system.y])
     known = {item.signal for item in system.inputs}
@@ -115,9 +115,7 @@ def _commands(system: System, limits: Limits) -> Floats:
     return np.array(rows)
 
 
-def _with_counts(
-    inputs: Floats, system: System, half: int
-) -> tuple[Floats, NDArray[np.int64]]:
+def _with_counts(inputs: Floats, system: System, half: int) -> tuple[Floats, NDArray[np.int64]]:
     """The same with steps of counts at the end, in the place of the speeds made of them; counts."""
     numbers = {item.signal.name: item.value[0] for item in system.params}
     names = [name for item in system.inputs for name in item.signal.elements]
@@ -126,6 +124,6 @@ def _with_counts(
     moved = (inputs[:, -2:-1] + turn) * numbers["clock.control"] * share
     runs = [np.floor(np.cumsum(run, axis=0)) for run in np.split(moved, len(SITUATIONS))]
     steps = np.vstack([np.diff(run, axis=0, prepend=run[:1]) for run in runs])
-    counts = np.vstack(runs).astype(np.int64) + half - 1
+    counts = np.vstack([run - run[0] for run in runs]).astype(np.int64) + half - 1
     gyro = inputs[:, -1:] if VELOCITY[1].name in names else inputs[:, :0]
     return np.hstack([inputs[:, :-2], gyro, steps]), (counts + half) % (2 * half) - half
