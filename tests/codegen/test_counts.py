@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 
 from tests.board.emulated import HostBuild
+from tests.codegen import measured
+from tests.codegen.test_package import WARNINGS, needs, run
+from tests.languages import LANGUAGES, compile_all
 from wmr_ctrl.codegen.package import package_files, write_package
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.scenario import Scenario, load_scenario
@@ -63,6 +66,25 @@ def test_ten_hours_of_a_fine_encoder_refuse_no_sample(bits: int, tmp_path: Path)
     assert wrong < 1e-3
     assert right > left > 6e8
     assert lost == [0, 0]
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@either
+def test_counts_are_c_and_cpp_for_every_compiler(
+    language: str, float32: bool, tmp_path: Path
+) -> None:
+    write_package("mb", tmp_path, with_bits(16), float32=float32)
+    compile_all(language, tmp_path, ["wmr_mb.c", "example.c", "check.c"])
+
+
+@every_counter
+def test_a_microcontroller_counts_without_doubles(bits: int, tmp_path: Path) -> None:
+    needs(measured.COMPILER)
+    write_package("mb", tmp_path, with_bits(bits), float32=True)
+    command = [measured.COMPILER, *WARNINGS, "-Wdouble-promotion", "-O2", *measured.TARGET]
+    run([*command, "-c", "wmr_mb.c"], tmp_path)
+
+    assert "__aeabi_" not in run(["arm-none-eabi-nm", "wmr_mb.o"], tmp_path)
 
 
 @needs_cc
