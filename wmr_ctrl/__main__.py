@@ -1,5 +1,6 @@
 """The program, as the script ``wmr-ctrl`` or as ``python -m wmr_ctrl``."""
 
+import os
 import signal
 import sys
 
@@ -9,6 +10,9 @@ def main() -> None:
 
     Whoever ignores Ctrl-C, as a shell's background does, goes on ignoring it.
     """
+    # Threads of OpenBLAS wait busily for each other: twenty times the work for matrices as small as
+    # these on a busy machine.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if heard:
         signal.signal(signal.SIGINT, signal.SIG_DFL)

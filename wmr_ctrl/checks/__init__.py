@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 from wmr_ctrl.checks.barrier import pushed_through, unmodelled, wrong_model
+from wmr_ctrl.checks.budget import OF_RUN, budget
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import network
 from wmr_ctrl.checks.preconditions import (
@@ -59,8 +60,12 @@ OF_VELOCITY_BASES = (units, start, sample_time, preconditions, coarse_step, velo
 
 
 @lru_cache(maxsize=256)
-def warnings_for(setup: Setup) -> tuple[Warning, ...]:
-    """Warnings from theory for a law on a scenario; empty where it has no objection."""
+def warnings_for(setup: Setup, work: float = OF_RUN) -> tuple[Warning, ...]:
+    """Warnings from theory for a law on a scenario; empty where it has no objection.
+
+    What takes more than this ``work`` (`wmr_ctrl.checks.budget`) is a warning "not-checked".
+    """
     loop = loop_of(setup)
     checks = OF_VELOCITY_BASES if setup.takes_velocity else CHECKS
-    return tuple(warning for check in checks for warning in check(loop))
+    with budget(work):
+        return tuple(warning for check in checks for warning in check(loop))

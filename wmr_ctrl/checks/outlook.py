@@ -18,7 +18,7 @@ from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.results import OBJECTED, Floats, Run
+from wmr_ctrl.results import NOT_CHECKED, OBJECTED, Floats, Run
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.phases import needed_torque
@@ -29,6 +29,8 @@ TEXT = "scenario_toml"
 """Provenance key of a run's scenario."""
 IN_PART = ("assumption-void", "exact-pose")
 """Remarks that narrow what a run shows, and blame it for nothing."""
+OF_THEORY = (OBJECTED, NOT_CHECKED)
+"""Remarks that repeat what theory says without a run."""
 
 
 @dataclass(frozen=True)
@@ -117,16 +119,21 @@ class CheckVerdict(StrEnum):
 
     HOLDS = "holds"
     IN_PART = "holds-in-part"
+    NOT_CHECKED = "not-checked"
     OBJECTED = "objected"
 
 
 def verdict(warnings: Sequence[Warning], run: Run | None) -> CheckVerdict:
     """Of what theory says and one run shows; ``objected`` where either finds a fault.
 
+    ``not-checked`` where neither does, and theory was not asked to the end.
+
     The grip of tyres, which the plane model does not have, is reported and not part of it.
     """
     theory = [item for item in warnings if item.equation != GRIP]
-    keys = [item.key for item in run.remarks if item.key != OBJECTED] if run else []
+    keys = [item.key for item in run.remarks if item.key not in OF_THEORY] if run else []
     if any(item.objects for item in theory) or any(key not in IN_PART for key in keys):
         return CheckVerdict.OBJECTED
+    if any(item.key == NOT_CHECKED for item in theory):
+        return CheckVerdict.NOT_CHECKED
     return CheckVerdict.IN_PART if theory or keys else CheckVerdict.HOLDS

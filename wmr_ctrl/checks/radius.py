@@ -7,6 +7,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.checks.budget import spend
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_plant import Point
 from wmr_ctrl.checks.surroundings import DriveTimes
@@ -27,6 +28,8 @@ RTOL = 1e-7
 """Relative tolerance of an edge of stability; four digits of it are printed."""
 STRETCHES = 16
 """Into so many stretches of constant velocity the period of a reference is divided."""
+GRAPH = 12.0
+"""Work of making a loop's graph for another period, in evaluations."""
 
 
 def largest_radius(
@@ -41,7 +44,9 @@ def largest_radius(
     """
     if period > loop.longest * (1 + 10 * RTOL):
         return math.inf
-    loop, samples = loop.at_period(period), loop.around.samples_a_pose(period)
+    own, samples = loop, loop.around.samples_a_pose(period)
+    if (loop := own.at_period(period)) is not own:
+        spend(0, GRAPH)
     stretches = stretches_of(loop.scenario)
 
     def of(v_d: Floats, theta: float) -> Floats:
@@ -100,6 +105,7 @@ def only_forwards(loop: Loop) -> float:
 
 def radius(matrix: Floats) -> float:
     """Spectral radius; inf for a law that has no derivative there."""
+    spend(len(matrix))
     if not np.isfinite(matrix).all():
         return math.inf
     return float(np.abs(np.linalg.eigvals(matrix)).max()) if matrix.size else 0.0
@@ -115,6 +121,7 @@ def _of_product(matrices: Sequence[Floats], counts: NDArray[np.intp]) -> float:
     total, scale = np.eye(len(matrices[0])), 0.0
     for matrix, count in zip(matrices, counts, strict=True):
         size = max(radius(matrix), 1e-3)
+        spend(len(matrix))
         power = np.linalg.matrix_power(matrix / size, int(count))
         total = power @ total
         norm = float(np.linalg.norm(total)) or 1.0

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from wmr_ctrl.checks.budget import spend
 from wmr_ctrl.checks.sampled_plant import Point, steps_in
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats, World
 from wmr_ctrl.model.evaluate import evaluated
@@ -24,6 +25,8 @@ STEPS, STRIDE = 200, 0.2
 """Newton steps at most; the largest change of error or velocity in one [m, rad, m/s, rad/s]."""
 LEFT = 1e-12
 """Change from sample to sample that is none."""
+COST = 0.4
+"""Work of a Newton step, as a share of that for eigenvalues."""
 
 
 def rest(
@@ -70,6 +73,7 @@ def newton(change: ca.Function, start: Floats, given: tuple[ArrayLike, ...] = ()
     """
     point = start.copy()
     for _ in range(STEPS):
+        spend(point.size, COST)
         value, slope = evaluated(change, point, *given)
         if not np.isfinite(value).all() or not np.isfinite(slope).all():
             return None

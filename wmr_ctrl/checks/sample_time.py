@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.checks.budget import OverBudgetError
 from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import MARGIN, RATIO, largest_radius, only_forwards
 from wmr_ctrl.checks.sending import loop_of
@@ -25,6 +26,7 @@ from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, gains_that_fit, join
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.model.dynamics import plant, rk4_step
+from wmr_ctrl.results import NOT_CHECKED
 from wmr_ctrl.scenario import override
 from wmr_ctrl.world.effect import EffectRole
 
@@ -41,7 +43,16 @@ MOST_STEPS = 500
 
 def sample_time(loop: Loop) -> Iterator[Warning]:
     """Yield the limits that the control period exceeds, each with its number."""
-    yield from _linear(loop)
+    try:
+        yield from _linear(loop)
+    except OverBudgetError:
+        yield Warning(
+            NOT_CHECKED,
+            f"The stability of {loop.law} around the reference was not checked to the end: it "
+            f"takes more work than is allowed here. {checked_by(loop.law)}.",
+            f"{loop.equations}, linearised",
+            objects=False,
+        )
     if loop.setup.takes_velocity:
         return
     if loop.has_barrier and not loop.guarded:
@@ -71,6 +82,25 @@ def _linear(loop: Loop) -> Iterator[Warning]:
     if _stable(loop):
         yield from _mass(loop)
         return
+    try:
+        yield _unstable(loop)
+    except OverBudgetError:
+        yield Warning(
+            PERIOD,
+            f"{loop.law} is unstable around the reference with these gains at clock.control = "
+            f"{loop.scenario.clock.control:g} s: shorten it, or lower the gains. The longest "
+            f"stable period takes more work than is allowed here. {checked_by(loop.law)}.",
+            f"{loop.equations}, linearised and sampled",
+        )
+
+
+def checked_by(law: str) -> str:
+    """The command that checks a law whatever the work, as a sentence without its full stop."""
+    return f"`wmr-ctrl check --law {law}` has no such limit, and may take minutes"
+
+
+def _unstable(loop: Loop) -> Warning:
+    """Warning on a loop that is unstable at its control period, with the periods that are not."""
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
     words = delays_by_name(loop.setup)
     late = "".join(f"a {word} of {value:g} s and " for word, value in words.items())
@@ -84,24 +114,22 @@ def _linear(loop: Loop) -> Iterator[Warning]:
         )
         if _blames_gain(loop):
             linear, angular = loop.scenario.base.gain
-            yield Warning(
+            return Warning(
                 "base.gain",
                 f"{beginning}: what is sent counts on base.gain = [1, 1], with which it is stable, "
                 f"and the base's is [{linear:g}, {angular:g}]. Have its driver divide commands by "
                 "that, and do not lower the law's gains.",
                 f"{loop.equations}, linearised",
             )
-            return
-        yield Warning(
+        return Warning(
             PERIOD,
             f"{beginning}: lower {lower}{gains_that_fit(loop, _stable)}.",
             f"{loop.equations}, linearised",
         )
-        return
     choice = f"{low:.3g} to {limit:.3g} s" if low else f"{SAFE * limit:.2g} s or less"
     delay = loop.around.drives.delay
     total = f" (period and delay together {limit + delay:.4g} s)" if delay else ""
-    yield Warning(
+    return Warning(
         PERIOD,
         f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
         f"{loop.law} is stable around the reference with {late}these gains{total}: "

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from functools import cache
 
 import numpy as np
 
+from wmr_ctrl.checks.budget import counted
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.radius import (
     MARGIN,
@@ -105,7 +106,7 @@ def distance_at_rest(loop: Loop) -> float | None:
     return max(float(np.hypot(*at.e[:2])) for at in points if at) if all(inside) else None
 
 
-@lru_cache(maxsize=64)
+@counted
 def _rests(loop: Loop) -> list[Point | None]:
     period, stretches = loop.scenario.clock.control, stretches_of(loop.scenario)
     speeds = operating_points(loop.scenario) if stretches is None else stretches[0]
@@ -133,7 +134,7 @@ def largest_period(loop: Loop) -> float:
     return stable_periods(loop)[1]
 
 
-@lru_cache(maxsize=64)
+@counted
 def stable_periods(loop: Loop) -> tuple[float, float]:
     """Ends [s] of the stretch of stable periods that holds the scenario's, or of the next below.
 
@@ -192,7 +193,7 @@ def stable_delays(loop: Loop) -> tuple[float, float] | None:
     return None
 
 
-@lru_cache(maxsize=64)
+@counted
 def stable_masses(loop: Loop, most: float = MASSES) -> tuple[float, float] | None:
     """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
 

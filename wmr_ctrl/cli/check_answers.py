@@ -8,7 +8,9 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from wmr_ctrl import api, checks
-from wmr_ctrl.checks.outlook import IN_PART, CheckVerdict, verdict
+from wmr_ctrl.checks.budget import OverBudgetError, budget
+from wmr_ctrl.checks.outlook import IN_PART, OF_THEORY, CheckVerdict, verdict
+from wmr_ctrl.checks.sample_time import checked_by
 from wmr_ctrl.checks.surroundings import lost_samples, rounded_effects
 from wmr_ctrl.checks.torques import GRIP
 from wmr_ctrl.cli import check_sentences
@@ -17,7 +19,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor import Corridor, find_corridor
 from wmr_ctrl.errors import ArgumentError, CompilerError
 from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.results import OBJECTED, Run, driving, summary
+from wmr_ctrl.results import Run, driving, summary
 from wmr_ctrl.results.measures import guard_share, tracking
 from wmr_ctrl.results.remarks import Remark
 from wmr_ctrl.scenario import Scenario, override
@@ -42,13 +44,16 @@ class Note(NamedTuple):
 
 @dataclass(frozen=True)
 class Answers:
-    """Everything that theory and one run say of a scenario, by law; a ``setup`` of any of them."""
+    """Everything that theory and one run say of a scenario, by law; a ``setup`` of any of them.
+
+    ``stable`` is None for a law whose ranges take too much work.
+    """
 
     scenario: Scenario
     setup: Setup
     taken: Sequence[InheritedValue]
     warned: Mapping[str, Sequence[checks.Warning]]
-    stable: Mapping[str, checks.Stability]
+    stable: Mapping[str, checks.Stability | None]
     tubes: Mapping[str, Corridor]
     runs: Mapping[str, Run]
 
@@ -58,9 +63,16 @@ class Answers:
 
 
 def find_answers(
-    case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue], only: str | None
+    case: Scenario,
+    laws: Sequence[str],
+    taken: Sequence[InheritedValue],
+    only: str | None,
+    work: float = inf,
 ) -> Answers:
-    """Answers for these laws; ``only``: as far as findings on this subject need them."""
+    """Answers for these laws; ``only``: as far as findings on this subject need them.
+
+    ``work``: the most for warnings, and for stable ranges, of a law (`wmr_ctrl.checks.budget`).
+    """
     warned, stable, tubes, bare = {}, {}, {}, only == "corridor"
     with Progress("what theory says") as progress:
         setups = {law: settle(case, law) for law in laws}
@@ -68,11 +80,19 @@ def find_answers(
             progress(count / len(laws))
             tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
             tyres = (replace(item, objects=False) for item in checks.grip_warnings(setup))
-            warned[law] = () if bare else (*checks.warnings_for(setup), *tyres)
+            warned[law] = () if bare else (*checks.warnings_for(setup, work), *tyres)
             if not bare:
-                stable[law] = checks.stability(case, law)
+                stable[law] = _stability(case, law, work)
         runs = {} if only in UNRUN else _runs(case, laws, progress)
     return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
+
+
+def _stability(scenario: Scenario, law: str, work: float) -> checks.Stability | None:
+    try:
+        with budget(work):
+            return checks.stability(scenario, law)
+    except OverBudgetError:
+        return None
 
 
 def _runs(scenario: Scenario, laws: Sequence[str], progress: Progress) -> dict[str, Run]:
@@ -121,15 +141,15 @@ def document(answers: Answers) -> dict[str, object]:
         "nominal_duration": {law: run.settings.duration for law, run in runs.items()},
         "nominal": {law: {key: row[key] for key in shown} for law, row in figures.items()},
         "verdict": {law: answers.verdict(law) for law in answers.warned},
-        "min_period": {law: limits.shortest for law, limits in stable.items()},
-        "max_period": {law: limits.period for law, limits in stable.items()},
-        "max_delay": {law: limits.delay for law, limits in stable.items()},
-        "mass_range": {law: limits.masses for law, limits in stable.items()},
+        "min_period": {law: limits and limits.shortest for law, limits in stable.items()},
+        "max_period": {law: limits and limits.period for law, limits in stable.items()},
+        "max_delay": {law: limits and limits.delay for law, limits in stable.items()},
+        "mass_range": {law: limits and limits.masses for law, limits in stable.items()},
         "idle": check_sentences.idle_keys(case),
         "arrival": case.reference.arrival,
         "laws": {
             law: {
-                "largest_stable_period": stable[law].period if law in stable else None,
+                "largest_stable_period": (limits := stable.get(law)) and limits.period,
                 "warnings": [asdict(warning) for warning in warnings],
             }
             for law, warnings in answers.warned.items()
@@ -199,7 +219,7 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
     away, most = drive.get("position_rms"), answers.tubes[law].position
     yield answers.verdict(law).removeprefix("holds-").replace("-", " ")
     if limits is None:
-        yield NONE
+        yield "not checked" if law in answers.stable else NONE
     elif limits.period == 0:
         yield "none"
     else:
@@ -226,7 +246,7 @@ def _reasons(answers: Answers, law: str) -> Iterator[str]:
 def _seen(answers: Answers, law: str) -> list[Remark]:
     """Remarks on the run of a law, but for those that repeat the warnings."""
     run = answers.runs.get(law)
-    return [item for item in run.remarks if item.key != OBJECTED] if run else []
+    return [item for item in run.remarks if item.key not in OF_THEORY] if run else []
 
 
 def findings(answers: Answers) -> Iterator[Note]:
@@ -241,11 +261,12 @@ def findings(answers: Answers) -> Iterator[Note]:
     warnings = [Note(law, item.key, f"{head}{item}") for law, item, head in heads]
     yield from (item for item in warnings if item.law is None)
     for law, tube in answers.tubes.items():
-        if law in answers.stable:
-            limits = answers.stable[law]
+        if limits := answers.stable.get(law):
             stable = check_sentences.stable(limits, answers.scenario.clock.control)
             left_out = ", and ".join(filter(None, (*limits.remarks, *ignored)))
             yield Note(law, "stability", f"{stable} ({left_out})" if left_out else stable)
+        elif law in answers.stable:
+            yield Note(law, "stability", f"stable ranges were not checked: {checked_by(law)}")
         yield from (item for item in warnings if item.law == law)
         yield from (Note(law, item.key, f"{item.key}: {item.text}") for item in _seen(answers, law))
         if law in answers.runs:

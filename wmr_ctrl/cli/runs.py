@@ -126,12 +126,14 @@ def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str)
     from wmr_ctrl.checks import grip_warnings, warnings_for
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.engines import check_plant
+    from wmr_ctrl.results import NOT_CHECKED
 
     if engine not in api.ENGINES:
         raise UnknownNameError("engine", engine, api.ENGINES)
     check_plant(plant)
     setup = settle(scenario, law)
     theory = (*warnings_for(setup), *(grip_warnings(setup) if plant == "mujoco" else ()))
+    theory = tuple(item for item in theory if item.key != NOT_CHECKED)  # the run's remarks say it
     for label, verb, objects in (("warning", "objects to", True), ("note", "has notes on", False)):
         keys = dict.fromkeys(item.key for item in theory if item.objects is objects)
         if keys:

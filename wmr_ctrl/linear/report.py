@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from itertools import count
+from math import inf
 from pathlib import Path
 from typing import TypeAlias, TypeVar, cast
 
@@ -240,7 +241,7 @@ def report_linear(
         margins=sampled if behind else [margins_at(scenario, law, axis, point) for axis in AXES],
         sampled_margins=sampled,
         model_errors=step(model_errors(scenario, law, time)),
-        warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
+        warnings=tuple(str(item) for item in warnings_for(settle(scenario, law), inf)),
     )
 
 

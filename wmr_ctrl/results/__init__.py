@@ -26,6 +26,7 @@ from wmr_ctrl.results.outcomes import Monitor as Monitor
 from wmr_ctrl.results.outcomes import Outcome as Outcome
 from wmr_ctrl.results.outcomes import RigidMonitor as RigidMonitor
 from wmr_ctrl.results.outcomes import outcome_of as outcome_of
+from wmr_ctrl.results.remarks import NOT_CHECKED as NOT_CHECKED
 from wmr_ctrl.results.remarks import OBJECTED as OBJECTED
 from wmr_ctrl.results.remarks import percent as percent
 from wmr_ctrl.results.remarks import speeds as speeds

@@ -39,6 +39,8 @@ SWAY = 0.2
 """RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
 OBJECTED = "objected"
 """Key of what `wmr-ctrl check` objects to."""
+NOT_CHECKED = "not-checked"
+"""Key of what theory was not asked, since it takes more work than a verdict may."""
 SHORT = {
     "not-tracked": "it did not track",
     "goal-not-reached": "it did not reach its goal",
@@ -51,6 +53,7 @@ SHORT = {
     "corridor-left": "it left its certified corridor",
     "exact-pose": "its pose was exact",
     OBJECTED: "theory objects",
+    NOT_CHECKED: "its stability was not checked",
     "assumption-void": "an assumption of the guarantee is void",
 }
 """Remarks in a few words, by key; the other keys are what the outcome says."""
@@ -269,6 +272,12 @@ def _objected(run: Run) -> Iterator[str]:
         yield f"`wmr-ctrl check` objects, even if this run went well: {item}"
 
 
+def _not_checked(run: Run) -> Iterator[str]:
+    for item in run.outlook.warnings if run.outlook is not None else ():
+        if item.key == NOT_CHECKED:
+            yield item.sentence
+
+
 def _held_back(run: Run) -> Iterator[str]:
     shares = measures.guard_share(run, drive(run.settings))
     if shares is not None and max(shares) >= HELD_BACK:
@@ -299,5 +308,6 @@ _PARTS: Mapping[str, Callable[[Run], Iterator[str]]] = {
     "exact-pose": _exact_pose,
     "assumption-void": _void,
     OBJECTED: _objected,
+    NOT_CHECKED: _not_checked,
 }
 """Texts of the remarks by key, but for those on the outcome."""
