@@ -153,7 +153,7 @@ class Certifier:
 
     def _check(self, tube: Tube, more: str = "") -> None:
         """NoCorridorError where a condition is broken."""
-        if tube.share > 1:
+        if not tube.share <= 1:
             place = [item.name for item in self.loop.conditions].index(tube.binding)
             reach = self.level[place] + tube.peaks.law[-self.loop.count :][place]
             text = f"{tube.binding} may reach {reach:.3g} of {self.most[place]:.3g}{more}"

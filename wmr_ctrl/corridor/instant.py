@@ -70,9 +70,9 @@ class Guess:
     left: Floats
 
     def holds(self, other: Guess) -> bool:
-        """True where no size of the other is larger."""
+        """True where no size of the other is larger, and all are finite."""
         pairs = zip(self.parts, other.parts, strict=True)
-        return all(bool((its <= mine).all()) for mine, its in pairs)
+        return all(bool(((its <= mine) & np.isfinite(mine)).all()) for mine, its in pairs)
 
     @property
     def parts(self) -> tuple[Floats, Floats, Floats]:

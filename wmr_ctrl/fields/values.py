@@ -114,7 +114,9 @@ class Quantity:
 
     def clean(self, value: object, path: str) -> Any:
         """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""
-        if self.kind == "optional" and (value is None or value == "none"):
+        if self.kind == "optional" and (
+            value is None or (isinstance(value, str) and value == "none")
+        ):
             return None
         if self.size:
             return self._vector(value, path)

@@ -60,10 +60,13 @@ class Span:
         return _of_corners(np.multiply, self, _span(other))
 
     def __truediv__(self, other: Span | float) -> Span:
-        """Enclosure of the quotient by what is positive; ValueError for other divisors."""
+        """Enclosure of the quotient by what is positive; ScenarioError for other divisors."""
         given = _span(other)
         if not np.all(given.lo > 0):
-            raise ValueError("a divisor is not certainly positive")
+            raise ScenarioError(
+                "[filter]: its numbers, and robot.l, differ so much in size that a bound would be "
+                "divided by 0. State numbers of a base that can be built."
+            )
         return _of_corners(np.divide, self, given)
 
     def __radd__(self, other: float) -> Span:

@@ -65,6 +65,10 @@ def _which(reached: float, limit: float, of: str) -> tuple[str, str, float, floa
     return f"{reached:.12g}", f"{of} less 1.5e-8 of it for rounding, {room:.12g}", 0.99, 1.01
 
 
+def _finite(speed: float) -> str:
+    return "any speed" if speed == math.inf else f"{speed:.3g}"
+
+
 def check_filter(scenario: Scenario) -> None:
     """Raise ScenarioError where no command is safe, or where there is nothing to filter."""
     settings, limits = scenario.filter, scenario.limits.v_u1
@@ -81,7 +85,7 @@ def check_filter(scenario: Scenario) -> None:
     high = [i for i in AXES if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]]
     faults = []
     if peaks and high:
-        driven = " and ".join(f"{NAMES[i]} to {peaks[i].gain:.3g}" for i in high)
+        driven = " and ".join(f"{NAMES[i]} to {_finite(peaks[i].gain)}" for i in high)
         most = f"{LARGEST_PEAK:g}{'' if pi else ' filter.gain[2]'}"
         advice = " and ".join(dict.fromkeys(_damped(scenario, i) for i in high))
         faults.append(

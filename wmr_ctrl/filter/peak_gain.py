@@ -20,6 +20,7 @@ a base of its own, its loop as it is held over plant steps counts beside the fam
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from math import inf
 
 import numpy as np
 
@@ -236,6 +237,8 @@ def second_order(damping: float, gain: float, d: float) -> PeakGain:
     ``d``: the speed at which the push alone would end.
     """
     _, _, left = _swing(_off_one(damping, -1))
+    if not (1 - left).lo > 0:  # no swing is certainly smaller than the one before
+        return PeakGain(inf, inf)
     most = (1 + left) / (1 - left)  # r = exp(-pi/sqrt(1/z^2 - 1)) falls with z
     return PeakGain(float((most * gain).hi), float((most * d).hi) if d else 0.0)
 

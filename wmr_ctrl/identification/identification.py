@@ -230,6 +230,16 @@ def _by_poses(
     return override(scenario, {"robot.r": r, "robot.l": half_track})
 
 
+def _check_finite(name: str, *fits: Fit) -> None:
+    """Raise LogError where the likelihood or the information of a fit is not finite."""
+    if not all(np.isfinite(fit.nll) and np.isfinite(fit.information()).all() for fit in fits):
+        raise LogError(
+            f"{name}: no model of the robot explains the log: what it says about the parameters is "
+            "not finite where they are likeliest. Check its time stamps, which may be off by some "
+            "milliseconds, its units, and the robot's known numbers."
+        )
+
+
 def _of_torques(
     name: str, log: Samples, scenario: Scenario, remarks: list[str], tell: Callable[[], None]
 ) -> Identification:
@@ -240,6 +250,7 @@ def _of_torques(
     fit, colour = coloured_if_likelier(white, tell)
     fit, remarks = distrusting_low_speeds(fit, remarks, tell)
     fit = surest(fit, tell)
+    _check_finite(name, white, fit)
     widths, estimates = intervals_of(fit), {}
     speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))
     values = {key: item[0] for key, item in widths.items()}

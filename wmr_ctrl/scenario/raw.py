@@ -8,6 +8,7 @@ failing that, a bare comma list is an array, and a bare word is text.
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from copy import deepcopy
 from itertools import pairwise
 from numbers import Real
@@ -141,7 +142,9 @@ def _copied(value: object) -> object:
         return copied(value)
     if type(value) is list:
         return [_copied(item) for item in value]
-    return value if type(value) in (str, int, float, bool) else deepcopy(value)
+    with suppress(TypeError):  # what has no copy is no value either
+        return value if type(value) in (str, int, float, bool) else deepcopy(value)
+    return value
 
 
 def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
@@ -277,7 +280,7 @@ def _with_kind(raw: Raw, values: dict[str, object]) -> Raw:
     reference = raw.get("reference")
     table = dict(reference) if isinstance(reference, Mapping) else {}
     kind = values.get("reference.kind")
-    if kind is not None and kind != table.get("kind", "circle"):
+    if isinstance(kind, str) and kind != table.get("kind", "circle"):
         table = {"kind": kind}
     if "reference.file" in values:
         table.pop("points", None)
