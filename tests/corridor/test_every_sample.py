@@ -23,6 +23,7 @@ from wmr_ctrl.corridor import (
 )
 from wmr_ctrl.corridor.along import Along
 from wmr_ctrl.corridor.inputs import bounded_inputs
+from wmr_ctrl.corridor.instant import Guess
 from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.scenario import load_scenario, override
 
@@ -213,3 +214,22 @@ def test_a_dead_band_that_pushes_bring_commands_into_is_counted():
 
     assert heard == partly
     assert missed > 1.9 * heard
+
+
+def test_infinite_guess_does_not_hold():
+    """As large as the guess may be, nothing follows from one without an end."""
+    endless, less = (Guess(*np.full((3, 1, 2), size)) for size in (np.inf, 1.0))
+    assert less.holds(less)
+    assert not endless.holds(less)
+
+
+def test_reason_of_refusal_has_a_number():
+    """Friction that the law believes in and the robot has not: deviations grow without end."""
+    given = {
+        "reference.kind": "stop-and-go", "robot.m": 37.0, "robot.I": 7.4, "robot.mu": 0.0,
+        "model.mu": 0.083, "disturbance.std": 0.0872, "clock.control": 0.02,
+        "clock.duration": 0.2, "changes": [],
+    }  # fmt: skip
+    refused = run_corridor(load_scenario("safe-simulation", given), "prox").refused
+    assert "may grow as large as what the loop corrects" in refused
+    assert "nan" not in refused

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.enclosure import (
     LIBM,
     Span,
@@ -82,3 +83,8 @@ def test_the_next_doubles_are_numpys():
         for found, end in ((below(some), -np.inf), (above(some), np.inf)):
             np.testing.assert_array_equal(found, np.nextafter(some, end))
             assert (np.signbit(found) == np.signbit(np.nextafter(some, end)))[~np.isnan(some)].all()
+
+
+def test_quotient_without_a_bound_is_refused_in_words():
+    with pytest.raises(ScenarioError, match=r"\[filter\]: its numbers"):
+        Span.of(1.0) / Span(np.array(0.0), np.array(1.0))

@@ -127,6 +127,10 @@ def test_second_order_loops_stay_inside_where_they_are_damped_as_stated():
         ({"push": (110.0, 0.0)}, "alone drives the base to 1.07"),
         ({"channels": "wheels"}, "different masses"),
         ({"loop": "second-order"}, "filter.damping is missing"),
+        (
+            {"loop": "second-order", "damping": (1e-160, 0.05), "push": (0.0, 0.0)},
+            "v to any speed .* State filter.damping",
+        ),
     ],
 )
 def test_what_cannot_be_met_is_refused(stated, words):

@@ -69,6 +69,7 @@ def test_assignments():
         ({"robot": "{m = 60}"}, lambda s: s.robot == Robot(m=60)),
         ({"limits.v_u2": "0.7,1.2"}, lambda s: s.limits.v_u2 == (0.7, 1.2)),
         ({"limits.v_u2": np.array([0.7, 1.2])}, lambda s: s.limits.v_u2 == (0.7, 1.2)),
+        ({"filter.tau": np.array([0.1, 0.2])}, lambda s: s.filter.tau == (0.1, 0.2)),
         ({"limits.v_u2[1]": "0.7"}, lambda s: s.limits.v_u2 == (0.7, 1.3)),
         ({"limits.v_u1": "2,2", "limits.v_u2": "1.5,1.5"}, lambda s: s.limits.v_u2 == (1.5, 1.5)),
         ({"model.mu": "0.12"}, lambda s: s.believed == Robot(mu=0.12)),
@@ -113,6 +114,13 @@ def test_override_leaves_the_scenario_alone():
 
     assert before == load_scenario("paper-simulation")
     assert override(before, {}) == before
+
+
+@pytest.mark.parametrize("value", [np.array([1.0, 2.0, 3.0]), iter(()), [np.array([1.0])]])
+@pytest.mark.parametrize("key", ["robot.m", "model.m", "filter.tau", "reference.kind", "changes"])
+def test_odd_value_is_refused_in_words(key, value):
+    with pytest.raises(ScenarioError, match=key):
+        load_scenario("turtlebot3-burger", {key: value})
 
 
 @pytest.mark.parametrize(
