@@ -13,12 +13,11 @@ import pytest
 
 from wmr_ctrl import checks
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.checks.outlook import IN_PART
+from wmr_ctrl.checks.outlook import IN_PART, OF_THEORY
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.results import OBJECTED
 from wmr_ctrl.results.remarks import SHORT
 from wmr_ctrl.scenario import load_scenario, preset_names
 
@@ -137,7 +136,7 @@ def test_every_objection_and_remark_has_a_remedy():
     literal = (
         re.findall(r"[ (]Warning\(\s*\"([a-z._A-Z]+)\"", file.read_text()) for file in objections
     )
-    keys = {*chain(*literal), *(set(SHORT) - {*IN_PART})} - {OBJECTED, "corridor-left"}
+    keys = {*chain(*literal), *(set(SHORT) - {*IN_PART})} - {*OF_THEORY, "corridor-left"}
 
     assert len(keys) > 15
     assert keys <= set(REMEDIES)

@@ -58,7 +58,7 @@ def test_every_law_is_compared_with_the_seed_that_was_given(asked) -> None:
 
 
 def test_before_a_run_objections_are_warnings_and_notes_are_notes(asked, monkeypatch, capsys):
-    monkeypatch.setattr(checks, "warnings_for", lambda _: (ONE, NOTED))
+    monkeypatch.setattr(checks, "warnings_for", lambda *_: (ONE, NOTED))
     runs._simulated(Scenario(), "prox", 0, "numpy", "ode")
     said = capsys.readouterr().err
 
@@ -169,7 +169,7 @@ def test_stable_periods_are_in_milliseconds(shortest: float, period: float, cell
 
 
 def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "warnings_for", lambda _: (ONE,))
+    monkeypatch.setattr(checks, "warnings_for", lambda *_: (ONE,))
     monkeypatch.setattr(checks, "grip_warnings", lambda _: (OTHER,))
     monkeypatch.setattr(checks, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
     monkeypatch.setattr(check, "_runs", lambda *_: {})
