@@ -97,5 +97,5 @@ def test_fit_that_is_not_finite_is_refused_in_words(nll, information):
         for first, second in ((1.0, 1.0), (nll, information))
     )
     _check_finite("a log", good)
-    with pytest.raises(LogError, match="a log: no model of the robot explains .* time stamps"):
+    with pytest.raises(LogError, match=r"a log: no model of the robot explains .* time stamps"):
         _check_finite("a log", good, bad)

@@ -19,7 +19,8 @@ OF_LAW = 20000.0
 """Work for each law where `wmr-ctrl check` compares all of them."""
 LARGE = 100
 """States of a loop whose matrices take as long as everything else in an evaluation."""
-P, T = ParamSpec("P"), TypeVar("T")
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 class OverBudgetError(WmrError):
@@ -68,7 +69,7 @@ def counted(function: Callable[P, T]) -> Callable[P, T]:
     @wraps(function)
     def ask(*args: P.args, **kwargs: P.kwargs) -> T:
         before = _account.spent
-        value, work = answered(*args, **kwargs)
+        value, work = answered(*args, **kwargs)  # type: ignore[arg-type]  # can be hashed
         _account.spent = before
         spend(0, work)
         return value
