@@ -151,17 +151,62 @@ def test_clocks_half_a_second_apart_are_one(tmp_path, apart, two):
     assert delay == pytest.approx(apart if two else 0.0, abs=1e-6)
 
 
-def test_two_clocks_leave_the_recorders_where_a_topic_has_no_stamps(tmp_path):
-    """Stamps of a simulator's clock, commands without stamps: one clock for both."""
-    t = np.arange(1, 7, 0.1)
-    messages = odom_at(t, late=EPOCH)
-    messages += [("/cmd_vel", TWIST, EPOCH + s + 0.05, twist(0.5, 0.0)) for s in t]
+@pytest.mark.parametrize("rate", [0.59, 0.995, 1.0, 3.0])
+@pytest.mark.parametrize("pause", [0.0, 8.0])
+def test_receipts_of_commands_are_put_on_the_stamps_of_another_clock(tmp_path, rate, pause):
+    """A simulation at `rate` of real time that may stand still, messages up to 30 ms late."""
+    rng, t = np.random.default_rng(0), np.arange(1, 21, 0.05)
+    late = 0.002 + np.minimum(rng.exponential(0.004, (2, len(t))), 0.03)
+    odom, sent = EPOCH + t / rate + pause * (t > 9.98) + late
+    messages = [("/odom", ODOMETRY, r, odometry(s)) for r, s in zip(odom, t, strict=True)]
+    messages += [("/cmd_vel", TWIST, r, twist(0.5, 0.0)) for r in sent]
 
     told = read_topics(bag(tmp_path, messages))
 
-    assert told.times["v1_measured"][0] == 0
-    assert told.times["v_command"] == pytest.approx(t - t[0] + 0.05, abs=1e-6)
-    assert any("two clocks" in text for text in told.remarks)
+    off = told.times["v_command"] - told.times["v_command"][0] - (t - t[0])
+    assert np.abs(off).max() < 0.035 * max(rate, 1.0)
+    assert told.times["v_command"][0] < 0.035 * max(rate, 1.0)
+    assert told.times["v1_measured"][-1] == pytest.approx(t[-1] - t[0], abs=0.03 * rate)
+    said = " ".join(told.remarks)
+    assert "two clocks" in said
+    assert ("runs at" in said) is (rate != 1.0)
+    assert ("stands still for 8 s" in said) is bool(pause)
+
+
+def test_clocks_whose_rates_differ_are_told_though_they_begin_together(tmp_path):
+    t = EPOCH + np.arange(0, 20, 0.05)
+    drift = 1.01 * (t - EPOCH)
+    messages = [("/odom", ODOMETRY, EPOCH + r, odometry(s)) for r, s in zip(drift, t, strict=True)]
+    messages += [("/cmd_vel", TWIST, EPOCH + r, twist(0.5, 0.0)) for r in drift]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert told.times["v_command"] == pytest.approx(told.times["v1_measured"], abs=1e-6)
+
+
+def test_stamps_of_two_clocks_are_put_on_one(tmp_path):
+    """Commands stamped by another machine, whose clock is days off."""
+    t = np.arange(1, 7, 0.1)
+    messages = odom_at(EPOCH + t, late=0.002)
+    kind = TYPES[STAMPED]
+    messages += [
+        ("/cmd_vel", STAMPED, EPOCH + s + 0.002, kind(header=header(s), twist=twist(0.5, 0.0)))
+        for s in t
+    ]
+
+    told = read_topics(bag(tmp_path, messages, StoragePlugin.SQLITE3))
+
+    assert told.times["v_command"] == pytest.approx(told.times["v1_measured"], abs=0.01)
+
+
+def test_a_simulation_whose_rate_changes_is_refused_with_both_rates(tmp_path):
+    t = np.arange(1, 21, 0.05)
+    received = EPOCH + np.where(t < 10, 2 * t, 10 + t)
+    messages = [("/odom", ODOMETRY, r, odometry(s)) for r, s in zip(received, t, strict=True)]
+    messages += [("/cmd_vel", TWIST, r, twist(0.5, 0.0)) for r in received]
+
+    with pytest.raises(ResultFileError, match=r"run at 0.5 to 1 seconds in a second"):
+        read_topics(bag(tmp_path, messages))
 
 
 def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.orientation import theta_of
 from wmr_ctrl.results import bag, drive
+from wmr_ctrl.results.bag_clocks import Topic, clocks_of
 from wmr_ctrl.results.formats import load_run
 from wmr_ctrl.results.run import Floats, Run
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from wmr_ctrl.results.bag import Messages
 
-Integers: TypeAlias = NDArray[np.int64]
 Source: TypeAlias = Run | drive.RecordedDrive
 ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "odom": ("/odom", (bag.ODOMETRY,)),
@@ -32,26 +31,10 @@ ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {
 }
 """Roles of topics in a drive: the usual name, and the types that are read."""
 SIDES = ("right", "left")
-APART = 0.5
-"""Clocks of stamps and of the recorder that differ by more [s] are two clocks."""
-LATE = 1.0
-"""Messages at most so late [s] are put back in order; more is a clock that was set."""
 UNIT = 1e-2
 """Largest distance from 1 of the norm of a quaternion."""
 MAP = "map"
 """Frame of poses that jump (REP 105), and so are none of the robot's motion."""
-
-
-class Topic(NamedTuple):
-    """Messages of a topic: stamps (N,) (0 where there are none) and times of receipt (N,) [ns],
-    numbers (N, width) in the order of its role's reader, and the frame of the last one.
-    """
-
-    name: str
-    stamps: Integers
-    receipt: Integers
-    values: Floats
-    frame: str
 
 
 @checks_arguments
@@ -85,8 +68,8 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
 
     ``topics`` names topics by role ("odom", "cmd", "joints", "effort") and the wheels' joints
     ("right", "left").  Without it the usual names are looked for, in any namespace.  Stamps are
-    those of headers; where a topic has none and the recorder's clock is another, all times are the
-    recorder's.  Raises ResultFileError, ArgumentError, MissingExtraError.
+    those of headers.  Times of receipt of a topic without stamps are put on the stamps' clock where
+    the recorder's is another.  Raises ResultFileError, ArgumentError, MissingExtraError.
     """
     asked = dict(topics or {})
     if unknown := sorted(set(asked) - set(ROLES) - set(SIDES)):
@@ -105,13 +88,7 @@ def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> dr
     if not parts:
         raise ResultFileError(f"{str(path)!r}: its topics for {', '.join(chosen)} are empty.")
     remarks: list[str] = []
-    stamped = [role for role, part in parts.items() if np.sum(part.stamps == 0) <= 1]
-    lags = (parts[role].receipt - parts[role].stamps for role in stamped)
-    lateness = [np.median(lag) / bag.SECOND for lag in lags]
-    if len(stamped) < len(parts) and max(map(abs, lateness), default=0.0) > APART:
-        remarks.append("stamps and the recorder are on two clocks; all times are the recorder's.")
-        stamped = []
-    clocks = {role: _clock(part, role in stamped, remarks) for role, part in parts.items()}
+    clocks = clocks_of(parts, remarks)
     first = min(clock.min() for clock in clocks.values())
     times, columns = {}, {}
     for role, part in parts.items():
@@ -220,36 +197,6 @@ def _joint(side: str, asked: str, names: Sequence[str]) -> int:
             "Name it: --topics right=NAME,left=NAME."
         )
     return names.index(fit[0])
-
-
-def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
-    """Times (N,) [ns] of a topic's messages, and remarks on them."""
-    late = (topic.receipt - topic.stamps) / bag.SECOND
-    clock = topic.stamps if stamped else topic.receipt
-    about = (
-        f"recorded {1e3 * np.median(late):.3g} ms after its stamps, {1e3 * late.max():.3g} ms at "
-        "most; times are the stamps"
-        if stamped
-        else "times are those of the recorder, so an identified delay lacks a message's way to it"
-    )
-    step = np.diff(np.sort(clock)) / bag.SECOND
-    remarks.append(
-        f"{topic.name}: {len(clock)} messages in {step.sum():.4g} s, {about}; the longest gap is "
-        f"{step.max(initial=0.0):.3g} s."
-    )
-    behind = (np.maximum.accumulate(clock) - clock) / bag.SECOND
-    if behind.max() > LATE:
-        at = int(np.argmax(behind))
-        raise ResultFileError(
-            f"{topic.name}: time goes back by {behind[at]:.4g} s at message {at + 1}: a clock was "
-            "set, or two drives are in one bag. Cut the bag there, as by `ros2 bag convert`."
-        )
-    if behind.max() > 0:
-        remarks.append(
-            f"{topic.name}: {np.sum(np.diff(clock) < 0)} messages came out of order, by "
-            f"{1e3 * behind.max():.3g} ms at most; sorted by time."
-        )
-    return clock
 
 
 def _odometry(topic: Topic, remarks: list[str]) -> dict[str, Floats]:
