@@ -51,6 +51,7 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
         name=name,
         title=values.get("title", ""),
         frames=frames,
+        assumed=values.get("assumed", ()),
         gains=values.get("gains", {}),
         reference=_reference(raw.get("reference", {})),
         changes=_changes(raw.get("changes", [])),
@@ -84,6 +85,8 @@ def scenario_dict(scenario: Scenario) -> Raw:
     from a file with ``frames = "rep103"`` are off by rounding then.
     """
     raw: Raw = {"title": scenario.title}
+    if scenario.assumed:
+        raw["assumed"] = list(scenario.assumed)
     raw |= {key: _section_dict(getattr(scenario, key)) for key in SECTIONS}
     raw |= {key: _section_dict(part) for key, part in scenario.effects.items()}
     raw["gains"] = {
@@ -151,14 +154,34 @@ def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
     """Return ``base`` with ``over`` put on top: tables key by key, everything else as a whole.
 
     Another ``reference.kind`` replaces the whole reference.  A shorter ``clock.duration`` drops
-    the base's changes that the run no longer reaches.
+    the base's changes that the run no longer reaches.  What ``over`` states is no longer assumed.
     """
     result = _over(base, over)
+    _no_longer_assumed(result, base.get("assumed"), stated_in(over), over.get("assumed"))
     if "reference" in over and _kind(over, _kind(base)) != _kind(base):
         result["reference"] = _copied(over["reference"])
     if "changes" not in over and "duration" in _table(over, "clock"):
         drop_unreached(result)
     return result
+
+
+def stated_in(raw: Mapping[str, object]) -> set[str]:
+    """Keys that a raw scenario states, those of gains with their law."""
+    tables = {table: part for table, part in raw.items() if isinstance(part, Mapping)}
+    gains = _table(raw, "gains").items()
+    tables |= {f"gains.{law}": part for law, part in gains if isinstance(part, Mapping)}
+    return {f"{table}.{name}" for table, part in tables.items() for name in part}
+
+
+def _no_longer_assumed(
+    raw: Raw, before: object, stated: Iterable[str], more: object = None
+) -> None:
+    """Take what is ``stated``, a key or a whole table, from the keys that are assumed."""
+    keys = as_list(before)
+    if keys is not None:
+        ours = tuple(stated)
+        left = [k for k in keys if not any(f"{k}.".startswith(f"{own}.") for own in ours)]
+        raw["assumed"] = [*left, *(as_list(more) or ())]
 
 
 def with_defaults(raw: Mapping[str, object], tables: Iterable[Step]) -> Raw:
@@ -271,6 +294,7 @@ def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
     result = with_defaults(result, {steps[0] for steps in places.values()})
     for key, value in values.items():
         _assign(result, places[key], value, key)
+    _no_longer_assumed(result, raw.get("assumed"), {key.partition("[")[0] for key in values})
     if "clock.duration" in values and not any(key.startswith("changes") for key in values):
         drop_unreached(result)
     return result

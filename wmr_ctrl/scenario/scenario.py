@@ -90,12 +90,14 @@ class Scenario:
     tuples of floats.  A law's other gains are the law's own defaults.  ``effects`` holds the
     sections of effects that have a table of their own, by its key; see `section`.  ``frames`` says
     how files, tables and runs state orientations: "paper" (0 along +Y) or "rep103" (0 along +X).
-    The fields here are the paper's in either.
+    The fields here are the paper's in either.  ``assumed`` names keys, such as "limits.v_u1", whose
+    values nobody stated.
     """
 
     name: str = "unnamed"
     title: str = ""
     frames: str = PAPER
+    assumed: tuple[str, ...] = ()
     robot: Robot = field(default_factory=Robot)
     body: Body = field(default_factory=Body)
     model: Model = field(default_factory=Model)
@@ -118,6 +120,7 @@ class Scenario:
     def __post_init__(self) -> None:
         """Freeze what is inside and check the relations between the sections."""
         _check_types(self)
+        object.__setattr__(self, "assumed", _assumed(self.assumed))
         object.__setattr__(self, "gains", clean_gains(self.gains))
         object.__setattr__(self, "changes", tuple(self.changes))
         object.__setattr__(self, "effects", Frozen(self.effects))
@@ -216,7 +219,7 @@ class Scenario:
         return numbers[name]
 
 
-OTHER_KEYS = ("title", "frames", "gains", "reference", "changes")
+OTHER_KEYS = ("title", "frames", "assumed", "gains", "reference", "changes")
 SECTIONS: dict[str, type[Section]] = {
     item.name: cast("type[Section]", kind)
     for item in dataclasses.fields(Scenario)
@@ -244,6 +247,18 @@ def _check_types(scenario: Scenario) -> None:
     for key, cls in SECTIONS.items():
         if type(part := getattr(scenario, key)) is not cls:
             raise ScenarioError(f"{key} = {show(part)} must be a {cls.__name__}.")
+
+
+def _assumed(raw: object) -> tuple[str, ...]:
+    """Keys that are assumed, each once; raises ScenarioError for what is no key."""
+    keys = as_list(raw)
+    if keys is None:
+        raise ScenarioError(f"assumed = {show(raw)} must be an array of keys, as in [\"robot.m\"].")
+    known = {f"{table}.{name}" for table, cls in sections().items() for name, _ in quantities(cls)}
+    for key in keys:
+        if key not in known:
+            raise ScenarioError(f"assumed: {show(key)} is no key such as robot.m.")
+    return tuple(dict.fromkeys(map(str, keys)))
 
 
 def _relate(scenario: Scenario) -> None:

@@ -5,7 +5,7 @@ What is written is complete, each field with its unit and meaning as a comment.
 
 import os
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -31,6 +31,8 @@ from wmr_ctrl.scenario.raw import (
     in_frames,
     merge,
     scenario_dict,
+    stated_in,
+    with_defaults,
 )
 from wmr_ctrl.scenario.scenario import Scenario, sections
 from wmr_ctrl.scenario.sections import Change, Model
@@ -187,22 +189,31 @@ def inherited(
 ) -> tuple[InheritedValue, ...]:
     """Fields that describe the robot and that neither the file ``source`` nor overrides state.
 
-    Files that it extends count as stating, presets do not.  Empty for a preset: it is whole.
+    Files that it extends count as stating, except what they call assumed; presets do not.  Empty
+    for a preset: it is whole.
     """
     if not is_path(source):
         return ()
     stated = stated_keys(source, overridden)
     values = []
-    for key in OF_A_ROBOT:
+    for key in dict.fromkeys((*OF_A_ROBOT, *scenario.assumed)):
         table, _, name = key.partition(".")
-        if key not in stated:
+        if key not in stated or key in scenario.assumed:
             what = dict(quantities(sections()[table]))[name]
             value = field_outward(
                 getattr(scenario.table(table), name), what.orientation, scenario.frames
             )
             doc = described(what.doc, scenario.frames)
             values.append(InheritedValue(key, value, what.unit, doc))
+    if not any(key.startswith("reference.") for key in stated):
+        kind = scenario.reference_kind.name
+        values.append(InheritedValue("reference.kind", kind, "", "kind of the desired motion"))
     return tuple(values)
+
+
+def named_keys(source: str) -> set[str]:
+    """Fields that a preset or a file states, or anything that it extends."""
+    return stated_in(_resolved(source, Path(), ()))
 
 
 def stated_keys(source: str, overridden: Iterable[str] = ()) -> set[str]:
@@ -214,10 +225,7 @@ def stated_keys(source: str, overridden: Iterable[str] = ()) -> set[str]:
 def _stated(file: Path) -> set[str]:
     """Keys of a file and of the files that it extends; it has been loaded before."""
     raw = _parse(read_text(file, "scenario"), file)
-    tables = {table: part for table, part in raw.items() if isinstance(part, Mapping)}
-    gains = tables.get("gains", {}).items()
-    tables |= {f"gains.{law}": part for law, part in gains if isinstance(part, Mapping)}
-    keys = {f"{table}.{name}" for table, part in tables.items() for name in part}
+    keys = stated_in(raw)
     base = raw.get("extends")
     return keys | _stated(file.parent / base) if isinstance(base, str) and is_path(base) else keys
 
@@ -227,20 +235,31 @@ GainsDocs: TypeAlias = Mapping[str, Mapping[str, tuple[Any, str, str]]]
 ORDER = ("robot", "model", "limits", "gains", "initial", "reference")
 
 
-def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | None = None) -> str:
+def to_toml(
+    scenario: Scenario,
+    comments: bool = True,
+    gains_docs: GainsDocs | None = None,
+    only: Container[str] | None = None,
+) -> str:
     """Return TOML text that loads back to an equal scenario (the name is the file's).
 
     ``gains_docs`` tells the laws' gains: those that the scenario does not name are then printed
-    too, at their defaults, so that the text holds every gain of a run.
+    too, at their defaults, so that the text holds every gain of a run.  ``only``: keys that are
+    written, beside those whose values are not the defaults.
     """
     raw: dict[str, Any] = scenario_dict(scenario)
+    if only is not None:
+        raw = _sparse(raw, scenario, only)
     document = tomlkit.document()
     document.add("title", tomlkit.item(scenario.title))
     if comments or "frames" in raw:
         note = "how orientations are stated: paper (0 along +Y), rep103 (0 along +X)"
         _add(document, "frames", scenario.frames, note * comments)
-    rest = [key for key in raw if key not in (*ORDER, "title", "frames", "changes")]
-    for key in (*ORDER, *rest):
+    if scenario.assumed:
+        note = "keys that nobody stated; take one away when you have stated it"
+        _add(document, "assumed", list(scenario.assumed), note * comments)
+    rest = [key for key in raw if key not in (*ORDER, "title", "frames", "assumed", "changes")]
+    for key in (*(key for key in ORDER if key in raw), *rest):
         if key == "gains":
             document.add(key, _gains(raw[key], gains_docs or {}, comments))
             continue
@@ -248,13 +267,14 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
         if key == "reference":
             _add(table, "kind", raw[key]["kind"], f"one of {', '.join(REFERENCES)}" * comments)
         cls = Model if key == "model" else type(scenario.table(key))
-        document.add(key, _fields(table, cls, raw[key], comments, scenario.frames))
+        _fields(table, cls, raw[key], comments, scenario.frames, only is None)
+        document.add(key, table)
     if raw["changes"]:
         array = tomlkit.aot()
         for values in raw["changes"]:
             array.append(_fields(tomlkit.table(), Change, values, comments))
         document.add("changes", array)
-    elif comments:
+    elif comments and only is None:
         head = "[[changes]]  # one such table for each sudden change; none here"
         fields = (f"{name} = ...  # {_note(w.unit, w.doc)}" for name, w in quantities(Change))
         document.add(tomlkit.nl())
@@ -263,12 +283,39 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
     return tomlkit.dumps(document)
 
 
+def _sparse(raw: Mapping[str, Any], scenario: Scenario, only: Container[str]) -> dict[str, Any]:
+    """The keys in ``only``, and those whose values are not the defaults."""
+    kind = {"kind": scenario.reference_kind.name}
+    defaults: Raw = with_defaults({"frames": scenario.frames, "reference": kind}, raw)
+    sparse: dict[str, Any] = {}
+    for table, part in raw.items():
+        usual = defaults.get(table)
+        if isinstance(part, dict) and isinstance(usual, dict):
+            part = {
+                name: value
+                for name, value in part.items()
+                if f"{table}.{name}" in only or usual.get(name) != value
+            }
+        if table == "reference" and (part or "reference.kind" in only or kind["kind"] != "circle"):
+            part = kind | part
+        if part or table in (*scenario.effects, "changes"):
+            sparse[table] = part
+    return sparse
+
+
 def _fields(
-    table: Table, cls: type[Section], raw: Mapping[str, Any], comments: bool, frames: str = PAPER
+    table: Table,
+    cls: type[Section],
+    raw: Mapping[str, Any],
+    comments: bool,
+    frames: str = PAPER,
+    tell: bool = True,
 ) -> Table:
+    """Fields of a section that are in ``raw``; others as comments, if ``tell``."""
     for name, what in quantities(cls):
         note = _note(what.unit, described(what.doc, frames)) if comments else ""
-        _add_or_tell(table, name, raw.get(name), note)
+        if tell or name in raw:
+            _add_or_tell(table, name, raw.get(name), note)
     return table
 
 
