@@ -218,9 +218,9 @@ def inherited_robot(taken: Sequence[InheritedValue]) -> str:
         return ""
     listed = ", ".join(f"{item.key} = {item.value} {item.unit}".rstrip(" 1") for item in taken)
     return (
-        f"The file does not state {listed}: these values are those of the paper's robot, or of the "
-        "preset that the file extends. State your own; `wmr-ctrl scenarios paper-simulation "
-        "--toml` prints all keys with their meaning."
+        f"Nobody stated {listed}: these values are those of the paper's robot, of the preset that "
+        "the file extends, or are called assumed in the file. State your own; `wmr-ctrl scenarios "
+        "paper-simulation --toml` prints all keys with their meaning."
     )
 
 

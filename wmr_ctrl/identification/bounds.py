@@ -3,9 +3,10 @@
 Each parameter gets a verdict, mixtures get words, and seconds are named.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -210,6 +211,8 @@ class BaseIdentification(ABC):
     remarks: tuple[str, ...]
     score: Score
     scenario: Scenario
+    kept: Mapping[str, str] = field(default_factory=dict, kw_only=True)
+    """Keys that the written scenario has though they are as by default, with words on some."""
     places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Keys of the scenario, and the parameters whose intervals stand beside them."""
 
@@ -237,17 +240,24 @@ class BaseIdentification(ABC):
 
     def to_toml(self) -> str:
         """The scenario, with the interval and verdict of each number beside it."""
-        document = tomlkit.parse(to_toml(self.scenario))
+        ours = (key for key, names in self.places.items() if {*names} & {*self.parameters})
+        only = {*self.kept, *ours, *self.scenario.assumed}
+        document = tomlkit.parse(to_toml(self.scenario, only=only))
+        for key in self.scenario.assumed:
+            table, name = key.split(".")
+            entry = document[table][name]
+            said = self.kept.get(key) or "assumed, nobody stated it"
+            entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
         for key, names in self.places.items():
-            table, field = key.split(".")
+            table, place = key.split(".")
             said = "; ".join(
                 f"{name} {item.low:.6g} to {item.high:.6g} {UNITS[name]}, {item.verdict}"
                 for name in names
                 if (item := self.parameters.get(name))
             )
-            if not said or field not in document.get(table, {}):
+            if not said or place not in document.get(table, {}):
                 continue
-            entry = document[table][field]
+            entry = document[table][place]
             entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
         limit = {"guard": "guard.dbar", "filter": "filter.d"}[self.bounds.section]
         head = [
@@ -256,6 +266,12 @@ class BaseIdentification(ABC):
             *self.remarks,
         ]
         return "".join(f"# {line}\n" for line in head) + "\n" + tomlkit.dumps(document)
+
+
+def rounded_down(value: float) -> float:
+    """A value above 0 with two digits, never more than it is."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.floor(value / step) * step:.3g}")
 
 
 def verdict(half: float, size: float) -> str:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,8 @@ from wmr_ctrl.identification.widths import (
 )
 from wmr_ctrl.logs.log import Floats
 from wmr_ctrl.logs.samples import AxisLog, Samples, differenced, speeds, wheels
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, from_dict, scenario_dict
+from wmr_ctrl.scenario.scenario import multiples
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""
@@ -50,8 +52,12 @@ MOVED = 3.5
 HELD_OUT = 1 / 3
 PART_PASSES = 12
 """Passes of the fit of a part of a log, from that of the whole."""
-AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
-"""Sections of what is known that the identified numbers take the place of."""
+REPLACED = (
+    *("resistance", "gust", "wheels", "slope", "motor", "push"),
+    *("changes", "model", "actuator", "guard.M_min", "guard.M_max", "guard.dbar", "guard.nbar"),
+    *("guard.delay", "guard.lag", "base.delay"),
+)
+"""Tables and keys of what is known that the identified numbers take the place of."""
 FREE_RUN = 1.0
 
 
@@ -215,20 +221,37 @@ def surest(fit: Fit, tell: Callable[[], None]) -> Fit:
     return replace(best, least=least)
 
 
-def bare_scenario(scenario: Scenario, log: Samples) -> Scenario:
-    """The known scenario on the log's clock, without the parts that identified numbers replace."""
+def bare_scenario(scenario: Scenario, log: Samples, remarks: list[str]) -> Scenario:
+    """The known scenario on the log's clock, without the parts that identified numbers replace.
+
+    Its other times, which must be multiples of a clock's, are rounded to the nearest.
+    """
     period = float(f"{log.period:.4g}")
-    count = max(1, round(scenario.clock.duration / period))
-    return replace(
-        scenario,
-        clock=replace(
-            scenario.clock, control=period, plant=plant_step(period), duration=count * period
-        ),
-        changes=(),
-        model=type(scenario.model)(),
-        actuator=type(scenario.actuator)(),
-        effects={k: v for k, v in scenario.effects.items() if k not in AFFECTED},
-    )
+    duration = max(1, round(scenario.clock.duration / period)) * period
+    clocks = {"clock.control": period, "clock.plant": plant_step(period)}
+    raw: dict[str, Any] = scenario_dict(scenario)
+    for key in REPLACED:
+        table, _, name = key.partition(".")
+        if name:
+            raw[table].pop(name, None)
+        else:
+            raw.pop(table, None)
+    raw["clock"] |= {k.removeprefix("clock."): v for k, v in clocks.items()}
+    raw["clock"]["duration"] = duration
+    if raw["metrics"].get("split", 0.0) >= duration:
+        del raw["metrics"]["split"]
+    for key, clock, most in multiples():
+        table, _, name = key.partition(".")
+        value = raw.get(table, {}).get(name, 0.0)
+        count = max(round(value / clocks[clock]), 1) if value else 0
+        fitting = min(count, most or count) * clocks[clock]
+        if abs(fitting - value) > 1e-9 * value:
+            raw[table][name] = fitting
+            remarks.append(
+                f"{key} = {value:.4g} s becomes {fitting:.4g} s, a multiple of {clock} = "
+                f"{clocks[clock]:.4g} s, which is the log's."
+            )
+    return from_dict(raw, scenario.name)
 
 
 def cut_of(log: Samples) -> float:

@@ -22,6 +22,7 @@ from wmr_ctrl.identification.bounds import (
     grid_about,
     informative_seconds,
     mixtures,
+    rounded_down,
     sizes,
     verdict,
 )
@@ -53,10 +54,12 @@ from wmr_ctrl.logs.log import (
     with_counts,
     with_torques,
 )
-from wmr_ctrl.logs.samples import Samples, motion_of
+from wmr_ctrl.logs.samples import Samples, held_speeds, motion_of
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.drive import RecordedDrive
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario import Scenario, inherited, override, scenario_dict
+from wmr_ctrl.scenario.raw import stated_in
+from wmr_ctrl.scenario.toml_io import KIND, OF_A_ROBOT, named_keys
 from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 
@@ -64,6 +67,10 @@ Progress = Callable[[float], None]
 USUAL = {"torque": 60, "velocity": 18}
 """Passes through a log that an identification usually takes, for the progress shown."""
 ROBOT = ("robot.r", "robot.l")
+LIMITS, BARRIER = "limits.v_u1", "limits.v_u2"
+BARRIER_FROM, LEAST_SEEN = 0.8, 1e-3
+"""Share of a limit from which the barrier acts; least speed [m/s, rad/s] that is motion."""
+SEEN = "seen in the log, not your limit"
 COUNTED = "encoder.counts"
 
 
@@ -156,6 +163,10 @@ def identify(
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
+    scenario, kept = _with_limits(scenario, sure, samples, remarks)
+    period, own = float(f"{samples.period:.4g}"), scenario.clock.control
+    if "clock.control" in sure and period != own:
+        remarks.append(f"clock.control = {own:.4g} s becomes {period:.4g} s, the log's step.")
     passes = 0
 
     def tell() -> None:
@@ -166,6 +177,7 @@ def identify(
 
     fit = _of_torques if base == "torque" else of_velocities
     identified = fit(raw.name, samples, scenario, remarks, tell)
+    identified = replace(identified, scenario=_written(identified.scenario), kept=kept)
     if progress:
         progress(1.0)
     return identified
@@ -174,10 +186,63 @@ def identify(
 def _believed(
     raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
 ) -> tuple[Scenario, set[str]]:
-    """The scenario with the known numbers, and which of the robot's sizes are known."""
+    """The scenario with the known numbers, and the keys that it states, or a preset in it.
+
+    Numbers of a preset that a file extends are assumed.
+    """
     given = known if known is not None else raw.base
     scenario = scenario_of(given if given is not None else Scenario(), overrides, guard=False)
-    return scenario, set(overrides) | (set() if given is None else {*ROBOT, COUNTED})
+    stated = set(overrides)
+    for key, value in overrides.items():
+        stated |= {f"{key}.{name}" for name in (value if isinstance(value, Mapping) else ())}
+    if isinstance(given, Scenario):
+        stated |= stated_in(scenario_dict(given))
+    elif given is not None:
+        stated |= named_keys(str(given))
+        silent = {item.key for item in inherited(scenario, str(given), overrides)}
+        return replace(scenario, assumed=tuple(sorted(silent))), stated - {*scenario.assumed}
+    silent = {*scenario.assumed, *({*OF_A_ROBOT, KIND} - stated)}
+    return replace(scenario, assumed=tuple(sorted(silent))), stated - silent
+
+
+def _with_limits(
+    scenario: Scenario, sure: set[str], samples: Samples, remarks: list[str]
+) -> tuple[Scenario, dict[str, str]]:
+    """The scenario whose limits are the largest speeds of the log, on axes where nobody stated any.
+
+    Also the keys to write, with words on some.
+    """
+    kept = dict.fromkeys(sure, "")
+    high, low, shown = list(scenario.limits.v_u1), list(scenario.limits.v_u2), []
+    for axis, (seen, unit) in enumerate(zip(held_speeds(samples), ("m/s", "rad/s"), strict=True)):
+        if not {LIMITS, f"{LIMITS}[{axis + 1}]"} & sure and seen > LEAST_SEEN:
+            high[axis] = rounded_down(seen)
+            follows = float(f"{BARRIER_FROM * high[axis]:.3g}")
+            low[axis] = min(low[axis], follows) if BARRIER in sure else follows
+            shown.append(f"{high[axis]:g} {unit}")
+    if not shown:
+        return scenario, kept
+    remarks.append(
+        f"nobody stated {LIMITS}: {' and '.join(shown)} {'is' if len(shown) == 1 else 'are'} seen "
+        "in the log, not your limit. State it, as in --set limits.v_u1=0.5,1.2."
+    )
+    limited = override(scenario, {LIMITS: high, BARRIER: low})
+    kept[LIMITS] = SEEN
+    assumed = (LIMITS,) if BARRIER in sure else (LIMITS, BARRIER)
+    return replace(limited, assumed=(*limited.assumed, *assumed)), kept
+
+
+def _written(scenario: Scenario) -> Scenario:
+    """The scenario, in which what has its default need not be called assumed: it is left out."""
+    base, pi = Scenario(), {"robot.m", "robot.l"} if scenario.base.loop == "pi" else set()
+
+    def differs(key: str) -> bool:
+        table, _, name = key.partition(".")
+        if key == KIND:
+            return scenario.reference_kind.name != base.reference_kind.name
+        return vars(scenario.table(table))[name] != vars(base.table(table))[name]
+
+    return replace(scenario, assumed=tuple(k for k in scenario.assumed if k in pi or differs(k)))
 
 
 def _samples(
@@ -276,7 +341,7 @@ def _of_torques(
             "speed of each wheel, at different times."
         )
     unknown = all(estimates[key].verdict == UNDETERMINED for key in ("m", "I"))
-    bare = bare_scenario(scenario, log)
+    bare = bare_scenario(scenario, log, remarks)
     clocked = replace(bare, actuator=replace(bare.actuator, tau_max=scenario.actuator.tau_max))
     bounds = guard_bounds(white, widths, clocked, colour)
     trained, refuted = held_out(white, fit, clocked, colour, tell)

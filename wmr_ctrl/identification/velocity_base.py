@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop
+from wmr_ctrl.filter.peak_gain import PeakGain, peak_gains, pi_loop
 from wmr_ctrl.identification.bounds import (
     UNDETERMINED,
     BaseIdentification,
@@ -19,6 +19,7 @@ from wmr_ctrl.identification.bounds import (
     Traces,
     grid_about,
     loop_remarks,
+    rounded_down,
 )
 from wmr_ctrl.identification.estimate import bare_scenario, cut_of, loop_estimates, loop_score
 from wmr_ctrl.identification.speed_loop import (
@@ -140,7 +141,7 @@ def _scenario(
     remarks: list[str],
 ) -> tuple[FilterBounds, Scenario]:
     """The scenario of the base, whose filter is on where its numbers can be met."""
-    base = bare_scenario(scenario, log)
+    base = bare_scenario(scenario, log, remarks)
     step = base.clock.plant
     seen = [fit for fit in fits if fit is not None]
     d1, d2 = (0.0 if fit is None else float(np.abs(fit.deviation()).max()) for fit in fits)
@@ -155,18 +156,22 @@ def _scenario(
         "base.delay": late, "base.accel": accel, "base.decel": accel, "guard.enabled": False,
         "filter.kind": "none", "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
     })  # fmt: skip
+    own = ["robot.mu", "disturbance.std"]
     loop = both[0].loop
     hull = _hulls(estimates)
     if loop == "pi":
+        own += ["robot.I"] if {"robot.m", "robot.l"} & {*base.assumed} else []
         result = _of_pi(result, values, hull, (d1, d2))
     else:
         result = _of_relaxing(result, loop, values, hull, (d1, d2))
-    kind = "governor" if loop == "first-order" and not any(map(math.isfinite, accel)) else "clip"
+    result = replace(result, assumed=(*result.assumed, *own))
     remarks += _said_of(loop, base.robot.m)
-    stated = override(result, {"filter.kind": kind, "filter.delay": list(ends)})
-    linear = loop != "first-order"
-    peak = [item.gain for item in peak_gains(stated)] if linear else [hull["gain"][1]] * 2
-    peak = [most if fit is not None else math.inf for most, fit in zip(peak, fits, strict=True)]
+    stated = override(result, {"filter.kind": "clip", "filter.delay": list(ends)})
+    if loop == "first-order":
+        peaks = [PeakGain(hull["gain"][1], d) for d in (d1, d2)]
+    else:
+        peaks = list(peak_gains(stated))
+    peak = [k.gain if fit is not None else math.inf for k, fit in zip(peaks, fits, strict=True)]
     sentence = (
         f"largest deviation, averaged over {SMOOTHED:g} s, that was seen in "
         f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
@@ -176,12 +181,46 @@ def _scenario(
     if missing:
         remarks.append(f"the filter is off: {missing[0]} never changed. Drive both axes.")
         return bounds, result
+    known = [_largest_command(fit) for fit in seen]
+    reached = [item.gain * most + item.push for item, most in zip(peaks, known, strict=True)]
+    for V, v, item, most, unit in zip(
+        stated.limits.v_u1, reached, peaks, known, ("m/s", "rad/s"), strict=True
+    ):
+        if v * (1 + 1e-9) < V:
+            remarks.append(
+                f"the filter is off: for the limit of {V:.3g} {unit} it would send commands up to "
+                f"{(V - item.push) / item.gain:.3g} {unit}, and the log shows what the base does "
+                f"with commands up to {most:.3g} {unit}. Drive faster, or state a limit of at most "
+                f"{rounded_down(v):g} {unit}."
+            )
+            return bounds, result
+    if loop == "first-order" and not any(map(math.isfinite, accel)):
+        # The largest command of a governor: where it takes over at full speed backwards.
+        rise = 2 / math.expm1(base.clock.control / hull["tau"][0])
+        sent = [
+            (V - item.push + rise * V) / item.gain
+            for V, item in zip(stated.limits.v_u1, peaks, strict=True)
+        ]
+        if all(u <= most for u, most in zip(sent, known, strict=True)):
+            stated = override(stated, {"filter.kind": "governor"})
+        else:
+            remarks.append(
+                f"the filter is a clip: a governor would send up to {sent[0]:.3g} m/s and "
+                f"{sent[1]:.3g} rad/s for moments, and the log shows what the base does with "
+                f"commands up to {known[0]:.3g} m/s and {known[1]:.3g} rad/s."
+            )
     try:
         settle(stated, None)
     except ScenarioError as error:
         remarks.append(f"the filter is off: with these numbers it is refused. {error}")
         return bounds, result
     return bounds, stated
+
+
+def _largest_command(fit: LoopFit) -> float:
+    """Largest command whose effect the log shows: one that ended too soon counts in part."""
+    followed = float(np.abs(fit.log.speed - fit.left)[fit.log.in_fit].max())
+    return min(float(np.abs(fit.log.sent).max()), followed / fit.values.get("gain", 1.0))
 
 
 def _said_of(loop: str, m: float) -> list[str]:

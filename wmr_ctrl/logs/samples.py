@@ -24,6 +24,9 @@ LONGEST_DELAY = 0.6
 ENOUGH_ROWS = 20_000
 """Rows of a log that tell by how much a speed is later than its command."""
 
+HELD = 0.2
+"""Time for which a speed is held that a log shows [s]."""
+
 COUNTED_FROM = 1.0
 """Time at the start of each stretch that does not count [s]."""
 
@@ -103,6 +106,15 @@ def speeds(log: Samples, over: float = 0.1) -> Floats:
     later, sooner = np.minimum(later, last), np.maximum(sooner, log.first[stretch - 1])
     span = np.maximum(log.t[later] - log.t[sooner], 1e-9)
     return np.asarray((log.seen[later] - log.seen[sooner]) / span[:, None])
+
+
+def held_speeds(log: Samples) -> tuple[float, float]:
+    """Largest |v1| and |omega| [m/s, rad/s] held for `HELD`: single readings do not count."""
+    speed = np.abs(speeds(log))
+    rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
+    held = np.lib.stride_tricks.sliding_window_view(speed, rows, axis=0).min(axis=-1)
+    v, omega = held.max(axis=0).tolist()
+    return v, omega
 
 
 def wheels(speed: Floats, half_track: float) -> Floats:

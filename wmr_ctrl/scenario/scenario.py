@@ -1,7 +1,7 @@
 """Scenario: everything that a run needs to know besides the law, checked and unchangeable."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias, TypeVar, cast
 
@@ -253,8 +253,9 @@ def _assumed(raw: object) -> tuple[str, ...]:
     """Keys that are assumed, each once; raises ScenarioError for what is no key."""
     keys = as_list(raw)
     if keys is None:
-        raise ScenarioError(f"assumed = {show(raw)} must be an array of keys, as in [\"robot.m\"].")
+        raise ScenarioError(f'assumed = {show(raw)} must be an array of keys, as in ["robot.m"].')
     known = {f"{table}.{name}" for table, cls in sections().items() for name, _ in quantities(cls)}
+    known.add("reference.kind")
     for key in keys:
         if key not in known:
             raise ScenarioError(f"assumed: {show(key)} is no key such as robot.m.")
@@ -288,15 +289,19 @@ def _relate(scenario: Scenario) -> None:
         )
 
 
+def multiples() -> Iterator[tuple[str, str, int]]:
+    """Keys of times, the time of which each is a multiple, and how often at most (0: any)."""
+    for part in dict.fromkeys(effect.section.KEY for effect in EFFECTS):
+        for name, what in quantities(sections()[part]):
+            if what.multiple_of:
+                yield f"{part}.{name}", what.multiple_of, what.most
+
+
 def _multiples(scenario: Scenario) -> None:
     """Times that are a multiple of another time are one."""
-    for part in dict.fromkeys(effect.section.KEY for effect in EFFECTS):
-        section = scenario.table(part)
-        for name, what in quantities(type(section)):
-            if what.multiple_of:
-                key, other = f"{part}.{name}", what.multiple_of
-                (value,), (unit,) = scenario.value(key), scenario.value(other)
-                check_multiple(key, value, other, unit, what.most)
+    for key, other, most in multiples():
+        (value,), (unit,) = scenario.value(key), scenario.value(other)
+        check_multiple(key, value, other, unit, most)
 
 
 def _changes(changes: tuple[Change, ...], duration: float) -> None:

@@ -45,6 +45,7 @@ OF_A_ROBOT = (
     *("initial.pose", "disturbance.std"),
 )
 """Fields that one robot does not share with another."""
+KIND = "reference.kind"
 
 
 @lru_cache(maxsize=1)
@@ -198,16 +199,16 @@ def inherited(
     values = []
     for key in dict.fromkeys((*OF_A_ROBOT, *scenario.assumed)):
         table, _, name = key.partition(".")
-        if key not in stated or key in scenario.assumed:
+        if key != KIND and (key not in stated or key in scenario.assumed):
             what = dict(quantities(sections()[table]))[name]
             value = field_outward(
                 getattr(scenario.table(table), name), what.orientation, scenario.frames
             )
             doc = described(what.doc, scenario.frames)
             values.append(InheritedValue(key, value, what.unit, doc))
-    if not any(key.startswith("reference.") for key in stated):
+    if KIND in scenario.assumed or not any(key.startswith("reference.") for key in stated):
         kind = scenario.reference_kind.name
-        values.append(InheritedValue("reference.kind", kind, "", "kind of the desired motion"))
+        values.append(InheritedValue(KIND, kind, "", "kind of the desired motion"))
     return tuple(values)
 
 
