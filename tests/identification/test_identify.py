@@ -52,10 +52,15 @@ def test_wheels_exchanged_in_all_columns_give_the_same_robot(driven, found):
 
 
 @pytest.fixture
-def read(monkeypatch):
+def read(monkeypatch, found):
     """What `identify` reads of a log before it fits: samples, scenario, remarks."""
     seen = []
-    monkeypatch.setattr(identifying, "_of_torques", lambda *item: seen.append(item[1:4]))
+
+    def fit(*item):
+        seen.append(item[1:4])
+        return found
+
+    monkeypatch.setattr(identifying, "_of_torques", fit)
 
     def of(log, **options):
         identify(log, **options)

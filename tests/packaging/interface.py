@@ -82,7 +82,7 @@ def _commands(command: click.Command, name: str) -> Iterator[str]:
 
 
 def _scenario() -> Iterator[str]:
-    yield from (f"scenario: {name}" for name in ("title", "frames"))
+    yield from (f"scenario: {name}" for name in ("title", "frames", "assumed"))
     kinds = {f'reference (kind = "{kind}")': REFERENCES[kind].section for kind in REFERENCES}
     for place, section in {**sections(), "changes": Change, **kinds}.items():
         yield from (f"scenario: {place}.{name}" for name, _ in quantities(section))

@@ -1,7 +1,7 @@
 """`identify`: from a log to a scenario with intervals, or one paragraph on why it cannot be."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -67,9 +67,10 @@ Progress = Callable[[float], None]
 USUAL = {"torque": 60, "velocity": 18}
 """Passes through a log that an identification usually takes, for the progress shown."""
 ROBOT = ("robot.r", "robot.l")
-LIMITS, BARRIER = "limits.v_u1", "limits.v_u2"
-BARRIER_FROM, LEAST_SEEN = 0.8, 1e-3
-"""Share of a limit from which the barrier acts; least speed [m/s, rad/s] that is motion."""
+LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
+BARRIER_FROM, LEAST_SEEN, MOST_FAR = 0.8, 1e-3, 2.0
+"""Share of a limit from which the barrier acts; least speed [m/s, rad/s] that is motion; largest
+limit of a guard over the largest speed of the log."""
 SEEN = "seen in the log, not your limit"
 COUNTED = "encoder.counts"
 
@@ -163,7 +164,7 @@ def identify(
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
-    scenario, kept = _with_limits(scenario, sure, samples, remarks)
+    scenario, kept = _with_limits(scenario, sure, samples, base, remarks)
     period, own = float(f"{samples.period:.4g}"), scenario.clock.control
     if "clock.control" in sure and period != own:
         remarks.append(f"clock.control = {own:.4g} s becomes {period:.4g} s, the log's step.")
@@ -206,29 +207,32 @@ def _believed(
 
 
 def _with_limits(
-    scenario: Scenario, sure: set[str], samples: Samples, remarks: list[str]
+    scenario: Scenario, sure: set[str], samples: Samples, base: str, remarks: list[str]
 ) -> tuple[Scenario, dict[str, str]]:
-    """The scenario whose limits are the largest speeds of the log, on axes where nobody stated any.
+    """The scenario whose limits are those of the log, where nobody stated any.
 
     Also the keys to write, with words on some.
     """
-    kept = dict.fromkeys(sure, "")
     high, low, shown = list(scenario.limits.v_u1), list(scenario.limits.v_u2), []
+    found: dict[str, object] = {}
     for axis, (seen, unit) in enumerate(zip(held_speeds(samples), ("m/s", "rad/s"), strict=True)):
         if not {LIMITS, f"{LIMITS}[{axis + 1}]"} & sure and seen > LEAST_SEEN:
             high[axis] = rounded_down(seen)
             follows = float(f"{BARRIER_FROM * high[axis]:.3g}")
             low[axis] = min(low[axis], follows) if BARRIER in sure else follows
-            shown.append(f"{high[axis]:g} {unit}")
-    if not shown:
-        return scenario, kept
-    remarks.append(
-        f"nobody stated {LIMITS}: {' and '.join(shown)} {'is' if len(shown) == 1 else 'are'} seen "
-        "in the log, not your limit. State it, as in --set limits.v_u1=0.5,1.2."
-    )
-    limited = override(scenario, {LIMITS: high, BARRIER: low})
-    kept[LIMITS] = SEEN
-    assumed = (LIMITS,) if BARRIER in sure else (LIMITS, BARRIER)
+            shown.append(f"{LIMITS}[{axis + 1}] = {high[axis]:g} {unit}")
+            found = {LIMITS: high, BARRIER: low}
+    if base == "torque" and TORQUE not in sure:
+        found[TORQUE] = rounded_down(float(np.abs(samples.command).max(axis=0).min()))
+        shown.append(f"{TORQUE} = {found[TORQUE]:g} N m")
+    if shown:
+        remarks.append(
+            f"nobody stated {', '.join(shown)}: this much is seen in the log, and is not your "
+            "limit. State yours, as in --set limits.v_u1=0.5,1.2 --set limits.v_u2=0.4,1."
+        )
+    kept = dict.fromkeys(sure, "") | dict.fromkeys({LIMITS, TORQUE} & {*found}, SEEN)
+    assumed = [key for key in found if key != BARRIER or key not in sure]
+    limited = override(scenario, found)
     return replace(limited, assumed=(*limited.assumed, *assumed)), kept
 
 
@@ -346,7 +350,11 @@ def _of_torques(
     bounds = guard_bounds(white, widths, clocked, colour)
     trained, refuted = held_out(white, fit, clocked, colour, tell)
     bounds = replace(explaining(white, bounds), refuted=refuted, wide=bounds.wide or unknown)
-    identified = _scenario(name, clocked, values, bounds, remarks)
+    far = [
+        limit / max(v, LEAST_SEEN)
+        for limit, v in zip(clocked.limits.v_u1, held_speeds(log), strict=True)
+    ]
+    identified = _scenario(name, clocked, values, bounds, far, remarks)
     score = score_of(white, trained)
     price = usable_speeds(override(identified, {"guard.enabled": True}))
     if price:
@@ -356,9 +364,17 @@ def _of_torques(
 
 
 def _scenario(
-    name: str, base: Scenario, values: Mapping[str, float], bounds: GuardBounds, remarks: list[str]
+    name: str,
+    base: Scenario,
+    values: Mapping[str, float],
+    bounds: GuardBounds,
+    far: Sequence[float],
+    remarks: list[str],
 ) -> Scenario:
-    """The scenario of the robot, whose guard is on where its numbers hold and can be met."""
+    """The scenario of the robot, whose guard is on where its numbers hold and can be met.
+
+    ``far`` (2,): each limit over the largest speed of the log.
+    """
     r, half_track, step = base.robot.r, base.robot.l, base.clock.plant
     weight = values["m"] * base.robot.g
     std = max(bounds.q[0], bounds.q[1] / half_track) * r / math.sqrt(2)
@@ -373,6 +389,7 @@ def _scenario(
         "actuator.delay": min(max(delay, 0.0), bounds.delay[1]), "actuator.lag": values["lag"],
         "disturbance.std": std, "disturbance.truncate": most / std * (1 - 1e-9),
         **{f"guard.{key}": list(pair) for key, (pair, _) in bounds.pairs().items()},
+        "guard.dbar": [max(x, 1.0) * d for x, d in zip(far, bounds.dbar, strict=True)],
         **({"guard.delay": None} if bounds.wide else {}),
     })  # fmt: skip
     if bounds.refuted:
@@ -393,6 +410,21 @@ def _scenario(
         )
         remarks.append(f"the guard is off: it takes {lacking}. A better drive determines it.")
         return result
+    seen = [limit / share for limit, share in zip(base.limits.v_u1, far, strict=True)]
+    visited = f"the log shows speeds up to {seen[0]:.2g} m/s and {seen[1]:.2g} rad/s"
+    if max(far) > MOST_FAR:
+        most = [rounded_down(MOST_FAR * v) for v in seen]
+        remarks.append(
+            f"the guard is off: {visited}, and nothing is known about those of {LIMITS}. Drive "
+            f"faster, or state limits of at most {most[0]:g} m/s and {most[1]:g} rad/s."
+        )
+        return result
+    if max(far) > 1:
+        wider = result.guard.dbar
+        remarks.append(
+            f"{visited}. Up to those of {LIMITS} pushes are taken to grow with speed: guard.dbar "
+            f"is [{wider[0]:.3g}, {wider[1]:.3g}] in the scenario."
+        )
     try:
         return scenario_of(result, guard=True)
     except ScenarioError as error:

@@ -154,7 +154,8 @@ def _scenario(
     result = override(base, {
         "title": f"identified from {name}", "robot.mu": 0.0, "base.kind": "velocity",
         "base.delay": late, "base.accel": accel, "base.decel": accel, "guard.enabled": False,
-        "filter.kind": "none", "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
+        "filter.kind": "none", "filter.delay": list(ends),
+        "disturbance.std": 0.0, "disturbance.push": [0.0, 0.0],
     })  # fmt: skip
     own = ["robot.mu", "disturbance.std"]
     loop = both[0].loop
@@ -166,7 +167,7 @@ def _scenario(
         result = _of_relaxing(result, loop, values, hull, (d1, d2))
     result = replace(result, assumed=(*result.assumed, *own))
     remarks += _said_of(loop, base.robot.m)
-    stated = override(result, {"filter.kind": "clip", "filter.delay": list(ends)})
+    stated = override(result, {"filter.kind": "clip"})
     if loop == "first-order":
         peaks = [PeakGain(hull["gain"][1], d) for d in (d1, d2)]
     else:

@@ -34,7 +34,7 @@ from wmr_ctrl.results import atomic_text, check_writable
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario import Scenario, inherited, override
 from wmr_ctrl.scenario.toml_io import to_toml
 from wmr_ctrl.sim.many import checked_seeds
 from wmr_ctrl.tuning import search
@@ -145,6 +145,9 @@ def tune(
     say), ScenarioError, UnknownNameError, ResultFileError.
     """
     chosen = scenario_of(scenario)
+    if not isinstance(scenario, Scenario):  # the written file states every key
+        silent = tuple(item.key for item in inherited(chosen, str(scenario)))
+        chosen = replace(chosen, assumed=silent)
     plan = search.TuningPlan(
         scenario=chosen,
         law=law,

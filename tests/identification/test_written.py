@@ -1,0 +1,247 @@
+"""What `identify` writes: what was stated or found; anything else is called assumed."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import wmr_ctrl.identification.identification as identifying
+from benchmarks.own_plant import log_of
+from tests.identification.conftest import TRUTH
+from tests.identification.test_velocity_base import FIRST, steps
+from wmr_ctrl import identify
+from wmr_ctrl.filter import command_filter
+from wmr_ctrl.identification.estimate import bare_scenario
+from wmr_ctrl.logs.log import LogError
+from wmr_ctrl.scenario import Scenario, inherited, load_scenario, override
+from wmr_ctrl.scenario.toml_io import preset_names
+
+VELOCITY = [name for name in preset_names() if load_scenario(name).base.kind == "velocity"]
+LOG = steps(FIRST, 12.0)
+FASTEST = [max(map(abs, LOG[name])) for name in ("v1_measured [m/s]", "omega_measured [rad/s]")]
+
+
+def of_velocities(log=LOG, **overrides):
+    keys = {key.replace("__", "."): value for key, value in overrides.items()}
+    return identify(log, base="velocity", overrides=keys)
+
+
+@pytest.fixture(scope="module")
+def silent():
+    """A log of which the user says nothing."""
+    return of_velocities()
+
+
+def test_limits_that_nobody_stated_are_those_of_the_log_and_are_called_assumed(silent, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(silent.to_toml())
+
+    scenario = load_scenario(file)
+    taken = [item.key for item in inherited(scenario, str(file))]
+
+    for limit, fastest in zip(scenario.limits.v_u1, FASTEST, strict=True):
+        assert 0.85 * fastest < limit < fastest
+    assert scenario.filter.kind == "clip"
+    wanted = ("robot.m", "robot.I", "robot.r", "robot.l", "limits.v_u1", "limits.v_u2")
+    assert {*wanted, "robot.mu", "initial.pose", "reference.kind"} <= {*taken}
+    assert any("nobody stated limits.v_u1" in text for text in silent.remarks)
+    assert "seen in the log, not your limit" in file.read_text()
+
+
+def test_what_nobody_stated_is_not_written(silent):
+    written = tomllib.loads(silent.to_toml())
+
+    assert written["robot"] == {"mu": 0.0}
+    assert not {"reference", "initial", "sensor", "body", "gains"} & {*written}
+    assert set(written["assumed"]) == {
+        *("limits.v_u1", "limits.v_u2", "robot.mu", "disturbance.std")
+    }
+
+
+def test_what_was_stated_is_written_though_it_is_as_by_default_and_is_not_assumed():
+    stated = {"limits.v_u1": [0.3, 0.6], "limits.v_u2": [0.2, 0.5], "robot.m": 50.0}
+    found = identify(LOG, base="velocity", overrides=stated)
+    written = tomllib.loads(found.to_toml())
+
+    assert written["robot"]["m"] == 50.0
+    assert written["limits"]["v_u1"] == [0.3, 0.6]
+    assert not {*stated} & {*written["assumed"]}
+    assert found.scenario.filter.kind == "clip"
+
+
+def test_one_limit_that_is_stated_leaves_the_other_to_the_log():
+    found = identify(LOG, base="velocity", overrides={"limits.v_u1[1]": 0.3, "limits.v_u2[1]": 0.2})
+
+    assert found.scenario.limits.v_u1[0] == 0.3
+    assert found.scenario.limits.v_u1[1] < FASTEST[1]
+    assert "limits.v_u1" in found.scenario.assumed
+
+
+def test_a_limit_beyond_the_commands_of_the_log_switches_the_filter_off():
+    found = of_velocities(limits__v_u1=[0.8, 0.9], limits__v_u2=[0.6, 0.5])
+
+    assert found.scenario.filter.kind == "none"
+    (said,) = (text for text in found.remarks if "the filter is off" in text)
+    assert "0.8 m/s" in said
+    assert "the log shows" in said
+    most = float(said.split("at most ")[1].split(" m/s")[0])
+    assert (
+        of_velocities(limits__v_u1=[most, 0.9], limits__v_u2=[0.1, 0.5]).scenario.filter.kind
+        == "clip"
+    )
+
+
+def test_a_governor_needs_a_log_with_its_own_commands():
+    """It sends far more than its limit for moments: here that is in the log, else it is a clip."""
+    slow = {"limits__v_u1": [0.018, 0.06], "limits__v_u2": [0.01, 0.05]}
+
+    assert of_velocities(**slow).scenario.filter.kind == "governor"
+    assert any("a governor would send up to" in text for text in of_velocities().remarks)
+
+
+def offset_log(seed=0):
+    """A base that drives by 0.1 m/s and 0.4 rad/s less than it is told."""
+    log = steps(FIRST, 24.0, seed)
+    commands = np.column_stack([log["v_command [m/s]"], log["omega_command [rad/s]"]])
+    rng, v, seen = np.random.default_rng(seed), np.zeros(2), []
+    for k, _ in enumerate(commands):
+        seen.append(v)
+        v = moved(v, commands[max(k - 2, 0)])
+    noisy = np.array(seen) + rng.normal(size=(len(seen), 2)) * (0.003, 0.006)
+    log |= {
+        "v1_measured [m/s]": noisy[:, 0].tolist(),
+        "omega_measured [rad/s]": noisy[:, 1].tolist(),
+    }
+    return log
+
+
+def moved(v, command):
+    acts = np.sign(command) * np.maximum(np.abs(command) - (0.1, 0.4), 0.0)
+    return acts + (v - acts) * np.exp(-0.02 / np.array((0.15, 0.1)))
+
+
+@pytest.mark.parametrize("stated", [None, 1.0, 2.0])
+def test_the_base_of_a_log_that_no_loop_explains_keeps_the_limits_of_its_filter(stated):
+    log = offset_log()
+    seen = of_velocities(log).scenario.limits.v_u1
+    limits = {} if stated is None else {"limits__v_u1": [stated * item for item in seen]}
+    if stated is not None:
+        limits["limits__v_u2"] = [0.7 * stated * item for item in seen]
+    scenario = of_velocities(log, **limits).scenario
+
+    if stated == 2.0:
+        assert scenario.filter.kind == "none"
+        return
+    assert scenario.filter.kind == "clip"
+    for asked in ((9.0, 0.0), (0.0, 9.0), (9.0, 9.0)):
+        filtered, v, late = command_filter(scenario), np.zeros(2), [(0.0, 0.0)] * 2
+        for k in range(200):
+            sign = 1 if k // 40 % 2 == 0 else -1
+            late.append(filtered.step((sign * asked[0], sign * asked[1])).command)
+            v = moved(v, np.array(late[-3]))
+            assert (np.abs(v) <= scenario.limits.v_u1).all()
+
+
+@pytest.mark.parametrize("rate", [7.0, 20.0, 29.9, 30.0, 33.0, 50.0, 100.0])
+@pytest.mark.parametrize("name", VELOCITY)
+def test_every_base_that_is_included_can_be_put_on_the_clock_of_a_log(name, rate):
+    known = override(load_scenario(name), {"sensor.pose_period": 0.1, "clock.duration": 80.0})
+    remarks = []
+
+    bare = bare_scenario(known, SimpleNamespace(period=1 / rate), remarks)
+
+    assert bare.base.delay == 0.0
+    ratio = bare.sensor.pose_period / bare.clock.control
+    assert ratio == pytest.approx(round(ratio))
+    assert math.isclose(bare.sensor.pose_period, 0.1, abs_tol=1 / rate)
+    told = any("sensor.pose_period = 0.1 s becomes" in text for text in remarks)
+    assert told is (abs(bare.sensor.pose_period - 0.1) > 1e-9)
+
+
+def test_known_guards_and_delays_do_not_stop_a_log_of_another_clock():
+    known = override(Scenario(), {
+        "guard.delay": [0.0, 0.01], "actuator.delay": 0.007, "sensor.pose_delay": 0.03,
+        "encoder.counts": 2048, "encoder.window": 0.05,
+    })  # fmt: skip
+
+    bare = bare_scenario(known, SimpleNamespace(period=0.0301), remarks := [])
+
+    assert bare.actuator.delay == 0.0
+    assert bare.value("encoder.window")[0] == pytest.approx(0.0602)
+    assert len(remarks) == 2
+
+
+def test_wheels_of_the_paper_are_not_taken_for_known(driven, tmp_path):
+    (tmp_path / "known.toml").write_text("[limits]\nv_u1 = [0.5, 1.0]\nv_u2 = [0.4, 0.8]\n")
+    log = log_of(driven, 0)
+
+    with pytest.raises(LogError, match=r"robot\.r and robot\.l must be known"):
+        identify(log, known=tmp_path / "known.toml", overrides={"encoder.counts": TRUTH.counts})
+
+
+def test_numbers_of_a_preset_that_a_file_extends_are_used_and_are_called_assumed(tmp_path):
+    known = tmp_path / "known.toml"
+    known.write_text(
+        'extends = "turtlebot3-burger"\n[limits]\nv_u1 = [0.3, 0.6]\nv_u2 = [0.2, 0.5]\n'
+    )
+
+    found = identify(LOG, base="velocity", known=known)
+    again = tmp_path / "found.toml"
+    again.write_text(found.to_toml())
+
+    assert found.scenario.robot.r == load_scenario("turtlebot3-burger").robot.r
+    assert {"robot.m", "robot.r"} <= {*found.scenario.assumed}
+    assert "limits.v_u1" not in found.scenario.assumed
+    assert load_scenario(again).assumed == found.scenario.assumed
+    assert identify(LOG, base="velocity", known=again).scenario.limits == found.scenario.limits
+
+
+def test_limits_of_an_earlier_log_are_not_stated_ones(silent, tmp_path):
+    (tmp_path / "mine.toml").write_text(silent.to_toml())
+    faster = {key: [(1 + (key != "t [s]")) * item for item in LOG[key]] for key in LOG}
+
+    found = identify(faster, base="velocity", known=tmp_path / "mine.toml")
+
+    assert found.scenario.limits.v_u1[0] > 1.5 * silent.scenario.limits.v_u1[0]
+    assert found.scenario.filter.kind == "clip"
+
+
+def test_a_guard_keeps_to_the_speeds_and_torques_of_the_log(driven, found):
+    """`found` knows wheels and counts alone."""
+    scenario, log = found.scenario, log_of(driven, 0)
+
+    assert {"limits.v_u1", "limits.v_u2", "actuator.tau_max"} == {*scenario.assumed}
+    most = [max(map(abs, log[f"tau_{side} [N.m]"])) for side in ("right", "left")]
+    assert 0.9 * min(most) < scenario.actuator.tau_max <= min(most)
+    assert scenario.guard.enabled
+    assert scenario.guard.dbar == found.bounds.dbar
+    written = tomllib.loads(found.to_toml())
+    assert {*written["robot"]} == {"m", "I", "mu", "r", "l"}
+
+
+@pytest.mark.parametrize(("far", "enabled"), [(1.0, True), (1.5, True), (2.1, False)])
+def test_limits_beyond_the_log_widen_a_guard_or_switch_it_off(found, far, enabled):
+    values = {name: item.value for name, item in found.parameters.items()}
+    base = override(found.scenario, {"guard.enabled": False})
+    limits = {"limits.v_u1": [far * item for item in base.limits.v_u1]}
+    remarks = []
+
+    made = identifying._scenario(
+        "log", override(base, limits), values, found.bounds, (far, far), remarks
+    )
+
+    assert made.guard.enabled is enabled
+    assert made.guard.dbar == pytest.approx([far * item for item in found.bounds.dbar])
+    assert any("the log shows speeds up to" in text for text in remarks) is (far > 1.0)
+    assert any("the guard is off" in text for text in remarks) is not enabled
+
+
+def test_the_limits_of_a_saved_run_are_stated_ones():
+    scenario, sure = identifying._believed(SimpleNamespace(base=Scenario()), None, {})
+
+    assert scenario == Scenario()
+    assert "limits.v_u1" in sure
