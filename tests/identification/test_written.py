@@ -16,6 +16,7 @@ from tests.identification.test_velocity_base import FIRST, steps
 from wmr_ctrl import identify
 from wmr_ctrl.filter import command_filter
 from wmr_ctrl.identification.estimate import bare_scenario
+from wmr_ctrl.identification.stated import believed
 from wmr_ctrl.logs.log import LogError
 from wmr_ctrl.scenario import Scenario, inherited, load_scenario, override
 from wmr_ctrl.scenario.toml_io import preset_names
@@ -241,7 +242,7 @@ def test_limits_beyond_the_log_widen_a_guard_or_switch_it_off(found, far, enable
 
 
 def test_the_limits_of_a_saved_run_are_stated_ones():
-    scenario, sure = identifying._believed(SimpleNamespace(base=Scenario()), None, {})
+    scenario, sure = believed(SimpleNamespace(base=Scenario()), None, {})
 
     assert scenario == Scenario()
     assert "limits.v_u1" in sure

@@ -3,7 +3,6 @@
 Each parameter gets a verdict, mixtures get words, and seconds are named.
 """
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -266,12 +265,6 @@ class BaseIdentification(ABC):
             *self.remarks,
         ]
         return "".join(f"# {line}\n" for line in head) + "\n" + tomlkit.dumps(document)
-
-
-def rounded_down(value: float) -> float:
-    """A value above 0 with two digits, never more than it is."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return float(f"{math.floor(value / step) * step:.3g}")
 
 
 def verdict(half: float, size: float) -> str:

@@ -22,7 +22,6 @@ from wmr_ctrl.identification.bounds import (
     grid_about,
     informative_seconds,
     mixtures,
-    rounded_down,
     sizes,
     verdict,
 )
@@ -40,6 +39,15 @@ from wmr_ctrl.identification.fit import COUNTED as MEASURED
 from wmr_ctrl.identification.fit import Fit, LogProblem
 from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
+from wmr_ctrl.identification.stated import (
+    LEAST_SEEN,
+    LIMITS,
+    MOST_FAR,
+    believed,
+    rounded_down,
+    with_limits,
+    written,
+)
 from wmr_ctrl.identification.velocity_base import of_velocities
 from wmr_ctrl.identification.widths import intervals_of, standard_errors
 from wmr_ctrl.logs import lint
@@ -57,9 +65,7 @@ from wmr_ctrl.logs.log import (
 from wmr_ctrl.logs.samples import Samples, held_speeds, motion_of
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.drive import RecordedDrive
-from wmr_ctrl.scenario import Scenario, inherited, override, scenario_dict
-from wmr_ctrl.scenario.raw import stated_in
-from wmr_ctrl.scenario.toml_io import KIND, OF_A_ROBOT, named_keys
+from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS, Encoder
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 
@@ -67,11 +73,6 @@ Progress = Callable[[float], None]
 USUAL = {"torque": 60, "velocity": 18}
 """Passes through a log that an identification usually takes, for the progress shown."""
 ROBOT = ("robot.r", "robot.l")
-LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
-BARRIER_FROM, LEAST_SEEN, MOST_FAR = 0.8, 1e-3, 2.0
-"""Share of a limit from which the barrier acts; least speed [m/s, rad/s] that is motion; largest
-limit of a guard over the largest speed of the log."""
-SEEN = "seen in the log, not your limit"
 COUNTED = "encoder.counts"
 
 
@@ -153,7 +154,7 @@ def identify(
             f'{raw.name}: the base of this run takes a {kind} (base.kind). Give base = "{kind}", '
             f"on the command line --base {kind}."
         )
-    scenario, sure = _believed(raw, known, overrides or {})
+    scenario, sure = believed(raw, known, overrides or {})
     raw, counts = with_counts(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
     if counts is not None:
         scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
@@ -164,7 +165,7 @@ def identify(
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
-    scenario, kept = _with_limits(scenario, sure, samples, base, remarks)
+    scenario, kept = with_limits(scenario, sure, samples, base, remarks)
     period, own = float(f"{samples.period:.4g}"), scenario.clock.control
     if "clock.control" in sure and period != own:
         remarks.append(f"clock.control = {own:.4g} s becomes {period:.4g} s, the log's step.")
@@ -178,75 +179,10 @@ def identify(
 
     fit = _of_torques if base == "torque" else of_velocities
     identified = fit(raw.name, samples, scenario, remarks, tell)
-    identified = replace(identified, scenario=_written(identified.scenario), kept=kept)
+    identified = replace(identified, scenario=written(identified.scenario), kept=kept)
     if progress:
         progress(1.0)
     return identified
-
-
-def _believed(
-    raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
-) -> tuple[Scenario, set[str]]:
-    """The scenario with the known numbers, and the keys that it states, or a preset in it.
-
-    Numbers of a preset that a file extends are assumed.
-    """
-    given = known if known is not None else raw.base
-    scenario = scenario_of(given if given is not None else Scenario(), overrides, guard=False)
-    stated = set(overrides)
-    for key, value in overrides.items():
-        stated |= {f"{key}.{name}" for name in (value if isinstance(value, Mapping) else ())}
-    if isinstance(given, Scenario):
-        stated |= stated_in(scenario_dict(given))
-    elif given is not None:
-        stated |= named_keys(str(given))
-        silent = {item.key for item in inherited(scenario, str(given), overrides)}
-        return replace(scenario, assumed=tuple(sorted(silent))), stated - {*scenario.assumed}
-    silent = {*scenario.assumed, *({*OF_A_ROBOT, KIND} - stated)}
-    return replace(scenario, assumed=tuple(sorted(silent))), stated - silent
-
-
-def _with_limits(
-    scenario: Scenario, sure: set[str], samples: Samples, base: str, remarks: list[str]
-) -> tuple[Scenario, dict[str, str]]:
-    """The scenario whose limits are those of the log, where nobody stated any.
-
-    Also the keys to write, with words on some.
-    """
-    high, low, shown = list(scenario.limits.v_u1), list(scenario.limits.v_u2), []
-    found: dict[str, object] = {}
-    for axis, (seen, unit) in enumerate(zip(held_speeds(samples), ("m/s", "rad/s"), strict=True)):
-        if not {LIMITS, f"{LIMITS}[{axis + 1}]"} & sure and seen > LEAST_SEEN:
-            high[axis] = rounded_down(seen)
-            follows = float(f"{BARRIER_FROM * high[axis]:.3g}")
-            low[axis] = min(low[axis], follows) if BARRIER in sure else follows
-            shown.append(f"{LIMITS}[{axis + 1}] = {high[axis]:g} {unit}")
-            found = {LIMITS: high, BARRIER: low}
-    if base == "torque" and TORQUE not in sure:
-        found[TORQUE] = rounded_down(float(np.abs(samples.command).max(axis=0).min()))
-        shown.append(f"{TORQUE} = {found[TORQUE]:g} N m")
-    if shown:
-        remarks.append(
-            f"nobody stated {', '.join(shown)}: this much is seen in the log, and is not your "
-            "limit. State yours, as in --set limits.v_u1=0.5,1.2 --set limits.v_u2=0.4,1."
-        )
-    kept = dict.fromkeys(sure, "") | dict.fromkeys({LIMITS, TORQUE} & {*found}, SEEN)
-    assumed = [key for key in found if key != BARRIER or key not in sure]
-    limited = override(scenario, found)
-    return replace(limited, assumed=(*limited.assumed, *assumed)), kept
-
-
-def _written(scenario: Scenario) -> Scenario:
-    """The scenario, in which what has its default need not be called assumed: it is left out."""
-    base, pi = Scenario(), {"robot.m", "robot.l"} if scenario.base.loop == "pi" else set()
-
-    def differs(key: str) -> bool:
-        table, _, name = key.partition(".")
-        if key == KIND:
-            return scenario.reference_kind.name != base.reference_kind.name
-        return vars(scenario.table(table))[name] != vars(base.table(table))[name]
-
-    return replace(scenario, assumed=tuple(k for k in scenario.assumed if k in pi or differs(k)))
 
 
 def _samples(

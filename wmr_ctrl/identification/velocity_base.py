@@ -19,7 +19,6 @@ from wmr_ctrl.identification.bounds import (
     Traces,
     grid_about,
     loop_remarks,
-    rounded_down,
 )
 from wmr_ctrl.identification.estimate import bare_scenario, cut_of, loop_estimates, loop_score
 from wmr_ctrl.identification.speed_loop import (
@@ -35,6 +34,7 @@ from wmr_ctrl.identification.speed_loop import (
     likelihoods,
     set_of,
 )
+from wmr_ctrl.identification.stated import rounded_down
 from wmr_ctrl.logs.lint import check_following
 from wmr_ctrl.logs.log import COMMAND, Floats, LogError
 from wmr_ctrl.logs.samples import AxisLog, Samples, axis_log, shifted_gain
@@ -182,40 +182,55 @@ def _scenario(
     if missing:
         remarks.append(f"the filter is off: {missing[0]} never changed. Drive both axes.")
         return bounds, result
-    known = [_largest_command(fit) for fit in seen]
-    reached = [item.gain * most + item.push for item, most in zip(peaks, known, strict=True)]
-    for V, v, item, most, unit in zip(
-        stated.limits.v_u1, reached, peaks, known, ("m/s", "rad/s"), strict=True
-    ):
-        if v * (1 + 1e-9) < V:
-            remarks.append(
-                f"the filter is off: for the limit of {V:.3g} {unit} it would send commands up to "
-                f"{(V - item.push) / item.gain:.3g} {unit}, and the log shows what the base does "
-                f"with commands up to {most:.3g} {unit}. Drive faster, or state a limit of at most "
-                f"{rounded_down(v):g} {unit}."
-            )
-            return bounds, result
-    if loop == "first-order" and not any(map(math.isfinite, accel)):
-        # The largest command of a governor: where it takes over at full speed backwards.
-        rise = 2 / math.expm1(base.clock.control / hull["tau"][0])
-        sent = [
-            (V - item.push + rise * V) / item.gain
-            for V, item in zip(stated.limits.v_u1, peaks, strict=True)
-        ]
-        if all(u <= most for u, most in zip(sent, known, strict=True)):
-            stated = override(stated, {"filter.kind": "governor"})
-        else:
-            remarks.append(
-                f"the filter is a clip: a governor would send up to {sent[0]:.3g} m/s and "
-                f"{sent[1]:.3g} rad/s for moments, and the log shows what the base does with "
-                f"commands up to {known[0]:.3g} m/s and {known[1]:.3g} rad/s."
-            )
+    quickest = None if loop != "first-order" or any(map(math.isfinite, accel)) else hull["tau"][0]
+    kind = _filter_kind(stated, seen, peaks, quickest, remarks)
+    if kind == "none":
+        return bounds, result
+    stated = override(stated, {"filter.kind": kind})
     try:
         settle(stated, None)
     except ScenarioError as error:
         remarks.append(f"the filter is off: with these numbers it is refused. {error}")
         return bounds, result
     return bounds, stated
+
+
+def _filter_kind(
+    stated: Scenario,
+    fits: list[LoopFit],
+    peaks: list[PeakGain],
+    quickest: float | None,
+    remarks: list[str],
+) -> str:
+    """The filter that sends no command beyond those whose effect the log shows, and a remark.
+
+    ``quickest``: least time constant [s] of a base that a governor can be used for.
+    """
+    limits, units = stated.limits.v_u1, ("m/s", "rad/s")
+    known = [_largest_command(fit) for fit in fits]
+    sent = [(V - item.push) / item.gain for V, item in zip(limits, peaks, strict=True)]
+    for V, u, item, most, unit in zip(limits, sent, peaks, known, units, strict=True):
+        if most * (1 + 1e-9) < u:
+            remarks.append(
+                f"the filter is off: for the limit of {V:.3g} {unit} it would send commands up to "
+                f"{u:.3g} {unit}, and the log shows what the base does with commands up to "
+                f"{most:.3g} {unit}. Drive faster, or state a limit of at most "
+                f"{rounded_down(item.gain * most + item.push):g} {unit}."
+            )
+            return "none"
+    if quickest is None:
+        return "clip"
+    # A governor sends most where it takes over at full speed backwards.
+    rise = 2 / math.expm1(min(stated.clock.control / quickest, 700.0))
+    sent = [u + rise * V / item.gain for u, V, item in zip(sent, limits, peaks, strict=True)]
+    if all(u <= most for u, most in zip(sent, known, strict=True)):
+        return "governor"
+    remarks.append(
+        f"the filter is a clip: a governor would send up to {sent[0]:.3g} m/s and {sent[1]:.3g} "
+        "rad/s for moments, and the log shows what the base does with commands up to "
+        f"{known[0]:.3g} m/s and {known[1]:.3g} rad/s."
+    )
+    return "clip"
 
 
 def _largest_command(fit: LoopFit) -> float:

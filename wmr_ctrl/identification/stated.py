@@ -1,0 +1,93 @@
+"""What a user states beside a log, and limits from the log where nobody states any."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.logs.log import Log
+from wmr_ctrl.logs.samples import Samples, held_speeds
+from wmr_ctrl.scenario import Scenario, inherited, override, scenario_dict
+from wmr_ctrl.scenario.raw import stated_in
+from wmr_ctrl.scenario.toml_io import KIND, OF_A_ROBOT, named_keys
+
+LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
+BARRIER_FROM, LEAST_SEEN, MOST_FAR = 0.8, 1e-3, 2.0
+"""Share of a limit from which the barrier acts; least speed [m/s, rad/s] that is motion; largest
+limit of a guard over the largest speed of the log."""
+SEEN = "seen in the log, not your limit"
+
+
+def believed(
+    raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
+) -> tuple[Scenario, set[str]]:
+    """The scenario with the known numbers, and the keys that it states, or a preset in it.
+
+    Numbers of a preset that a file extends are assumed.
+    """
+    given = known if known is not None else raw.base
+    scenario = scenario_of(given if given is not None else Scenario(), overrides, guard=False)
+    stated = set(overrides)
+    for key, value in overrides.items():
+        stated |= {f"{key}.{name}" for name in (value if isinstance(value, Mapping) else ())}
+    if isinstance(given, Scenario):
+        stated |= stated_in(scenario_dict(given))
+    elif given is not None:
+        stated |= named_keys(str(given))
+        silent = {item.key for item in inherited(scenario, str(given), overrides)}
+        return replace(scenario, assumed=tuple(sorted(silent))), stated - {*scenario.assumed}
+    silent = {*scenario.assumed, *({*OF_A_ROBOT, KIND} - stated)}
+    return replace(scenario, assumed=tuple(sorted(silent))), stated - silent
+
+
+def with_limits(
+    scenario: Scenario, sure: set[str], samples: Samples, base: str, remarks: list[str]
+) -> tuple[Scenario, dict[str, str]]:
+    """The scenario whose limits are those of the log, where nobody stated any.
+
+    Also the keys to write, with words on some.
+    """
+    high, low, shown = list(scenario.limits.v_u1), list(scenario.limits.v_u2), []
+    found: dict[str, object] = {}
+    for axis, (seen, unit) in enumerate(zip(held_speeds(samples), ("m/s", "rad/s"), strict=True)):
+        if not {LIMITS, f"{LIMITS}[{axis + 1}]"} & sure and seen > LEAST_SEEN:
+            high[axis] = rounded_down(seen)
+            follows = float(f"{BARRIER_FROM * high[axis]:.3g}")
+            low[axis] = min(low[axis], follows) if BARRIER in sure else follows
+            shown.append(f"{LIMITS}[{axis + 1}] = {high[axis]:g} {unit}")
+            found = {LIMITS: high, BARRIER: low}
+    torques = np.abs(samples.command).max(axis=0)
+    if base == "torque" and TORQUE not in sure and torques.any():
+        found[TORQUE] = rounded_down(float(torques[torques > 0].min()))
+        shown.append(f"{TORQUE} = {found[TORQUE]:g} N m")
+    if shown:
+        remarks.append(
+            f"nobody stated {', '.join(shown)}: this much is seen in the log, and is not your "
+            "limit. State yours, as in --set limits.v_u1=0.5,1.2 --set limits.v_u2=0.4,1."
+        )
+    kept = dict.fromkeys(sure, "") | dict.fromkeys({LIMITS, TORQUE} & {*found}, SEEN)
+    assumed = [key for key in found if key != BARRIER or key not in sure]
+    limited = override(scenario, found)
+    return replace(limited, assumed=(*limited.assumed, *assumed)), kept
+
+
+def written(scenario: Scenario) -> Scenario:
+    """The scenario, in which what has its default need not be called assumed: it is left out."""
+    base, pi = Scenario(), {"robot.m", "robot.l"} if scenario.base.loop == "pi" else set()
+
+    def differs(key: str) -> bool:
+        table, _, name = key.partition(".")
+        if key == KIND:
+            return scenario.reference_kind.name != base.reference_kind.name
+        return vars(scenario.table(table))[name] != vars(base.table(table))[name]
+
+    return replace(scenario, assumed=tuple(k for k in scenario.assumed if k in pi or differs(k)))
+
+
+def rounded_down(value: float) -> float:
+    """A value above 0 with two digits, never more than it is."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.floor(value / step) * step:.3g}")
