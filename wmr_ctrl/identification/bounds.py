@@ -210,7 +210,7 @@ class BaseIdentification(ABC):
     remarks: tuple[str, ...]
     score: Score
     scenario: Scenario
-    kept: Mapping[str, str] = field(default_factory=dict, kw_only=True)
+    words: Mapping[str, str] = field(default_factory=dict, kw_only=True)
     """Keys that the written scenario has though they are as by default, with words on some."""
     places: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Keys of the scenario, and the parameters whose intervals stand beside them."""
@@ -240,12 +240,12 @@ class BaseIdentification(ABC):
     def to_toml(self) -> str:
         """The scenario, with the interval and verdict of each number beside it."""
         ours = (key for key, names in self.places.items() if {*names} & {*self.parameters})
-        only = {*self.kept, *ours, *self.scenario.assumed}
+        only = {*self.words, *ours, *self.scenario.assumed}
         document = tomlkit.parse(to_toml(self.scenario, only=only))
         for key in self.scenario.assumed:
             table, name = key.split(".")
             entry = document[table][name]
-            said = self.kept.get(key) or "assumed, nobody stated it"
+            said = self.words.get(key) or "assumed, nobody stated it"
             entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
         for key, names in self.places.items():
             table, place = key.split(".")

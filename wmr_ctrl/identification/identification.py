@@ -165,7 +165,7 @@ def identify(
     if base == "torque":
         lint.check_torques(raw.name, samples, scenario.robot.l)
     lint.check_poses(raw.name, raw, samples)
-    scenario, kept = with_limits(scenario, sure, samples, base, remarks)
+    scenario, words = with_limits(scenario, sure, samples, base, remarks)
     period, own = float(f"{samples.period:.4g}"), scenario.clock.control
     if "clock.control" in sure and period != own:
         remarks.append(f"clock.control = {own:.4g} s becomes {period:.4g} s, the log's step.")
@@ -179,7 +179,7 @@ def identify(
 
     fit = _of_torques if base == "torque" else of_velocities
     identified = fit(raw.name, samples, scenario, remarks, tell)
-    identified = replace(identified, scenario=written(identified.scenario), kept=kept)
+    identified = replace(identified, scenario=written(identified.scenario), words=words)
     if progress:
         progress(1.0)
     return identified
@@ -346,7 +346,18 @@ def _scenario(
         )
         remarks.append(f"the guard is off: it takes {lacking}. A better drive determines it.")
         return result
-    seen = [limit / share for limit, share in zip(base.limits.v_u1, far, strict=True)]
+    if not _within_reach(result, far, remarks):
+        return result
+    try:
+        return scenario_of(result, guard=True)
+    except ScenarioError as error:
+        remarks.append(f"the guard is off: with these numbers it is refused. {error}")
+        return result
+
+
+def _within_reach(scenario: Scenario, far: Sequence[float], remarks: list[str]) -> bool:
+    """False if a limit is more than `MOST_FAR` times the log's largest speed; remarks say so."""
+    seen = [limit / share for limit, share in zip(scenario.limits.v_u1, far, strict=True)]
     visited = f"the log shows speeds up to {seen[0]:.2g} m/s and {seen[1]:.2g} rad/s"
     if max(far) > MOST_FAR:
         most = [rounded_down(MOST_FAR * v) for v in seen]
@@ -354,15 +365,11 @@ def _scenario(
             f"the guard is off: {visited}, and nothing is known about those of {LIMITS}. Drive "
             f"faster, or state limits of at most {most[0]:g} m/s and {most[1]:g} rad/s."
         )
-        return result
+        return False
     if max(far) > 1:
-        wider = result.guard.dbar
+        wider = scenario.guard.dbar
         remarks.append(
             f"{visited}. Up to those of {LIMITS} pushes are taken to grow with speed: guard.dbar "
             f"is [{wider[0]:.3g}, {wider[1]:.3g}] in the scenario."
         )
-    try:
-        return scenario_of(result, guard=True)
-    except ScenarioError as error:
-        remarks.append(f"the guard is off: with these numbers it is refused. {error}")
-        return result
+    return True

@@ -51,27 +51,27 @@ def with_limits(
     Also the keys to write, with words on some.
     """
     high, low, shown = list(scenario.limits.v_u1), list(scenario.limits.v_u2), []
-    found: dict[str, object] = {}
+    limits: dict[str, object] = {}
     for axis, (seen, unit) in enumerate(zip(held_speeds(samples), ("m/s", "rad/s"), strict=True)):
         if not {LIMITS, f"{LIMITS}[{axis + 1}]"} & sure and seen > LEAST_SEEN:
             high[axis] = rounded_down(seen)
             follows = float(f"{BARRIER_FROM * high[axis]:.3g}")
             low[axis] = min(low[axis], follows) if BARRIER in sure else follows
             shown.append(f"{LIMITS}[{axis + 1}] = {high[axis]:g} {unit}")
-            found = {LIMITS: high, BARRIER: low}
+            limits = {LIMITS: high, BARRIER: low}
     torques = np.abs(samples.command).max(axis=0)
     if base == "torque" and TORQUE not in sure and torques.any():
-        found[TORQUE] = rounded_down(float(torques[torques > 0].min()))
-        shown.append(f"{TORQUE} = {found[TORQUE]:g} N m")
+        limits[TORQUE] = rounded_down(float(torques[torques > 0].min()))
+        shown.append(f"{TORQUE} = {limits[TORQUE]:g} N m")
     if shown:
         remarks.append(
             f"nobody stated {', '.join(shown)}: this much is seen in the log, and is not your "
             "limit. State yours, as in --set limits.v_u1=0.5,1.2 --set limits.v_u2=0.4,1."
         )
-    kept = dict.fromkeys(sure, "") | dict.fromkeys({LIMITS, TORQUE} & {*found}, SEEN)
-    assumed = [key for key in found if key != BARRIER or key not in sure]
-    limited = override(scenario, found)
-    return replace(limited, assumed=(*limited.assumed, *assumed)), kept
+    words = dict.fromkeys(sure, "") | dict.fromkeys({LIMITS, TORQUE} & {*limits}, SEEN)
+    assumed = [key for key in limits if key != BARRIER or key not in sure]
+    limited = override(scenario, limits)
+    return replace(limited, assumed=(*limited.assumed, *assumed)), words
 
 
 def written(scenario: Scenario) -> Scenario:

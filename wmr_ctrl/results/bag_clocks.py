@@ -20,7 +20,7 @@ LATE = 1.0
 PARTS, BEND = 40, 0.02
 """Parts of a drive in which two clocks are compared, and how far they may be off a line [s]."""
 STEADY = 1e-3
-"""Difference of two clocks' rates that is told."""
+"""Difference of two clocks' rates that is reported."""
 
 
 class Topic(NamedTuple):
@@ -95,12 +95,12 @@ def _onto_stamps(topic: Topic, remarks: list[str]) -> Callable[[Integers], Integ
     apart = abs(float(r0 - s0) / SECOND + offset) > APART
     if not (apart or stood[-1] > 0 or abs(rate - 1) * s[-1] > BEND):
         return None
-    told = ["stamps and the recorder are on two clocks: times of receipt are put on the stamps'"]
+    said = ["stamps and the recorder are on two clocks: times of receipt are put on the stamps'"]
     if abs(rate - 1) > STEADY:
-        told.append(f"that clock runs at {1 / rate:.4g} of the recorder's")
+        said.append(f"that clock runs at {1 / rate:.4g} of the recorder's")
     if stood[-1] > 0:
-        told.append(f"it stands still for {stood[-1]:.2g} s in all")
-    remarks.append(f"{'; '.join(told)}.")
+        said.append(f"it stands still for {stood[-1]:.2g} s in all")
+    remarks.append(f"{'; '.join(said)}.")
 
     def onto(receipt: Integers) -> Integers:
         seconds = (receipt - r0) / SECOND
