@@ -41,11 +41,9 @@ from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
 from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
 from wmr_ctrl.identification.stated import (
     LEAST_SEEN,
-    LIMITS,
-    MOST_FAR,
     believed,
-    rounded_down,
     with_limits,
+    within_reach,
     written,
 )
 from wmr_ctrl.identification.velocity_base import of_velocities
@@ -346,30 +344,10 @@ def _scenario(
         )
         remarks.append(f"the guard is off: it takes {lacking}. A better drive determines it.")
         return result
-    if not _within_reach(result, far, remarks):
+    if not within_reach(result, far, remarks):
         return result
     try:
         return scenario_of(result, guard=True)
     except ScenarioError as error:
         remarks.append(f"the guard is off: with these numbers it is refused. {error}")
         return result
-
-
-def _within_reach(scenario: Scenario, far: Sequence[float], remarks: list[str]) -> bool:
-    """False if a limit is more than `MOST_FAR` times the log's largest speed; remarks say so."""
-    seen = [limit / share for limit, share in zip(scenario.limits.v_u1, far, strict=True)]
-    visited = f"the log shows speeds up to {seen[0]:.2g} m/s and {seen[1]:.2g} rad/s"
-    if max(far) > MOST_FAR:
-        most = [rounded_down(MOST_FAR * v) for v in seen]
-        remarks.append(
-            f"the guard is off: {visited}, and nothing is known about those of {LIMITS}. Drive "
-            f"faster, or state limits of at most {most[0]:g} m/s and {most[1]:g} rad/s."
-        )
-        return False
-    if max(far) > 1:
-        wider = scenario.guard.dbar
-        remarks.append(
-            f"{visited}. Up to those of {LIMITS} pushes are taken to grow with speed: guard.dbar "
-            f"is [{wider[0]:.3g}, {wider[1]:.3g}] in the scenario."
-        )
-    return True

@@ -1,7 +1,7 @@
 """What a user states beside a log, and limits from the log where nobody states any."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -72,6 +72,26 @@ def with_limits(
     assumed = [key for key in limits if key != BARRIER or key not in sure]
     limited = override(scenario, limits)
     return replace(limited, assumed=(*limited.assumed, *assumed)), words
+
+
+def within_reach(scenario: Scenario, far: Sequence[float], remarks: list[str]) -> bool:
+    """False if a limit is more than `MOST_FAR` times the log's largest speed; remarks say so."""
+    seen = [limit / share for limit, share in zip(scenario.limits.v_u1, far, strict=True)]
+    visited = f"the log shows speeds up to {seen[0]:.2g} m/s and {seen[1]:.2g} rad/s"
+    if max(far) > MOST_FAR:
+        most = [rounded_down(MOST_FAR * v) for v in seen]
+        remarks.append(
+            f"the guard is off: {visited}, and nothing is known about those of {LIMITS}. Drive "
+            f"faster, or state limits of at most {most[0]:g} m/s and {most[1]:g} rad/s."
+        )
+        return False
+    if max(far) > 1:
+        wider = scenario.value("guard.dbar")
+        remarks.append(
+            f"{visited}. Up to those of {LIMITS} pushes are taken to grow with speed: guard.dbar "
+            f"is [{wider[0]:.3g}, {wider[1]:.3g}] in the scenario."
+        )
+    return True
 
 
 def written(scenario: Scenario) -> Scenario:
