@@ -224,6 +224,16 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         "wmr_ctrl/guard/", "prove guard.assembled.guard.linear-first-late",
         ("guard.py", "rounding(max(item.roundings for item in late))", "rounding(0)"),
     ),
+    *(
+        TextAlteration(
+            "wmr_ctrl/control/controller.py", "following([mapped,", "following([held.force,", seen
+        )
+        for seen in (
+            "prove guard.assembled.lag-alone",
+            "tests/guard/test_lateness.py::"
+            "test_older_commands_count_as_weak_wheels_were_given_them",
+        )
+    ),
     *_rows(
         WORLD, "prove world.noise.thrust",
         ("torque_noise.py", "else section.truncate\n", "else min(section.truncate, 3.0)\n"),

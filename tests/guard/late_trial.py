@@ -45,6 +45,7 @@ class Case:
     brake: float | None = None
     alpha: float = 1.0
     M_min: float = 45.0
+    tau_max: float | None = None
 
     @property
     def setup(self) -> Setup:
@@ -89,6 +90,8 @@ def settled(case: Case) -> Setup:
     }
     if case.brake is not None:
         changed["guard.brake"] = both(case.brake)
+    if case.tau_max is not None:
+        changed["actuator.tau_max"] = case.tau_max
     scenario = load_scenario("paper-simulation-nominal", changed)
     lag, old, wide = (x * case.T for x in (case.lag, case.age, case.window))
     fast = lag if case.fast is None else case.fast * case.T

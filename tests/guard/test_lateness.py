@@ -139,6 +139,33 @@ def test_a_guard_does_the_same_in_either_direction() -> None:
     assert changed > 10
 
 
+@pytest.mark.parametrize(
+    "late", [{"lag": 1.0}, {"lag": 1.0, "fast": 0.5}, {"lag": 0.5, "lo": 0.5, "hi": 0.5}], ids=str
+)
+def test_older_commands_count_as_weak_wheels_were_given_them(late: dict[str, float]) -> None:
+    """Wheels that cannot reach a safe force get a smaller one, and that is what acts later."""
+    case = Case(**late, dbar=20.0, tau_max=5.0)
+    formulas = [case.formula(axis) for axis in (0, 1)]
+    system, step = composed(case)
+    draw, x, robot = np.random.default_rng(1), system.x0, case.setup.scenario.robot
+    tails = [[item.first_tail] * 2 for item in formulas]
+    first, sent, weak = np.ravel(tails), np.zeros((formulas[0].n, 2)), 0
+    for _ in range(50):
+        u = np.concatenate((draw.uniform(-1, 1, 2) * (400, 60), draw.uniform(-1, 1, 2) * 0.3))
+        x, torque, seen = (item.full().ravel() for item in step(u, x, system.p0))
+        force = np.array([torque.sum(), robot.l * (torque[0] - torque[1])]) / robot.r
+        commands = np.vstack([force, sent])
+        for axis, item in enumerate(formulas):
+            tails[axis] = [
+                item.next_tail(tail, commands[:, axis], way)
+                for tail, way in zip(tails[axis], (1.0, -1.0), strict=True)
+            ]
+        assert x[-4:] == pytest.approx(np.ravel(tails) - first, rel=1e-9, abs=1e-9)
+        sent, weak = commands[:-1], weak + bool((np.abs(torque) > 4.99).any())
+
+    assert weak > 10
+
+
 @pytest.mark.parametrize("true", [{"window": 1.0, "dbar": 50.0}, {"hi": 1.0, "dbar": 30.0}])
 def test_a_guard_that_is_not_told_breaks(true: dict[str, float]) -> None:
     told = Case(dbar=true["dbar"])

@@ -12,6 +12,7 @@ from math import ceil, inf, nextafter
 
 import casadi as ca
 
+from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.guard.bounds import pair_of
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, integral, moved, push, waiting
@@ -69,12 +70,12 @@ class LateAssembled(Assembled):
     def _summed(self, axis: int, b: Bounds) -> InFlight:
         late = self.counted
         mean, rest = (self._pieces(item, axis, b) for item in (late.mean, late.rest))
-        assert late.tail is not None
-        tail, share = self._older(axis, b), late.tail.share
+        tail, share = self._older(axis, b), late.tail.share if late.tail else 1.0
         ways = zip((mean.ahead, mean.back), (rest.ahead, rest.back), tail, strict=True)
         ahead, back = ((one + share * old, two + old) for one, two, old in ways)
         again = in_flight([(self.forces[0], late.jitter)], axis, b) if late.jitter else None
-        return InFlight(ahead[0], back[0], InFlight(ahead[1], back[1]), again)
+        from_rest = InFlight(ahead[1], back[1]) if late.averaged else None
+        return InFlight(ahead[0], back[0], from_rest, again)
 
     def _pieces(self, pieces: Sequence[Piece], axis: int, b: Bounds) -> InFlight:
         forces = self.forces
@@ -83,20 +84,22 @@ class LateAssembled(Assembled):
 
     def _older(self, axis: int, b: Bounds) -> list[ca.SX]:
         """Remaining share of older commands, ahead and back."""
-        late, kept = self.counted, self.p["guard_tail"]
-        assert late.tail is not None
-        steady = late.tail.steady * b.period * ca.fmax(b.net, 0)
+        tail = self.counted.tail
+        if tail is None:
+            return [ca.SX(0), ca.SX(0)]
+        kept, steady = self.p["guard_tail"], tail.steady * b.period * ca.fmax(b.net, 0)
         return [(kept[2 * axis + k] + steady) / b.M_min for k in (0, 1)]
 
     def _felt(self, axis: int, b: Bounds) -> InFlight:
-        late, T, first = self.counted, b.period, self.forces[0][axis]
+        late, T = self.counted, b.period
         varying, ways = late.varying, []
         assert varying is not None
         for k, way in enumerate((1, -1)):
-            means, rests, z = self._followed(varying.pieces, axis, b, k)
+            means, rests, z = self._followed(varying.pieces, self.forces, axis, b, k)
             left = T * varying.longest * z
-            p, after, again = push([first], b, way), z, ca.SX(0)
+            after, again = z, ca.SX(0)
             if late.jitter:
+                p = push([self.forces[0][axis]], b, way)
                 again = waiting(z, p, T * late.jitter, T * varying.rises[0]) / b.M_min
                 after = moved(z, p, varying.stays)
             sums = ((total + left) / b.M_min for total in (means, rests))
@@ -105,16 +108,19 @@ class LateAssembled(Assembled):
         mean, rest, last = (InFlight(ahead[k], back[k]) for k in range(3))
         now, after_both = ((ahead[k], back[k]) for k in (3, 4))
         slow = Lagging(now, after_both, T * varying.rises[1], T * varying.rises[2])
-        return replace(mean, since_rest=rest, again=last if late.jitter else None, slow=slow)
+        return replace(
+            mean, since_rest=rest if late.averaged else None,
+            again=last if late.jitter else None, slow=slow,
+        )  # fmt: skip
 
     def _followed(
-        self, pieces: Sequence[Passage], axis: int, b: Bounds, k: int, skip: int = 0
+        self, pieces: Sequence[Passage], forces: Sequence[ca.SX], axis: int, b: Bounds, k: int
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Z's integrals, as mean and rest, and its end; the first ``skip`` commands are new."""
+        """Z's integrals, as mean and rest, and its end; ``forces``: the latest first."""
         z = self.p["guard_tail"][2 * axis + k] + ca.fmax(b.net, 0)
         mean = rest = ca.SX(0)
         for piece in pieces:
-            p = push([self.forces[j - 1 - skip][axis] for j in piece.which], b, 1 - 2 * k)
+            p = push([forces[j - 1][axis] for j in piece.which], b, 1 - 2 * k)
             mean += b.period * integral(z, p, piece.mean)
             rest += b.period * integral(z, p, piece.rest)
             z = moved(z, p, piece.stays)
@@ -123,12 +129,17 @@ class LateAssembled(Assembled):
     def slow_drives(self) -> list[ca.SX]:
         """Conditions for the drives to be no slower, no sooner and no more varied than counted."""
         p, T, near = self.p, self.p["clock.control"], 1 + 2.0**-44
-        delay, lag, spread = p["actuator.delay"], p["actuator.lag"], p.get("actuator.lag_spread", 0)
         (least, most), (fast, slow) = map(pair_of, (self.setup.guard.delay, self.setup.guard.lag))
-        latest = delay + p.get("actuator.jitter", 0)
-        met = [latest <= _periods(most) * T, lag * (1 + spread) <= _periods(slow) * T]
-        if least < most:
-            met.append(delay * near >= _periods(least) * T)
+        met = []
+        if most:
+            delay = p["actuator.delay"]
+            met.append(delay + p.get("actuator.jitter", 0) <= _periods(most) * T)
+            if least < most:
+                met.append(delay * near >= _periods(least) * T)
+        if not slow:
+            return met
+        lag, spread = p["actuator.lag"], p.get("actuator.lag_spread", 0)
+        met.append(lag * (1 + spread) <= _periods(slow) * T)
         if fast < slow:
             step = p["clock.plant"]
             growth = ca.exp(step / (lag * (1 - spread))) - 1
@@ -138,31 +149,39 @@ class LateAssembled(Assembled):
     @property
     def signs(self) -> tuple[Relation, ...]:
         """Divisors are positive."""
+        if not self.counted.lag:
+            return super().signs
         lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
         return (*super().signs, *positive(lag, 1 - spread))
 
     def kept(self) -> Iterator[Relation]:
         """Memory of older commands, of the guard and of the monitor."""
+        if not self.counted.lag:
+            return
         later = [self._joined(axis, b) for axis, (_, b, _) in enumerate(self.axes)]
         yield from every(self.later["guard_tail"], ca.vertcat(*later))
-        told = self._kept_as_named(self._motion.following(self._both))
-        yield from every(self.later["guard_monitor_tail"], told)
+        if "guard_monitor_tail" in self.later:
+            told = self._kept_as_named(self._motion.following(self._both))
+            yield from every(self.later["guard_monitor_tail"], told)
 
     def _kept_as_named(self, expr: ca.SX) -> ca.SX:
         """An expression of the monitor's with the state of the exported graph."""
-        own = self._motion.tails.state[0].sym
-        return ca.substitute(expr, own, self.p["guard_monitor_tail"])
+        kept = self._motion.tails.state
+        return ca.substitute(expr, kept[0].sym, self.p["guard_monitor_tail"]) if kept else expr
 
     def _joined(self, axis: int, b: Bounds) -> ca.SX:
         """The share of older commands a sample later."""
         late, rest = self.counted, ca.fmax(b.net, 0)
+        forces = [wheel_to_force(*self.wheels, self.torque), *self.forces]
         if late.varying:
-            ends = [self._followed(late.varying.entering, axis, b, k, 1)[2] for k in (0, 1)]
+            pieces = late.varying.entering
+            ends = [self._followed(pieces, forces, axis, b, k)[2] for k in (0, 1)]
             return ca.vertcat(*ends) - rest
         assert late.tail is not None
         sure, mixed = late.tail.entering
         n, rows = late.commands, []
-        old, newer = self.forces[n - 1][axis], self.forces[n - 2][axis]
+        old = forces[n][axis]
+        newer = forces[n - 1][axis] if n else old
         for k, way in enumerate((1, -1)):
             joins = sure * push([old], b, way) + mixed * push([old, newer], b, way)
             stays = late.tail.decay * self.p["guard_tail"][2 * axis + k]
@@ -184,6 +203,9 @@ class LateAssembled(Assembled):
 
     def least_pushes(self) -> Iterator[ca.SX]:
         """The monitor's figure of each axis, once all that it counts was sent."""
+        if "guard_started" in self.p:
+            yield from super().least_pushes()
+            return
         motion = self._motion
         for axis, (y, b, _) in enumerate(self.axes):
             least = motion.least_push(axis, y, self.p["guard_v"][axis], b)
@@ -228,3 +250,39 @@ def assembled(
     lags are about.
     """
     return exported(mutation, kind, LateAssembled(assemble, setup(kind, 0, True, **stated)))
+
+
+LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
+KNOWN = "for the torque that is remembered as applied"
+MOVING = "for late motion"
+
+
+@claim(
+    "guard.assembled.{late}-alone",
+    given="any parameters with r, l, T, alpha, M_min, M_max{slow} > 0; any force that is asked for",
+    premises="guard.axes wheels.linear-first",
+    over=(
+        {"late": "lag", "stated": LAG, "slow": ", lag", "monitor": KNOWN,
+         "which": "a lag of 0.4 of a period"},
+        {"late": "varying-lag", "stated": LAG | {"actuator.lag_spread": 0.25}, "monitor": MOVING,
+         "slow": ", lag, 1 - spread", "which": "a lag of 0.4 of a period that varies by a quarter"},
+        {"late": "delay", "stated": PART, "slow": "", "monitor": KNOWN,
+         "which": "a delay of half a period"},
+        {"late": "jitter", "stated": JITTER, "slow": "", "monitor": MOVING,
+         "which": "a jitter of half a period"},
+        {"late": "window", "stated": {"sensor.velocity_window": PERIOD}, "slow": "",
+         "monitor": MOVING, "which": "velocities, which are means over a period"},
+    ),
+)  # fmt: skip
+def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
+    """nothing is late but {which}: the torques of the whole guard are those of linear-first on both
+    axes' clips and safe points, with what is counted of the commands under way and, behind a lag,
+    of older ones, the new one joining them as the wheels were given it; feasible = 1 only where
+    both axes' flags are, their brakes together are within reach and the drives are no later, slower
+    or more varied than is counted; each d_least is that of the monitor {monitor}.
+
+    Each way to be late, by itself, is counted as it is together with the others.
+    """
+    return exported(
+        mutation, "linear-first", LateAssembled(guard, setup("linear-first", 0, True, **stated))
+    )
