@@ -115,7 +115,7 @@ CHAINS: dict[str, tuple[Link, ...]] = {
              "filter.carried-*"),
         ),
         Link(
-            "The ROS 2 node sends only commands within the clip.",
+            "Before a clip, the gate of the ROS 2 node sends only commands within it.",
             ("gate.*",),
         ),
         Link(

@@ -165,7 +165,10 @@ def test_late_drives_start_with_the_torque_that_friction_takes_and_the_words_say
     changes = {"guard.enabled": False, "disturbance.std": 0.05}
     scenario = override(load_scenario("safe-simulation"), changes)
     late = override(scenario, {"actuator.delay": 0.01})
-    words = "at its speed, with the torque that friction takes in its drives,"
+    words = (
+        "at its speed, with the torque that friction takes in its drives and a law that has asked "
+        "for it,"
+    )
 
     assert words in find_corridor(late, "prox").sentence
     assert words not in find_corridor(scenario, "prox").sentence

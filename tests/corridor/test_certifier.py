@@ -222,7 +222,7 @@ def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it(
         (
             {"actuator.lag": 0.02},
             "no torque in its drives",
-            "the torque that friction takes in its",
+            "the torque that friction takes in its drives and a law that has asked for it",
         ),
         ({}, "", ""),
     ],
@@ -240,7 +240,9 @@ def test_what_a_base_that_takes_velocities_holds_at_first_is_told_part_by_part()
     setup = settle(late, "kanayama")
 
     assert at_first(setup, run=True) == "no command under way and its ramp at that speed"
-    assert at_first(setup, run=False).startswith("commands of that speed under way and its ramp")
+    assert at_first(setup, run=False) == (
+        "commands of that speed under way, its ramp at that speed and a law that has sent them"
+    )
 
 
 def test_another_robot_has_its_masses_at_all_times_and_is_believed_to_be_what_it_was():

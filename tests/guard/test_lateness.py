@@ -152,7 +152,7 @@ def test_older_commands_count_as_weak_wheels_were_given_them(late: dict[str, flo
     first, sent, weak = np.ravel(tails), np.zeros((formulas[0].n, 2)), 0
     for _ in range(50):
         u = np.concatenate((draw.uniform(-1, 1, 2) * (400, 60), draw.uniform(-1, 1, 2) * 0.3))
-        x, torque, seen = (item.full().ravel() for item in step(u, x, system.p0))
+        x, torque = (item.full().ravel() for item in step(u, x, system.p0)[:2])
         force = np.array([torque.sum(), robot.l * (torque[0] - torque[1])]) / robot.r
         commands = np.vstack([force, sent])
         for axis, item in enumerate(formulas):
@@ -203,6 +203,9 @@ def test_pieces_count_for_the_integral_of_what_is_left(times: tuple[float, ...])
     older *= late.tail.share if late.tail else 1.0
     assert sum(w for _, w in late.mean) + older + late.jitter == pytest.approx(late.usual)
     assert late.mixed <= late.usual + 1e-12
+    least = dict(late.rest)  # the mean of a command never counts for more than the same from rest
+    assert all(weight <= least.get(which, 0.0) + 1e-12 for which, weight in late.mean)
+    assert not late.tail or late.tail.share <= 1
 
 
 def times_of(age=0.0, window=0.0, delay=0.0, jitter=0.0, lag=0.0, period=0.01) -> Times:

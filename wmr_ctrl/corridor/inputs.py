@@ -187,19 +187,24 @@ def check_covered(setup: Setup) -> None:
 
 
 def at_first(setup: Setup, *, run: bool) -> str:
-    """Initial state of drives or of the base's loop, in words: of a ``run``, or for good."""
+    """Initial state of drives, base and law, in words: of a ``run``, or for all time."""
     scenario = setup.scenario
     if not setup.takes_velocity:
-        load = "no torque" if run else "the torque that friction takes"
-        return "" if scenario.actuator.ideal else f"{load} in its drives"
-    parts = []
-    if scenario.base.delay > 0:
+        if scenario.actuator.ideal:
+            return ""
+        asked = "the torque that friction takes in its drives and a law that has asked for it"
+        return "no torque in its drives" if run else asked
+    parts, late = [], scenario.base.delay > 0
+    if late:
         parts.append("no command under way" if run else "commands of that speed under way")
     if ramps(scenario):
         parts.append("its ramp at that speed")
     if has_loop(scenario, "pi"):
         parts.append(f"{'no force' if run else 'the force that friction takes'} in its own loop")
-    return " and ".join(parts)
+    if parts and not run:
+        parts.append(f"a law that has sent {'them' if late else 'commands of that speed'}")
+    *first, last = parts or [""]
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def _check_base(scenario: Scenario) -> None:

@@ -17,6 +17,10 @@ from wmr_ctrl.proofs.symbols import Named, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
+COMMANDS = (
+    "every command of real numbers (what is no number counts as 0, which "
+    "tests/filter/test_package.py tries)"
+)
 claim = Claims(by=Z3(effort=60))
 
 

@@ -12,7 +12,7 @@ from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.governor import NEAR, drive, drive_back
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.command_filter import INTERVALS, highest
+from wmr_ctrl.proofs.claims.command_filter import COMMANDS, INTERVALS, highest
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, when
@@ -32,9 +32,9 @@ SIDES = tuple(
     for side, way in enumerate(("forwards", "backwards"))
 )
 ASSEMBLED = (
-    "every command (NaN included), odometry within nbar or none, any time since the last sample; "
+    f"{COMMANDS}, odometry within nbar or none, any time since the last sample; "
     "-v_below <= v <= v_above if that is a period, |v| <= V; no delay and no losses, H = T; "
-    "tau_min <= tau_max; " + INTERVALS
+    "T > 0, 0 < tau_min <= tau_max; " + INTERVALS
 )
 
 
@@ -82,12 +82,41 @@ class AssembledStep:
         )  # fmt: skip
 
 
-@claim("filter.sent-{id}", given=ASSEMBLED, over=SIDES)
+@claim(
+    "filter.limits",
+    given="0 < K_min <= K_max, 0 <= dbar < V of both axes, T, tau_min > 0; any odometry, any time "
+    "since the last sample; no delay and no losses, H = T",
+)
+def limits(mutation: Mutation) -> Statement:
+    """the largest command that the whole filter admits is above 0, on either axis, either way.
+
+    Stopping is always allowed, and so is driving.
+    """
+    graph, cuts = Governor(load_scenario("paper-simulation", STATED)), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for axis, (b, motion) in enumerate(zip(graph.bounds, graph.motions, strict=True)):
+        (low, high), name = motion.tau, ("linear", "angular")[axis]
+        kappa = 1 / ca.expm1(graph.T / low)
+        cuts |= {f"kappa {name}": kappa, f"-most {name}": ca.expm1(-graph.T / low)}
+        cuts[f"-least {name}"] = ca.expm1(-graph.T / high)
+        given += [above(b.V, b.dbar), at_least(b.dbar), above(b.K_min), at_least(b.K_max, b.K_min)]
+        given.append(above(kappa))
+        goals += [above(side[axis], mutation(0, b.V)) for side in graph.limits]
+    table = elements_of(*graph.system.inputs, *graph.system.state, *graph.system.params)
+    return Statement(table, tuple(goals), tuple(given), cuts)
+
+
+@claim(
+    "filter.sent-{id}",
+    given=f"{ASSEMBLED}; the four limits above 0 (filter.limits)",
+    premises="filter.limits",
+    over=SIDES,
+)
 def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     """{words}: the command that the whole filter sends is at most the step's limit, whatever both
     axes are asked for.
 
-    Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
+    Nothing bypasses the filter: no command and no scaling of the other axis.
     """
     step = AssembledStep(side, axis)
     every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
@@ -154,7 +183,7 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
 
 @claim(
     "filter.carried-{id}",
-    given=f"{ASSEMBLED}; 0 < tau_min; sent at most the step's limit (filter.sent)",
+    given=f"{ASSEMBLED}; sent at most the step's limit (filter.sent)",
     premises="filter.sent-{id} filter.drive",
     by=lambda side, axis: Z3(effort=60, points=tight(side, axis)),
     over=SIDES,

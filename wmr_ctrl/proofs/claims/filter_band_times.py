@@ -5,6 +5,7 @@ import casadi as ca
 from wmr_ctrl.filter.band import BandGovernor
 from wmr_ctrl.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.command_filter import COMMANDS
 from wmr_ctrl.proofs.claims.common import AXES, elements_of
 from wmr_ctrl.proofs.claims.filter_band import WAYS
 from wmr_ctrl.proofs.ledger import HAND
@@ -32,14 +33,14 @@ def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
 
 @claim(
     "filter.band.sent-{id}",
-    given="every command (NaN included), at any time, parameters that are sound; 0 <= what a fall "
-    "and a rise are admitted",
+    given=f"{COMMANDS}, at any time, parameters that are sound; 0 <= what a fall and a rise are "
+    "admitted, and 0 <= the largest command behind which 0 may follow",
     over=AXES,
 )
 def sent(mutation: Mutation, axis: int) -> Statement:
     """u_before - fall <= u <= u_before + rise, u what the whole band sends on the {id} axis.
 
-    Nothing bypasses the filter: no command, not even NaN, and no scaling of the other axis.
+    Nothing bypasses the filter: no command and no scaling of the other axis.
     """
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
@@ -51,8 +52,8 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "filter.band.sent-stop-{id}",
-    given="every command (NaN included), any parameters; 0 is between what a fall and a rise are "
-    "admitted",
+    given=f"{COMMANDS}, any parameters; 0 is between what a fall and a rise are admitted, and 0 "
+    "<= the largest command behind which 0 may follow",
     over=AXES,
 )
 def sent_stop(mutation: Mutation, axis: int) -> Statement:

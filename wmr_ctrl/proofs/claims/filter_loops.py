@@ -8,6 +8,7 @@ from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.command_filter import COMMANDS
 from wmr_ctrl.proofs.claims.common import AXES, elements_of
 from wmr_ctrl.proofs.claims.filter_assembled import STATED
 from wmr_ctrl.proofs.ledger import HAND
@@ -76,8 +77,8 @@ def inside(clip: Clip) -> Iterator[Relation]:
 
 @claim(
     "filter.slew-sent-{id}",
-    given="every command (NaN included), at any time; K_max > 0, 0 <= delta + a reach < V, a > 0, "
-    "T > 0; the command before within the same limit",
+    given=f"{COMMANDS}, at any time; parameters that are sound, K_max > 0, 0 <= delta + a reach < "
+    "V, a > 0, T > 0; the command before within the same limit",
     over=AXES,
 )
 def slew_sent(mutation: Mutation, axis: int) -> Statement:
@@ -101,8 +102,7 @@ def slew_sent(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "filter.sent-clip-{id}",
-    given="every command (NaN included); 0 < N, 0 <= delta < V: the parameters of the clip of "
-    "linear loops",
+    given=f"{COMMANDS}; 0 < N, 0 <= delta < V: the parameters of the clip of linear loops",
     over=AXES,
 )
 def sent_clip(mutation: Mutation, axis: int) -> Statement:

@@ -16,14 +16,17 @@ from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.relation import Relation, above, at_least
 from wmr_ctrl.proofs.statement import Statement
 
-NUMBERS_FREE = (
-    "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1, brake, f_min, f_speed that are "
-    "feasible: 2 (dbar - f_min) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, brake >= dbar - "
-    "f_min, brake >= 0"
+SIGNS = (
+    "u1, T, alpha > 0, 0 < M_min <= M_max, 0 <= f_speed < u1, dbar, nbar, brake, f_min >= 0, 2 "
+    "nbar <= u1"
 )
+"""What every entry assumes of the guard's numbers, beside alpha T <= 1."""
+FREE = f"every number with {SIGNS}, 2 (dbar - f_min) <= M_min alpha (u1 - f_speed), "
+NUMBERS_FREE = f"{FREE}brake >= dbar - f_min and alpha T <= 1"
 CAPS = (
-    "0 <= brakes, net <= brakes <= largest, late (largest + net) + max(brakes + net, 0)/alpha <= "
-    "M_min (u1 - f_speed), mixed (largest + net) <= M_min (u1 - 2 nbar) (guard.late.caps)"
+    f"{SIGNS}, alpha T <= 1, J <= T, J <= mixed <= usual <= late, late > 0; 0 <= brakes, net <= "
+    "brakes <= largest, late (largest + net) + max(brakes + net, 0)/alpha <= M_min (u1 - f_speed), "
+    "mixed (largest + net) <= M_min (u1 - 2 nbar) (guard.late.caps)"
 )
 _AT_ONCE: dict[str, Any] = {
     "a": GuardAxis(AT_ONCE), "effort": 150, "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
@@ -32,10 +35,14 @@ _AT_ONCE: dict[str, Any] = {
     "spare": "(brakes - net) M_min >= M_max D", "late": "", "steady": "",
 }  # fmt: skip
 _DELAYED = _AT_ONCE | {
-    "a": GuardAxis(DELAYED), "caps": "0 <= brakes, net <= brakes <= largest (guard.delay.caps)",
-    "enough": "{caps}; guard.{at}room, 2 nbar <= u1, alpha T <= 1", "capped": "guard.delay.caps",
-    "rests": "guard.{at}room {capped}", "inside": "{seen}, alpha T <= 1, {caps}, lo <= hi",
-    "kept": "guard.{at}feasible", "where": " where the new command takes over",
+    "a": GuardAxis(DELAYED),
+    "caps": f"{SIGNS}, delay > 0, alpha T <= 1; 0 <= brakes, net <= brakes <= largest "
+    "(guard.delay.caps)", "enough": "{caps}; guard.{at}room", "capped": "guard.delay.caps",
+    "rests": "guard.{at}room {capped}", "inside": "{seen}; {caps}; lo <= hi",
+    "kept": "guard.{at}feasible",
+    "seen": "|y - v| <= nbar; v+ where the new command takes over is at most max({sign}v, f_speed) "
+    "plus the sum that is counted (guard.delay.command, guard.delay.queue)",
+    "where": " where the new command takes over",
     "filled": "; lo <= hi (guard.{at}feasible)", "spare": "brakes - net >= D", "late": " + delay",
 }  # fmt: skip
 _LATE = _DELAYED | {
@@ -43,7 +50,7 @@ _LATE = _DELAYED | {
     "seen": "v+ when it may first take over <= max(max(m, f_speed) + mean, f_speed + rest), m the "
     "mean that was measured as y to within nbar (guard.late.mean)",
     "acts": "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max",
-    "inside": "guard.{at}left, alpha T <= 1, {caps}, lo <= hi",
+    "inside": "guard.{at}left; {caps}; lo <= hi",
     "kept": "guard.{at}feasible guard.{at}left",
 }  # fmt: skip
 _LAGGING = _LATE | {
@@ -225,7 +232,11 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (at_least(limit, end),), given, cuts)
 
 
-@claim("guard.{at}left", given="{seen}{steady}", over=on("late.", "late.steady."))
+@claim(
+    "guard.{at}left",
+    given=f"{{seen}}; {SIGNS}, alpha T <= 1{{steady}}",
+    over=on("late.", "late.steady."),
+)
 def left(mutation: Mutation, a: GuardAxis) -> Statement:
     """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
     command may first take over; either way.

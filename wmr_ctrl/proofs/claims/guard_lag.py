@@ -10,7 +10,7 @@ import casadi as ca
 
 from wmr_ctrl.guard.delay import integral, moved, push, waiting
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard import HARD, left, on
+from wmr_ctrl.proofs.claims.guard import HARD, SIGNS, left, on
 from wmr_ctrl.proofs.claims.guard_axis import LAGGING, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import larger, spares
 from wmr_ctrl.proofs.relation import Relation, at_least, between, equal, nonnegative, positive
@@ -182,7 +182,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
 @claim(
     "guard.{at}counts",
     given="reached as in guard.late.mean, with the integral of Z for the sums, and b Z; "
-    f"{EXPONENTIALS}{{steady}}",
+    f"{SIGNS}, alpha T <= 1; {EXPONENTIALS}{{steady}}",
     over=on(*LAGS),
 )
 def counts(mutation: Mutation, a: GuardAxis) -> Statement:

@@ -11,7 +11,7 @@ import casadi as ca
 from wmr_ctrl.guard.delay import InFlight, waiting
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import Claims, Mutation, rows
-from wmr_ctrl.proofs.claims.guard import HARD, NUMBERS_FREE, upper
+from wmr_ctrl.proofs.claims.guard import FREE, HARD, NUMBERS_FREE, upper
 from wmr_ctrl.proofs.claims.guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
 from wmr_ctrl.proofs.claims.guard_sent import FEASIBLE, only
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -22,7 +22,7 @@ from wmr_ctrl.proofs.symbols import symbols
 claim = Claims(by=Z3(effort=150))
 
 
-@claim("guard.too-fast", given=f"{NUMBERS_FREE}, but alpha T <= 1.01")
+@claim("guard.too-fast", given=f"{FREE}brake >= dbar - f_min, but alpha T <= 1.01")
 def too_fast(mutation: Mutation) -> Statement:
     """guard.upper with alpha T up to 1.01.
 
@@ -31,7 +31,7 @@ def too_fast(mutation: Mutation) -> Statement:
     return upper(-mutation, 1, GuardAxis(AT_ONCE))
 
 
-@claim("guard.maximal", given="nbar = f_min = f_speed = 0, alpha = 1/T")
+@claim("guard.maximal", given=f"{NUMBERS_FREE}; nbar = f_min = f_speed = 0, alpha = 1/T")
 def maximal(mutation: Mutation) -> Statement:
     """0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1.
 

@@ -10,21 +10,22 @@ import casadi as ca
 from wmr_ctrl.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.guard.lateness import AT_ONCE, Tail
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard import CAPS, HARD, on, solver
+from wmr_ctrl.proofs.claims.guard import CAPS, HARD, SIGNS, on, solver
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, LATE, GuardAxis
 from wmr_ctrl.proofs.relation import Relation, at_least, between, equal, nonnegative, positive
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import column, symbols
 
 FEASIBLE = (
-    "2 net (1 + alpha late) <= M_min alpha (u1 - f_speed), net = dbar - f_min, 2 nbar <= u1, brake "
-    ">= net, alpha T <= 1; every other number free"
+    f"{SIGNS}, late > 0, 2 net (1 + alpha late) <= M_min alpha (u1 - f_speed), net = dbar - f_min, "
+    "brake >= net, alpha T <= 1"
 )
-JITTERY = f"J <= T, 2 net mixed <= M_min (u1 - 2 nbar); {FEASIBLE}"
+JITTERY = f"0 < J <= T, J <= mixed <= usual <= late, 2 net mixed <= M_min (u1 - 2 nbar); {FEASIBLE}"
 COUNTED = (
     "the sums are at most what commands of at most largest count for (guard.late.piece): rest <= "
     "(late - J) S/M_min each way, mean both ways <= (usual + mixed - 2 J) S/M_min, the last "
-    "command <= J S/M_min both ways, S = largest + net, usual <= late, J <= mixed"
+    "command <= J S/M_min both ways, S = largest + net, usual <= late, J <= mixed; mean <= rest "
+    "each way, as no command weighs more in the mean (tests/guard/test_lateness.py)"
 )
 JITTERS = "; mixed (largest + net) <= M_min (u1 - 2 nbar)"
 claim = Claims(by=HARD)
@@ -255,7 +256,7 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a.symbols, (a.enough(a.left, mutation(1, 0.99)),), given, a.cuts)
 
 
-@claim("guard.late.{name}", given="one command in the window; before, v = -V", over=(
+@claim("guard.late.{name}", given=f"one command in the window, v = -V before; {SIGNS}", over=(
     {"name": "rest", "part": "or from rest over the window", "rest": True,
      "so": "Why the guard counts from the oldest instant, too."},
     {"name": "half", "part": "and not from rest", "rest": False,
