@@ -129,17 +129,15 @@ class LateAssembled(Assembled):
     def slow_drives(self) -> list[ca.SX]:
         """Conditions for the drives to be no slower, no sooner and no more varied than counted."""
         p, T, near = self.p, self.p["clock.control"], 1 + 2.0**-44
+        delay, lag, spread = (p.get(f"actuator.{key}", 0) for key in ("delay", "lag", "lag_spread"))
         (least, most), (fast, slow) = map(pair_of, (self.setup.guard.delay, self.setup.guard.lag))
         met = []
         if most:
-            delay = p["actuator.delay"]
             met.append(delay + p.get("actuator.jitter", 0) <= _periods(most) * T)
-            if least < most:
-                met.append(delay * near >= _periods(least) * T)
-        if not slow:
-            return met
-        lag, spread = p["actuator.lag"], p.get("actuator.lag_spread", 0)
-        met.append(lag * (1 + spread) <= _periods(slow) * T)
+        if slow:
+            met.append(lag * (1 + spread) <= _periods(slow) * T)
+        if least < most:
+            met.append(delay * near >= _periods(least) * T)
         if fast < slow:
             step = p["clock.plant"]
             growth = ca.exp(step / (lag * (1 - spread))) - 1
