@@ -15,7 +15,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.command_filter import COMMANDS, INTERVALS, highest
 from wmr_ctrl.proofs.claims.common import elements_of
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, when
+from wmr_ctrl.proofs.relation import Relation, above, at_least, between, equal, positive, when
 from wmr_ctrl.proofs.statement import Statement
 from wmr_ctrl.proofs.symbols import symbols
 from wmr_ctrl.scenario import load_scenario
@@ -84,8 +84,8 @@ class AssembledStep:
 
 @claim(
     "filter.limits",
-    given="0 < K_min <= K_max, 0 <= dbar < V of both axes, T, tau_min > 0; any odometry, any time "
-    "since the last sample; no delay and no losses, H = T",
+    given="0 < K_min <= K_max, 0 <= dbar < V of both axes, T > 0, 0 < tau_min <= tau_max; any "
+    "odometry, any time since the last sample; no delay and no losses, H = T",
 )
 def limits(mutation: Mutation) -> Statement:
     """the largest command that the whole filter admits is above 0, on either axis, either way.
@@ -96,11 +96,12 @@ def limits(mutation: Mutation) -> Statement:
     goals, given = list[Relation](), list[Relation]()
     for axis, (b, motion) in enumerate(zip(graph.bounds, graph.motions, strict=True)):
         (low, high), name = motion.tau, ("linear", "angular")[axis]
-        kappa = 1 / ca.expm1(graph.T / low)
+        growth = ca.expm1(graph.T / low)
+        kappa = 1 / growth
         cuts |= {f"kappa {name}": kappa, f"-most {name}": ca.expm1(-graph.T / low)}
         cuts[f"-least {name}"] = ca.expm1(-graph.T / high)
         given += [above(b.V, b.dbar), at_least(b.dbar), above(b.K_min), at_least(b.K_max, b.K_min)]
-        given.append(above(kappa))
+        given += [*positive(low, high, growth), above(kappa)]
         goals += [above(side[axis], mutation(0, b.V)) for side in graph.limits]
     table = elements_of(*graph.system.inputs, *graph.system.state, *graph.system.params)
     return Statement(table, tuple(goals), tuple(given), cuts)
