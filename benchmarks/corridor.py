@@ -15,8 +15,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.gains import sharing
 from benchmarks.parts import millimetres, renew
-from benchmarks.starts import sharing
 from tests.corridor.adversary import (
     farthest,
     farthest_displaced,

@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.parts import millimetres, page_parser, renew
-from benchmarks.starts import sharing
 from wmr_ctrl.api import scenario_of, simulate_many
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.corridor import Corridor, find_corridor
@@ -37,6 +36,13 @@ ALL: Fields = {**POSES, **VELOCITIES, **LATE}
 ERRORS: Sequence[Fields] = ({}, POSES, VELOCITIES, LATE, ALL)
 BRIEF: Fields = {"clock.duration": 20.0, "metrics.split": 10.0, "metrics.rms_from": 0.0}
 """Runs of a search: after 5 s the start is over."""
+
+
+def sharing(wo: float) -> Fields:
+    """Gains for the k that laws share, k1 = 16.8: a search for the RMS finds all except wo."""
+    return {"gains.prox": {"rho": [42.9, 21.74], "wo": wo}}
+
+
 FOUND = 2.301
 """wo that a search for the RMS finds."""
 SHARED, OWN = (FOUND, 5.0, 10.0, 20.0), (5.0, 13.0, 20.0)

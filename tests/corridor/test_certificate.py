@@ -206,6 +206,21 @@ def test_a_robot_that_is_displaced_within_the_start_stays_within_the_corridor():
     assert tube.position_late < tube.position
 
 
+@pytest.mark.parametrize("changes", [{}, {"sensor.pose_noise": 1e-5}])
+def test_a_start_too_far_off_is_refused_with_the_largest_share_that_closes(changes):
+    start = np.array([0.05, 0.05, 0.15])
+    scenario = override(load_scenario("safe-simulation"), {**changes, "corridor.start": start})
+    tube = find_corridor(scenario, "prox")
+
+    assert tube.position is None
+    told = re.search(r"; it closes from (\S+) % of corridor.start$", tube.sentence)
+    assert 0.9 * tube.near <= float(told[1]) / 100 <= tube.near < 1
+    for share, closes in ((0.98, True), (1.02, False)):
+        nearer = override(scenario, {"corridor.start": share * tube.near * start})
+        tube_there = certified(settle(nearer, "prox"), closing=False)
+        assert (tube_there.position is not None) == closes
+
+
 def test_of_masses_in_an_interval_each_keeps_within_one_corridor():
     told = {"guard.M_min": [48.0, 5.2], "guard.M_max": [52.0, 5.6], "corridor.cells": 2}
     told |= {"changes": []}
@@ -278,14 +293,12 @@ def test_where_none_closes_it_says_for_which_share_one_would():
     assert find_corridor(with_more, "prox").position is None
 
 
-FAR_OFF = {"corridor.start": [10, 10, 0.05]}
 LESS = {
     "with M = 58.2 kg e1 (w - w_d) may grow": {"corridor.cells": 1},
     "(others were not tried) it closes with cells as narrow as those of corridor.cells = 3": {
         "corridor.cells": 1,
         "gains.prox": {"kinematics": [16.8, 196.0, 5.6], "rho": [42.9, 21.74], "wo": 10.0},
     },
-    "(is corridor.start = [10, 10, 0.05] in m, m and rad?)": FAR_OFF,
     "leave out sensor.velocity_window = 0.02": {"sensor.velocity_window": 0.02},
 }
 

@@ -113,7 +113,6 @@ def test_where_hardly_any_pose_comes_it_is_refused_and_told_how_often_one_has_to
         ({"sensor.pose_dropout": 0.1}, "state corridor.losses"),
         ({"sensor.pose_period": 0.05, "sensor.correction": 0.5}, "corrected in part"),
         ({"sensor.pose_period": 0.05, "reference.kind": "lemniscate"}, "over a whole run"),
-        ({"sensor.pose_period": 0.05, "corridor.start": [0.01, 0.01, 0.05]}, "a start so far off"),
     ],
 )
 def test_what_is_not_covered_is_refused_by_name(changes, why):

@@ -85,7 +85,7 @@ def test_it_starts_with_commands_under_way_and_an_observer_that_knows_of_them():
         ({"actuator.tau_max": 1.0, "filter.kind": "clip"}, "actuator.tau_max"),
         ({"base.losses": 1, "filter.kind": "clip"}, "command loss"),
         ({"base.jerk": [1.0, 1.0], "filter.kind": "clip"}, "command jerk"),
-        ({"corridor.start": [0.1, 0.1, 0.1]}, "a start so far off"),
+        ({"corridor.start": [0.1, 0.1, 0.1]}, "the command's change (angular) may reach"),
         ({"base.w_max": 4.95, "filter.kind": "clip"}, "the firmware's limit of the right wheel"),
         ({"limits.v_u1": [0.174, 2.84], "limits.v_u2": [0.165, 2.2]}, "the filter's limit (v)"),
     ],

@@ -212,7 +212,9 @@ def test_a_start_that_alone_stops_it_is_named_and_no_push_is_blamed():
     far = override(load_scenario("safe-simulation"), {**told, "corridor.start": [0.02, 0.02, 0.1]})
     refused = run_corridor(far, "prox").refused
 
-    assert refused.endswith(", from that start also without pushes and errors")
+    assert refused.endswith(
+        "; corridor.start alone is too large for it, also without pushes and errors"
+    )
     assert "1/256" not in refused
 
 

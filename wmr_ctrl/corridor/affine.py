@@ -82,7 +82,7 @@ Rule = Callable[[list[Form]], list[Form]]
 
 
 class AffineGraph:
-    """A CasADi column of one column of inputs, as a rule and over boxes."""
+    """A CasADi column of one column of inputs, over boxes."""
 
     def __init__(self, by: ca.SX, output: ca.SX) -> None:
         """Read the graph; OpenBoxError for operations without a rule."""
@@ -91,11 +91,7 @@ class AffineGraph:
         for node in graph.nodes:
             if node.place is None and node.op != ca.OP_CONST and node.op not in _RULES:
                 raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
-        self._graph, self._key = graph, function.serialize()
-
-    def rule(self, given: list[Form]) -> list[Form]:
-        """Forms of the outputs."""
-        return _walked(self._graph, given)
+        self._key = function.serialize()
 
     def __call__(self, center: Floats, radius: Floats) -> Spanned:
         """Over boxes (C, inputs)."""

@@ -34,7 +34,6 @@ class Corridor:
     ``alone``: that was tried for the refused cell of masses alone.
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
     far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
-    ``settling`` [s]: the time in which limits may act, as a start far off makes them; 0: none does.
     ``late``: what drives, or the base's own loop, hold at the start, in words; empty if nothing.
     ``missing``: samples in a row at most to which no pose comes.
     ``anew``: a change of mass or inertia leads from any of these masses to any other.
@@ -64,7 +63,6 @@ class Corridor:
     masses: tuple[tuple[float, float], ...] | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_late: float | None = None
-    settling: float = 0.0
     late: str = ""
     run: float | None = None
     anew: bool = False
@@ -102,8 +100,7 @@ class Corridor:
         return (
             f"corridor: within {self._off} and {self._turned} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
-            f"{self._mass}{lasts}; {self._free} (most used"
-            f"{' in the end' * (self.settling > 0)}: {self._used})"
+            f"{self._mass}{lasts}; no limit and no guard acts there (most used: {self._used})"
         )
 
     @property
@@ -129,15 +126,6 @@ class Corridor:
     @property
     def _turned(self) -> str:
         return rounded(_counted(self.heading), 2)
-
-    @property
-    def _free(self) -> str:
-        if not self.settling:
-            return "no limit and no guard acts there"
-        return (
-            f"the limits of law and wheels may act for {self.settling:g} s, none from then on, and "
-            "the guard never"
-        )
 
     @property
     def _from(self) -> str:
@@ -171,8 +159,7 @@ class Corridor:
             return self._while(share, ", and")
         if not self.near:
             return f"from a start on the path {self._while(share, ', and')}"
-        moved = rounded(100 * self.near, 2, up=False)
-        return f"from a start moved by {moved} % of that, where no limit acts"
+        return f"from {rounded(100 * self.near, 2, up=False)} % of corridor.start"
 
     @property
     def figures(self) -> dict[str, object]:
@@ -187,7 +174,7 @@ class Corridor:
             "position": _counted(self.position), "heading": _counted(self.heading),
             "start": list(self.start), "late": self.late,
             "position_late": _counted(self.position_late),
-            "settling": self.settling,
+            "settling": 0.0,
             "binding": self.binding, "share": self.share, "linear": self.linear,
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
             "missing": self.missing, "mass": self.mass, "masses": self.masses,

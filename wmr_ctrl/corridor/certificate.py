@@ -12,7 +12,6 @@ taken of X and then of itself, bounds what is left of x in the long run.
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import replace
 from functools import partial
 from math import cos, pi
@@ -94,12 +93,6 @@ class Certifier:
         self.by_body = np.array([[upper(x) for x in row[-COMMAND:]] for row in loop.step.slopes()])
         self.step_rest[:2] += reference_gap(v_d, setup.scenario.clock.plant)
         self.begun, self.old = self._reckoning_gap(), self._old_velocity()
-
-    def started(self, start: Floats) -> Certifier:
-        """The same from a start off by shares of some columns (n, columns)."""
-        other = copy(self)
-        other.gains = loop_gains(self.loop, start, self.added, self.reckoning)
-        return other
 
     def _reckoning_gap(self) -> float:
         """Distance [m] by which dead reckoning over a sample misses the reference."""

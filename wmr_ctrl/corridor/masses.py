@@ -22,7 +22,6 @@ from wmr_ctrl.corridor.enclosure import OpenBoxError
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first, without_pose
 from wmr_ctrl.corridor.loop import BODY
 from wmr_ctrl.corridor.peaks import Tube
-from wmr_ctrl.corridor.transient import transient
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.scenario import Change, override
@@ -78,7 +77,6 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         heading=max(tube.heading for tube in tubes),
         binding=worst.binding,
         share=worst.share,
-        settling=worst.settling,
         masses=mass_ranges(setup) if cells[0][1].any() else None,
     )
 
@@ -223,12 +221,7 @@ def _with_robots(setup: Setup, robots: Sequence[Body]) -> Setup:
 
 def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube:
     try:
-        try:
-            return certifier.tube(inputs)
-        except NoCorridorError:
-            if not any(certifier.loop.setup.scenario.corridor.start) or inputs.body.any():
-                raise
-            return _brought_in(certifier, inputs)
+        return certifier.tube(inputs)
     except NoCorridorError as error:
         closes, near = _closing(certifier, inputs) if closing else (None, 1.0)
         others = _others(certifier, inputs) if closing and closes is None else ""
@@ -237,23 +230,10 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
         raise NoCorridorError(f"{error}{others}", closes, near) from error
 
 
-def _brought_in(certifier: Certifier, inputs: Inputs) -> Tube:
-    """The tube after a transient in which limits may act, with what the transient adds to it."""
-    certifier.started(np.zeros((len(certifier.loop.at), 1))).tube(inputs)
-    with refused_open("the loop cannot be followed from such a start, where limits act"):
-        before, tube = transient(certifier, inputs)
-    return replace(
-        tube,
-        position=max(tube.position, before.position),
-        heading=max(tube.heading, before.heading),
-        settling=before.time,
-    )
-
-
 def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]:
     """Largest shares of inputs and of the start, of those tried, with which there is a corridor.
 
-    Of a start from which limits would act one of all inputs; else, from the path, one of these.
+    A share of the start with all inputs; where there is none, from the path, a share of these.
     """
     if not certifier.gains.starts:
         return _largest(lambda share: certifier.tube(inputs.scaled(share))), 1.0

@@ -51,8 +51,7 @@ class Peaks:
 class Tube:
     """A closed box: ``position`` [m], ``heading`` [rad], and the condition that is used most.
 
-    ``position_late`` [m]: what the position comes down to in the long run.  ``settling`` [s]: the
-    time before which limits may act, 0: none does.
+    ``position_late`` [m]: what the position comes down to in the long run.
     """
 
     peaks: Peaks
@@ -61,7 +60,6 @@ class Tube:
     heading: float
     binding: str
     share: float
-    settling: float = 0.0
 
 
 def reference_gap(v_d: Floats, step: float) -> float:

@@ -31,7 +31,7 @@ from wmr_ctrl.corridor.passage import Passing
 from wmr_ctrl.world.references.kind import reference
 
 OPEN = "the undisturbed loop cannot be followed"
-BY_START = ", from that start also without pushes and errors"
+BY_START = "; corridor.start alone is too large for it, also without pushes and errors"
 LEAST = 8
 """Most halvings of pushes and errors that are tried where all of them have no corridor."""
 BEYOND, EARLY = 1.0, 0.25

@@ -63,9 +63,6 @@ class Law:
     given, is the law for a base that takes velocities, whose output is the velocity
     `ASKED`; a law without it drives such a base through an adapter (`control/velocity.py`).
     ``inside(context)`` is the law away from its limits, for those that have a corridor.
-    ``in_parts(context)`` is the law around its barrier, of which three numbers (2,) at the end of
-    its state tell: what the proximal map is given, with which weight k, and, given, what it makes
-    of it.
     """
 
     name: str
@@ -76,7 +73,6 @@ class Law:
     tuned: tuple[str, ...] = ()
     command: Callable[[LawContext], System] | None = None
     inside: Callable[[LawContext], Inside] | None = None
-    in_parts: Callable[[LawContext], System] | None = None
 
     @property
     def title(self) -> str:

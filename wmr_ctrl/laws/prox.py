@@ -23,7 +23,7 @@ where it is below actuator.tau_max.  Choose it for slow control periods, for unk
 behind the guard.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import log1p
 
@@ -43,8 +43,7 @@ from wmr_ctrl.laws.law import (
 )
 from wmr_ctrl.laws.observer import Observer
 from wmr_ctrl.laws.prediction import ahead
-from wmr_ctrl.model.system import Port, System, port
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.model.system import System
 
 TRANSPORTS = ("two-part", "level")
 """Part of the target's way that the velocity is carried along: the reference's share, or all."""
@@ -113,45 +112,17 @@ def inside(context: LawContext) -> Inside:
     return Inside(_around(context, step), within)
 
 
-IN_PARTS = tuple(
-    port(Signal(name, "m/s, rad/s", meaning, 2))
-    for name, meaning in (
-        ("v_wanted", "what the barrier's proximal map X_k is given"),
-        ("weight", "its k"),
-        ("v_reached", "what it gives: v+"),
-    )
-)
-
-
-def in_parts(context: LawContext) -> System:
-    """The law around X_k: E v* + (1-E) c+ and k = 1 - E as next state, X_k of it as given state.
-
-    For targets that the reference alone does not move, so that v* = v.
-    """
-    update: list[ca.SX] = []
-
-    def step(then: LawContext) -> ca.SX:
-        shares = _shares(then)
-        update.extend((mixture(then.v, targets(then)[1], shares), shares[1], IN_PARTS[2].sym))
-        return IN_PARTS[2].sym
-
-    return _around(context, step, (IN_PARTS, update))
-
-
-def _around(
-    context: LawContext,
-    step_of: Callable[[LawContext], ca.SX],
-    more: tuple[Sequence[Port], Sequence[ca.SX]] = ((), ()),
-) -> System:
-    """The law around a step to v+; ``more`` state and its next value."""
+def _around(context: LawContext, step_of: Callable[[LawContext], ca.SX]) -> System:
+    """The law around a step to v+."""
     observer = Observer(context, context.gain("wo"), context.friction_at)
     then, sent = ahead(context, observer.force)
     step = step_of(then)
     asked = context.mass * (step - then.v) / context.period + context.friction_at(step)
-    state, update = (*observer.state, *more[0]), ca.vertcat(observer.update, *more[1])
     force, inputs = asked + observer.force, (observer.input, *sent)
     title = "sampled-data barrier law (prox)"
-    return context.system(title, force, state, update, observer.diagnostics, inputs)
+    return context.system(
+        title, force, observer.state, observer.update, observer.diagnostics, inputs
+    )
 
 
 def next_velocity(context: LawContext) -> ca.SX:
@@ -203,7 +174,4 @@ def mixture(v: ca.SX, target: ca.SX, shares: tuple[ca.SX, ca.SX]) -> ca.SX:
 
 
 TRAITS = Traits(auxiliary=True, barrier=True, model=True, observer=True)
-LAW = Law(
-    "prox", ProxGains, build, TRAITS, __doc__, tuned=("rho", "wo"), inside=inside,
-    in_parts=in_parts,
-)  # fmt: skip
+LAW = Law("prox", ProxGains, build, TRAITS, __doc__, tuned=("rho", "wo"), inside=inside)
