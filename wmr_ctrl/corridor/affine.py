@@ -71,11 +71,6 @@ class Spanned:
     size: Floats
     L: Floats
 
-    @property
-    def radius(self) -> Floats:
-        """Largest distances from c."""
-        return np.asarray((np.abs(self.L).sum(axis=2) + self.r) * SUMS)
-
 
 Rule = Callable[[list[Form]], list[Form]]
 """A map from forms to forms."""
@@ -152,15 +147,14 @@ def _walked(graph: Graph, given: list[Form]) -> list[Form]:
         if node.place is not None:
             done.append(given[node.place[1]])
         elif node.op == ca.OP_CONST:
-            done.append(number(node.number, given[0].L.size2()))
+            done.append(_number(node.number, given[0].L.size2()))
         else:
             done.append(_RULES[node.op](*(done[k] for k in node.operands)))
     stores = {item.index: done[item.node] for item in graph.stores}
     return [_form(stores[k]) for k in range(len(stores))]
 
 
-def number(value: float, columns: int) -> Form:
-    """A constant."""
+def _number(value: float, columns: int) -> Form:
     return Form(ca.SX(value), ca.SX(1, columns), ca.SX(0), ca.SX(abs(value)))
 
 
@@ -173,8 +167,7 @@ def _rounded(c: ca.SX, L: ca.SX, r: ca.SX, size: ca.SX) -> Form:
     return Form(c, L, r * (1 + ROUNDING) + size * ROUNDING, size * (1 + ROUNDING))
 
 
-def add(a: Form, b: Form) -> Form:
-    """a + b."""
+def _add(a: Form, b: Form) -> Form:
     return _rounded(a.c + b.c, a.L + b.L, a.r + b.r, a.size + b.size)
 
 
@@ -210,9 +203,9 @@ def _abs(a: Form) -> Form:
 
 
 def _max(a: Form, b: Form) -> Form:
-    apart = add(a, _neg(b))
+    apart = _add(a, _neg(b))
     low, high = apart.range
-    both = _mul(number(0.5, a.L.size2()), add(add(a, b), _abs(apart)))
+    both = _mul(_number(0.5, a.L.size2()), _add(_add(a, b), _abs(apart)))
     return _picked(Truth(low >= 0, high <= 0), a, b, both)
 
 
@@ -288,7 +281,7 @@ def _root_bend(low: ca.SX, high: ca.SX) -> ca.SX:
 
 def _below(strict: bool) -> Callable[[Form, Form], Truth]:
     def rule(a: Form, b: Form) -> Truth:
-        low, high = add(a, _neg(b)).range
+        low, high = _add(a, _neg(b)).range
         return Truth(high < 0, low >= 0) if strict else Truth(high <= 0, low > 0)
 
     return rule
@@ -317,10 +310,10 @@ _inverse = _curve(
 )
 _RULES: dict[int, Callable[..., Form | Truth]] = {
     SELECT: lambda truth, a, b: _picked(_truth(truth), a, b, _hull(a, b)),
-    ca.OP_ADD: add,
-    ca.OP_SUB: lambda a, b: add(a, _neg(b)),
+    ca.OP_ADD: _add,
+    ca.OP_SUB: lambda a, b: _add(a, _neg(b)),
     ca.OP_NEG: _neg,
-    ca.OP_TWICE: lambda a: add(a, a),
+    ca.OP_TWICE: lambda a: _add(a, a),
     ca.OP_MUL: _mul,
     ca.OP_SQ: lambda a: _mul(a, a),
     ca.OP_DIV: lambda a, b: _mul(a, _inverse(b)),

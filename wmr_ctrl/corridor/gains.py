@@ -123,7 +123,7 @@ def _summed(
     if damping > FAINTEST:
         raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
     ratios = np.array([scale[a] / scale[b] for a, b in PAIRS])
-    picked, blank = fast_rows(nz, ratios), np.zeros((n, n))
+    picked, blank = _fast_rows(nz, ratios), np.zeros((n, n))
     powers_within = powers_of(sample.step, loop.steps)
     apart = sum(
         (np.abs(doubles(item - unit_matrix(nz))) for item in powers_within),
@@ -169,7 +169,7 @@ def _weighed(course: Floats, size: Floats, scale: Floats) -> Floats:
     return norms
 
 
-def fast_rows(nz: int, ratios: Floats) -> Floats:
+def _fast_rows(nz: int, ratios: Floats) -> Floats:
     """Elements of the fast state, directions of (e1, e2), sums and differences of pairs."""
     turns = [k * pi / DIRECTIONS for k in range(DIRECTIONS)]
     rows = [*np.eye(nz), *(_row(nz, (0, cos(t)), (1, sin(t))) for t in turns)]
