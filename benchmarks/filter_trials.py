@@ -46,7 +46,7 @@ class Compiled:
         self.scenario, self.system = scenario, filter_system(scenario)
         self.real = np.float32 if float32 else np.float64
         own, rounds = scenario.filter, float32 and scenario.filter.kind == "band"
-        self.along = own.scale == "curvature" and not (own.slew or own.force or rounds)
+        self.along = own.scale == "curvature" and not (own.slew or rounds)
 
     def sender(self, trials: int) -> Sender:
         """A fresh memory for so many bases."""
@@ -181,8 +181,8 @@ def wrong(
 class Family:
     """Linear loops: intervals of their numbers, their push, and what the filter is told of them.
 
-    ``corners``: the share of its members that lie at corners; ``force``: what its motors give [N];
-    ``error`` of the command that acts [m/s].
+    ``corners``: the share of its members that lie at corners; ``error`` of the command that acts
+    [m/s].
     """
 
     numbers: Mapping[str, tuple[float, float]]
@@ -190,7 +190,6 @@ class Family:
     told: Mapping[str, Any]
     second_order: bool
     corners: float = 0.5
-    force: float = np.inf
     error: float = 0.0
 
     def bases(self, rng: np.random.Generator, count: int) -> tuple[Floats, Floats, Floats]:
@@ -370,8 +369,8 @@ class _Batch:
         pushed = np.einsum("sa,na,nkp->snkp", self.loops, sides, pushes)
         sender = _wired(self.filtering.sender(len(asked)), self.calls, self.true.error, wish)
         return driven(
-            (A, b, e), sender, asked, pushed.reshape(-1, *pushes.shape[1:]), T, self.true.force,
-            times, telling=self.calls.telling, loops=self.loops, limited=self.limited,
+            (A, b, e), sender, asked, pushed.reshape(-1, *pushes.shape[1:]), T, times,
+            telling=self.calls.telling, loops=self.loops, limited=self.limited,
         )  # fmt: skip
 
     def climbed(self, rng: np.random.Generator) -> Iterator[Floats]:
@@ -492,8 +491,6 @@ def pushed(kind: str, family: Family, **how: Any) -> Callable[[int, int], Floats
 FREE_PI = replace(PI, push=0.0, told={**PI.told, "push": (0.0, 0.0)})
 FREE_SWUNG = replace(SWUNG, push=0.0, told={**SWUNG.told, "d": (0.0, 0.0)})
 """The same without a push."""
-WEAK_PI = replace(FREE_PI, force=120.0, told={**FREE_PI.told, "force": (120.0, 30.0)})
-"""The same with motors that give 120 N: the force that is asked for counts, too."""
 SLOW_SWUNG = replace(FREE_SWUNG, told={**FREE_SWUNG.told, "slew": (0.25, 0.25)})
 """Second-order loops behind commands that change by at most 0.25 m/s2."""
 ONE = {"M": (65.0, 65.0), "kp": (135.0, 135.0), "ki": (330.0, 330.0), "c": (0.0, 0.0)}
@@ -544,13 +541,6 @@ BODY_PI = replace(PI, told={**PI.told, "push": (10.0, 0.625)})
 RIM_SWUNG = replace(SWUNG, told={**SWUNG.told, "d": (0.05, 0.2)})
 ERRING_PI = replace(FREE_PI, error=0.3, told={**FREE_PI.told, "d": (0.3, 0.3)})
 """Commands that are off by so much that 5 % more of it counts for more than what tables cover."""
-PUSHED_WEAK_PI = replace(WEAK_PI, push=5.0, told={**WEAK_PI.told, "push": (5.0, 0.0)})
-BODY_WEAK_PI = replace(WEAK_PI, push=5.0, told={**WEAK_PI.told, "push": (5.0, 1.25)})
-DRAGGED = {**ONE, "c": (20.0, 20.0)}
-DRAGGED_PI = Family(DRAGGED, 0.0, {
-    **ONE_PI.told, "friction": DRAGGED["c"], "push": (0.0, 0.0), "force": (25.0, 6.25),
-}, second_order=False, force=25.0)  # fmt: skip
-"""A loop that is known, whose motors give little more than friction takes."""
 SLOW = {"w0": (0.5, 0.5), "z": (0.3, 0.3), "K": (1.0, 1.0)}
 ONE_SLOW = Family(SLOW, 0.0, {
     **FREE_SWUNG.told, "frequency": SLOW["w0"], "damping": SLOW["z"], "gain": SLOW["K"],
@@ -696,30 +686,6 @@ STATEMENTS = (
         "times not told": linear("band", FREE_PI, FREE_PI, replace(ANY_TIME, telling=False)),
         "all three": beyond("band", FREE_PI, *ALL_PI, calls=ANY_TIME),
     }),
-    Statement("band, PI loops with weak motors", linear("band", WEAK_PI, WEAK_PI), {
-        "force": linear("band", WEAK_PI, replace(WEAK_PI, force=0.95 * WEAK_PI.force)),
-        "kp": beyond("band", WEAK_PI, ("kp", 1)), "all": beyond("band", WEAK_PI, *ALL_PI),
-    }),
-    Statement("band, PI loops with weak motors that are pushed, steps at any time", linear(
-        "band", PUSHED_WEAK_PI, PUSHED_WEAK_PI, ANY_TIME), {
-        "force": linear("band", PUSHED_WEAK_PI, replace(PUSHED_WEAK_PI, force=114.0)),
-    }),
-    Statement("band, PI loops with weak motors, both axes", linear(
-        "band", WEAK_PI, WEAK_PI, of="body", changes=WIDE_TURNS, scales=SCALES[:2]), {
-        "force": linear("band", WEAK_PI, replace(WEAK_PI, force=114.0), of="body",
-                        changes=WIDE_TURNS),
-    }),
-    Statement("band in single precision, PI loops with weak motors that are pushed, both axes",
-              linear("band", BODY_WEAK_PI, BODY_WEAK_PI, of="body", changes=WIDE_TURNS,
-                     float32=True), {
-        "force": linear("band", BODY_WEAK_PI, replace(BODY_WEAK_PI, force=114.0), of="body",
-                        changes=WIDE_TURNS, float32=True),
-    }),
-    Statement("band, a PI loop that is known, with motors hardly stronger than friction", linear(
-        "band", DRAGGED_PI, DRAGGED_PI), {
-        "friction": beyond("band", DRAGGED_PI, ("c", 1)),
-        "force": linear("band", DRAGGED_PI, replace(DRAGGED_PI, force=23.75)),
-    }),
     Statement("band, PI loops that are pushed", linear("band", PI, PI), {
         "push": pushed("band", PI), "all": beyond("band", PI, *ALL_PI),
     }),
@@ -768,8 +734,6 @@ REFUSED: Sequence[tuple[str, str, Family | None, Sequence[Mapping[str, Any]]]] =
     ("band with `slew`", "band", SWUNG, [{"slew": (0.1, 0.1)}]),
     ("clip with `slew`, a base that stops by itself, or of wheels", "clip", SLOW_SWUNG,
      [{"hold": 0.5}, *ITS_WHEELS]),
-    ("clip with `force`", "clip", PI, [{"force": (120.0, 30.0)}]),
-    ("band with `force`, commands that are off", "band", WEAK_PI, [{"d": (0.01, 0.0)}]),
     ('clip with `scale = "axes"`, of wheels', "clip", SWUNG,
      [{"scale": "axes", **own} for own in ITS_WHEELS]),
 )  # fmt: skip

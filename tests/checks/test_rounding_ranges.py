@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from tests.filter.test_filter import scenario
-from tests.filter.test_peak_gain import scenario as linear
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.filter.rounding_ranges import unproved_roundings
@@ -30,13 +29,6 @@ def test_a_governor_names_the_number_and_its_bound(name):
     ((key, sentence),) = unproved_roundings(scenario(**changes))
     assert key == f"filter.{name}"
     assert bound in sentence
-
-
-def test_so_does_a_band_whose_motors_are_left_hardly_any_force():
-    motors = {"kind": "band", "push": (10.0, 0.0), "friction": (0.0, 0.0)}
-    assert not [*unproved_roundings(linear(force=(120.0, 40.0), **motors))]
-    weak = linear(force=(18.1, 40.0), **motors)
-    assert [key for key, _ in unproved_roundings(weak)] == ["filter.force"]
 
 
 def test_check_says_it():

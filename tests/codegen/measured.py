@@ -62,11 +62,6 @@ FILTERS: Mapping[str, Mapping[str, object]] = {
         "filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
         "filter.frequency": (2.9, 3.6), "filter.slew": (0.1, 0.2), "clock.control": 0.05,
     },
-    "band of weak motors": {
-        "filter.kind": "band", "filter.loop": "pi", "filter.mass": (50, 65),
-        "filter.inertia": (4, 6), "filter.kp": (135, 165), "filter.ki": (270, 330),
-        "filter.friction": (0, 20), "filter.force": (120, 40), "clock.control": 0.05,
-    },
 }  # fmt: skip
 """Command filters whose packages are compiled only."""
 NOTHING: Mapping[str, object] = MappingProxyType({})

@@ -211,7 +211,7 @@ def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> 
     [
         ("base.kp", 170.0, "outside filter.kp"),
         ("robot.m", 60.0, "outside filter.mass"),
-        ("actuator.tau_max", 20.0, "wind up"),
+        ("actuator.tau_max", 20.0, "Leave tau_max out if commands stay low enough"),
         ("disturbance.push", [3.0, 0.0], "filter.push[1]"),
         ("robot.mu", 0.1, "filter.push[1]"),
         ("initial.velocity", [0.0, 0.3], "at rest at the start"),

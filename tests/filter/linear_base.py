@@ -56,7 +56,6 @@ def driven(
     asked: np.ndarray,
     pushes: np.ndarray,
     T: float,
-    force: float = np.inf,
     times: np.ndarray | None = None,
     *,
     telling: bool = True,
@@ -69,9 +68,8 @@ def driven(
     loops): speeds that count, as parts of what the loops reach.  ``bases``: A, b, e of the first
     loop of all robots, of the second ..., and so are ``pushes`` (loops robots, samples, parts of a
     period).  ``asked`` (robots, axes, samples); ``send`` as the adversary's Sender, for all of a
-    period or for each of its parts.  With a ``force`` the largest share of it that a PI loop asks
-    for counts, too, if that is larger.  ``times`` (robots, samples): from each sample to the next,
-    of few sizes; by default a period T.  The filter is told them, unless not ``telling``.
+    period or for each of its parts.  ``times`` (robots, samples): from each sample to the next, of
+    few sizes; by default a period T.  The filter is told them, unless not ``telling``.
     """
     A, b, e = bases
     count, samples, parts = pushes.shape
@@ -92,9 +90,6 @@ def driven(
         for part in range(parts):
             x[:, 2] = (loops @ acting[part, :axes]).ravel()
             x[:, 3] = pushes[:, k, part]
-            if np.isfinite(force):  # F = kp (u - v) + f jumps with the command
-                F = np.abs(b[:, 0] / e[:, 0] * (x[:, 2] - x[:, 0]) + x[:, 1]) / force
-                worst = np.maximum(worst, F.reshape(-1, robots).max(axis=0))
             x[:, :2] = np.einsum("nij,nj->ni", both, x)
             worst = np.maximum(worst, np.abs(limited @ x[:, 0].reshape(-1, robots)).max(axis=0))
     return worst

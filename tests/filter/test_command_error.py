@@ -9,7 +9,6 @@ from tests.filter.linear_base import held, pi_base
 from tests.filter.test_band import CORNERS
 from tests.filter.test_peak_gain import scenario
 from wmr_ctrl import command_filter
-from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.scenario import override
 from wmr_ctrl.world.effect import Bound
@@ -53,8 +52,3 @@ def test_a_quantum_must_be_stated():
     assert not broken_hypotheses(base, Bound(command=(0.01, 0.0)))
     (sentence,) = broken_hypotheses(base, Bound(command=(0.02, 0.0)))
     assert "off by 0.02 m/s (base.quantum). Raise filter.d[1] = 0.01 to that." in sentence
-
-
-def test_an_error_behind_weak_motors_is_refused():
-    with pytest.raises(ScenarioError, match=r"filter\.d: with filter\.force"):
-        command_filter(scenario(kind="band", d=(0.01, 0.0), force=(120.0, 40.0)))

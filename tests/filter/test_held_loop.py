@@ -17,7 +17,6 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.band import enclosed
 from wmr_ctrl.filter.clip import slew_reach
 from wmr_ctrl.filter.filter import CommandFilter, command_filter
-from wmr_ctrl.filter.force_band import force_table
 from wmr_ctrl.filter.forecast import PIECES
 from wmr_ctrl.filter.held_loop import HeldLoop, held_friction
 from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains
@@ -117,20 +116,6 @@ def test_the_tables_of_a_band_hold_every_step_of_the_held_loop(h: float) -> None
     exact = {"mass": [55.0] * 2, "kp": [140.0] * 2, "ki": [320.0] * 2}
     known = worst(h, {"kind": "band", **exact})
     assert beyond(known) <= 1e-12 < 1e-4 < beyond(override(known, ALONE))
-
-
-@pytest.mark.slow
-def test_weak_motors_are_asked_for_no_more_than_the_tables_of_force_tell() -> None:
-    """M times the mean slope over each step, by which the force exceeds friction."""
-    h, exact = 0.01, {"mass": [55.0] * 2, "kp": [140.0] * 2, "ki": [320.0] * 2}
-    run = worst(h, {"kind": "band", "force": [150.0, 60.0], **exact})
-    above, below, *_ = (np.array(item.value) for item in force_table(run, 0))
-    force = 55.0 * np.diff(steps(h, count=400), prepend=0.0) / h
-    piece = run.clock.control / PIECES
-    for k, own in enumerate(force):
-        first, last = int(k * h / piece + 1e-9), int((k + 1) * h / piece - 1e-9)
-        if last < len(above):
-            assert -below[first : last + 1].max() <= own <= above[first : last + 1].max()
 
 
 @pytest.mark.slow

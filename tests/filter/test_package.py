@@ -75,7 +75,6 @@ WRONG = {
     "clip": ("limits_v_u1[0] = (wmr_real)NAN", "filter_d[1] = 1e3f"),
     "band of 50 commands": ("filter_delta[0] = 1e3f", "filter_gain[1] = 0.0f"),
     "clip of slow commands": ("filter_slew[0] = -0.1f", "filter_slew[1] = (wmr_real)NAN"),
-    "band of weak motors": ("filter_force_room[1] = (wmr_real)NAN", "filter_drag[0] = -1.0f"),
 }
 """Parameters that no filter can keep, for each form of one."""
 TIMED = (
@@ -343,18 +342,13 @@ LOOPS: Mapping[str, Mapping[str, object]] = {
 
 @pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize(
-    "kind", ["clip", *(pytest.param(k, marks=pytest.mark.slow) for k in ("slew", "band", "force"))]
+    "kind", ["clip", *(pytest.param(k, marks=pytest.mark.slow) for k in ("slew", "band"))]
 )
 def test_the_example_behind_a_loop_that_overshoots_stays_inside(kind, loop, tmp_path):
-    """Of each kind with each of these loops that is not refused."""
     needs("gcc")
-    kinds = {"slew": {"filter.slew": (0.1, 0.2)}, "force": {"filter.force": (120.0, 40.0)}}
-    changes = {"filter.kind": {"slew": "clip", "force": "band"}.get(kind, kind)}
-    changes |= {"filter.loop": loop, "clock.control": 0.05, **LOOPS[loop], **kinds.get(kind, {})}
-    if (kind, loop) == ("force", "second-order"):
-        with pytest.raises(ScenarioError, match=r"filter\.force is for"):
-            load_scenario("paper-simulation", changes)
-        return
+    slow = {"filter.kind": "clip", "filter.slew": (0.1, 0.2)}
+    changes = slow if kind == "slew" else {"filter.kind": kind}
+    changes = {**changes, "filter.loop": loop, "clock.control": 0.05, **LOOPS[loop]}
     settings = load_scenario("paper-simulation", changes)
     for file, text in package_files("filter", settings).items():
         (tmp_path / file).write_text(text, encoding="utf-8")
@@ -405,7 +399,7 @@ def test_untimely_calls_are_what_the_graph_says(name: str, float32: bool, tmp_pa
 
 
 TABLED = ("filter_held_v[3]", "filter_stop_fall_omega[7]", "filter_after_v[1]", "filter_left_v")
-REMEMBERING = ("governor", "clip of slow commands", "band of 50 commands", "band of weak motors")
+REMEMBERING = ("governor", "clip of slow commands", "band of 50 commands")
 TOLD_OF = {name: {**FILTERS[name], "clock.control": 0.05} for name in REMEMBERING}
 
 
@@ -510,7 +504,7 @@ def test_each_parameter_that_is_no_number_is_noticed_in_any_step(
 @pytest.mark.parametrize("float32", [False, True])
 @pytest.mark.parametrize("name", WRONG)
 def test_misuse_gives_a_safe_command_and_its_flag(name: str, float32: bool, tmp_path: Path) -> None:
-    """As the graph says: what is no number is asked for as 0, which slew and force bring about."""
+    """As the graph says: what is no number is asked for as 0, which slew brings about."""
     needs("gcc")
     settings = load_scenario("paper-simulation", FILTERS[name])
     for file, text in package_files("filter", settings, float32=float32).items():

@@ -22,7 +22,6 @@ SWINGING = {
     "filter.loop": "pi", "filter.mass": [50, 65], "filter.inertia": [4, 6],
     "filter.kp": [135, 165], "filter.ki": [270, 330],
 }  # fmt: skip
-WEAK = {"filter.kind": "band", "filter.force": [150.0, 60.0]}
 
 
 def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path: Path) -> None:
@@ -58,12 +57,10 @@ def test_a_base_has_the_filters_that_hold_for_it(name: str, ways: list[str]) -> 
     ("stated", "ways"),
     [
         ({"filter.kind": "band"}, ["clipped", "smoothed", "clip", "slew", "band"]),
-        (WEAK, ["clipped", "smoothed", "clip", "slew", "band", "force"]),
-        ({**WEAK, "actuator.tau_max": 20.0}, ["clipped", "smoothed", "force"]),
         ({"filter.kind": "clip", "filter.jitter": 0.06}, ["clipped", "smoothed", "clip"]),
     ],
 )
-def test_a_base_that_overshoots_has_slow_commands_too_and_the_force_of_its_motors(
+def test_a_base_that_overshoots_has_slow_commands_too(
     stated: dict[str, object], ways: list[str]
 ) -> None:
     scenario = load_scenario("paper-simulation-nominal", {**SWINGING, **stated})

@@ -274,7 +274,6 @@ def test_an_interval_of_a_filter_is_the_right_way_round(name):
         ({"kind": "clip", "scale": "axes", "channels": "wheels"}, 'filter.scale = "axes"'),
         ({"kind": "governor", "tau": [1e-4, 101.0]}, "more than a factor of 1e6"),
         ({"kind": "governor"}, "filter.tau is missing"),
-        ({"kind": "clip", "force": [1.0, 1.0]}, "filter.force is for"),
     ],
 )
 def test_what_a_filter_cannot_be_asked_for_together_is_refused(values, word):

@@ -29,7 +29,6 @@ OF_LINEAR_LOOPS = "memoryless clip, for linear loops with peak gains up to {0:.4
 BEHIND_SLEW = (
     "clip of commands that change by at most {0:.4g} m/s2, {1:.4g} rad/s2, for linear loops"
 )
-WITHIN_FORCE = "band, for linear loops whose numbers do not change, within {0:.4g} N, {1:.4g} N.m"
 MILLISECOND = 1e-3
 PER_CENT = 1e-2
 NEARLY = 0.9
@@ -88,8 +87,6 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
         if stated.slew is not None:  # what varies of a delay is what costs
             statement, strong = BEHIND_SLEW.format(*stated.slew), None
             late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
-        if stated.force is not None:
-            statement = WITHIN_FORCE.format(*stated.force)
         swung, rise = _swung(scenario, usable, usable_speed), None
         slower = None
         if stated.kind == "band" and (rise := rise_times(scenario)) is not None:

@@ -18,7 +18,7 @@ the graph's own margin is 512 times that of a double."""
 LARGEST_SINGLE = 1e6
 """Largest size of an input; in double precision it is `signals.LARGEST`."""
 
-LIMITS = ("limits.v_u1", "filter.wheel_speed", "filter.force_room")
+LIMITS = ("limits.v_u1", "filter.wheel_speed")
 """Parameters that are lowered."""
 
 PERIODS = {

@@ -13,8 +13,7 @@ behind the tables left exp(-rate t) for both brackets.  A change D to the comman
 stay within c = (V - delta)/K for all s, and also if the command 0 follows a period later: so 0 is
 always admitted, and the admitted commands are an interval around it.  A delay that is constant
 moves all of this in time, for every command alike.  It starts at rest, and what it is told as time
-since the last sample must be what has passed, or not above 0.  Motors that give only so much force:
-`force_band`.
+since the last sample must be what has passed, or not above 0.
 """
 
 from collections.abc import Sequence
@@ -74,26 +73,21 @@ CONDITIONS = {
 
 
 class BandGovernor:
-    """The graph of the band's step; its state is the forecast of each axis.
+    """The graph of the band's step; its state is the forecast of each axis."""
 
-    ``conditions``: names of those that it holds its commands to.
-    """
-
-    conditions: tuple[str, ...] = tuple(CONDITIONS)
-
-    def __init__(self, scenario: Scenario, further: tuple[Port, ...] = ()) -> None:
+    def __init__(self, scenario: Scenario) -> None:
         """Take the ports, and enclose the family's step responses."""
         self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
         self.jitter = scenario.filter.jitter
         self.last, self.spread = port(LAST), port(SPREAD)
         T, bands = scenario.clock.control, [enclosed(scenario, axis) for axis in AXES]
         self.state = [_forecast(axis, len(bands[axis].low)) for axis in AXES]
-        self.far = [faded_ports(NAMES[axis], UNITS[axis]) for axis in AXES]
+        self.far = [_faded_ports(NAMES[axis], UNITS[axis]) for axis in AXES]
         known = [_table(axis, bands[axis], T, self.jitter) for axis in AXES]
-        slopes = [self._slopes(axis, bands[axis]) for axis in AXES]
+        slopes = [_slopes(axis, bands[axis]) for axis in AXES]
         delta = port(DELTA, [item.push for item in peak_gains(scenario)])
         ports = (item for own in (*known, *slopes) for item in own)
-        self.p = Parameters(scenario, (delta, *ports, *further))
+        self.p = Parameters(scenario, (delta, *ports))
         gain, self.T = self.p.take("filter.gain"), self.p.take("clock.control")
         symbols = [
             (
@@ -109,15 +103,6 @@ class BandGovernor:
         self.channels = channels_of(scenario, self.p, numbers, ca.SX(0))
         self.sound = sound(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
-
-    def _slopes(self, axis: int, known: Band) -> list[Port]:
-        """Divisors of the conditions, worked out once: divisions take most of a step's time."""
-        slopes = zip(CONDITIONS.items(), rounded_slopes(response_table(known)), strict=True)
-        return [
-            port(Signal(f"filter.{name}_{NAMES[axis]}", "1", what, len(own)), own)
-            for (name, what), own in slopes
-            if name in self.conditions
-        ]
 
     @cached_property
     def off(self) -> ca.SX:
@@ -137,29 +122,28 @@ class BandGovernor:
 
     @cached_property
     def faded(self) -> list[Fading]:
-        """Rest of each channel's past at the sample."""
+        """Rest of each axis' past at the sample."""
         time, rows = passed(self.elapsed.sym, self.T), []
-        for number, (reach, past, held) in enumerate(self.far):
-            (_, rate, soonest), last = self.fading[number], self.last.sym[number % len(AXES)]
+        for i, (reach, past, held) in enumerate(self.far):
+            _, rate, soonest = self.fading[i]
             known = Fading(reach.sym, past.sym, held.sym)
-            rows.append(known.aged(self.came, last, stays_of(rate, time), soonest))
+            rows.append(known.aged(self.came, self.last.sym[i], stays_of(rate, time), soonest))
         return rows
 
     @cached_property
     def forecasts(self) -> list[Forecast]:
-        """Forecast of each channel at the sample."""
+        """Forecast of each axis at the sample."""
         share = ca.fmax(ca.if_else(self.came, 1, 0), 0)  # a factor, no choice: loops in C
         rows = []
-        for number, (over, under, tail) in enumerate(self.state):
-            table, last = self.tables[number], self.last.sym[number % len(AXES)]
-            past = self.faded[number].bounds(self.most[number], table.rest)
-            known = Forecast(over.sym, under.sym, tail.sym, last, *past)
-            rows.append(known.later(table).kept(share))
+        for i, (over, under, tail) in enumerate(self.state):
+            past = self.faded[i].bounds(self.most[i])
+            known = Forecast(over.sym, under.sym, tail.sym, self.last.sym[i], *past)
+            rows.append(known.later(self.tables[i]).kept(share))
         return rows
 
     @cached_property
     def most(self) -> list[ca.SX]:
-        """Limit of each channel, here the largest commands that may be held."""
+        """Largest command of each axis that may be held."""
         bounds = (self.channels[axis].bounds for axis in AXES)
         return [largest_command(b.V, b) for b in bounds]
 
@@ -216,18 +200,14 @@ class BandGovernor:
     def system(self) -> System:
         """The sampled System."""
         pairs = zip(self.forecasts, self.tables, strict=True)
-        after = [
-            was.changed(self.sent[number % len(AXES)], table)
-            for number, (was, table) in enumerate(pairs)
-        ]
+        after = [was.changed(self.sent[i], table) for i, (was, table) in enumerate(pairs)]
         flags = limited(self.sent, self.command) + self.refused + ca.if_else(self.came, 0, LATE)
         flags = ca.if_else(self.sound, flags, UNSOUND)
         apart = ca.if_else(self.came, self.apart, 0)
         parts = [part for f in after for part in (f.over, f.under, f.tail)]
-        for number, known in enumerate(self.faded):
-            axis = number % len(AXES)
-            change = self.sent[axis] - self.last.sym[axis]
-            now = known.changed(change, self.fading[number][0])
+        for i, known in enumerate(self.faded):
+            change = self.sent[i] - self.last.sym[i]
+            now = known.changed(change, self.fading[i][0])
             parts += [now.reach, now.past, now.held]
         return System(
             "filter", "command filter (band)", inputs=(self.asked, self.elapsed),
@@ -256,7 +236,16 @@ def _forecast(axis: int, size: int) -> tuple[Port, ...]:
     )
 
 
-def faded_ports(name: str, unit: str) -> tuple[Port, ...]:
+def _slopes(axis: int, known: Band) -> list[Port]:
+    """Divisors of the conditions, worked out once: divisions take most of a step's time."""
+    slopes = zip(CONDITIONS.items(), rounded_slopes(response_table(known)), strict=True)
+    return [
+        port(Signal(f"filter.{name}_{NAMES[axis]}", "1", what, len(own)), own)
+        for (name, what), own in slopes
+    ]
+
+
+def _faded_ports(name: str, unit: str) -> tuple[Port, ...]:
     """Ports of a Fading, in the order of its fields."""
     return (
         port(Signal(f"reach_{name}", unit, f"bound of {name} from its end, at the sample")),
@@ -275,12 +264,12 @@ def response_table(known: Band) -> ResponseTable:
 
 def rounded_slopes(table: ResponseTable) -> list[np.ndarray]:
     """`inverse_slopes`, rounded so that none of them admits more."""
-    held, rise, fall = (np.array(numbers_of(item)) for item in inverse_slopes(table))
+    held, rise, fall = (np.array(_numbers_of(item)) for item in inverse_slopes(table))
     wider = 2.0**-50
     return [1 / (1 / held + wider), 1 / (1 / rise + wider), 1 / (1 / fall - wider)]
 
 
-def numbers_of(values: ca.SX) -> list[float]:
+def _numbers_of(values: ca.SX) -> list[float]:
     """The numbers of a column without symbols."""
     return [float(item) for item in ca.DM(values).full().ravel()]
 
@@ -291,9 +280,9 @@ def _table(axis: int, known: Band, T: float, jitter: float) -> tuple[Port, ...]:
     times = np.array([T, T - 2 * jitter - NEAR * T])
     fading, soonest = np.exp(-known.rate * times) * SPARE
     own = (
-        ("above", "1", "largest step response of {}, less 1", numbers_of(table.above)),
-        ("below", "1", "1 less the least step response of {}", numbers_of(table.below)),
-        ("after", "1", "largest step response of {}, a period later", numbers_of(table.after)),
+        ("above", "1", "largest step response of {}, less 1", _numbers_of(table.above)),
+        ("below", "1", "1 less the least step response of {}", _numbers_of(table.below)),
+        ("after", "1", "largest step response of {}, a period later", _numbers_of(table.after)),
         ("left", "1", "{} from its command, behind", [known.left]),
         ("fading", "1", "what stays of that in a period", [fading]),
         ("reach", "1", "{} from its command, at most", [known.reach * SPARE]),

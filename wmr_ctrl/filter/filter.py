@@ -20,7 +20,6 @@ from wmr_ctrl.filter.band import NAMES, BandGovernor, check_beat
 from wmr_ctrl.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip, slew_reach
 from wmr_ctrl.filter.enclosure import Floats
-from wmr_ctrl.filter.force_band import ForceBand
 from wmr_ctrl.filter.governor import largest_command
 from wmr_ctrl.filter.governor_step import Governor, check_jitter
 from wmr_ctrl.filter.peak_gain import peak_gains, pi_loop, refuse_all
@@ -182,8 +181,6 @@ def filter_system(scenario: Scenario) -> System:
     """
     with asking_about_units(scenario):
         check_filter(scenario)
-        if scenario.filter.force is not None:
-            return ForceBand(scenario).system
         return BUILDERS[scenario.filter.kind](scenario).system
 
 

@@ -32,9 +32,9 @@ SPARE = 1 + 2.0**-40
 class ResponseTable:
     """Bounds of a step response on each piece, and how it fades behind them.
 
-    It ends at ``rest``: ``above`` bounds it minus that on each piece, ``below`` the negative, and
-    ``left`` both behind them, where that fades by ``fading`` a period.  ``after`` bounds, from the
-    second period on, the response to a step a period later.
+    ``above`` bounds it less 1 on each piece, ``below`` the negative of that, and ``left`` both
+    behind them, where that fades by ``fading`` a period.  ``after`` bounds, from the second period
+    on, the response to a step a period later.
     """
 
     above: ca.SX
@@ -42,17 +42,16 @@ class ResponseTable:
     after: ca.SX
     left: ca.SX
     fading: ca.SX
-    rest: int = 1
 
     @property
     def low(self) -> ca.SX:
         """Lower bounds on each piece, the last one for ever."""
-        return self.rest - ca.vertcat(self.below, self.left)
+        return 1 - ca.vertcat(self.below, self.left)
 
     @property
     def high(self) -> ca.SX:
         """Upper bounds on each piece, the last one for ever."""
-        return self.rest + ca.vertcat(self.above, self.left)
+        return 1 + ca.vertcat(self.above, self.left)
 
 
 @dataclass(frozen=True)
@@ -103,20 +102,18 @@ class Forecast:
         }
         return replace(self, u=way * self.u, **swapped)
 
-    def rooms(self, most: ca.SX, held: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Room left below ``most`` on each piece and beyond them, above and below.
-
-        ``held``: where what is foreseen ends if the command stays.
-        """
+    def rooms(self, most: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Room left below ``most`` on each piece and beyond them, above and below."""
         over, under = (ca.vertcat(item, self.tail) for item in (self.over, self.under))
-        return (most - (held + self.past_over)) - over, (most + (held - self.past_under)) - under
+        above = (most - (self.u + self.past_over)) - over
+        return above, (most + (self.u - self.past_under)) - under
 
     def steps(self, most: ca.SX, inverse: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Largest rise and fall of the command, held from now on, that keep v and -v within most.
 
         ``inverse``: 1/high.
         """
-        above, below = self.rooms(most, self.u)
+        above, below = self.rooms(most)
         return at_most(above * inverse), at_most(below * inverse)
 
     def largest(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> ca.SX:
@@ -132,7 +129,7 @@ class Forecast:
         Each is a line on each side of the old command, g + slope u <= c (1 + FLATTEST), and both
         leave the same room for the old command itself.
         """
-        _, below = self.rooms(c * (1 + FLATTEST), self.u)
+        _, below = self.rooms(c * (1 + FLATTEST))
         room = below[PIECES:] - self.u * table.after
         rising, falling = inverse
         return ca.fmin(room * rising, room * falling)
@@ -196,13 +193,13 @@ class Fading:
         """The same behind a change of the command, of which ``furthest`` times its size is left."""
         return replace(self, reach=self.reach + ca.fabs(change) * furthest)
 
-    def bounds(self, c: ca.SX, rest: int) -> tuple[ca.SX, ca.SX]:
+    def bounds(self, c: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Bounds of what is past, above and below.
 
         While its command is held nothing exceeds c but for roundings.
         """
-        held, most = rest * self.held, c * PAST
-        return ca.fmin(most - held, self.past), ca.fmin(most + held, self.past)
+        most = c * PAST
+        return ca.fmin(most - self.held, self.past), ca.fmin(most + self.held, self.past)
 
 
 def stays_of(rate: ca.SX, time: ca.SX) -> ca.SX:

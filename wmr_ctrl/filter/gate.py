@@ -82,10 +82,9 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
 
 def gate_and_goal(scenario: Scenario, settings: GateSettings) -> tuple[System, ca.SX]:
     """`gate_system`, and the command and flags of its filter to which its ramp leads."""
-    slow = {"slew": scenario.filter.slew, "force": scenario.filter.force}
-    for name in (name for name, value in slow.items() if value is not None):
+    if scenario.filter.slew is not None:
         raise ScenarioError(
-            f"filter.{name}: a gate sends 0 at once when its program stops, but this filter "
+            "filter.slew: a gate sends 0 at once when its program stops, but this filter "
             "assumes that commands change only as it sends them. Leave it out: without it, "
             'filter.kind = "clip" or "band" keeps its promise behind a gate.'
         )

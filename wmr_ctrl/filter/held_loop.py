@@ -15,8 +15,7 @@ what is left of a step of the command after k of them is e(k h), e of `step_resp
 and what a force leads to that pushed for one step is so a difference of R phi/M at two instants,
 phi the response to an impulse of those numbers.  Sums of |changes| over instants are no larger than
 integrals of |slopes|: N and what pushes lead to are at most those of that loop.  gamma' may be
-below 0.  What the motors are asked for, less friction, is M times a mean of the speed's slope over
-the step, so at most what it is at some instant of the step at which the speed is no less.
+below 0.
 """
 
 import math

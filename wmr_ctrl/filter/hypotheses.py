@@ -173,12 +173,6 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 f"friction and rolling together), and filter.push[{axis + 1}] = "
                 f"{stated.push[axis]:g} {unit} is less. Raise it to that."
             )
-    if stated.force is not None and any(bound.command):
-        yield (
-            "base.quantum rounds the command, which may ask the motors for more force than "
-            "filter.force counts. Set it to 0, or leave out filter.force."
-        )
-        return
     for axis, error in enumerate(bound.command):
         if error > stated.d[axis] * (1 + ROUNDING):
             yield (
@@ -189,22 +183,11 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
     """A torque limit that the loop may reach."""
-    force, robot = scenario.filter.force, scenario.robot
-    if math.isinf(most := scenario.actuator.tau_max):
-        return
-    if force is None:
+    if not math.isinf(most := scenario.actuator.tau_max):
         yield (
             f"actuator.tau_max = {most:g} N.m: behind a torque limit the integral of the loop may "
-            "wind up, and the speed then exceeds its command by more than the peak gain. State "
-            'filter.force with filter.kind = "band", which keeps the loop within what its motors '
-            "give, or leave tau_max out if commands stay low enough for the motors."
-        )
-        return
-    needed = robot.r * (force[0] + force[1] / robot.l) / 2
-    if needed > most * (1 + ROUNDING):
-        yield (
-            f"actuator.tau_max = {most:g} N.m: filter.force = [{force[0]:g}, {force[1]:g}] may ask "
-            f"a wheel for {needed:.4g} N.m, r (F + moment/l)/2. State a smaller force."
+            "wind up, and the speed then exceeds its command by more than the peak gain. Leave "
+            "tau_max out if commands stay low enough for the motors."
         )
 
 

@@ -3,10 +3,8 @@
 from collections.abc import Iterator
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.force_band import force_room, force_table
 from wmr_ctrl.filter.governor import Schedule
 from wmr_ctrl.filter.governor_step import schedule
-from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.scenario import Scenario
 
 OLDEST = 60.0
@@ -15,19 +13,17 @@ SHORTEST = 2.0**-13
 """Least period for each piece of time that it is cut into, over the largest time constant."""
 SHORTEST_SINGLE = 2.0**-8
 """The same of packages in single precision, which are refused below."""
-HARDEST = 256.0
-"""Largest force that a step by the whole speed takes, over what pushes leave."""
 
 
 def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Key of each number for which nobody proved that the margin against rounding suffices.
 
-    And a sentence on it.  The ranges are those of `filter.rounding.governor` and `-.force`; all
-    others of theirs a scenario keeps by itself.
+    And a sentence on it.  The ranges are those of `filter.rounding.governor`; all its others
+    a scenario keeps by itself.
     """
-    beyond = [*_of_long_times(scenario)] if scenario.filter.kind == "governor" else []
-    beyond += [*_of_hard_steps(scenario)] if scenario.filter.force is not None else []
-    for key, number, bound in beyond:
+    if scenario.filter.kind != "governor":
+        return
+    for key, number, bound in _of_long_times(scenario):
         yield (
             key,
             f"{number} is beyond {bound}: up to that it is proved that the share of the limit "
@@ -76,15 +72,3 @@ def _most_pieces(plan: Schedule) -> int:
     taken = plan.pieces(0.0, plan.delay[1], 1, plan.delay[0])
     looked = (sum(b.start < a.start + 1 and b.end > a.start for b in back) for a in back)
     return max(len(ahead), len(taken), *looked)
-
-
-def _of_hard_steps(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
-    room, peaks = force_room(scenario), peak_gains(scenario)
-    for axis, (name, unit) in enumerate((("v", "N"), ("omega", "N.m"))):
-        above, below, left, _ = force_table(scenario, axis)
-        c = (scenario.limits.v_u1[axis] - peaks[axis].push) / scenario.filter.gain[1]
-        needed = c * max(map(abs, (*above.value, *below.value, *left.value)))
-        if needed > HARDEST * room[axis]:
-            bound = f"{HARDEST:g} times the {room[axis]:.4g} {unit} that pushes leave"
-            number = f"The force of a step of {name} by the whole speed, {needed:.4g} {unit},"
-            yield "filter.force", number, bound

@@ -32,7 +32,6 @@ from wmr_ctrl.filter.enclosure import (
     square,
 )
 from wmr_ctrl.filter.governor import NEAR
-from wmr_ctrl.filter.held_loop import Through
 from wmr_ctrl.filter.peak_gain import PiLoop, pi_loop
 from wmr_ctrl.scenario import Scenario
 
@@ -46,18 +45,12 @@ SWING_PIECES = 400
 
 @dataclass(frozen=True)
 class Cells:
-    """Parts of a family: intervals of a, b and gamma; ``w2`` is b - a^2/4.
-
-    Of PI loops also of ``mass``, ``kp`` and ``ki``; 0 else.
-    """
+    """Parts of a family: intervals of a, b and gamma; ``w2`` is b - a^2/4."""
 
     a: Span
     b: Span
     gamma: Span
     w2: Span
-    mass: Span
-    kp: Span
-    ki: Span
 
     def __getitem__(self, part: slice) -> Cells:
         """Some of the cells, as a column."""
@@ -65,7 +58,7 @@ class Cells:
 
     @property
     def _every(self) -> tuple[Span, ...]:
-        return self.a, self.b, self.gamma, self.w2, self.mass, self.kp, self.ki
+        return self.a, self.b, self.gamma, self.w2
 
     def beside(self, other: Cells) -> Cells:
         """These cells and further ones."""
@@ -108,28 +101,15 @@ def pi_cells(loop: PiLoop) -> Cells:
     high = np.minimum((Span.of(c.hi) / most).hi, (Span.of(a.hi) - Span.of(kp.lo) / most).hi)
     low = np.maximum((Span.of(c.lo) / least).lo, (Span.of(a.lo) - Span.of(kp.hi) / least).lo)
     gamma = Span(np.maximum(low, 0.0), np.maximum(high, 0.0))
-    mass = Span(light, heavy)
-    own_kp, own_ki = _shared(a * mass - c, kp), _shared(b * mass, ki)
-    family = Cells(a, b, gamma, b - 0.25 * square(a), mass, own_kp, own_ki)
+    family = Cells(a, b, gamma, b - 0.25 * square(a))
     own = loop.held.through() if loop.held else None
-    return family.beside(_held_cell(own)) if own else family
-
-
-def _held_cell(own: Through) -> Cells:
-    """A base's loop that is held, as the one through its samples."""
-    kp, ki = own.mass * (own.a - own.gamma), own.mass * own.b
-    return Cells(own.a, own.b, own.gamma, own.w2, own.mass, kp, ki)
+    return family.beside(Cells(own.a, own.b, own.gamma, own.w2)) if own else family
 
 
 def _beside(place: Floats, low: Floats, high: Floats) -> Span:
     """A place within bounds as an interval that is wider than its rounding."""
     inside = np.clip(place, low, high)
     return Span(inside * (1 - 2.0**-50), inside * (1 + 2.0**-50))
-
-
-def _shared(x: Span, y: Span) -> Span:
-    """Intersection of two enclosures of one number."""
-    return Span(np.maximum(x.lo, y.lo), np.minimum(x.hi, y.hi))
 
 
 def _quotient(x: Span, y: Span) -> Span:
@@ -141,8 +121,7 @@ def second_order_cells(frequency: tuple[float, float], damping: tuple[float, flo
     """Cells of (w0, z)."""
     w0, z = _grid(Span.of(*frequency), Span.of(*damping))
     a, b = 2 * z * w0, square(w0)
-    none = Span.of(np.zeros_like(a.lo))
-    return Cells(a, b, a, b * (1 - square(z)), none, none, none)
+    return Cells(a, b, a, b * (1 - square(z)))
 
 
 def _grid(first: Span, second: Span) -> tuple[Span, Span]:
@@ -154,21 +133,11 @@ def _grid(first: Span, second: Span) -> tuple[Span, Span]:
 
 def deviation(cells: Cells, t: Span) -> tuple[Span, Span]:
     """e and e' at times t (a row)."""
-    faded, turning, swinging = _swing_of(cells, t)
-    e = faded * (turning + (cells.gamma - 0.5 * cells.a) * swinging)
-    rate, phi = _modes(faded, turning, swinging, cells.a)
-    return e, -((cells.a - cells.gamma) * rate) - cells.b * phi
-
-
-def _modes(faded: Span, turning: Span, swinging: Span, a: Span) -> tuple[Span, Span]:
-    """phi' and phi, the response to an impulse of 1/(s^2 + a s + b)."""
-    return faded * (turning - 0.5 * a * swinging), faded * swinging
-
-
-def _swing_of(cells: Cells, t: Span) -> tuple[Span, Span, Span]:
-    """exp(-a t/2), cos(w t) and sin(w t)/w."""
     x = cells.w2 * square(t)
-    return exp(-0.5 * cells.a * t), cosine(x), t * sine_over(x)
+    faded, turning, swinging = exp(-0.5 * cells.a * t), cosine(x), t * sine_over(x)
+    e = faded * (turning + (cells.gamma - 0.5 * cells.a) * swinging)
+    rate = faded * (turning - 0.5 * cells.a * swinging)  # of the impulse response, faded swinging
+    return e, -((cells.a - cells.gamma) * rate) - cells.b * (faded * swinging)
 
 
 def band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) -> Band:
@@ -185,35 +154,6 @@ def band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) ->
         reach = max(reach, float(_left(part, e, speed, rate, 0).max()))
     low, high = grid.joined(low, np.minimum), grid.joined(high, np.maximum)
     return Band(np.maximum(low, 0.0), high, left * (1 + 2 * rate * grid.near), rate, reach)
-
-
-def force_band(cells: Cells, T: float, pieces: int, most: int, jitter: float = 0.0) -> Band:
-    """The same for M S', the force that speeds a base with a PI loop up behind a step.
-
-    It ends at 0.  e' fulfils the equation of e, so that its pieces are bounded alike, and at their
-    ends M S' is kp and ki times what a, b and time alone make.
-    """
-    rate, grid = _slowest(cells), _times(cells, T, pieces, most, jitter)
-    times = grid.times
-    low, high = np.full(len(times) - 1, np.inf), np.full(len(times) - 1, -np.inf)
-    left, reach = 0.0, 0.0
-    for part, e, speed in _responses(cells, times):
-        bend = -(part.a * speed) - part.b * e
-        pulled, pushed = _modes(
-            *_swing_of(part, Span(_down(times)[None], _up(times)[None])), part.a
-        )
-        ends = _shared(part.kp * pulled + part.ki * pushed, -(part.mass * speed))
-        away = _bent(part, speed, bend, T / pieces) + _strayed(part, speed, bend, grid.near)
-        away = part.mass * away
-        force = Span(np.minimum(ends.lo[:, :-1], ends.lo[:, 1:]),
-                     np.maximum(ends.hi[:, :-1], ends.hi[:, 1:]))  # fmt: skip
-        force = Span((force - away).lo, (force + away).hi)
-        low, high = np.minimum(low, force.lo.min(axis=0)), np.maximum(high, force.hi.max(axis=0))
-        left = max(left, float((part.mass * _left(part, speed, bend, rate, grid.last)).hi.max()))
-        reach = max(reach, float((part.mass * _left(part, speed, bend, rate, 0)).hi.max()))
-    low, high = grid.joined(low, np.minimum), grid.joined(high, np.maximum)
-    low[0] = min(low[0], 0.0)  # as it is before the step
-    return Band(low, high, left * (1 + 2 * rate * grid.near), rate, reach)
 
 
 @dataclass(frozen=True)

@@ -62,12 +62,6 @@ WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
     ),
     "governor": ("filter, governor", "#00956d", DOTTED, "command filter, from odometry"),
     "band": ("filter, band", "#5b0e3b", DASHED, "command filter, from what it sent"),
-    "force": (
-        "filter, band, force",
-        "#8a5a2b",
-        DASH_DOT,
-        "command filter, within the motors' force",
-    ),
 }
 """Label, colour, dashes and title of each way to limit commands; several laws dash as laws."""
 
@@ -93,7 +87,7 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
     whole: dict[str, object] = {}
     if issubclass(LAWS[law].gains, VelocityLoopGains):
         whole = {f"gains.{law}.share": 1.0, f"gains.{law}.a_max": [UNLIMITED, UNLIMITED]}
-    bare = {**whole, "filter.kind": "none", "filter.slew": None, "filter.force": None}
+    bare = {**whole, "filter.kind": "none", "filter.slew": None}
     yield "clipped", bare
     if whole:
         yield "smoothed", {**bare, f"gains.{law}.a_max": SMOOTH}
@@ -114,7 +108,7 @@ def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, obje
 def _own_way(scenario: Scenario) -> str:
     """The way that the scenario itself limits commands."""
     own = scenario.filter
-    return "slew" if own.slew else "force" if own.force else own.kind
+    return "slew" if own.slew else own.kind
 
 
 def _is_swinging(scenario: Scenario) -> bool:
@@ -135,8 +129,6 @@ def _filters(scenario: Scenario) -> Iterator[tuple[str, Mapping[str, object]]]:
         yield "slew", {"filter.kind": "clip", "filter.slew": slew}
     yield "governor", {"filter.kind": "governor"}
     yield "band", {"filter.kind": "band"}
-    if own.force:
-        yield "force", {"filter.kind": "band", "filter.force": own.force}
 
 
 @dataclass(frozen=True)

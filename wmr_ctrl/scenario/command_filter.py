@@ -92,10 +92,6 @@ class Filter(Section, key="filter"):
     push: tuple[float, float] = quantity(
         (0.0, 0.0), "N, N.m", "largest push on a base with PI loops", minimum=0
     )
-    force: tuple[float, float] | None = quantity(
-        None, "N, N.m", "force and moment that motors behind PI loops can certainly give", size=2,
-        above=0,
-    )  # fmt: skip
     slew: tuple[float, float] | None = quantity(
         None, "m/s2, rad/s2", "fastest change of commands that a linear loop's clip allows",
         size=2, above=0,
@@ -112,12 +108,6 @@ class Filter(Section, key="filter"):
             self._relate_band()
         if self.slew is not None:
             self._relate_slew()
-        if self.force is not None and (self.kind, self.loop) != ("band", "pi"):
-            raise ScenarioError(
-                'filter.force is for filter.kind = "band" with filter.loop = "pi": no other filter '
-                "limits force. The clip holds for a base that never overshoots, however weak its "
-                "motors are. Leave filter.force out."
-            )
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.scale = "axes" limits v and omega separately, which does not fit wheels '
@@ -160,11 +150,6 @@ class Filter(Section, key="filter"):
                 'filter.loop = "pi" reaches its command at rest: state filter.gain = [1, 1], the '
                 "largest push as push = [N, N.m], and as filter.d the largest error of the command "
                 "that acts, such as half a quantum."
-            )
-        if self.force is not None and any(self.d):
-            raise ScenarioError(
-                "filter.d: with filter.force an error of the command would ask the motors for more "
-                "force than is counted. Leave out filter.d, or filter.force."
             )
         if self.loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(

@@ -39,8 +39,8 @@ THEMES = (
     ("The command filter of bases that take velocities", "command_filter filter_assembled"),
     ("The gate before a base", "gate"),
     ("The command filter of bases that take velocities",
-     "filter_loops filter_kick filter_band filter_band_times filter_force filter_rounding "
-     "filter_command_rounding filter_band_rounding filter_force_rounding"),
+     "filter_loops filter_kick filter_band filter_band_times filter_rounding "
+     "filter_command_rounding filter_band_rounding"),
     ("Encoders and wheels", "world"),
     ("Motors and late drives", "drive_bounds"),
     ("Commands on their way to a base", "effect_bounds:command_claim"),

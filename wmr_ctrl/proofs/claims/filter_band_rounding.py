@@ -99,7 +99,7 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     s, table = a.symbols | symbols("limit wider inverse slope"), a.table
     wider, u, slope, inverse = s.wider, s.u, s.slope, s.inverse
     up = way > 0 or stops  # a fall that is held is a change the other way
-    rooms = (a.forecast.rooms(c, u) for c in (a.most(not stops), wider))
+    rooms = (a.forecast.rooms(c) for c in (a.most(not stops), wider))
     if stops:
         room, left = (both[1][PIECES] - u * table.after[0] for both in rooms)
     else:
@@ -219,7 +219,7 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     Behind an untimely sample the text counts on no less than what is certain.
     """
     s = symbols("c past held v made")
-    bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c, 1)
+    bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
     given = (above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v))
     goal = at_least(s.made, v)

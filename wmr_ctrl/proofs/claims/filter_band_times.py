@@ -125,7 +125,7 @@ def past(mutation: Mutation, word: str, way: int) -> Statement:
     Behind an untimely sample nothing is lost of what is certain in any case.
     """
     s = symbols("past held c v")
-    bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c, 1)[0 if way > 0 else 1]
+    bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]
     v = way * (s.v - s.held)
     known = at_least(s.past, mutation(1, 0.9) * v), at_least(PAST * s.c, way * s.v)
     return Statement(s, (at_least(bound, v),), (*known, *nonnegative(s.c, v)))

@@ -208,12 +208,11 @@ def slew() -> None:
     given="a PI loop of constant numbers whose force is held over steps h, friction too, at rest "
     "at the start; commands change at steps; h a < 2, h b < a, |w| h < 1 - h a/2 where w^2 < 0",
     by=HAND,
-    premises="filter.peak-gain filter.slew filter.band.superposition filter.band.force",
+    premises="filter.peak-gain filter.slew filter.band.superposition",
 )
 def held_loop() -> None:
     """what is left of its steps, at each instant k h, is that of the loop with a', b', gamma'
-    (`held_loop`), M times the mean slope over a step a value that M S' takes within it, and the sum
-    of h |1 - S| over instants at most its integral and h (N - 1).
+    (`held_loop`), and the sum of h |1 - S| over instants at most its integral and h (N - 1).
 
     A filter that counts this loop beside its family keeps its limits in every step of a run.
     """
