@@ -285,10 +285,6 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
          "operand.start - inner.target.start, j"),
     ),
     *_rows(
-        CODEGEN, f"{EMITTER}three_exponentials_that_nothing_pairs_stay_apart",
-        ("pairs.py", "if len(two) == 2 and", "if len(two) > 1 and"),
-    ),
-    *_rows(
         "wmr_ctrl/control/", "tests/control/test_delay_steps.py::"
         "test_a_torque_that_is_followed_is_that_of_every_step",
         ("applied.py", "pieces.insert(0, (", "pieces.append(("),

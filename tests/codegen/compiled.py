@@ -34,11 +34,9 @@ EXACT: dict[int, Callable[..., float]] = {
 """Operations of which there is only one right result."""
 
 
-def compiled(
-    kernels: Sequence[Kernel], *, native: bool = False, first: str = ""
-) -> list[Callable[..., np.ndarray]]:
-    """Callables of kernels with one output vector, from one library; ``first``: its first line."""
-    text = f"{first}\n" + _HEAD + "\n".join(definition(item) for item in kernels)
+def compiled(kernels: Sequence[Kernel], *, native: bool = False) -> list[Callable[..., np.ndarray]]:
+    """Callables of kernels with one output vector, from one library."""
+    text = _HEAD + "\n".join(definition(item) for item in kernels)
     header = (runtime_dir() / "arithmetic.h").read_text(encoding="utf-8")
     path = build_library({"one.c": text, "arithmetic.h": header}, find_toolchain(native=native))
     library = ct.CDLL(str(path))

@@ -205,6 +205,7 @@ def test_prepared_kernels_have_the_bits_of_whole_ones(seed: int) -> None:
     named = {"u": split[0], "p": split[1]}
     whole = kernel(f"whole{seed}", "All at once.", named, {"y": y})
     parted = kernel(f"parted{seed}", "In two.", named, {"y": y}, prepared=True)
+    parted = replace(parted, whole=seed % 2 > 0)
     draw, at_once, apart = np.random.default_rng(seed), compiled([whole])[0], in_two(parted)
 
     for _ in range(40):
@@ -224,64 +225,3 @@ def test_what_parameters_make_alone_leaves_the_kernel() -> None:
         assert slow in before
         assert slow not in rest
     assert "p[1]" in rest
-
-
-@pytest.mark.parametrize("first", ["", "#undef __SSE2__"])
-@pytest.mark.parametrize("seed", range(4))
-def test_pairs_have_the_bits_of_single_values(seed: int, first: str) -> None:
-    """Two copies of a random graph, results side by side; with vectors, and without."""
-    graph, x = random_graph(f"twice{seed}", seed), ca.SX.sym("x", 2 * INPUTS)
-    both = [ca.if_else(x[0] > 0, graph.function(ca.expm1(0.1 * x[k::2])), x[k]) for k in (0, 1)]
-    named, y = {"x": x}, ca.vec(ca.horzcat(*both).T)
-    single = kernel(f"single{seed}", "One by one.", named, {"y": y})
-    paired = replace(kernel(f"paired{seed}", "In pairs.", named, {"y": y}), pairs=True)
-    text, draw = definition(paired), np.random.default_rng(seed)
-    one_by_one, in_pairs = compiled([single, paired], first=first)
-
-    assert text.count("wmr_two_") > 100
-    assert "if (" in text
-    for size in (1.0, 1.0, -1.0, 30.0, 600.0):
-        given = size * np.abs(draw.normal(size=2 * INPUTS))
-        assert np.array_equal(in_pairs(given), one_by_one(given), equal_nan=True)
-
-
-def test_neighbours_meet_neighbours_in_pairs() -> None:
-    """Also where one half of a pair goes on to a result and the other to another, much later."""
-    x = ca.SX.sym("x", 8)
-    near, far = (ca.fmin(ca.expm1(x[k]), x[2 + k]) * x[4] for k in (0, 1))
-    y = ca.vertcat(near, ca.sin(ca.sin(far) + near))
-    paired = replace(kernel("halves", "In pairs.", {"x": x}, {"y": y}), pairs=True)
-    single = kernel("alone", "One by one.", {"x": x}, {"y": y})
-    one_by_one, in_pairs = compiled([single, paired])
-    given = np.random.default_rng(0).normal(size=8)
-
-    assert "wmr_two_min(r" in definition(paired)
-    assert np.array_equal(in_pairs(given), one_by_one(given))
-
-
-@pytest.mark.parametrize("first", ["", "#undef __SSE2__"])
-def test_pairs_of_exponentials_less_one_have_the_bits_of_single_ones(first: str) -> None:
-    """Of either sign, where nothing is reduced, at the ends of that, and beyond."""
-    x = ca.SX.sym("x", 2)
-    single = kernel("apart", "One by one.", {"x": x}, {"y": ca.expm1(x)})
-    paired = replace(kernel("both", "In pairs.", {"x": x}, {"y": ca.expm1(x)}), pairs=True)
-    one_by_one, in_pairs = compiled([single, paired], first=first)
-    sizes = [0.0, 5e-324, 1e-9, 0.1, 0.3464999999, 0.3465, 0.34657359, 0.3466, 2.0, 56.0, 800.0]
-    given = [sign * size for size in sizes for sign in (1.0, -1.0)]
-    given += np.random.default_rng(0).uniform(-0.4, 0.4, 400).tolist()
-
-    for one, other in zip(given, reversed(given), strict=True):
-        two = np.array([one, other])
-        assert in_pairs(two).tobytes() == one_by_one(two).tobytes()
-
-
-def test_three_exponentials_that_nothing_pairs_stay_apart() -> None:
-    x = ca.SX.sym("x", 3)
-    one, two, three = (ca.expm1(x[k]) for k in range(3))
-    y = ca.vertcat(ca.sin(one), ca.sqrt(1 + two * two), -three)
-    single = kernel("single", "One by one.", {"x": x}, {"y": y})
-    paired = replace(kernel("three", "In pairs.", {"x": x}, {"y": y}), pairs=True)
-    one_by_one, in_pairs = compiled([single, paired])
-    given = np.array([0.3, -0.2, 1.5])
-
-    assert (in_pairs(given) == one_by_one(given)).all()

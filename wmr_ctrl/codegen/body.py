@@ -12,37 +12,24 @@ from wmr_ctrl.codegen.items import (
     Item,
     Operation,
     PackedStore,
-    Pair,
     ResultStore,
     SinCos,
     Slice,
-    Two,
     branched,
     computed,
-    in_step,
     replaced,
     statements,
 )
-from wmr_ctrl.codegen.pairs import CHOSEN, COMPARED, PAIRED, Paired, PairStore, in_pairs
 from wmr_ctrl.codegen.reroll import Place, fused, reroll, shared_rooms
 from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
 FEWEST = 4
 """Exponentials that are worth an array."""
-FORESEEN = 5
-"""Cost from which on a branch is worth it in a step of pairs, of which a filter's are foreseen."""
 
 
-def body(graph: Graph, dialect: Dialect, *, pairs: bool = False) -> list[str]:
-    """Statements of a function that computes the graph: branches, loops, and results last.
-
-    ``pairs``: what is alike is computed in pairs instead, where the dialect has them (`in_pairs`).
-    """
-    if pairs and dialect.pairs:
-        paired = in_pairs(graph, statements(graph))
-        items = in_step(graph, branched(graph, paired.items, worth=FORESEEN))
-        return _Writer(graph, dialect, items, {}, paired).text()
+def body(graph: Graph, dialect: Dialect) -> list[str]:
+    """Statements of a function that computes the graph: branches, loops, and results last."""
     items = branched(graph, statements(graph))
     if dialect.exp_batch:
         items = batch_exponentials(graph, items)
@@ -114,9 +101,7 @@ class _Writer:
         dialect: Dialect,
         items: Sequence[Item],
         places: Mapping[int, Place],
-        paired: Paired | None = None,
     ) -> None:
-        self.paired = paired
         self.graph, self.dialect, self.items, self.places = graph, dialect, items, places
         batches = (item for item in items if isinstance(item, ExpBatch))
         self.grouped = {k: (item.array, i) for item in batches for i, k in enumerate(item.defines)}
@@ -143,12 +128,6 @@ class _Writer:
             elif isinstance(item, IfElse):
                 write = self._lane_block if self.dialect.lanes else self._branch
                 found.extend(write(item, indent))
-            elif isinstance(item, Pair):
-                kind = "wmr_two_bits" if item.op in COMPARED else "wmr_two"
-                found.append(f"{indent}const {kind} {item.name} = {self._paired(item)};")
-            elif isinstance(item, PairStore):
-                at = f"{item.vector} + {item.index}" if item.index else item.vector
-                found.append(f"{indent}wmr_two_to({at}, {self._two(item.values)});")
             elif isinstance(item, PackedStore):
                 four = self._four(item.target, map(self._expression, item.defines))
                 found.append(indent + four)
@@ -176,29 +155,6 @@ class _Writer:
         ]
         return [f"{indent}{name}[{size}];", *fours, called]
 
-    def _paired(self, item: Pair) -> str:
-        if item.op is None:
-            ((one, other),) = item.operands
-            return f"wmr_two_of({self._real(one)}, {self._real(other)})"
-        if item.op == SELECT:
-            (condition, other), *arms = item.operands
-            if condition != other:
-                assert self.paired is not None
-                mask = self.paired.masks[condition, other].name
-                return CHOSEN.format(mask, *map(self._two, arms))
-            return PAIRED[SELECT].format(self._truth(condition), *map(self._two, arms))
-        return {**PAIRED, **COMPARED}[item.op].format(*map(self._two, item.operands))
-
-    def _two(self, values: Two) -> str:
-        assert self.paired is not None
-        if values in self.paired.names:
-            return self.paired.names[values]
-        one, other = values
-        if one == other:
-            return f"wmr_two_all({self._real(one)})"
-        array, start = self.graph.nodes[one].place or ("", 0)
-        return f"wmr_two_at({array} + {start})" if start else f"wmr_two_at({array})"
-
     def _four(self, target: Slice, given: Iterable[str]) -> str:
         array = self._room(target.array)
         at = f"{array} + {target.start}" if target.start else array
@@ -219,9 +175,6 @@ class _Writer:
 
     def _name(self, number: int) -> str:
         node = self.graph.nodes[number]
-        if self.paired is not None and number in self.paired.place:
-            pair, k = self.paired.place[number]
-            return f"wmr_two_{'second' if k else 'first'}({pair})"
         place = node.place or self.places.get(number) or self.grouped.get(number)
         if place is not None:
             inner = None if node.place else self._folded_at(*place)
@@ -273,17 +226,12 @@ class _Writer:
         return None
 
     def _branch(self, block: IfElse, indent: str) -> list[str]:
-        twos = [item for item in block.choices if isinstance(item, Pair)]
-        single = [item.node for item in block.choices if isinstance(item, Operation)]
-        found = [f"{indent}{self._type(k)} {self._name(k)};" for k in single]
-        found += [f"{indent}wmr_two {item.name};" for item in twos]
+        found = [f"{indent}{self._type(k)} {self._name(k)};" for k in block.defines]
         inner = indent + _STEP
         found.append(f"{indent}if ({self._truth(block.condition)}) {{")
-        found += self._arm(block.then, single, 1, inner)
-        found += [f"{inner}{item.name} = {self._two(item.operands[1])};" for item in twos]
+        found += self._arm(block.then, block.defines, 1, inner)
         found.append(f"{indent}}} else {{")
-        found += self._arm(block.other, single, 2, inner)
-        found += [f"{inner}{item.name} = {self._two(item.operands[2])};" for item in twos]
+        found += self._arm(block.other, block.defines, 2, inner)
         return [*found, f"{indent}}}"]
 
     def _arm(

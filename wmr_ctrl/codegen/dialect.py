@@ -47,7 +47,7 @@ class Dialect:
 
     ``exp_batch``: independent exponentials are computed side by side, in arrays of multiples of
     this size; 0: one by one.  ``packs_stores``: single operations that fill an array do so four at
-    a time.  ``pairs_sines``: sine and cosine of one angle are one call.  ``pairs``: it has pairs.
+    a time.  ``pairs_sines``: sine and cosine of one angle are one call.
     """
 
     header: str
@@ -58,7 +58,6 @@ class Dialect:
     exp_batch: int = 0
     packs_stores: bool = False
     pairs_sines: bool = False
-    pairs: bool = False
 
     def pattern(self, op: int) -> str:
         """The expression of an operation, with {0} and {1} for its operands."""
@@ -94,5 +93,5 @@ HEADER = "arithmetic.h"
 """The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
 _SCALAR = MappingProxyType(_NUMBERS | _COMPARISONS | _JOINED)
 _VECTOR = MappingProxyType(_NUMBERS | _MASKS | _JOINED_MASKS)
-SCALAR = Dialect(HEADER, "double", "int", _SCALAR, exp_batch=8, packs_stores=True, pairs=True)
+SCALAR = Dialect(HEADER, "double", "int", _SCALAR, exp_batch=8, packs_stores=True)
 LANES = Dialect(HEADER, "wmr_v", "wmr_m", _VECTOR, lanes=True, exp_batch=1, pairs_sines=True)

@@ -43,8 +43,7 @@ class Kernel:
     """One C function: its name, what it does, its graph, and the C names of its vectors.
 
     ``prepared``: what is slow and hangs on the parameters alone is computed by a second function,
-    wmr_NAME_prepare, when they are set.  ``pairs``: so is all that hangs on them alone, and what is
-    alike is computed in pairs.
+    wmr_NAME_prepare, when they are set.  ``whole``: so is all that depends on them alone.
     """
 
     name: str
@@ -53,7 +52,7 @@ class Kernel:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     prepared: bool = False
-    pairs: bool = False
+    whole: bool = False
 
     @cached_property
     def graph(self) -> Graph:
@@ -101,12 +100,12 @@ def definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
     """
     graph, names, head = item.graph, (*_given(item), *item.outputs), ""
     if item.prepared:
-        before, graph = split(graph, whole=item.pairs)
+        before, graph = split(graph, whole=item.whole)
         first = replace(item, meaning=f"What {item.name} takes of the parameters alone.")
         taken, lines = preparation(item, dialect), body(before, dialect)
         head = f"#define {length(item)} {len(before.stores)}\n"
         head += framed(first, taken, before, (PARAMETERS, PREPARED), lines) + "\n"
-    lines = body(graph, dialect, pairs=item.pairs)
+    lines = body(graph, dialect)
     return head + framed(item, prototype(item, dialect), graph, names, lines)
 
 

@@ -7,14 +7,9 @@ the operations that only one side needs; if those are worth a branch they move i
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-
-import casadi as ca
+from dataclasses import dataclass, field
 
 from wmr_ctrl.model.graph import SELECT, Graph, Store
-
-Two = tuple[int, int]
-"""Numbers of two values."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,29 +39,12 @@ class ResultStore(Item):
 
 
 @dataclass(frozen=True, eq=False)
-class Pair(Item):
-    """A pair by its name: ``op`` of pairs, of single values for both, of neighbours in a vector.
-
-    None joins two values.  ``needs``: what has to be computed before, by operand.
-    """
-
-    name: str = ""
-    op: int | None = None
-    operands: tuple[Two, ...] = ()
-    needs: tuple[frozenset[int], ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
 class IfElse(Item):
-    """``if (condition) then else other``; it defines the choices that share the condition.
-
-    ``choices`` are these, as they stood before.
-    """
+    """``if (condition) then else other``; it defines the choices that share the condition."""
 
     condition: int = 0
     then: tuple[Item, ...] = ()
     other: tuple[Item, ...] = ()
-    choices: tuple[Operation | Pair, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -159,7 +137,6 @@ def replaced(items: Iterable[Item], new: Sequence[Item]) -> list[Item]:
     return scheduled([*new, *rest])
 
 
-Choice = Operation | Pair
 WORTH = 15
 """Cost (see `Graph.cost`) of what a branch saves, from which on it is made."""
 
@@ -197,18 +174,12 @@ class _Scope:
         self.uses = Counter(
             self.maker[number] for item in items for number in item.reads if number in self.maker
         )
-        self.choices: dict[int, list[Choice]] = {}
+        self.choices: dict[int, list[Operation]] = {}
         for item in items:
             if isinstance(item, Operation) and graph.nodes[item.node].op == SELECT:
                 condition = graph.nodes[item.node].operands[0]
-            elif isinstance(item, Pair) and item.op == SELECT:
-                condition, other = item.operands[0]
-                if condition != other:
-                    continue
-            else:
-                continue
-            if not graph.nodes[condition].leaf:
-                self.choices.setdefault(condition, []).append(item)
+                if not graph.nodes[condition].leaf:
+                    self.choices.setdefault(condition, []).append(item)
 
 
 class _Branch:
@@ -233,20 +204,17 @@ class _Branch:
         made = {number for item in parts for number in item.defines}
         reads = frozenset({self.condition}).union(*arms, *(item.reads for item in parts)) - made
         cost = _cost(parts) + len(defines)
-        block = IfElse(defines, reads, cost, self.condition, then, other, tuple(self.choices))
+        block = IfElse(defines, reads, cost, self.condition, then, other)
         gone = {*self.choices, *parts}
         return [*(item for item in self.scope.items if item not in gone), block]
 
-    def _needs(self, item: Choice) -> tuple[frozenset[int], frozenset[int]]:
+    def _needs(self, item: Operation) -> tuple[frozenset[int], frozenset[int]]:
         """Values that either side of a choice needs computed before."""
-        if isinstance(item, Pair):
-            _, yes, no = item.needs
-            return yes, no
         _, *arms = self.graph.nodes[item.node].operands
         yes, no = (computed(self.graph, [arm]) for arm in arms)
         return yes, no
 
-    def _independent_choices(self) -> list[Choice]:
+    def _independent_choices(self) -> list[Operation]:
         """Choices on the condition none of which depends on another."""
         listed, position = self.scope.choices[self.condition], self.scope.position
         if len(listed) == 1:
@@ -286,49 +254,3 @@ class _Branch:
 
 def _cost(items: Iterable[Item]) -> int:
     return sum(item.cost for item in items)
-
-
-WAITS = {
-    ca.OP_EXPM1: 50, ca.OP_DIV: 14, ca.OP_ADD: 3, ca.OP_SUB: 3, ca.OP_NEG: 1, ca.OP_FABS: 1,
-    ca.OP_LT: 1, ca.OP_LE: 1, ca.OP_AND: 1, SELECT: 1, None: 2,
-}  # fmt: skip
-"""Cycles, roughly, until an operation's result is there; 4 of those that are not listed."""
-
-
-def in_step(graph: Graph, items: Sequence[Item]) -> list[Item]:
-    """The items of a scope by how long the way from each to the scope's end is, longest first.
-
-    A processor looks ahead through so many statements only.  Of ways that stand one after the other
-    it follows one at a time, however independent they are; side by side they take the time of one.
-    """
-    left, start = dict[int, int](), dict[Item, int]()
-    for item in reversed(items):
-        behind = max((left.get(number, 0) for number in item.defines), default=0)
-        start[item] = _waits(graph, item) + behind
-        for number in item.reads:
-            left[number] = max(left.get(number, 0), start[item])
-    found = list[Item]()
-    for item in sorted(items, key=lambda item: -start[item]):
-        if isinstance(item, IfElse):
-            then, other = (tuple(in_step(graph, side)) for side in (item.then, item.other))
-            item = replace(item, then=then, other=other)
-        found.append(item)
-    return found
-
-
-def _waits(graph: Graph, item: Item) -> int:
-    """Cycles that readers of an item wait for it."""
-    if isinstance(item, IfElse):
-        return max(_longest(graph, item.then), _longest(graph, item.other))
-    if isinstance(item, Operation | Pair):
-        op = item.op if isinstance(item, Pair) else graph.nodes[item.node].op
-        return WAITS.get(op, 4)
-    return 0
-
-
-def _longest(graph: Graph, items: Iterable[Item]) -> int:
-    ready = dict[int, int]()
-    for item in items:
-        begun = max((ready.get(number, 0) for number in item.reads), default=0)
-        ready.update(dict.fromkeys(item.defines, begun + _waits(graph, item)))
-    return max(ready.values(), default=0)

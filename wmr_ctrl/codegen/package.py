@@ -100,7 +100,7 @@ def files_of(
 ) -> dict[str, str]:
     """The same of a System that is called ``law``: a law's, the filter, the corridor's monitor."""
     governs = law == FILTER and scenario.filter.kind == "governor"
-    context = _context(law, scenario, system, replace(step_kernel(system), pairs=governs), float32)
+    context = _context(law, scenario, system, replace(step_kernel(system), whole=governs), float32)
     engine = text_engine(_TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
     if law in (FILTER, CORRIDOR):
@@ -149,7 +149,7 @@ def prepared_from(step: Kernel) -> tuple[tuple[int, ...], int]:
 
     None where making them each time costs no more than seeing that they need not be made.
     """
-    before, _ = split(step.graph, whole=step.pairs)
+    before, _ = split(step.graph, whole=step.whole)
     if sum(before.cost(number) for number in range(len(before.nodes))) < WORTH_KEEPING:
         return (), 0
     places = {node.place[1] for node in before.nodes if node.op == ca.OP_INPUT and node.place}

@@ -84,7 +84,7 @@ def cached_definition(item: emit.Kernel, dialect: Dialect = SCALAR) -> str:
 
 def _cached(item: emit.Kernel, style: str, write: Callable[[emit.Kernel], str]) -> str:
     """Text of a kernel in a style, from the cache if it was written before."""
-    form = repr((item.name, item.inputs, item.outputs, item.prepared, item.pairs, style))
+    form = repr((item.name, item.inputs, item.outputs, item.prepared, item.whole, style))
     parts = (_fingerprint(), item.meaning, form, item.function.serialize())
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()
     return cached_text(key, lambda: write(item))
