@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from importlib import import_module
 
+from wmr_ctrl.version import __version__ as __version__
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:  # said without the module typing, which costs more than all else here
     from wmr_ctrl.api import (
@@ -36,8 +38,6 @@ if TYPE_CHECKING:  # said without the module typing, which costs more than all e
     from wmr_ctrl.results.compare import compare
     from wmr_ctrl.results.drive import RecordedDrive
     from wmr_ctrl.tuning import tune
-
-__version__ = "1.0.0"
 
 __all__ = [
     "RecordedDrive", "Run", "Scenario", "command_filter", "compare", "compile_law", "cosimulate",

@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING, Unpack
 from wmr_ctrl import api_types as types
 from wmr_ctrl.campaign.engine import PhaseProgress
 from wmr_ctrl.campaign.study_run import study as study
+from wmr_ctrl.control.given import scenario_of as scenario_of
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.scenario.toml_io import naming_file
+from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.many import checked_seeds, checked_starts
 from wmr_ctrl.sim.runnable import RunnableLoop, versions
 
@@ -37,33 +37,6 @@ if TYPE_CHECKING:
     from wmr_ctrl.sim.compiled_law import CompiledLaw
 
 ENGINES = ("native", "numpy", "fmu")
-
-
-@checks_arguments
-def scenario_of(
-    given: str | Path | Scenario,
-    overrides: types.Overrides | None = None,
-    guard: bool | None = None,
-) -> Scenario:
-    """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
-
-    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` True or False
-    replaces guard.enabled.  Raises ScenarioError or UnknownNameError, each naming the key.
-
-    >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
-    0.1
-    """
-    from wmr_ctrl.control.setup import check_name, check_scenario
-
-    changed = {**(overrides or {}), **({} if guard is None else {"guard.enabled": guard})}
-    if isinstance(given, str):
-        check_name(given)
-    loaded = (
-        override(given, changed) if isinstance(given, Scenario) else load_scenario(given, changed)
-    )
-    with naming_file(given, changed):
-        check_scenario(loaded)
-    return loaded
 
 
 @checks_arguments

@@ -1,15 +1,14 @@
 """Types of the arguments and results of `wmr_ctrl.api`, for those who check their own code."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeAlias, TypedDict
 
+from wmr_ctrl.control.given import Overrides as Overrides
 from wmr_ctrl.scenario import Scenario
 
 Progress: TypeAlias = Callable[[float], None]
 """Called with the share that is done, 0 to 1."""
-Overrides: TypeAlias = Mapping[str, object]
-"""Values of a scenario's fields by key path, such as ``{"clock.control": 0.02}``."""
 
 
 class CommonOptions(TypedDict, total=False):

@@ -11,7 +11,7 @@ import click
 import pytest
 
 from wmr_ctrl import api, checks, simulate
-from wmr_ctrl.checks import Stability, Warning
+from wmr_ctrl.checks import Stability
 from wmr_ctrl.cli import check_sentences
 from wmr_ctrl.cli.options import _each_law
 from wmr_ctrl.control.setup import settle
@@ -19,6 +19,7 @@ from wmr_ctrl.guard.price import early_speed
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
+from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.scenario import Scenario, load_scenario, override, quantities
 from wmr_ctrl.scenario.sections import Change
 

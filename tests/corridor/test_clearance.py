@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import load_run, simulate
-from wmr_ctrl.corridor.clearance import find_clearance, length, rounded
+from wmr_ctrl.corridor.clearance import find_clearance, rounded
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.units import length
 from wmr_ctrl.results.obstacles import distance, nearest
 from wmr_ctrl.scenario import load_scenario, loads_scenario, override
 from wmr_ctrl.scenario.toml_io import to_toml

@@ -6,7 +6,7 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.corridor import run_corridor
-from wmr_ctrl.corridor.clearance import length
+from wmr_ctrl.fields.units import length
 from wmr_ctrl.page.content import content_of
 from wmr_ctrl.page.scenes import PageScene, story
 from wmr_ctrl.results import Run

@@ -11,7 +11,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl import __version__
 from wmr_ctrl.campaign.engine import PhaseProgress, build_loop, phase
 from wmr_ctrl.campaign.plan import PlannedCase, Study
 from wmr_ctrl.campaign.study_chunks import THREADS, StudyChunk, chunk_rows, executor_named
@@ -22,6 +21,7 @@ from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.files import one_command
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import check_jobs
+from wmr_ctrl.version import __version__
 
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""

@@ -33,8 +33,8 @@ from wmr_ctrl.checks.velocity_base import filter_advice as filter_advice
 from wmr_ctrl.checks.velocity_base import filter_facts as filter_facts
 from wmr_ctrl.checks.velocity_base import velocity_base
 from wmr_ctrl.checks.velocity_guard import contradicted, guard_price, violent_alpha
-from wmr_ctrl.checks.warning import Warning as Warning
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.results.verdicts import Warning as Warning
 
 CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     units,

@@ -8,8 +8,9 @@ import numpy as np
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.radius import operating_points
 from wmr_ctrl.checks.torques import largest_force
-from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning
+from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS
 from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.phases import Phase, drag, full_friction, phases
 
 GRID = 200

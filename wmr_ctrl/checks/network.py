@@ -10,8 +10,9 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import operating_points
-from wmr_ctrl.checks.warning import SPEEDS, Warning
+from wmr_ctrl.checks.warning import SPEEDS
 from wmr_ctrl.laws.nn import NetworkGains, corner_basis
+from wmr_ctrl.results.verdicts import Warning
 
 
 def network(loop: Loop) -> Iterator[Warning]:

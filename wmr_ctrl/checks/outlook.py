@@ -6,7 +6,6 @@ scenario, law and plant, when a run's remarks are first asked for; making runs c
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 
@@ -14,11 +13,11 @@ import numpy as np
 
 from wmr_ctrl.checks import grip_warnings, warnings_for
 from wmr_ctrl.checks.torques import GRIP
-from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.results import NOT_CHECKED, OBJECTED, Floats, Run
+from wmr_ctrl.results.verdicts import Outlook, Warning
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.phases import needed_torque
@@ -31,28 +30,6 @@ IN_PART = ("assumption-void", "exact-pose")
 """Remarks that narrow what a run shows, and blame it for nothing."""
 OF_THEORY = (OBJECTED, NOT_CHECKED)
 """Remarks that repeat what theory says without a run."""
-
-
-@dataclass(frozen=True)
-class Outlook:
-    """Prior knowledge of a law's run on a scenario.
-
-    ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: what theory says;
-    ``exact_pose``: whether the pose is perfect while velocities come from encoders; ``known``:
-    whether the law is, and so was checked; ``barrier``: speeds [m/s, rad/s] at which that of the
-    law begins, None for a law without.
-    """
-
-    tau_max: float
-    warnings: tuple[Warning, ...]
-    exact_pose: bool
-    known: bool = True
-    barrier: tuple[float, float] | None = None
-
-    @property
-    def objections(self) -> tuple[Warning, ...]:
-        """Warnings by which something is expected to go wrong."""
-        return tuple(item for item in self.warnings if item.objects)
 
 
 def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:

@@ -7,9 +7,10 @@ import numpy as np
 
 from wmr_ctrl.checks.barrier import largest_pull
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
+from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, joined
 from wmr_ctrl.filter.held_loop import STABLE
 from wmr_ctrl.laws.law import WHOLE
+from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.scenario.units import unit_questions
 from wmr_ctrl.world.phases import phases, steepness
 from wmr_ctrl.world.references import reference_bounds

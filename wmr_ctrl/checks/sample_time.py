@@ -22,11 +22,12 @@ from wmr_ctrl.checks.stable_ranges import (
 )
 from wmr_ctrl.checks.surroundings import delays_by_name
 from wmr_ctrl.checks.torques import first_torques
-from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, gains_that_fit, joined
+from wmr_ctrl.checks.warning import SPEEDS, UNITS, gains_that_fit, joined
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.results import NOT_CHECKED
+from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.scenario import override
 from wmr_ctrl.world.effect import EffectRole
 

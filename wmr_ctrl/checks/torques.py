@@ -11,11 +11,12 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import Warning, gains_that_fit
+from wmr_ctrl.checks.warning import gains_that_fit
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust
+from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.signals import PLANT_STATE, REFERENCE
 from wmr_ctrl.world.grip import grip

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import Warning, is_taken
+from wmr_ctrl.checks.warning import is_taken
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import CommandFilter
@@ -16,6 +16,7 @@ from wmr_ctrl.filter.governor import NEAR
 from wmr_ctrl.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.filter.peak_gain import less_damped, overshoot, peak_gains
 from wmr_ctrl.filter.rounding_ranges import unproved_roundings
+from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
 from wmr_ctrl.world.velocity_mean import VelocityMean

@@ -4,11 +4,12 @@ import math
 from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, is_taken
+from wmr_ctrl.checks.warning import SPEEDS, UNITS, is_taken
 from wmr_ctrl.fields.units import rounded
 from wmr_ctrl.guard.contradictions import contradictions
 from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price, torque_swing, usable_formula
 from wmr_ctrl.results.settings import TIGHTER
+from wmr_ctrl.results.verdicts import Warning
 from wmr_ctrl.world.phases import largest_friction
 
 PLACE = "guard, docs/guarantee.md"

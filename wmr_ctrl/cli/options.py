@@ -171,7 +171,7 @@ def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = No
 
     ``guard`` switches the velocity guard on or off; None leaves it as it is.
     """
-    from wmr_ctrl.api import scenario_of
+    from wmr_ctrl.control.given import scenario_of
     from wmr_ctrl.scenario import parse_assignments
 
     return scenario_of(scenario, parse_assignments(assignments), guard)

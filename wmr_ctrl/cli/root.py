@@ -9,7 +9,6 @@ from typing import Any, NoReturn
 
 import click
 
-from wmr_ctrl import __version__
 from wmr_ctrl.cli.check import check
 from wmr_ctrl.cli.compare import compare
 from wmr_ctrl.cli.console import BROKEN_PIPE, Silence, explain
@@ -22,6 +21,7 @@ from wmr_ctrl.cli.runs import cosim, run, show_saved
 from wmr_ctrl.cli.studies import study, tune
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fields.files import one_command
+from wmr_ctrl.version import __version__
 
 PROGRAM = "wmr-ctrl"
 

@@ -214,7 +214,7 @@ def _text(better: Tuning) -> str:
     """Gains, the objective, and figures of the test seeds before and after."""
     import numpy as np
 
-    from wmr_ctrl.corridor.clearance import length
+    from wmr_ctrl.fields.units import length
     from wmr_ctrl.tuning.search import CORRIDOR
 
     first, last = better.objective

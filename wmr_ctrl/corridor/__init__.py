@@ -15,7 +15,6 @@ import numpy as np
 from wmr_ctrl.checks.outlook import scenario_of_run
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor as Corridor
-from wmr_ctrl.corridor.answer import CorridorLeft as CorridorLeft
 from wmr_ctrl.corridor.clearance import Clearance as Clearance
 from wmr_ctrl.corridor.clearance import find_clearance
 from wmr_ctrl.fields.arguments import checks_arguments
@@ -23,6 +22,7 @@ from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.system import System
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.verdicts import CorridorLeft as CorridorLeft
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.registry import EFFECTS
 

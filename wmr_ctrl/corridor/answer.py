@@ -9,8 +9,8 @@ import math
 from dataclasses import asdict, dataclass, field
 
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.corridor.clearance import Clearance, length
-from wmr_ctrl.fields.units import rounded
+from wmr_ctrl.corridor.clearance import Clearance
+from wmr_ctrl.fields.units import length, rounded
 
 ALONE = "around that mass alone (others were not tried) it"
 """Scope of a smaller corridor that is named where cells of masses are refused."""
@@ -186,32 +186,6 @@ class Corridor:
 def _counted(size: float | None) -> float:
     """A distance [m] or angle [rad] as it is told, as rounding in the loop is not counted."""
     return max(size or 0.0, 1e-9)
-
-
-@dataclass(frozen=True)
-class CorridorLeft:
-    """A run that was settled in its corridor from ``since`` [s] on, and left it at ``time`` [s].
-
-    ``distance`` [m] from its place on the path then, of which ``most`` [m] is certified while
-    the ``assumptions`` hold.
-    """
-
-    time: float
-    distance: float
-    most: float
-    since: float
-    assumptions: str
-
-    @property
-    def sentence(self) -> str:
-        """All of it in words, with what follows."""
-        return (
-            f"At t = {self.time:.4g} s the robot was {length(self.distance)} from its place on the "
-            f"path. From t = {self.since:.4g} s on it was settled there, and no more than "
-            f"{length(self.most)} are possible while {self.assumptions}: one of these was not so, "
-            "or inertia, friction or drives are not those of the scenario, or the robot does what "
-            "the plane model cannot, such as slip. Look for what pushes it, or state larger bounds."
-        )
 
 
 def bounds(push: float, pose: float, velocity: tuple[float, float]) -> str:

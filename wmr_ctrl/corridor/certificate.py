@@ -20,7 +20,6 @@ import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.corridor.enclosure import OpenBoxError, upper
 from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, loop_gains
 from wmr_ctrl.corridor.inputs import (
@@ -40,6 +39,7 @@ from wmr_ctrl.corridor.peaks import Peaks, Tube, reference_gap
 from wmr_ctrl.corridor.reckoning import Reckoning
 from wmr_ctrl.corridor.responses import Gains
 from wmr_ctrl.corridor.sample import SlowLoopError
+from wmr_ctrl.fields.units import length
 
 ROUNDS, CLOSE, INFLATED, LEAP = 60, 1e-7, 1e-6, 20
 """Rounds of the fixed point, the change at which they end, what each of them adds, and after how

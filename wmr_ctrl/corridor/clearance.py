@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.fields.units import rounded
+from wmr_ctrl.fields.units import length
 from wmr_ctrl.results.obstacles import closest
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references.kind import sample
@@ -69,8 +69,3 @@ def find_clearance(scenario: Scenario, corridor: float | None) -> Clearance | No
     path = float(away - slack)
     free = None if corridor is None else float(path - radius - corridor)
     return Clearance(path, place + 1, float(times[k]), radius, free)
-
-
-def length(value: float, up: bool = True) -> str:
-    """A length with its unit, in mm where it is short; never below its value, or never above."""
-    return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"

@@ -12,7 +12,7 @@ import numpy as np
 
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.corridor.answer import CorridorLeft, bounds
+from wmr_ctrl.corridor.answer import bounds
 from wmr_ctrl.corridor.certificate import Certifier
 from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError
 from wmr_ctrl.corridor.monitor import DISTANCE, IN_CORRIDOR, LEFT, MOST, Latch, monitor, seen
@@ -20,6 +20,7 @@ from wmr_ctrl.errors import ScenarioError, WmrError
 from wmr_ctrl.fields.orientation import inward
 from wmr_ctrl.model.system import System
 from wmr_ctrl.results import Run
+from wmr_ctrl.results.verdicts import CorridorLeft
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.signals import D_HAT, POSE, REFERENCE, TORQUE, VELOCITY, Signal
 

@@ -63,3 +63,8 @@ def rounded(value: float, digits: int, up: bool = True) -> str:
     exact = Decimal(value * (1 - 1e-12 if up == (value > 0) else 1 + 1e-12))
     mode = ROUND_CEILING if up else ROUND_FLOOR
     return f"{float(Context(digits, mode).plus(exact)):.{digits}g}"
+
+
+def length(value: float, up: bool = True) -> str:
+    """A length with its unit, in mm where it is short; never below its value, or never above."""
+    return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"

@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from wmr_ctrl import __version__
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
@@ -21,6 +20,7 @@ from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.targets import TARGETS, PartlyBuiltError, Target, build_for, host, targets_of
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario, load_scenario, to_toml
+from wmr_ctrl.version import __version__
 
 TOOL = f"wmr_ctrl {__version__}"
 VERSIONS = {"2": (2,), "3": (3,), "both": (2, 3)}

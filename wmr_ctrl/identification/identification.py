@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.identification.bounds import (

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import casadi as ca
 
-from wmr_ctrl import __version__
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.control.controller import controller
@@ -29,6 +28,7 @@ from wmr_ctrl.modelica.statements import algorithm, equations, literal
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import TIME, Signal
+from wmr_ctrl.version import __version__
 from wmr_ctrl.world.references.kind import reference
 
 FILE = "WheeledRobot.mo"

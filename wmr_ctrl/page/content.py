@@ -5,14 +5,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from wmr_ctrl import __version__
 from wmr_ctrl.codegen.build import numbers_of, phases_of
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.numbers import fields_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.corridor import corridor_course
-from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.fields.units import length
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
 from wmr_ctrl.page.module import PageLoop, PageLoops, Room
 from wmr_ctrl.page.scenes import PageMember, PageScene, SettledVariant, members_of, settled_variants
@@ -20,6 +19,7 @@ from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import unit_text
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.version import __version__
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 Plain = dict[str, Any]

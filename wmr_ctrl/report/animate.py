@@ -17,8 +17,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from wmr_ctrl.campaign import PhaseProgress, phase
-from wmr_ctrl.corridor.clearance import length
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.fields.units import length
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
 from wmr_ctrl.report import style
 from wmr_ctrl.report.drawing import target_of

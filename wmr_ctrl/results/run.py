@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from wmr_ctrl.checks.outlook import Outlook
-    from wmr_ctrl.corridor.answer import CorridorLeft
     from wmr_ctrl.results.remarks import Remark
+    from wmr_ctrl.results.verdicts import CorridorLeft, Outlook
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -8,13 +8,13 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from wmr_ctrl import __version__
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.fields.orientation import ORIENTATIONS, PAPER, described, outward
 from wmr_ctrl.results import Assumptions, Monitor, Run, Settings, outcome_of
 from wmr_ctrl.results.settings import CountedNumbers, first_beyond, largest_push
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.version import __version__
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]

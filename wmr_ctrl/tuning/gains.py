@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.corridor import certified_corridor, find_corridor
 from wmr_ctrl.engines import table_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
