@@ -7,9 +7,9 @@ from functools import lru_cache
 
 import control as ct
 
-from wmr_ctrl.linear import closed_loop, on_reference
-from wmr_ctrl.linear.state_space import constant_speed
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.theory.linear import closed_loop, on_reference
+from wmr_ctrl.theory.linear.state_space import constant_speed
+from wmr_ctrl.world.scenario import Scenario
 
 
 @dataclass(frozen=True)

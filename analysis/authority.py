@@ -14,10 +14,10 @@ import control as ct
 import numpy as np
 from scipy.optimize import brentq
 
-from wmr_ctrl.linear import closed_loop
-from wmr_ctrl.linear.linearise import Floats, Point, lowest
-from wmr_ctrl.linear.sampled import pull_of
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.theory.linear import closed_loop
+from wmr_ctrl.theory.linear.linearise import Floats, Point, lowest
+from wmr_ctrl.theory.linear.sampled import pull_of
+from wmr_ctrl.world.scenario import Scenario
 
 
 def dead_zone(scenario: Scenario) -> Floats:

@@ -16,11 +16,11 @@ from collections.abc import Callable
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.network import axis_learning, largest_square, square_bound
-from wmr_ctrl.checks.radius import radius, supremum
-from wmr_ctrl.laws.nn import NetworkGains
-from wmr_ctrl.linear.linearise import Floats, law_loop
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.control.laws.nn import NetworkGains
+from wmr_ctrl.theory.checks.network import axis_learning, largest_square, square_bound
+from wmr_ctrl.theory.checks.radius import radius, supremum
+from wmr_ctrl.theory.linear.linearise import Floats, law_loop
+from wmr_ctrl.world.scenario import Scenario
 
 LAW = "nn"
 

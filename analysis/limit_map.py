@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl import simulate_many
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 CELLS, SEEDS = 500, 4
 REACH = 3.0

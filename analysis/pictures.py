@@ -23,20 +23,20 @@ from PIL import Image, ImageSequence
 
 import wmr_ctrl
 from analysis.chain import picture
-from wmr_ctrl.barrier.stable import stable_minimiser
-from wmr_ctrl.campaign import PAPER_LAWS
-from wmr_ctrl.campaign.engine import run_campaign
-from wmr_ctrl.campaign.paper import paper_plan
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.guard.bounds import derived_guard
-from wmr_ctrl.guard.price import usable_speed
+from wmr_ctrl.control.barrier.stable import stable_minimiser
+from wmr_ctrl.control.guard.bounds import derived_guard
+from wmr_ctrl.control.guard.price import usable_speed
 from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.identified import drawing_of
 from wmr_ctrl.report.style import LIMIT, house_style, look
 from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import loads_scenario
+from wmr_ctrl.simulation.campaign import PAPER_LAWS
+from wmr_ctrl.simulation.campaign.engine import run_campaign
+from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.scenario import loads_scenario
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"

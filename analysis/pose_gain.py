@@ -15,9 +15,9 @@ import math
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.linear.linearise import FORCES, Floats, on_reference
-from wmr_ctrl.linear.state_space import law_at, plant_at
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.theory.linear.linearise import FORCES, Floats, on_reference
+from wmr_ctrl.theory.linear.state_space import law_at, plant_at
+from wmr_ctrl.world.scenario import Scenario
 
 
 def pose_variance(scenario: Scenario) -> float:

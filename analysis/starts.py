@@ -11,16 +11,16 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.barrier.lyapunov import position_lyapunov
+from wmr_ctrl.control.barrier.lyapunov import position_lyapunov
 from wmr_ctrl.control.setup import kinematic_gains
-from wmr_ctrl.linear.linearise import Floats, reference_velocity
-from wmr_ctrl.model.kinematics import error_rotation
 from wmr_ctrl.results import Outcome
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.many import tabulated
-from wmr_ctrl.sim.memory import Task
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.simulation.many import tabulated
+from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.simulation.runnable import RunnableLoop
+from wmr_ctrl.theory.linear.linearise import Floats, reference_velocity
+from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def endings(
     """Run ``loop``, from `wmr_ctrl.api.compile_loop`, once from each start (5: pose and velocity).
 
     The same noise (seed 0) acts in all runs.  ``jobs``, ``progress`` and Ctrl-C as in
-    `wmr_ctrl.sim.many.tabulated`.
+    `wmr_ctrl.simulation.many.tabulated`.
     """
     rows = [tuple(map(float, start)) for start in starts]
     table = tabulated([Task(loop, 0, row) for row in rows], (), jobs, progress)

@@ -17,12 +17,12 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.radius import crossing
-from wmr_ctrl.checks.sampled_plant import steps_in
-from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.control.applied import remembered
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.linearise import (
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.theory.checks.radius import crossing
+from wmr_ctrl.theory.checks.sampled_plant import steps_in
+from wmr_ctrl.theory.checks.surroundings import surroundings
+from wmr_ctrl.theory.linear.linearise import (
     STATES,
     Floats,
     Point,
@@ -31,8 +31,8 @@ from wmr_ctrl.linear.linearise import (
     resting_point,
     unguarded,
 )
-from wmr_ctrl.linear.state_space import closed_loop, late
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.theory.linear.state_space import closed_loop, late
+from wmr_ctrl.world.scenario import Scenario
 
 LONGEST_STEP = 2e-3
 """Runge-Kutta steps [s] are at most this long where the control period is not a multiple of dt."""
@@ -177,7 +177,7 @@ def _gain(
 
 
 def linear_gain(loop: ct.StateSpace, axis: int, frequencies: Floats, output: int) -> np.ndarray:
-    """The same gain of a linear sampled loop from `wmr_ctrl.linear.closed_loop`."""
+    """The same gain of a linear sampled loop from `wmr_ctrl.theory.linear.closed_loop`."""
     points = np.exp(1j * np.asarray(frequencies) * loop.dt)
     return np.array([np.atleast_2d(loop(point))[output, axis] for point in points])
 

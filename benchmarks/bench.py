@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
 
-from wmr_ctrl.paper import PAPER_TIMES
+from wmr_ctrl.core.paper import PAPER_TIMES
 
 from . import floor, fmu, generated, numba_peer
 from .hand_c import HandC

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.controller import controller, law_graph
+from wmr_ctrl.control.guard.guard import linear_first
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.guard import linear_first
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.dynamics import force_to_wheel, friction, wheel_to_force
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.tuning import tunable
+from wmr_ctrl.simulation.tuning import tunable
+from wmr_ctrl.world.model.dynamics import force_to_wheel, friction, wheel_to_force
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import Scenario, override
 
 Floats = NDArray[np.float64]
 Step = Callable[[Floats, Floats, Floats], Floats]

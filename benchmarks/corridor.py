@@ -24,9 +24,9 @@ from tests.corridor.adversary import (
     farthest_on_the_way,
 )
 from wmr_ctrl.api import scenario_of, simulate_many
-from wmr_ctrl.corridor import find_corridor
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario, override
 
 NAME = "corridor"
 """Of the part of the page that this writes."""

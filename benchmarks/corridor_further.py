@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from benchmarks.parts import millimetres, page_parser, renew
 from tests.corridor.further import ROWS
-from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.theory.corridor import find_corridor
 
 NAME = "corridor further"
 """Of the part of the page that this writes."""

@@ -15,8 +15,8 @@ import numpy as np
 from benchmarks.drive import in_place
 from benchmarks.native import load_filter
 from benchmarks.timing import Candidate, measure_in_processes
-from wmr_ctrl.filter import filter_system
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.control.filter import filter_system
+from wmr_ctrl.world.scenario import load_scenario
 
 STATED: Mapping[str, Any] = {
     "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05), "limits.v_u1": (1.0, 1.5),

@@ -27,9 +27,9 @@ from benchmarks.native import load_filter
 from benchmarks.parts import page_parser, renew
 from tests.filter.adversary import Base, Sender, fastest
 from tests.filter.linear_base import driven, impulses, pi_base, second_order_base
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter import filter_system
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.control.filter import filter_system
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 NAME = "trials"
 TRIALS, BROKEN_TRIALS, BATCH = 100_000, 2_000, 2_000

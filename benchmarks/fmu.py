@@ -28,7 +28,7 @@ _EXPORTED = '__attribute__((visibility("default")))'
 
 def plant(steps: int) -> Candidate:
     """Steps of the plant FMU."""
-    from wmr_ctrl.fmi.export import export_fmu
+    from wmr_ctrl.export.fmi.fmu_files import export_fmu
 
     folder = Path(_temporary().name)
     (archive,) = export_fmu("plant", fmi=2, out=folder)

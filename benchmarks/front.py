@@ -2,8 +2,8 @@
 
 ``python -m benchmarks.front [--quick] [--out docs/tracking.md] [--work build/front]``.  Control
 periods of 10, 50 and 100 ms, without delay and with half a period, which both laws predict over.
-Both start from the same poles (`wmr_ctrl.laws.prox.guide`), and `wmr_ctrl.tune` searches for both
-with the same objective, seeds and number of trials.  What is told is on seeds, and on two
+Both start from the same poles (`wmr_ctrl.control.laws.prox.guide`), and `wmr_ctrl.tune` searches
+for both with the same objective, seeds and number of trials.  What is told is on seeds, and on two
 references, that the search has not seen.  What a search found stays in ``--work``, and a call that
 was interrupted goes on from there.
 """
@@ -18,11 +18,11 @@ import numpy as np
 
 from benchmarks.parts import page_parser, renew
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.checks import stability
-from wmr_ctrl.laws.prox import guide
+from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.tuning import judged, tune
+from wmr_ctrl.simulation.tuning import judged, tune
+from wmr_ctrl.theory.checks import stability
+from wmr_ctrl.world.scenario import Scenario
 
 LAWS = ("prox", "kanayama")
 TRIALS, LONG, WEIGHT = 400, 800, 1e-3

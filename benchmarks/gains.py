@@ -18,13 +18,13 @@ import numpy as np
 
 from benchmarks.parts import millimetres, page_parser, renew
 from wmr_ctrl.api import scenario_of, simulate_many
+from wmr_ctrl.control.laws.prox import Guide, guide
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import Corridor, find_corridor
-from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.laws.prox import Guide, guide
+from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.tuning import tune
+from wmr_ctrl.simulation.tuning import tune
+from wmr_ctrl.theory.corridor import Corridor, find_corridor
+from wmr_ctrl.world.scenario import Scenario, override
 
 NAME = "gains"
 """Of the part of the page that this writes."""

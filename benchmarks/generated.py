@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.api import compile_loop
 from wmr_ctrl.codegen.build import build_law, build_loop
-from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.engines import runnable_of
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.sim.batch import run_tasks
-from wmr_ctrl.sim.compiled_law import CompiledLaw
-from wmr_ctrl.sim.memory import Task, laid_out, load, opened, vector_sets
+from wmr_ctrl.core.compiled import CompiledLoop, elements
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.simulation.batch import run_tasks
+from wmr_ctrl.simulation.compiled_law import CompiledLaw
+from wmr_ctrl.simulation.engines import runnable_of
+from wmr_ctrl.simulation.memory import Task, laid_out, load, opened, vector_sets
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 from .drive import out_of_place, plant_only
 from .inputs import plant_torques, tracking_rows

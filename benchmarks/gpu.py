@@ -17,12 +17,12 @@ import numpy as np
 
 import wmr_ctrl
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.engines import runnable
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.sim.batch import cores, run_logged, run_tasks
-from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.simulation.batch import cores, run_logged, run_tasks
+from wmr_ctrl.simulation.engines import runnable
+from wmr_ctrl.simulation.memory import Task
 
 RUNS = 1000
 """Of each law, guard on and off."""

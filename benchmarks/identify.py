@@ -26,7 +26,7 @@ from benchmarks.own_base import simulate as simulate_base
 from benchmarks.own_plant import Drives, Truth, log_of, simulate
 from wmr_ctrl import load_scenario
 from wmr_ctrl import simulate as simulate_product
-from wmr_ctrl.errors import WmrError
+from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.identification import BaseIdentification, Identification, identify
 
 Found = BaseIdentification | str

@@ -20,8 +20,8 @@ from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.control.loop import SEEN
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.graph import SELECT, Graph
-from wmr_ctrl.signals import PLANT_STATE, VELOCITY
+from wmr_ctrl.core.signals import PLANT_STATE, VELOCITY
+from wmr_ctrl.world.model.graph import SELECT, Graph
 
 jax.config.update("jax_enable_x64", True)
 Vector = Any

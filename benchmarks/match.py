@@ -33,10 +33,10 @@ from benchmarks.contenders import (
     contenders,
 )  # fmt: skip
 from benchmarks.parts import page_parser
-from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.results import atomic_text, percent
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.world.model.dynamics import plant, rk4_step
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario, override
 
 STEP = 1e-3
 HEAVY = {"robot.m": 65.0, "robot.I": 7.0, "robot.mu": 0.15}

@@ -15,7 +15,7 @@ from pathlib import Path
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent
 """Folder of the benchmarks, which also holds their C."""

@@ -6,7 +6,7 @@ import argparse
 import math
 from pathlib import Path
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results import atomic_text
 
 

@@ -47,7 +47,9 @@ class Setup:
 
     @staticmethod
     def from_scenario(scenario: Any) -> Setup:
-        """Numbers of a `wmr_ctrl.scenario.Scenario`, with the laws' defaults where it is silent."""
+        """Numbers of a `wmr_ctrl.world.scenario.Scenario`, with the laws' defaults where it is
+        silent.
+        """
         from wmr_ctrl.control.setup import settle
 
         robot, limits = scenario.believed, scenario.limits
@@ -124,7 +126,7 @@ def _plain(scenario: Any) -> bool:
 
 
 def _require(condition: bool, message: str) -> None:
-    from wmr_ctrl.errors import ArgumentError
+    from wmr_ctrl.core.errors import ArgumentError
 
     if not condition:
         raise ArgumentError(message)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from functools import partial
 from statistics import median, quantiles
 
-from wmr_ctrl.errors import WmrError
+from wmr_ctrl.core.errors import WmrError
 
 ROUNDS = 9
 """Fewest rounds whose median is reported."""

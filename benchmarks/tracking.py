@@ -15,11 +15,11 @@ import numpy as np
 
 from benchmarks.parts import page_parser, renew
 from wmr_ctrl.api import simulate
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results import position_rms
 from wmr_ctrl.results.measures import position_max
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 SEEDS = range(7101, 7106)
 PLACES = (("safe-simulation", 0.01), ("safe-simulation", 0.02), ("safe-experiment", 0.05),

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import wmr_ctrl
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 STARTS = 20
 FILTER = {

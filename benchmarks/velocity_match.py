@@ -16,12 +16,12 @@ import numpy as np
 
 from benchmarks.parts import page_parser, renew
 from wmr_ctrl.api import simulate
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.prox import guide
 from wmr_ctrl.results import Run, percent, position_rms
-from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.tuning.search import tunable
+from wmr_ctrl.simulation.tuning.search import tunable
+from wmr_ctrl.world.scenario import load_scenario, override
 
 NAME = "velocity"
 """Of the part of the page that this writes."""

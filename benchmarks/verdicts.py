@@ -20,10 +20,10 @@ import numpy as np
 
 from benchmarks.parts import renew
 from wmr_ctrl.api import scenario_of, simulate
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 CHOSEN_ON, REPORTED_ON = (1_000_000, 2_000_000), 3_000_000
 """First numbers of the runs that rule and thresholds were chosen on, and of those reported."""

@@ -21,8 +21,8 @@ from pathlib import Path
 from tests.altered_files import ALTERED_FILES, altered_copy, check_tests, copy_of_tree, failing
 from tests.proofs.noticed import CHANGES, is_noticed
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import Entry, load
+from wmr_ctrl.results.ledger import Entry, load
+from wmr_proofs.claims import all_claims
 
 WITNESSES = 20
 """Entries that are asked about one alteration."""
@@ -30,12 +30,12 @@ TRIED = ("* 9/8", "* -1")
 ANY_SCALE = "changes nothing: A(q)' q' = 0 says the same for any multiple of A"
 FLAG = "changes nothing: a flag is read as 0 or not 0"
 EQUIVALENT: dict[tuple[str, str], str] = {
-    ("wmr_ctrl.model.kinematics:constraint", "* 9/8"): ANY_SCALE,
-    ("wmr_ctrl.model.kinematics:constraint", "* -1"): ANY_SCALE,
-    ("wmr_ctrl.barrier.lyapunov:conditions", "* 9/8"): FLAG,
-    ("wmr_ctrl.guard.guard:feasible", "* 9/8"): FLAG,
-    ("wmr_ctrl.barrier.paper:h", "* 9/8"): FLAG,
-    ("wmr_ctrl.barrier.paper:h", "* -1"): FLAG,
+    ("wmr_ctrl.world.model.kinematics:constraint", "* 9/8"): ANY_SCALE,
+    ("wmr_ctrl.world.model.kinematics:constraint", "* -1"): ANY_SCALE,
+    ("wmr_ctrl.control.barrier.lyapunov:conditions", "* 9/8"): FLAG,
+    ("wmr_ctrl.control.guard.guard:feasible", "* 9/8"): FLAG,
+    ("wmr_ctrl.control.barrier.printed:h", "* 9/8"): FLAG,
+    ("wmr_ctrl.control.barrier.printed:h", "* -1"): FLAG,
 }
 """(function, change) of alterations that nothing could notice, with the reason."""
 

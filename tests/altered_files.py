@@ -195,33 +195,33 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
          "return Verdict.HOLDS\n    own"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", DERIVED + "what_effects_add_to_a_mass_widens_what_is_counted",
+        "wmr_ctrl/control/guard/", DERIVED + "what_effects_add_to_a_mass_widens_what_is_counted",
         ("bounds.py", "(low[0] - add[0], low", "(low[0], low"),
         ("bounds.py", "_sum(high, add)", "_sum(high, (add[0], 0.0))"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", DERIVED + "the_speed_that_no_guard_beats_counts_each_part",
+        "wmr_ctrl/control/guard/", DERIVED + "the_speed_that_no_guard_beats_counts_each_part",
         ("price.py", "- pair_of(guard.nbar)[i]", ""),
     ),
     *_rows(
-        "wmr_ctrl/guard/", DERIVED + "where_drives_vary_the_mixed_time_caps_what_brakes",
+        "wmr_ctrl/control/guard/", DERIVED + "where_drives_vary_the_mixed_time_caps_what_brakes",
         ("bounds.py", "if not mixed:", "if True:"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", DERIVED + "before_the_first_command_acts_a_push_has_delay_and_lag",
+        "wmr_ctrl/control/guard/", DERIVED + "before_the_first_command_acts_a_push_has_delay_and_lag",
         ("price.py", "guard.latest + guard.slowest", "guard.latest"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", "tests/guard/test_refusals.py",
+        "wmr_ctrl/control/guard/", "tests/guard/test_refusals.py",
         ("refusals.py", "> period + GRID", "> 2 * period + GRID"),
         ("refusals.py", "(guard.age[i] or guard.window[i])", "guard.age[i]"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", "prove guard.outside-back",
+        "wmr_ctrl/control/guard/", "prove guard.outside-back",
         ("guard.py", "return -ceiling(-y, b,", "return -ceiling(ca.fmin(-y, 2 * b.u1), b,"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", "prove guard.assembled.guard.linear-first-late",
+        "wmr_ctrl/control/guard/", "prove guard.assembled.guard.linear-first-late",
         ("guard.py", "rounding(max(item.roundings for item in late))", "rounding(0)"),
     ),
     *(
@@ -252,7 +252,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("references/kind.py", "float(np.abs(v2).max())", "float(v2.max())"),
     ),
     *_rows(
-        "wmr_ctrl/laws/", "tests/laws/test_every_law.py::"
+        "wmr_ctrl/control/laws/", "tests/laws/test_every_law.py::"
         "test_the_semi_implicit_step_leaks_at_its_end",
         ("nn.py", "/ (1 + leak)", "* (1 - leak)"),
     ),
@@ -268,13 +268,13 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
          "if monitor.violations and not (monitor.rigid and monitor.rigid.slipped is not None):"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", "tests/guard/test_lateness.py::"
+        "wmr_ctrl/control/guard/", "tests/guard/test_lateness.py::"
         "test_a_guard_does_the_same_in_either_direction",
         ("delay.py", "self.rise, self.rise_late)", "self.rise_late, self.rise)"),
         ("delay.py", "self.slow and self.slow.mirrored", "self.slow"),
     ),
     *_rows(
-        "wmr_ctrl/guard/", "tests/guard/test_lateness.py::"
+        "wmr_ctrl/control/guard/", "tests/guard/test_lateness.py::"
         "test_a_few_hostile_robots_get_the_forces_of_the_formula",
         ("delay.py", "rise * ca.fmax(p - z, 0)", "rise * (p - z)"),
         ("delay.py", "    if late.averaged:\n", "    if late.jitter:\n"),
@@ -290,17 +290,17 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("applied.py", "pieces.insert(0, (", "pieces.append(("),
     ),
     *_rows(
-        "wmr_ctrl/filter/", "tests/filter/test_times.py",
+        "wmr_ctrl/control/filter/", "tests/filter/test_times.py",
         ("forecast.py", "0.5 * x * x", "x * x"),
         ("clip.py", "max(jitter, UNTOLD)", "jitter"),
     ),
     *_rows(
-        "wmr_ctrl/corridor/", "tests/corridor/test_enclosures.py::"
+        "wmr_ctrl/theory/corridor/", "tests/corridor/test_enclosures.py::"
         "test_products_of_wide_matrices_hold_those_of_all_that_is_in_them",
         ("midradius.py", "self.radius @ other.most", "self.radius @ np.abs(other.middle)"),
     ),
     *_rows(
-        "wmr_ctrl/corridor/", "tests/corridor/test_certifier.py",
+        "wmr_ctrl/theory/corridor/", "tests/corridor/test_certifier.py",
         ("certificate.py", " + law.sum(axis=(1, 2))", ""),
         ("masses.py", "zip(scenario.changes, later", "zip(scenario.changes, robots"),
     ),
@@ -328,28 +328,28 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("instance.c", "stop >= start", "stop > start"),
     ),
     *_rows(
-        "wmr_ctrl/checks/", "tests/checks/test_barrier.py",
+        "wmr_ctrl/theory/checks/", "tests/checks/test_barrier.py",
         ("barrier.py", "limits.v_u1).any()", "limits.v_u1).all()"),
     ),
     *_rows(
-        "wmr_ctrl/campaign/", "tests/campaign/test_intervals.py::"
+        "wmr_ctrl/simulation/campaign/", "tests/campaign/test_intervals.py::"
         "test_more_looks_need_a_narrower_interval",
         ("intervals.py", " / max(looks, 1)", ""),
     ),
     *_rows(
-        "wmr_ctrl/campaign/", "tests/campaign/test_study_plan.py::"
+        "wmr_ctrl/simulation/campaign/", "tests/campaign/test_study_plan.py::"
         "test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata",
         ("plan.py", "(strata + unit)", "(strata + 0.5)"),
     ),
     *_rows(
-        "wmr_ctrl/campaign/", "tests/campaign/test_study_plan.py::"
+        "wmr_ctrl/simulation/campaign/", "tests/campaign/test_study_plan.py::"
         "test_every_combination_has_one_row_in_the_order_of_the_index",
         ("study_run.py", "plan.first_seed + k % plan.seeds)", "k % plan.seeds)"),
         ("study_store.py", "seed = plan.first_seed + place", "seed = place"),
         ("study_store.py", "divmod(index, plan.seeds)", "divmod(index, plan.seeds)[::-1]"),
     ),
     *_rows(
-        "wmr_ctrl/page/", "tests/page/test_story.py::"
+        "wmr_ctrl/export/page/", "tests/page/test_story.py::"
         "test_a_robot_has_room_for_delay_that_no_law_is_told",
         ("content.py", "actuator.delay + actuator.unmodelled_delay +", "actuator.delay +"),
     ),
@@ -371,7 +371,7 @@ NOT_NOTICED: tuple[tuple[TextAlteration, str], ...] = (
         "number, later",
     ),
     (
-        TextAlteration("wmr_ctrl/barrier/stable.py",
+        TextAlteration("wmr_ctrl/control/barrier/stable.py",
                        "ca.if_else(self.ahead, self.chi / self.base, 0)", "self.chi / self.base",
                        ""),
         "where the quotient reads it and v is not ahead, v is inside and c near: there Y = 0, and "

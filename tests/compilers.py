@@ -16,7 +16,7 @@ import pytest
 from wmr_ctrl.codegen.cache import cache_dir
 from wmr_ctrl.codegen.compiler import WINDOWS, WITHOUT_MINGW, WITHOUT_RUNTIME
 from wmr_ctrl.codegen.resources import runtime_dir
-from wmr_ctrl.page.module import LINKING
+from wmr_ctrl.export.page.module import LINKING
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 ZIG = (sys.executable, "-P", "-m", "ziglang", "cc", "-s")

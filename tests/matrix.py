@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import pytest
 
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
 
 
 def headed(first: str, names: Iterable[str]) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.altered_files import ALTERED_FILES, NOT_NOTICED, PROVE, ROOT
-from wmr_ctrl.proofs.ledger import load
+from wmr_ctrl.results.ledger import load
 
 
 def test_every_altered_place_is_in_its_file():

@@ -32,12 +32,12 @@ if TYPE_CHECKING:  # said without the module typing, which costs more than all e
         study,
         write_page,
     )
-    from wmr_ctrl.filter import command_filter
+    from wmr_ctrl.control.filter import command_filter
     from wmr_ctrl.identification import identify
     from wmr_ctrl.results.bag_topics import load_drive
     from wmr_ctrl.results.compare import compare
     from wmr_ctrl.results.drive import RecordedDrive
-    from wmr_ctrl.tuning import tune
+    from wmr_ctrl.simulation.tuning import tune
 
 __all__ = [
     "RecordedDrive", "Run", "Scenario", "command_filter", "compare", "compile_law", "cosimulate",
@@ -45,8 +45,8 @@ __all__ = [
     "reproduce", "simulate", "simulate_many", "simulate_runs", "study", "tune", "write_page",
 ]  # fmt: skip
 _HOMES = {
-    "RecordedDrive": "results.drive", "command_filter": "filter", "compare": "results.compare",
-    "identify": "identification", "load_drive": "results.bag_topics", "tune": "tuning",
+    "RecordedDrive": "results.drive", "command_filter": "control.filter", "compare": "results.compare",
+    "identify": "identification", "load_drive": "results.bag_topics", "tune": "simulation.tuning",
 }  # fmt: skip
 """Modules of the names that are not in api.py."""
 

@@ -16,25 +16,25 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
-from wmr_ctrl import api_types as types
-from wmr_ctrl.campaign.engine import PhaseProgress
-from wmr_ctrl.campaign.study_run import study as study
 from wmr_ctrl.control.given import scenario_of as scenario_of
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.export import api_types as types
 from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.many import checked_seeds, checked_starts
-from wmr_ctrl.sim.runnable import RunnableLoop, versions
+from wmr_ctrl.simulation.campaign.engine import PhaseProgress
+from wmr_ctrl.simulation.campaign.study_run import study as study
+from wmr_ctrl.simulation.many import checked_seeds, checked_starts
+from wmr_ctrl.simulation.runnable import RunnableLoop, versions
+from wmr_ctrl.world.scenario import Scenario
 
 if TYPE_CHECKING:
-    from wmr_ctrl.linear import LinearReport
-    from wmr_ctrl.proofs import Entry, Ledger
-    from wmr_ctrl.report.page import Facts
+    from wmr_ctrl.report.report_page import Facts
     from wmr_ctrl.report.write import Verdicts
     from wmr_ctrl.results.table import RunTable
-    from wmr_ctrl.sim.compiled_law import CompiledLaw
+    from wmr_ctrl.simulation.compiled_law import CompiledLaw
+    from wmr_ctrl.theory.linear import LinearReport
+    from wmr_proofs import Entry, Ledger
 
 ENGINES = ("native", "numpy", "fmu")
 
@@ -66,13 +66,13 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    from wmr_ctrl.engines import check_plant, run_compiled, run_numpy, runnable
+    from wmr_ctrl.simulation.engines import check_plant, run_compiled, run_numpy, runnable
 
     chosen = scenario_of(scenario, overrides, guard)
     checked_seeds([seed])
     check_plant(plant, engine)
     if plant == "mujoco":
-        from wmr_ctrl.physics.run import run_rigid
+        from wmr_ctrl.simulation.physics.run import run_rigid
 
         return run_rigid(runnable(chosen, law, plant), seed, progress)
     if engine == "native":
@@ -109,7 +109,7 @@ def simulate_runs(
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
-    from wmr_ctrl.engines import check_device, runs_of
+    from wmr_ctrl.simulation.engines import check_device, runs_of
 
     check_device(device, plant)
     run = plant, scenario_of(scenario, overrides, guard), law
@@ -145,7 +145,7 @@ def simulate_many(
     >>> table["violations"]
     array([0., 0., 0.])
     """
-    from wmr_ctrl.engines import check_device, table_of
+    from wmr_ctrl.simulation.engines import check_device, table_of
 
     listed = checked_seeds(seeds)
     check_device(device, plant)
@@ -177,17 +177,17 @@ def reproduce(
     the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
     (physics) before the first run.
     """
-    from wmr_ctrl.campaign import PAPER_LAWS, Campaign
-    from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
-    from wmr_ctrl.campaign.engine import run_campaign
-    from wmr_ctrl.campaign.paper import QUICK_SEEDS, paper_plan
-    from wmr_ctrl.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
-    from wmr_ctrl.physics.rigid import mujoco
-    from wmr_ctrl.report.claims import Evidence, judge_all
-    from wmr_ctrl.report.page import Reproduction
+    from wmr_ctrl.report.paper_claims import Evidence, judge_all
+    from wmr_ctrl.report.report_page import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
     from wmr_ctrl.results.table import RunTable
-    from wmr_ctrl.sim.batch import check_jobs
+    from wmr_ctrl.simulation.batch import check_jobs
+    from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign
+    from wmr_ctrl.simulation.campaign.comparison import comparison_plan, run_comparison
+    from wmr_ctrl.simulation.campaign.engine import run_campaign
+    from wmr_ctrl.simulation.campaign.paper_runs import QUICK_SEEDS, paper_plan
+    from wmr_ctrl.simulation.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
+    from wmr_ctrl.simulation.physics.rigid import mujoco
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
     check_jobs(jobs)
@@ -206,9 +206,9 @@ def reproduce(
 
 def _facts(laws: Sequence[str], quick: bool) -> Facts:
     """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
-    from wmr_ctrl.proofs.runner import stale_entries
-    from wmr_ctrl.report.page import Facts
-    from wmr_ctrl.sim.compiled_law import ROUNDS, seconds_of
+    from wmr_ctrl.report.report_page import Facts
+    from wmr_ctrl.simulation.compiled_law import ROUNDS, seconds_of
+    from wmr_proofs.runner import stale_entries
 
     return Facts(
         titles={row["name"]: row["title"] for row in law_table()},
@@ -223,12 +223,12 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
 def export_fmu(what: str, **options: Unpack[types.ExportOptions]) -> list[Path]:
     """Write FMUs, or files for other simulation tools, and return their paths.
 
-    Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.  ``what`` =
-    "ssp" writes an SSP package, which also takes a foreign ``plant`` and ``controller`` with a
-    ``map_file``, ``delay_known`` and ``flat``; "modelica" writes the package WheeledRobot.mo with
-    every law (options scenario and out); "simulink" writes the kit for ``law``.
+    Options as in `wmr_ctrl.export.fmi.fmu_files.export_fmu`: law, scenario, fmi, target, out.
+    ``what`` = "ssp" writes an SSP package, which also takes a foreign ``plant`` and ``controller``
+    with a ``map_file``, ``delay_known`` and ``flat``; "modelica" writes the package WheeledRobot.mo
+    with every law (options scenario and out); "simulink" writes the kit for ``law``.
     """
-    from wmr_ctrl.outputs import write_output
+    from wmr_ctrl.export.outputs import write_output
 
     return write_output(what, options)
 
@@ -239,8 +239,8 @@ def write_page(
     scenario: str | Path | Scenario = "paper-simulation",
     **options: Unpack[types.PageOptions],
 ) -> Path:
-    """Write one HTML file that runs the loop live; options of `wmr_ctrl.page.write_page`."""
-    return import_module("wmr_ctrl.page").write_page(out, scenario_of(scenario), **options)
+    """Write one HTML file that runs the loop live; options of `wmr_ctrl.export.page.write_page`."""
+    return import_module("wmr_ctrl.export.page").write_page(out, scenario_of(scenario), **options)
 
 
 @checks_arguments
@@ -249,8 +249,8 @@ def cosimulate(
     law: str | None = None,
     **options: Unpack[types.CosimulationOptions],
 ) -> Run:
-    """Run reference, controller and plant as FMUs; options as in `wmr_ctrl.fmi.cosim`."""
-    from wmr_ctrl.fmi.cosim import cosimulate as run_fmus
+    """Run reference, controller and plant as FMUs; options as in `wmr_ctrl.export.cosim`."""
+    from wmr_ctrl.export.cosim import cosimulate as run_fmus
 
     return run_fmus(scenario, law, **options)
 
@@ -260,7 +260,7 @@ def linearize(
     scenario: str | Path | Scenario, law: str = "nn", at: float | None = None, guard: bool = False
 ) -> LinearReport:
     """Poles, margins, limits at time ``at`` [s]; with ``guard``, refused where it acts then."""
-    from wmr_ctrl.linear import report_linear
+    from wmr_ctrl.theory.linear import report_linear
 
     return report_linear(scenario_of(scenario), law, at, guard=guard)
 
@@ -270,7 +270,7 @@ def prove(
     only: Iterable[str] = (), progress: Callable[[float, Entry], None] | None = None
 ) -> Ledger:
     """Check the ledger's entries by machine; ``progress(share, entry)`` is called after each."""
-    from wmr_ctrl.proofs import prove as check_all
+    from wmr_proofs import prove as check_all
 
     return check_all(tuple(only), progress)
 
@@ -298,7 +298,7 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     """
     from wmr_ctrl.codegen.build import build_law
     from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.sim.compiled_law import CompiledLaw
+    from wmr_ctrl.simulation.compiled_law import CompiledLaw
 
     return CompiledLaw(build_law(settle(scenario_of(scenario), law)))
 
@@ -310,13 +310,13 @@ def compile_loop(
     guard: bool | None = None,
 ) -> RunnableLoop:
     """The closed loop of ``law`` on ``scenario``, for `sim.batch`.  Errors as in `compile_law`."""
-    from wmr_ctrl.engines import runnable
+    from wmr_ctrl.simulation.engines import runnable
 
     return runnable(scenario_of(scenario, overrides, guard), law)
 
 
 def law_table() -> list[dict[str, str]]:
     """Name and title of every law in the registry."""
-    from wmr_ctrl.laws import LAWS
+    from wmr_ctrl.control.laws import LAWS
 
     return [{"name": name, "title": LAWS[name].title} for name in LAWS]

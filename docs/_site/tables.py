@@ -15,23 +15,23 @@ from typing import Any
 from markdown import code, number, table
 
 import wmr_ctrl
-from wmr_ctrl import errors, signals
 from wmr_ctrl.cli.lists import gains_docs
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.fields.section import REQUIRED, Section, quantities
-from wmr_ctrl.fields.units import OTHERS, USUAL, written
-from wmr_ctrl.fields.values import Quantity, Range
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.paper import equations, symbols
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core import errors, signals
+from wmr_ctrl.core.fields.section import REQUIRED, Section, quantities
+from wmr_ctrl.core.fields.units import OTHERS, USUAL, written
+from wmr_ctrl.core.fields.values import Quantity, Range
+from wmr_ctrl.core.paper import equations, symbols
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT
-from wmr_ctrl.scenario import preset_titles
-from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.scenario.sections import Change
-from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import preset_titles
+from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario.sections import Change
 
 
 def summary(thing: object) -> str:
@@ -137,7 +137,7 @@ GROUPS: Mapping[str, str] = {
     "Guard and monitor": "GUARD_DIAGNOSTICS",
     "Rigid body": "RIGID",
 }
-"""Heading to names of `wmr_ctrl.signals`; a test holds that none is missing."""
+"""Heading to names of `wmr_ctrl.core.signals`; a test holds that none is missing."""
 
 
 def catalogue() -> dict[str, list[Signal]]:
@@ -259,7 +259,7 @@ RESULTS = (
     "wmr_ctrl.results.outcomes.Monitor",
     "wmr_ctrl.results.remarks.Remark",
     "wmr_ctrl.results.table.RunTable",
-    "wmr_ctrl.sim.compiled_law.CompiledLaw",
+    "wmr_ctrl.simulation.compiled_law.CompiledLaw",
     "wmr_ctrl.identification.bounds.BaseIdentification",
     "wmr_ctrl.identification.estimate.Estimate",
     "wmr_ctrl.identification.estimate.Score",
@@ -269,27 +269,27 @@ RESULTS = (
     "wmr_ctrl.identification.velocity_base.VelocityIdentification",
     "wmr_ctrl.identification.bounds.GuardBounds",
     "wmr_ctrl.identification.bounds.FilterBounds",
-    "wmr_ctrl.filter.filter.CommandFilter",
-    "wmr_ctrl.filter.filter.Filtered",
-    "wmr_ctrl.linear.LinearReport",
-    "wmr_ctrl.linear.margins.Margins",
-    "wmr_ctrl.proofs.ledger.Ledger",
-    "wmr_ctrl.proofs.ledger.Entry",
-    "wmr_ctrl.tuning.gains.Tuning",
-    "wmr_ctrl.tuning.gains.WorseFigure",
+    "wmr_ctrl.control.filter.filter.CommandFilter",
+    "wmr_ctrl.control.filter.filter.Filtered",
+    "wmr_ctrl.theory.linear.LinearReport",
+    "wmr_ctrl.theory.linear.margins.Margins",
+    "wmr_ctrl.results.ledger.Ledger",
+    "wmr_ctrl.results.ledger.Entry",
+    "wmr_ctrl.simulation.tuning.gains.Tuning",
+    "wmr_ctrl.simulation.tuning.gains.WorseFigure",
 )
 BUILDING = (
-    "wmr_ctrl.signals.Signal",
-    "wmr_ctrl.fields.section.quantity",
-    "wmr_ctrl.fields.section.Section",
-    "wmr_ctrl.model.system.System",
-    "wmr_ctrl.model.system.Port",
-    "wmr_ctrl.model.system.Output",
-    "wmr_ctrl.model.system.Draw",
-    "wmr_ctrl.model.system.Parameters",
-    "wmr_ctrl.laws.law.Law",
-    "wmr_ctrl.laws.law.Traits",
-    "wmr_ctrl.laws.context.LawContext",
+    "wmr_ctrl.core.signals.Signal",
+    "wmr_ctrl.core.fields.section.quantity",
+    "wmr_ctrl.core.fields.section.Section",
+    "wmr_ctrl.world.model.system.System",
+    "wmr_ctrl.world.model.system.Port",
+    "wmr_ctrl.world.model.system.Output",
+    "wmr_ctrl.world.model.system.Draw",
+    "wmr_ctrl.world.model.system.Parameters",
+    "wmr_ctrl.control.laws.law.Law",
+    "wmr_ctrl.control.laws.law.Traits",
+    "wmr_ctrl.control.laws.context.LawContext",
     "wmr_ctrl.world.effect.Effect",
     "wmr_ctrl.world.effect.EffectRole",
     "wmr_ctrl.world.effect.Rate",

@@ -20,10 +20,16 @@ from tests.architecture.tree import (
 LONGEST_FUNCTION = 60
 LONGEST_FILE = 350
 FOLLOWS_FROM_A_VALUE = {
-    "wmr_ctrl.fields.orientation": {"field_inward", "field_outward"},  # a field's, checked later
-    "wmr_ctrl.fields.section": {"quantity"},  # stands for a field of the type of its default
-    "wmr_ctrl.fields.values": {"clean", "default"},  # what a field's kind says, known at run time
-    "wmr_ctrl.fmi.cosim.slave": {"variable"},  # a value of FMPy, which has no types
+    "wmr_ctrl.core.fields.orientation": {
+        "field_inward",
+        "field_outward",
+    },  # a field's, checked later
+    "wmr_ctrl.core.fields.section": {"quantity"},  # stands for a field of the type of its default
+    "wmr_ctrl.core.fields.values": {
+        "clean",
+        "default",
+    },  # what a field's kind says, known at run time
+    "wmr_ctrl.export.cosim.slave": {"variable"},  # a value of FMPy, which has no types
 }
 NUMBERS_OF_ANY_KIND = {"proofs", "codegen"}
 """Folders whose public signatures still say ``Any``."""

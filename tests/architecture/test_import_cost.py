@@ -48,10 +48,10 @@ def test_help_of_the_command_line_is_light(arguments):
 @pytest.mark.parametrize(
     "module",
     [
-        "wmr_ctrl.scenario",
+        "wmr_ctrl.world.scenario",
         "wmr_ctrl.results",
-        "wmr_ctrl.sim.interpreted",
-        "wmr_ctrl.campaign.study_run",
+        "wmr_ctrl.simulation.interpreted",
+        "wmr_ctrl.simulation.campaign.study_run",
     ],
 )
 def test_workers_start_without_casadi_and_plots(module):

@@ -87,8 +87,8 @@ THIRD_PARTY = {
 """What each layer may import from elsewhere; the command line (cli) may import anything."""
 JOINERS = {"engines", "api", "tuning", "cli", "fmi"}
 """Who may both compile and run: the interface, and the co-simulation that is compared with it."""
-LEDGER = "wmr_ctrl.proofs.ledger"
-LIGHT = ("wmr_ctrl.errors", "wmr_ctrl.signals")
+LEDGER = "wmr_ctrl.results.ledger"
+LIGHT = ("wmr_ctrl.core.errors", "wmr_ctrl.core.signals")
 
 
 def rank(layer: str) -> int:
@@ -210,11 +210,11 @@ def test_methods_of_proof_stand_alone():
     parts = ("methods", "graph", "relation", "statement", "ledger", "regions")
 
     def ours(module: Module) -> list[str]:
-        top = module.name.removeprefix("wmr_ctrl.proofs.").split(".")[0]
+        top = module.name.removeprefix("wmr_proofs.").split(".")[0]
         if module.layer != "proofs" or top not in parts:
             return []
-        allowed = tuple(f"wmr_ctrl.proofs.{part}" for part in parts)
-        own = (*allowed, "wmr_ctrl.model.graph", "wmr_ctrl.errors")
+        allowed = tuple(f"wmr_proofs.{part}" for part in parts)
+        own = (*allowed, "wmr_ctrl.world.model.graph", "wmr_ctrl.core.errors")
         return [name for name in own_imports(module) if not name.startswith(own)]
 
     assert offenders(ours) == {}
@@ -229,8 +229,8 @@ def test_the_oracle_shares_no_code_with_what_it_checks():
         "waypoints",
     )  # the fitted path of a section, as data
     allowed = (
-        "wmr_ctrl.fields",
-        "wmr_ctrl.scenario",
+        "wmr_ctrl.core.fields",
+        "wmr_ctrl.world.scenario",
         "wmr_ctrl.results",
         *(f"wmr_ctrl.world.references.{name}" for name in sections),
         *LIGHT,

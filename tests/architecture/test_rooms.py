@@ -24,16 +24,16 @@ KEPT_SHORT = {
 """Short files with one user that are looked up by name, and why."""
 BY_NAME = ("wmr_ctrl.laws.",)
 """Folders with a file for each name that users type: a law."""
-ELSEWHERE = ("wmr_ctrl.proofs.", "wmr_ctrl.codegen.")
+ELSEWHERE = ("wmr_proofs.", "wmr_ctrl.codegen.")
 
 NO_NOUNS = {"found", "made", "told", "settled", "kept"}
 SNIFFED = {
-    "wmr_ctrl.fields.files": "only some errors of the system have a text",
-    "wmr_ctrl.fields.values": "arrays of any library give their numbers by tolist",
-    "wmr_ctrl.proofs.alterations": "walks values of any class to the part that a claim alters",
+    "wmr_ctrl.core.fields.files": "only some errors of the system have a text",
+    "wmr_ctrl.core.fields.values": "arrays of any library give their numbers by tolist",
+    "wmr_proofs.alterations": "walks values of any class to the part that a claim alters",
     "wmr_ctrl.results.files": "only some errors of the system have a number",
     "wmr_ctrl.results.formats": "only some errors of the system have a text",
-    "wmr_ctrl.sim.batch": "os.sched_getaffinity is on Linux only",
+    "wmr_ctrl.simulation.batch": "os.sched_getaffinity is on Linux only",
 }
 """Where an object may be asked for a name that it may not have, and why."""
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests import oracle
 from wmr_ctrl.api import simulate
-from wmr_ctrl.barrier.stable import SERIES_BELOW, _chi, smooth_barrier
+from wmr_ctrl.control.barrier.stable import SERIES_BELOW, _chi, smooth_barrier
 
 U1, U2 = 1.0, 0.8
 c, v = ca.SX.sym("c"), ca.SX.sym("v")

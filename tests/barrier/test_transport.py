@@ -9,8 +9,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from wmr_ctrl.barrier.proximal import transported
-from wmr_ctrl.laws.prox import prox_step
+from wmr_ctrl.control.barrier.proximal import transported
+from wmr_ctrl.control.laws.prox import prox_step
 
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.2))
 EPS = float(np.finfo(float).eps)

@@ -19,7 +19,7 @@ from benchmarks.native import HERE, floor_toolchain
 from benchmarks.numpy_loop import closed_loop, rk4
 from benchmarks.numpy_step import NumpyLaws
 from benchmarks.setup import Case, Setup
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.core.errors import CompilerError
 
 try:
     floor_toolchain()

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.hand_c import HandC
 from benchmarks.native import floor_toolchain
 from benchmarks.setup import Setup
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.core.errors import CompilerError
 
 try:
     floor_toolchain()

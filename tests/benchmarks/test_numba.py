@@ -14,7 +14,7 @@ from benchmarks.inputs import mixed_rows, tracking_rows
 from benchmarks.numpy_loop import closed_loop
 from benchmarks.numpy_step import NumpyLaws
 from benchmarks.setup import Case, Setup
-from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.core.errors import MissingExtraError
 
 TOLERANCE = 1e-11
 SETUP = Setup()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.setup import Case, Setup
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.world.scenario import load_scenario
 
 
 def test_defaults_are_the_papers_simulation() -> None:

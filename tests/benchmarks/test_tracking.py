@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks import front, tracking
 from benchmarks.parts import renew
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ArgumentError
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tracking.md").read_text(encoding="utf-8")
 

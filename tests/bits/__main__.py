@@ -18,7 +18,7 @@ import pytest
 from tests.bits.cases import CASES
 from tests.bits.platforms import Platform, differences
 from tests.bits.test_same_bits import EVERYWHERE
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
 
 
 def said(platform: Platform, law: str) -> str:

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.codegen.build import Program, build_loop, program_of
-from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.engines import runnable_of
+from wmr_ctrl.core.compiled import CompiledLoop, elements
 from wmr_ctrl.results.windows import windows_of
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.memory import Memory, Task, laid_out, noise_key
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.simulation.engines import runnable_of
+from wmr_ctrl.simulation.memory import Memory, Task, laid_out, noise_key
+from wmr_ctrl.simulation.runnable import RunnableLoop
+from wmr_ctrl.world.scenario import load_scenario
 
 SEED = 5
 WIDEST = 8

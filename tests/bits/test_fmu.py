@@ -11,9 +11,9 @@ from fmpy import simulate_fmu
 from tests.bits.cases import CASES, SEED, case
 from tests.matrix import headed, turns
 from wmr_ctrl.api import export_fmu
-from wmr_ctrl.compiled import elements
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.sim.memory import Task, laid_out
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.simulation.memory import Task, laid_out
 
 AFTER = {"x", "y", "theta", "v1", "omega", "psi"}
 """Columns that the log has before a sample, and an FMU after it."""

@@ -13,14 +13,14 @@ from tests.compilers import ARM, NODE, QEMU, SIMD128, WASM, WINE, ZIG
 from tests.matrix import headed, turns
 from wmr_ctrl.codegen.build import build_batch, vector_sets
 from wmr_ctrl.codegen.compiler import UNFUSED
-from wmr_ctrl.compiled import elements
-from wmr_ctrl.engines import runnable_of
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.sim.batch import run_logged
-from wmr_ctrl.sim.many import each_task
-from wmr_ctrl.sim.memory import Task
-from wmr_ctrl.sim.memory import vector_sets as usable
+from wmr_ctrl.simulation.batch import run_logged
+from wmr_ctrl.simulation.engines import runnable_of
+from wmr_ctrl.simulation.many import each_task
+from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.simulation.memory import vector_sets as usable
 
 NATIVE = "-march=native"
 LANES_OF_OURS = ("-O3", "-fno-tree-vectorize")

@@ -14,7 +14,7 @@ from tests.bits.platforms import processor
 from wmr_ctrl.codegen.build import X86, Instructions, flags_of, vector_sets
 from wmr_ctrl.codegen.compiler import Toolchain
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
 
 TEXT = """
 __attribute__((visibility("default")))

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.codegen.package import write_package
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 HERE = Path(__file__).parent
 COMPILER, EMULATOR = "arm-none-eabi-gcc", "qemu-system-arm"

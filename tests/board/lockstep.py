@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.board.emulated import BOARDS, Emulated, HostBuild, built
 from tests.board.robot import Robot
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 SAMPLES = 1000
 """10 s at 10 ms."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from tests.codegen.compiled import compiled
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.fmi.blocks import stepped_plant
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.export.fmi.blocks import stepped_plant
 from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.scenario import Scenario
 
 
 class Robot:

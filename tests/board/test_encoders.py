@@ -14,10 +14,10 @@ from tests.codegen.measured import BOARD
 from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.codegen.package import packaged, write_package
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import REFERENCE
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.world.scenario import Scenario
 
 ENCODED = {"encoder.counts": 1024, "encoder.window": 0.02, "clock.duration": 1.5,
            "wheels.radius": [0.02, 0.01]}  # fmt: skip

@@ -11,7 +11,7 @@ import pytest
 from tests.board.emulated import HostBuild
 from tests.board.robot import Robot
 from wmr_ctrl.codegen.single_precision import PERIODS
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="NOT RUN: no cc")
 

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import pytest
 
 from tests.campaign.synthetic import made_up, simulate
-from wmr_ctrl.campaign import Campaign
-from wmr_ctrl.campaign.engine import run_campaign
-from wmr_ctrl.campaign.paper import paper_plan
 from wmr_ctrl.results import Run
+from wmr_ctrl.simulation.campaign import Campaign
+from wmr_ctrl.simulation.campaign.engine import run_campaign
+from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
 
 
 @pytest.fixture(scope="session")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmr_ctrl.campaign.study_plan import plan_of
-from wmr_ctrl.campaign.study_run import run_study
+from wmr_ctrl.simulation.campaign.study_plan import plan_of
+from wmr_ctrl.simulation.campaign.study_run import run_study
 
 FACTS = {"version": "1", "kernels": "ab"}
 PLAN = {

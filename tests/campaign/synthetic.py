@@ -10,9 +10,9 @@ from unittest.mock import patch
 import numpy as np
 
 from tests.results.conftest import build
-from wmr_ctrl.campaign.plan import PlannedCase
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results import Monitor, Run
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.simulation.campaign.plan import PlannedCase
 
 
 class Watch:
@@ -84,9 +84,9 @@ def made_up(
         return lambda seed: simulate(case.scenario, case.law, seed)
 
     with (
-        patch("wmr_ctrl.campaign.engine.build_loop", build),
-        patch("wmr_ctrl.campaign.engine.run_each", in_turn),
-        patch("wmr_ctrl.physics.run.run_rigid_each", in_turn),
+        patch("wmr_ctrl.simulation.campaign.engine.build_loop", build),
+        patch("wmr_ctrl.simulation.campaign.engine.run_each", in_turn),
+        patch("wmr_ctrl.simulation.physics.run.run_rigid_each", in_turn),
     ):
         yield
 

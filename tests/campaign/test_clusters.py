@@ -14,11 +14,11 @@ import pytest
 
 import wmr_ctrl
 from tests.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
-from wmr_ctrl.campaign.engine import PlannedCase
-from wmr_ctrl.campaign.study_chunks import StudyChunk
-from wmr_ctrl.campaign.study_plan import plan_of
-from wmr_ctrl.campaign.study_run import _told, run_study
-from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.simulation.campaign.engine import PlannedCase
+from wmr_ctrl.simulation.campaign.study_chunks import StudyChunk
+from wmr_ctrl.simulation.campaign.study_plan import plan_of
+from wmr_ctrl.simulation.campaign.study_run import _told, run_study
 
 
 @pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
@@ -117,7 +117,7 @@ def test_a_scheduler_of_its_own_loses_nothing_with_a_worker(tmp_path):
 
 def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("wmr_ctrl.campaign.study_chunks.PATIENCE", 0.5)
+    monkeypatch.setattr("wmr_ctrl.simulation.campaign.study_chunks.PATIENCE", 0.5)
 
     with pytest.raises(ArgumentError, match=r"dask://127\.0\.0\.1:9.*does not answer"):
         wmr_ctrl.study(REAL, tmp_path, executor="dask://127.0.0.1:9")

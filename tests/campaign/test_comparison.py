@@ -15,7 +15,10 @@ from itertools import combinations
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
-from wmr_ctrl.campaign.comparison import (
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.simulation.campaign.comparison import (
     AWAY,
     BASES,
     E1,
@@ -28,11 +31,8 @@ from wmr_ctrl.campaign.comparison import (
     run_comparison,
     swept,
 )
-from wmr_ctrl.campaign.plan import PlannedCase, PlannedRun
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.simulation.campaign.plan import PlannedCase, PlannedRun
+from wmr_ctrl.world.scenario import load_scenario, override
 
 WEAK = "tau_max = 5 N m"
 ONE = HELD_OUT[:1]

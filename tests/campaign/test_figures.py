@@ -10,11 +10,11 @@ import pytest
 
 from tests.campaign.synthetic import made_up
 from tests.results.conftest import build
-from wmr_ctrl.campaign.engine import run_campaign
-from wmr_ctrl.campaign.paper import REPORTED, paper_plan
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.figures import FIGURES, Figure, FigureRegistry, values_of
+from wmr_ctrl.simulation.campaign.engine import run_campaign
+from wmr_ctrl.simulation.campaign.paper_runs import REPORTED, paper_plan
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.2, 1), (0.5, 1), "diverged")
 

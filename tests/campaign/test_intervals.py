@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from wmr_ctrl.campaign.intervals import StopRule, bootstrap, clopper_pearson, wilson
-from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.simulation.campaign.intervals import StopRule, bootstrap, clopper_pearson, wilson
 
 
 def at_most(hits, count, share):

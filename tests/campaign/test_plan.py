@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import PAPER_LAWS
-from wmr_ctrl.campaign.paper import AS_STATED, STUDIES, paper_plan
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.simulation.campaign import PAPER_LAWS
+from wmr_ctrl.simulation.campaign.paper_runs import AS_STATED, STUDIES, paper_plan
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 
 def test_every_study_is_a_preset_or_changes_one_under_a_name_of_its_own():

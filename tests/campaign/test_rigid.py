@@ -7,9 +7,11 @@ import math
 import pytest
 
 from tests.campaign.synthetic import made_up as made_up_runs
-from wmr_ctrl.campaign.engine import scenario_of
-from wmr_ctrl.campaign.plan import PlannedCase
-from wmr_ctrl.campaign.rigid import (
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.results.table import table_of_rows
+from wmr_ctrl.simulation.campaign.engine import scenario_of
+from wmr_ctrl.simulation.campaign.plan import PlannedCase
+from wmr_ctrl.simulation.campaign.rigid import (
     E1,
     E1_BEFORE,
     GUARDED,
@@ -19,8 +21,6 @@ from wmr_ctrl.campaign.rigid import (
     rigid_claims,
     run_rigid_comparison,
 )
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results.table import table_of_rows
 
 CASES = {
     (plant, run.case.name, run.case.law): run.case

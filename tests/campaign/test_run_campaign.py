@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up, simulate
-from wmr_ctrl.campaign.engine import run_campaign
-from wmr_ctrl.campaign.paper import paper_plan
-from wmr_ctrl.campaign.plan import Study
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.simulation.campaign.engine import run_campaign
+from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
+from wmr_ctrl.simulation.campaign.plan import Study
 
 STUDY = Study("paper-simulation")
 PLAN = [run for seed in (4, 3, 5) for run in STUDY.planned(("mb", "nn"), [seed])]

@@ -20,12 +20,12 @@ import wmr_ctrl
 from tests.campaign.studies import FACTS, PLAN, REAL, figures, refuse_after, table_of
 from tests.campaign.synthetic import Watch
 from wmr_ctrl import simulate
-from wmr_ctrl.campaign.study_plan import plan_of
-from wmr_ctrl.campaign.study_run import run_study
-from wmr_ctrl.campaign.study_store import counted_reasons, opened
-from wmr_ctrl.corridor import find_corridor
-from wmr_ctrl.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
+from wmr_ctrl.simulation.campaign.study_plan import plan_of
+from wmr_ctrl.simulation.campaign.study_run import run_study
+from wmr_ctrl.simulation.campaign.study_store import counted_reasons, opened
+from wmr_ctrl.theory.corridor import find_corridor
+from wmr_ctrl.world.scenario import load_scenario
 
 # -- the same bytes ------------------------------------------------------------------------
 

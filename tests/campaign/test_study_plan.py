@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.campaign.studies import PLAN, table_of
-from wmr_ctrl.campaign.study_plan import load_plan, plan_of
-from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.simulation.campaign.study_plan import load_plan, plan_of
 
 
 def test_every_combination_has_one_row_in_the_order_of_the_index(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.table import STATISTICS, RunTable, Spread, spread, table_of_rows
 

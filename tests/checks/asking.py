@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmr_ctrl.checks import CHECKS
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import sample_time
-from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.results.verdicts import Warning
+from wmr_ctrl.theory.checks import CHECKS
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.sample_time import sample_time
+from wmr_ctrl.theory.checks.sending import loop_of
 
 STABILITY = ("clock.control", "model.m")
 """Keys of what `sample_time` tells, which takes longer than all others together."""

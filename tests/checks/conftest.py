@@ -7,11 +7,11 @@ from collections.abc import Callable
 import pytest
 
 from tests.checks.asking import told_of
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.world.scenario import load_scenario
 
 NOMINAL = "paper-simulation-nominal"
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wmr_ctrl.checks.barrier import largest_pull, phases, velocity_error
-from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.wrong_model import largest_pull, phases, velocity_error
 
 MODEL = "model"
 

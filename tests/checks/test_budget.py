@@ -8,14 +8,14 @@ import sys
 import pytest
 
 from wmr_ctrl import simulate
-from wmr_ctrl.checks import outlook, warnings_for
-from wmr_ctrl.checks.budget import OF_RUN, OverBudgetError, budget, counted, spend
-from wmr_ctrl.checks.loop import PERIOD
-from wmr_ctrl.checks.outlook import CheckVerdict, verdict
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import NOT_CHECKED
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory.checks import outlook, warnings_for
+from wmr_ctrl.theory.checks.budget import OF_RUN, OverBudgetError, budget, counted, spend
+from wmr_ctrl.theory.checks.loop import PERIOD
+from wmr_ctrl.theory.checks.outlook import CheckVerdict, verdict
+from wmr_ctrl.world.scenario import load_scenario
 
 UNSTABLE = {
     "reference.kind": "rounded-square",

@@ -8,10 +8,10 @@ import scipy.linalg
 
 from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks.radius import operating_points, radius
-from wmr_ctrl.checks.sampled_plant import Motion
-from wmr_ctrl.checks.stable_ranges import largest_period, stable_periods
-from wmr_ctrl.laws.prox import guide
+from wmr_ctrl.control.laws.prox import guide
+from wmr_ctrl.theory.checks.radius import operating_points, radius
+from wmr_ctrl.theory.checks.sampled_plant import Motion
+from wmr_ctrl.theory.checks.stable_ranges import largest_period, stable_periods
 
 NOMINAL = "paper-simulation-nominal"
 CIRCLE = np.array((0.2, 0.1))

@@ -7,9 +7,9 @@ import re
 import pytest
 
 from wmr_ctrl import simulate
+from wmr_ctrl.control.guard.price import speed_price
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.price import speed_price
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 ON = {"guard.enabled": True}
 

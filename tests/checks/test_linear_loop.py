@@ -9,23 +9,23 @@ import pytest
 
 from tests.checks.asking import closed
 from wmr_ctrl.api import compile_loop, simulate
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.radius import (
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.simulation.memory import laid_out
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.radius import (
     _of_product,
     from_pose_to_pose,
     largest_radius,
     radius,
     stretches_of,
 )
-from wmr_ctrl.checks.sampled_plant import divided
-from wmr_ctrl.checks.stable_ranges import largest_period
-from wmr_ctrl.checks.surroundings import DriveTimes, _counts
-from wmr_ctrl.compiled import elements
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.kinematics import error_rotation
-from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.sim.memory import laid_out
+from wmr_ctrl.theory.checks.sampled_plant import divided
+from wmr_ctrl.theory.checks.stable_ranges import largest_period
+from wmr_ctrl.theory.checks.surroundings import DriveTimes, _counts
+from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 T, V_D = 0.01, np.array((0.2, 0.1))
 AWAY = np.array([1.0, -0.5, 0.7, 0.3, -0.2])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl.checks.network import largest_square, learning_limit, square_bound
-from wmr_ctrl.checks.radius import radius
+from wmr_ctrl.theory.checks.network import largest_square, learning_limit, square_bound
+from wmr_ctrl.theory.checks.radius import radius
 
 ETA, PERIOD = "gains.nn.eta", "clock.control"
 

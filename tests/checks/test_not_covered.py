@@ -6,10 +6,10 @@ import re
 
 import pytest
 
-from wmr_ctrl.checks import grip_warnings, warnings_for
 from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.checks import grip_warnings, warnings_for
+from wmr_ctrl.world.scenario import load_scenario, override
 
 
 @pytest.mark.parametrize("law", ["mb", "nn"])

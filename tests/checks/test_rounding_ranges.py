@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from tests.filter.test_filter import scenario
-from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter.rounding_ranges import unproved_roundings
-from wmr_ctrl.scenario import override
+from wmr_ctrl.theory.checks import warnings_for
+from wmr_ctrl.world.scenario import override
 
 INSIDE = {
     "jitter": {"jitter": 0.025},

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import load_scenario, simulate
-from wmr_ctrl.checks.sample_time import first_speeds, kink_limits
-from wmr_ctrl.checks.stable_ranges import largest_stable_period
+from wmr_ctrl.theory.checks.sample_time import first_speeds, kink_limits
+from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 
 PERIOD = "clock.control"
 

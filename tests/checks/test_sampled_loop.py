@@ -10,12 +10,12 @@ import pytest
 
 from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks import largest_stable_period
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.radius import operating_points
-from wmr_ctrl.checks.stable_ranges import largest_period
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.theory.checks import largest_stable_period
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.radius import operating_points
+from wmr_ctrl.theory.checks.stable_ranges import largest_period
+from wmr_ctrl.world.scenario import load_scenario
 
 CIRCLE = np.array([0.2, 0.1])
 

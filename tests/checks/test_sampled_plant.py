@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks import stability
-from wmr_ctrl.linear.report import report_linear
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory.checks import stability
+from wmr_ctrl.theory.linear.linear_report import report_linear
+from wmr_ctrl.world.scenario import load_scenario
 
 FOUR = [(0.1, 0.05), (0.05, 0.05), (0.02, 0.06), (0.01, 0.05)]
 PAGES = [("prox", *FOUR[0]), *(pytest.param(law, *each, marks=pytest.mark.slow)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks import largest_stable_period
-from wmr_ctrl.checks.surroundings import lost_samples, rare_poses
-from wmr_ctrl.linear.report import report_linear
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory.checks import largest_stable_period
+from wmr_ctrl.theory.checks.surroundings import lost_samples, rare_poses
+from wmr_ctrl.theory.linear.linear_report import report_linear
+from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.parametrize(("law", "below", "above"), [("prox", 0.1, 0.2), ("mb", 0.2, 0.4)])
@@ -31,7 +31,7 @@ def test_the_linear_report_has_the_same_limit(
     age: float, every: float, stable: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "wmr_ctrl.linear.report.model_errors", lambda *given: []
+        "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []
     )  # two thirds of it
     late = {"sensor.pose_delay": age, "sensor.pose_period": every}
     scenario = load_scenario("paper-simulation-nominal", late)

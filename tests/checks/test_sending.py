@@ -6,11 +6,17 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.checks.sample_time import sample_time
-from wmr_ctrl.checks.sending import loop_of
-from wmr_ctrl.checks.stable_ranges import (
+from wmr_ctrl.cli.check_sentences import stable
+from wmr_ctrl.codegen.functions import loop_functions
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.results import split_columns
+from wmr_ctrl.simulation.interpreted import _Run
+from wmr_ctrl.simulation.runnable import settings_of
+from wmr_ctrl.theory.checks import warnings_for
+from wmr_ctrl.theory.checks.radius import largest_radius
+from wmr_ctrl.theory.checks.sample_time import sample_time
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.theory.checks.stable_ranges import (
     Stability,
     largest_period,
     largest_stable_delay,
@@ -18,16 +24,10 @@ from wmr_ctrl.checks.stable_ranges import (
     stable_delays,
     stable_masses,
 )
-from wmr_ctrl.checks.surroundings import IDLE, lost_samples, rounded_effects
-from wmr_ctrl.cli.check_sentences import stable
-from wmr_ctrl.codegen.functions import loop_functions
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.kinematics import error_rotation
-from wmr_ctrl.results import split_columns
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.sim.interpreted import _Run
-from wmr_ctrl.sim.runnable import settings_of
+from wmr_ctrl.theory.checks.surroundings import IDLE, lost_samples, rounded_effects
+from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 SMALL, SAMPLES = 1e-5, 80
 AWAY = np.array([1.0, -0.5, 0.8])

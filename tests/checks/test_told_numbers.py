@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from tests.corridor.adversary import Attacked
-from wmr_ctrl.checks import stability
-from wmr_ctrl.checks.outlook import CheckVerdict, verdict
-from wmr_ctrl.checks.radius import largest_radius, operating_points
-from wmr_ctrl.checks.sending import loop_of
-from wmr_ctrl.checks.stable_ranges import shortest_tried
-from wmr_ctrl.checks.surroundings import oldest_shown
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.checks import stability
+from wmr_ctrl.theory.checks.outlook import CheckVerdict, verdict
+from wmr_ctrl.theory.checks.radius import largest_radius, operating_points
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.theory.checks.stable_ranges import shortest_tried
+from wmr_ctrl.theory.checks.surroundings import oldest_shown
 from wmr_ctrl.world.phases import largest_friction
+from wmr_ctrl.world.scenario import load_scenario, override
 
 
 @pytest.mark.parametrize(("tolerance", "objects"), [(0.001, True), (1.0, False)])

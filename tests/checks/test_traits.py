@@ -12,11 +12,11 @@ from click.testing import CliRunner
 from tests.laws.toys import PLAIN, install
 from tests.matrix import rotated
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.cli.root import root
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.theory.checks import warnings_for
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 FOREIGN = {

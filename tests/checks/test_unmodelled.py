@@ -7,10 +7,10 @@ import re
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory.checks import warnings_for
+from wmr_ctrl.world.scenario import load_scenario
 
 SOFT = {"gains.pid.Kp": [100.0, 4.0], "gains.kinematics.k": [4.0, 5.0, 4.0]}
 

@@ -9,14 +9,14 @@ import pytest
 
 from tests.checks.asking import STABILITY
 from tests.matrix import rotated, turns
-from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.sample_time import sample_time
-from wmr_ctrl.checks.sending import loop_of
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.theory.checks import warnings_for
+from wmr_ctrl.theory.checks.sample_time import sample_time
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 KINDS = ("circle", "line", "lemniscate", "rounded-square", "stop-and-go")

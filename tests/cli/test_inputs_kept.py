@@ -11,18 +11,18 @@ from pathlib import Path
 import click
 import pytest
 
-from wmr_ctrl.campaign.study_plan import load_plan
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ResultFileError, WmrError
-from wmr_ctrl.fields.files import note_input, one_command, read_text
-from wmr_ctrl.fmi.cosim.mapping import load_map
-from wmr_ctrl.fmi.cosim.slave import FmuFile
-from wmr_ctrl.logs.log import read_log
+from wmr_ctrl.core.errors import ResultFileError, WmrError
+from wmr_ctrl.core.fields.files import note_input, one_command, read_text
+from wmr_ctrl.export.cosim.mapping import load_map
+from wmr_ctrl.export.cosim.slave import FmuFile
+from wmr_ctrl.identification.logs.log import read_log
 from wmr_ctrl.report import animate
 from wmr_ctrl.results import Run, atomic_text, check_writable, load_run, write_all
 from wmr_ctrl.results.bag_topics import load_drive
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.tuning import tune
+from wmr_ctrl.simulation.campaign.study_plan import load_plan
+from wmr_ctrl.simulation.tuning import tune
+from wmr_ctrl.world.scenario import load_scenario
 
 WORDS = {
     "check": ("check", "mine.toml"),

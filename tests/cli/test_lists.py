@@ -11,15 +11,15 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl import checks
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.checks.outlook import IN_PART, OF_THEORY
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies
-from wmr_ctrl.errors import CompilerError
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.errors import CompilerError
 from wmr_ctrl.results.remarks import SHORT
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.theory import checks
+from wmr_ctrl.theory.checks.outlook import IN_PART, OF_THEORY
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 
 def test_every_scenario_is_listed_with_its_title(wmr):

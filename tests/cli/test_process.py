@@ -13,7 +13,7 @@ import pytest
 
 from wmr_ctrl import __version__
 from wmr_ctrl.cli.console import Interruption, explain, resumable
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.core.errors import ScenarioError
 
 PIPE = subprocess.PIPE
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")

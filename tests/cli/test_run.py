@@ -9,13 +9,13 @@ import pytest
 from click.testing import CliRunner
 
 from wmr_ctrl import api
-from wmr_ctrl.checks import grip_warnings, warnings_for
 from wmr_ctrl.cli import options, root
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, MissingExtraError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError
 from wmr_ctrl.report import animate, drawing
 from wmr_ctrl.results import load_run, summary
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory.checks import grip_warnings, warnings_for
+from wmr_ctrl.world.scenario import load_scenario
 
 KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "watched_every", "outcome", "ise",
         "position_rms", "position_max", "tracking", "tracked", "arrival", "guard_share",

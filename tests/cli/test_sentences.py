@@ -10,18 +10,19 @@ from math import inf
 import click
 import pytest
 
-from wmr_ctrl import api, checks, simulate
-from wmr_ctrl.checks import Stability
+from wmr_ctrl import api, simulate
 from wmr_ctrl.cli import check_sentences
 from wmr_ctrl.cli.options import _each_law
+from wmr_ctrl.control.guard.price import early_speed
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.price import early_speed
-from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.scenario import Scenario, load_scenario, override, quantities
-from wmr_ctrl.scenario.sections import Change
+from wmr_ctrl.theory import checks
+from wmr_ctrl.theory.checks import Stability
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override, quantities
+from wmr_ctrl.world.scenario.sections import Change
 
 check, compare, runs, summary = (
     import_module(f"wmr_ctrl.cli.{name}")

@@ -13,11 +13,11 @@ from tests.results.conftest import build
 from wmr_ctrl import simulate
 from wmr_ctrl.cli import console, options, summary
 from wmr_ctrl.cli.summary import _rows
-from wmr_ctrl.errors import WmrError
-from wmr_ctrl.fields.values import SEED_END
+from wmr_ctrl.core.errors import WmrError
+from wmr_ctrl.core.fields.values import SEED_END
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 TURN = 2 * math.pi
 

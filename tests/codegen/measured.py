@@ -31,10 +31,10 @@ from wmr_ctrl.codegen.package import (
     write_package,
 )
 from wmr_ctrl.codegen.resources import fmu_dir
+from wmr_ctrl.control.filter.filter import called_filter
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter.filter import called_filter
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 BOARD = "cortex-m4f"
 TARGET = ("-mthumb", "-mfloat-abi=hard", *BOARDS[BOARD].flags)

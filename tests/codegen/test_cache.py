@@ -14,7 +14,7 @@ from wmr_ctrl.codegen import cache
 from wmr_ctrl.codegen.cache import build_cached, cache_dir, content_key, is_complete
 from wmr_ctrl.codegen.compiler import compile_object
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
-from wmr_ctrl.errors import CacheError, CompilerError
+from wmr_ctrl.core.errors import CacheError, CompilerError
 
 SOURCES = {"a.c": "int a;", "inner/b.h": b"int b;"}
 

@@ -16,8 +16,8 @@ from tests.codegen import measured
 from tests.codegen.test_package import WARNINGS, needs, run
 from tests.languages import LANGUAGES, compile_all
 from wmr_ctrl.codegen.package import package_files, write_package
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 HOURS = Path(__file__).parent / "ten_hours.c"
 FINE = {"encoder.counts": 61440, "gyro.enabled": False, "guard.alpha": 6.0}

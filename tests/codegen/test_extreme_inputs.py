@@ -15,10 +15,10 @@ from tests.codegen.test_package import needs, written
 from tests.matrix import turns
 from wmr_ctrl.codegen.single_precision import LARGEST_SINGLE
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.signals import LARGEST
+from wmr_ctrl.core.signals import LARGEST
+from wmr_ctrl.world.scenario import load_scenario
 
 ANGLES = (2, 9)
 """Places of theta_d and theta, which grow without end."""

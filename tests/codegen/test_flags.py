@@ -16,16 +16,16 @@ from tests.codegen.test_package import needs
 from wmr_ctrl.codegen.build import program_of, unity
 from wmr_ctrl.codegen.compiler import compile_object
 from wmr_ctrl.codegen.package import CORRIDOR, FILTER, files_of, package_files
+from wmr_ctrl.control.filter.gate import GateSettings, gate_system
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import corridor_monitor
-from wmr_ctrl.errors import CompilerError
-from wmr_ctrl.filter.gate import GateSettings, gate_system
-from wmr_ctrl.fmi.export import model_of
-from wmr_ctrl.fmi.files import sources_of
-from wmr_ctrl.page.module import UNIT, toolchain
+from wmr_ctrl.core.errors import CompilerError
+from wmr_ctrl.export.fmi.files import sources_of
+from wmr_ctrl.export.fmi.fmu_files import model_of
+from wmr_ctrl.export.page.module import UNIT, toolchain
+from wmr_ctrl.export.simulink import kit_files
 from wmr_ctrl.ros2.filter_core import core_files
-from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.simulink import kit_files
+from wmr_ctrl.theory.corridor import corridor_monitor
+from wmr_ctrl.world.scenario import load_scenario, override
 
 SAFE = load_scenario("safe-simulation")
 STILL = override(SAFE, {"changes": []})

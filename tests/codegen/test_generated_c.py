@@ -15,14 +15,14 @@ import pytest
 from wmr_ctrl.codegen.build import LOOP, build_law, build_loop, program_of, unity
 from wmr_ctrl.codegen.emit import definition, kernel
 from wmr_ctrl.codegen.kernels import loop_kernels
-from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.memory import REALS, load, opened
+from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.simulation.memory import REALS, load, opened
 from wmr_ctrl.world.effect import Rate
+from wmr_ctrl.world.model.dynamics import plant, rk4_step
+from wmr_ctrl.world.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
 every_law = pytest.mark.parametrize("law", tuple(LAWS))

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.codegen.toolchain import Unit, build_units, find_toolchain
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.core.errors import CompilerError
 
 SOURCES = {
     "part.c": """

@@ -18,9 +18,9 @@ from tests.languages import LANGUAGES, compile_all
 from tests.matrix import headed, quick, turns
 from wmr_ctrl.codegen.package import footprint_key, known_footprint, package_files, write_package
 from wmr_ctrl.codegen.single_precision import MARGIN
-from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.world.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")

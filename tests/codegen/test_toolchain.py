@@ -16,7 +16,7 @@ from wmr_ctrl.codegen import compiler, toolchain
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags, library_suffix
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.core.errors import CompilerError
 
 posix = pytest.mark.skipif(os.name != "posix", reason="the stand-ins for compilers are scripts")
 needs_zig = pytest.mark.skipif(find_spec("ziglang") is None, reason="the wheel ziglang is missing")

@@ -10,10 +10,10 @@ from tests.codegen.measured import SCENARIOS
 from wmr_ctrl.codegen.package import packaged
 from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, Vectors, vectors_of
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario
 
 UNSEEN = {
     "clock.control": "MB holds no memory",

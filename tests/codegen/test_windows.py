@@ -13,8 +13,8 @@ from wmr_ctrl.codegen.build import LOOP, NATIVE, X86, flags_of, program_of, unit
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fmi.targets import targets_of, toolchain_for
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.export.fmi.targets import targets_of, toolchain_for
+from wmr_ctrl.world.scenario import load_scenario
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 VELOCITY: Mapping[str, Any] = {
     "base": {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.05, 0.95]},

@@ -9,7 +9,7 @@ import pytest
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.loop import CLOCK, LoopGraphs
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.parametrize("plant", [0.001, 0.0005, 0.002])

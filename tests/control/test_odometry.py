@@ -10,12 +10,12 @@ import pytest
 
 import wmr_ctrl
 from tests.control.bases import GOVERNED, based
+from wmr_ctrl.control.filter.channels import UNUSED
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.channels import UNUSED
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Scenario
 
 AGED: Mapping[str, Mapping[str, Any]] = {
     "lost": {"sensor.velocity_losses": 3},

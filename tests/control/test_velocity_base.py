@@ -17,22 +17,22 @@ import pytest
 
 import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
-from wmr_ctrl.checks import filter_facts
-from wmr_ctrl.checks.sending import loop_of
-from wmr_ctrl.checks.velocity_base import rise_times, usable_speed, velocity_base
 from wmr_ctrl.cli.check_sentences import filter_lines, promise
 from wmr_ctrl.cli.summary import summary_text
+from wmr_ctrl.control.filter.held_loop import push_speeds
+from wmr_ctrl.control.filter.hypotheses import broken_hypotheses, most_torque
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.filter.held_loop import push_speeds
-from wmr_ctrl.filter.hypotheses import broken_hypotheses, most_torque
-from wmr_ctrl.linear.nonlinear import law_nlsys
-from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.theory.checks import filter_facts
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.theory.checks.velocity_base import rise_times, usable_speed, velocity_base
+from wmr_ctrl.theory.linear.nonlinear import law_nlsys
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.model.dynamics import plant, rk4_step
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import rolling_against
+from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.speed_loop import has_loop
 
 ROOT = Path(__file__).parents[2]
@@ -324,7 +324,7 @@ def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch) 
     sent = (SimpleNamespace(command=(0.7 * 0.05 * k, 0.9 * 0.05 * k)) for k in count(1))
     ramp = SimpleNamespace(step=lambda _: next(sent))
     module = import_module(
-        "wmr_ctrl.checks.velocity_base"
+        "wmr_ctrl.theory.checks.velocity_base"
     )  # the package has a function of its name
     monkeypatch.setattr(module, "CommandFilter", lambda _: ramp)
 

@@ -15,13 +15,13 @@ from tests.oracle.guard import VelocityGuard
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import controller, law_graph, watched_controller
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.signals import GUARD_DIAGNOSTICS, POSE, REFERENCE, VELOCITY
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS, POSE, REFERENCE, VELOCITY
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
 every_twin = pytest.mark.parametrize("law", NAMES)

@@ -13,7 +13,7 @@ from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import Monitor, outcome_of
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])

@@ -13,7 +13,7 @@ import numpy as np
 
 from tests.corridor import late, sending
 from tests.corridor.adversary import Attacked, worst_pushes
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 PUSHED = {"disturbance.std": 1e-4, "disturbance.truncate": 3.0, "clock.plant": 0.005}
 QUIET = {"clock.plant": 0.005}

@@ -19,8 +19,8 @@ from tests.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_
 from tests.oracle.plant import Plant, wheel_torques
 from tests.oracle.references import reference_of
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.filter.filter import CommandFilter
 from wmr_ctrl.control.setup import gains_by_law, settle
-from wmr_ctrl.filter.filter import CommandFilter
 
 TINY = 1e-6
 KINDS = ("push", "pose", "velocity", "heard")

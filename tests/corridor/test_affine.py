@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.corridor.affine import AffineGraph, Form, _below
+from wmr_proofs.corridor.affine import AffineGraph, Form, _below
 
 X = ca.SX.sym("x", 3)
 GRAPHS = {

@@ -7,8 +7,8 @@ import pytest
 
 from tests.corridor.adversary import farthest, farthest_displaced
 from tests.corridor.further import reckoned_for_long
-from wmr_ctrl.corridor import find_corridor
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.corridor import find_corridor
+from wmr_ctrl.world.scenario import load_scenario, override
 
 
 @pytest.mark.parametrize("law", ["prox", "mb"])

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-import wmr_ctrl.corridor as room
+import wmr_ctrl.theory.corridor as room
 from tests.corridor.adversary import (
     attack,
     farthest,
@@ -17,15 +17,16 @@ from tests.corridor.adversary import (
     worst_excursions,
     worst_pushes,
 )
+from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import find_corridor, masses
-from wmr_ctrl.corridor.answer import Corridor, bounds
-from wmr_ctrl.corridor.certificate import Certifier
-from wmr_ctrl.corridor.masses import certified
-from wmr_ctrl.corridor.whole import certified_run
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.theory.corridor import find_corridor
+from wmr_ctrl.theory.corridor.answer import Corridor, bounds
+from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor import masses
+from wmr_proofs.corridor.certificate import Certifier
+from wmr_proofs.corridor.masses import certified
+from wmr_proofs.corridor.whole import certified_run
 
 EXACT_POSE = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
 SLOW = {**EXACT_POSE, "disturbance.std": 1 / 3}

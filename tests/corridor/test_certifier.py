@@ -11,14 +11,14 @@ import pytest
 
 from tests.control.bases import VELOCITY, based
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor.answer import Corridor
-from wmr_ctrl.corridor.certificate import Certifier
-from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS
-from wmr_ctrl.corridor.inputs import Inputs, NoCorridorError, at_first, bounded_inputs
-from wmr_ctrl.corridor.masses import _with_robots
-from wmr_ctrl.corridor.peaks import Peaks, reference_gap
-from wmr_ctrl.corridor.reckoning import Reckoning
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory.corridor.answer import Corridor
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.corridor.certificate import Certifier
+from wmr_proofs.corridor.gains import DIRECTIONS, PAIRS
+from wmr_proofs.corridor.inputs import Inputs, NoCorridorError, at_first, bounded_inputs
+from wmr_proofs.corridor.masses import _with_robots
+from wmr_proofs.corridor.peaks import Peaks, reference_gap
+from wmr_proofs.corridor.reckoning import Reckoning
 
 NOISE = np.array([0.002, 0.004])
 NOISY = {"sensor.velocity_noise": NOISE.tolist(), "guard.enabled": False}

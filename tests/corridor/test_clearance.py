@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import load_run, simulate
-from wmr_ctrl.corridor.clearance import find_clearance, rounded
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.units import length
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.results.obstacles import distance, nearest
-from wmr_ctrl.scenario import load_scenario, loads_scenario, override
-from wmr_ctrl.scenario.toml_io import to_toml
+from wmr_ctrl.theory.corridor.clearance import find_clearance, rounded
+from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
+from wmr_ctrl.world.scenario.toml_io import to_toml
 
 SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 CIRCLE, WALL = [0.0, 2.0, 0.5], [[2.6, -1.0], [2.8, -1.0], [2.8, 5.0], [2.6, 5.0]]

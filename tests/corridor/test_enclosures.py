@@ -11,15 +11,15 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import gains as room
-from wmr_ctrl.corridor.enclosure import OFTEN, Enclosure, OpenBoxError
-from wmr_ctrl.corridor.gains import loop_gains
-from wmr_ctrl.corridor.inputs import conditions
-from wmr_ctrl.corridor.loop import Curve, SampledLoop
-from wmr_ctrl.corridor.midradius import MidRadius
-from wmr_ctrl.corridor.motion import MovingCurve
-from wmr_ctrl.corridor.sample import ROUNDING, SampleMatrices, SlowLoopError, powers_until
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.corridor import gains as room
+from wmr_proofs.corridor.enclosure import OFTEN, Enclosure, OpenBoxError
+from wmr_proofs.corridor.gains import loop_gains
+from wmr_proofs.corridor.inputs import conditions
+from wmr_proofs.corridor.loop import Curve, SampledLoop
+from wmr_proofs.corridor.midradius import MidRadius
+from wmr_proofs.corridor.motion import MovingCurve
+from wmr_proofs.corridor.sample import ROUNDING, SampleMatrices, SlowLoopError, powers_until
 
 V_D = np.array([0.2, 0.1])
 

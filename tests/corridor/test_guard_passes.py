@@ -7,8 +7,8 @@ import numpy as np
 
 from tests.oracle.guard import VelocityGuard
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor.inputs import conditions
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.corridor.inputs import conditions
 
 
 def test_within_the_conditions_a_guard_passes_every_force_and_hardly_any_beyond():

@@ -7,8 +7,8 @@ import pytest
 
 from tests.corridor.further import simulated as safe
 from tests.corridor.late import farthest_held, farthest_jittered, jittered
-from wmr_ctrl.corridor import find_corridor
-from wmr_ctrl.corridor.overlap import jitter_overlap
+from wmr_ctrl.theory.corridor import find_corridor
+from wmr_proofs.corridor.overlap import jitter_overlap
 
 
 def simulated(**told):

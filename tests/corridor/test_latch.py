@@ -9,11 +9,11 @@ from tests.corridor.adversary import attack
 from tests.physics.shove import SHOVE
 from wmr_ctrl import load_run, simulate, simulate_runs
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import find_corridor
-from wmr_ctrl.corridor.certificate import Certifier
-from wmr_ctrl.corridor.latch import STAGES, latch_of, left_by
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor.certificate import Certifier
+from wmr_proofs.corridor.latch import STAGES, latch_of, left_by
 
 SHORT = {"changes": [], "clock.duration": 32.0}
 

@@ -10,9 +10,10 @@ import pytest
 from tests.corridor.adversary import DIRECTIONS, worst_errors, worst_pushes
 from tests.corridor.further import farthest_lost, lossy, simulated
 from tests.corridor.late import farthest_unseen
-from wmr_ctrl import corridor as room
-from wmr_ctrl.corridor import corridor_monitor, find_corridor, reckoning
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.theory import corridor as room
+from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
+from wmr_proofs.corridor import reckoning
 
 SAMPLES = 200
 NOISY = {"disturbance.std": 0.0, "sensor.velocity_noise": [1e-3, 4e-3]}

@@ -15,15 +15,15 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import CORRIDOR, files_of
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import corridor_monitor
-from wmr_ctrl.corridor.certificate import Certifier
-from wmr_ctrl.corridor.latch import latch_of
-from wmr_ctrl.corridor.monitor import OUTPUTS
-from wmr_ctrl.corridor.monitor import monitor as watching
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.theory.corridor import corridor_monitor
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor.certificate import Certifier
+from wmr_proofs.corridor.latch import latch_of
+from wmr_proofs.corridor.monitor import OUTPUTS
+from wmr_proofs.corridor.monitor import monitor as watching
 
 CASE = override(load_scenario("safe-simulation"), {"changes": [], "clock.duration": 32.0})
 SHOVED = {"shove.force": 300.0, "shove.start": 30.0, "shove.time": 0.5}

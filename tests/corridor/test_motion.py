@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl.corridor.midradius import MidRadius
-from wmr_ctrl.corridor.motion import Laps, MovingCurve, RunMotion, _chord, laps_of
-from wmr_ctrl.corridor.peaks import reference_gap
+from wmr_proofs.corridor.midradius import MidRadius
+from wmr_proofs.corridor.motion import Laps, MovingCurve, RunMotion, _chord, laps_of
+from wmr_proofs.corridor.peaks import reference_gap
 
 LAP, COUNT = 10, 34
 

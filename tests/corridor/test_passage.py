@@ -10,17 +10,18 @@ import pytest
 from flint import arb, ctx
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import elementary, find_corridor
-from wmr_ctrl.corridor.along import Along
-from wmr_ctrl.corridor.carried import CarriedColumns
-from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
-from wmr_ctrl.corridor.inputs import bounded_inputs
-from wmr_ctrl.corridor.midradius import MidRadius, hull
-from wmr_ctrl.corridor.motion import MovingCurve
-from wmr_ctrl.corridor.passage import Passing
-from wmr_ctrl.corridor.secants import SecantCurve
-from wmr_ctrl.corridor.spans import MidRadiusGraph
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.corridor import find_corridor
+from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor import elementary
+from wmr_proofs.corridor.along import Along
+from wmr_proofs.corridor.carried import CarriedColumns
+from wmr_proofs.corridor.enclosure import Enclosure, OpenBoxError
+from wmr_proofs.corridor.inputs import bounded_inputs
+from wmr_proofs.corridor.midradius import MidRadius, hull
+from wmr_proofs.corridor.motion import MovingCurve
+from wmr_proofs.corridor.passage import Passing
+from wmr_proofs.corridor.secants import SecantCurve
+from wmr_proofs.corridor.spans import MidRadiusGraph
 
 x = ca.SX.sym("x", 3)
 WHOLE = ca.vertcat(
@@ -264,7 +265,7 @@ def test_columns_of_some_samples_stand_for_those_between():
 
 def test_a_loop_that_forgets_before_a_block_ends_is_followed(monkeypatch):
     """Its columns are fewer than a block's samples where a change cut a block short."""
-    monkeypatch.setattr("wmr_ctrl.corridor.along.forgets", lambda *_: 12)
+    monkeypatch.setattr("wmr_proofs.corridor.along.forgets", lambda *_: 12)
     told = {"clock.duration": 1.5, "changes": [{"t": 0.533, "m": 31.0}], "disturbance.std": 2e-4}
     along = Along(settle(override(load_scenario("safe-simulation"), told), "prox"))
     assert along.memory < along.batch

@@ -7,9 +7,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from wmr_ctrl.checks.world import COMMAND, ROBOT
-from wmr_ctrl.corridor.responses import Gains, Responses, largest, stacked
-from wmr_ctrl.corridor.sample import OutputRows
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT
+from wmr_proofs.corridor.responses import Gains, Responses, largest, stacked
+from wmr_proofs.corridor.sample import OutputRows
 
 A, N, SAMPLES, STEPS = -0.5, 3, 4, 2
 RNG = np.random.default_rng(4)

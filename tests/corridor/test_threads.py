@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import pytest
 from flint import ctx
 
-from wmr_ctrl import corridor
-from wmr_ctrl.corridor import latch, masses, whole
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.theory import corridor
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.corridor import latch, masses, whole
 
 MADE_BY = ((masses, "certified"), (whole, "certified_run"), (latch, "monitor_of"),
            (latch, "left_by"))  # fmt: skip

@@ -12,13 +12,13 @@ from tests.control.bases import VELOCITY, based
 from tests.corridor.further import BASES, PUSHED, QUIET, WIDE, attack_on_base, burger
 from tests.corridor.sending import course, farthest, farthest_on_the_way
 from wmr_ctrl import simulate
+from wmr_ctrl.control.filter.filter import CommandFilter, passing_commands
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.corridor import corridor_monitor, find_corridor, run_corridor
-from wmr_ctrl.corridor.certificate import Certifier
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.filter import CommandFilter, passing_commands
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.report.course import course_of_tube
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor, run_corridor
+from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor.certificate import Certifier
 
 LOOSE = {"poses in part": 1.35, "poses mostly": 1.15, "a ramp, poses": 1.65,
          "mb through the adapter": 1.15, "an observer": 1.15, "a ramp": 1.15}  # fmt: skip

@@ -9,9 +9,9 @@ import pytest
 
 from tests.corridor.adversary import Attacked
 from tests.corridor.test_every_sample import LITTLE, PERIOD, heavier, simulated, timed
-from wmr_ctrl.corridor import corridor_monitor, find_corridor
-from wmr_ctrl.corridor.latch import left_by
-from wmr_ctrl.scenario import override
+from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor
+from wmr_ctrl.world.scenario import override
+from wmr_proofs.corridor.latch import left_by
 
 CASE = simulated(timed(PERIOD, 200), {"disturbance.std": 0.1})
 

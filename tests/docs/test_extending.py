@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS

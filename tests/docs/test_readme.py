@@ -9,7 +9,7 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -13,11 +13,11 @@ from types import SimpleNamespace
 import pytest
 
 from tests.docs.pages import DOCS, ROOT
-from wmr_ctrl import signals
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core import signals
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.world.scenario.scenario import sections
 
 
 @pytest.fixture

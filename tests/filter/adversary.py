@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.filter import filter_system
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.control.filter import filter_system
+from wmr_ctrl.world.scenario import Scenario
 
 NONE, LONG_AGO = (np.inf, np.inf), -1e9
 RAMPED = 6

@@ -13,10 +13,10 @@ from tests.filter.linear_base import LinearBase, held, pi_base, second_order_bas
 from tests.filter.test_peak_gain import LOOP, WIDE, scenario
 from tests.filter.worst_band import Worst, tables_of
 from wmr_ctrl import command_filter
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.band import MOST_COMMANDS, PIECES
-from wmr_ctrl.filter.filter import CommandFilter
-from wmr_ctrl.filter.step_response import band, pi_cells, second_order_cells
+from wmr_ctrl.control.filter.band import MOST_COMMANDS, PIECES
+from wmr_ctrl.control.filter.filter import CommandFilter
+from wmr_ctrl.control.filter.step_response import band, pi_cells, second_order_cells
+from wmr_ctrl.core.errors import ScenarioError
 
 T = 0.05
 PARTS = 5

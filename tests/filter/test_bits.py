@@ -16,7 +16,7 @@ from tests.codegen.measured import FILTERS
 from tests.compilers import FLAGS, compile_program
 from tests.matrix import quick
 from wmr_ctrl.codegen.package import package_files
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 FIRST, *OTHERS = (item for item in (*HERE_NOW, *ELSEWHERE) if not item.lanes)
 PROGRAM = Path(__file__).with_name("bits.c")

@@ -9,9 +9,9 @@ from tests.filter.linear_base import held, pi_base
 from tests.filter.test_band import CORNERS
 from tests.filter.test_peak_gain import scenario
 from wmr_ctrl import command_filter
-from wmr_ctrl.filter.hypotheses import broken_hypotheses
-from wmr_ctrl.scenario import override
+from wmr_ctrl.control.filter.hypotheses import broken_hypotheses
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.scenario import override
 
 T, COUNT = 0.05, 140
 ERROR = 0.04

@@ -10,17 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.enclosure import (
-    LIBM,
-    Span,
-    above,
-    below,
-    cosine,
-    exp,
-    root,
-    sine_over,
-)
+from wmr_ctrl.control.filter.enclosure import LIBM, Span, above, below, cosine, exp, root, sine_over
+from wmr_ctrl.core.errors import ScenarioError
 
 
 @given(st.floats(-20, 20), st.floats(-20, 20), st.floats(0.01, 20))

@@ -15,12 +15,12 @@ import pytest
 import wmr_ctrl
 from tests.filter.adversary import Base, fastest
 from wmr_ctrl import load_scenario
-from wmr_ctrl.checks.velocity_base import usable_speed
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.filter.channels import ROUNDING
-from wmr_ctrl.filter.filter import filter_system
-from wmr_ctrl.filter.governor_step import Governor
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.control.filter.channels import ROUNDING
+from wmr_ctrl.control.filter.filter import filter_system
+from wmr_ctrl.control.filter.governor_step import Governor
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.theory.checks.velocity_base import usable_speed
+from wmr_ctrl.world.scenario import Scenario, override
 
 STATED = {
     "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05),

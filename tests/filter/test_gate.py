@@ -8,10 +8,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.filter.gate import GateSettings, gate_system
+from wmr_ctrl.control.filter.gate import GateSettings, gate_system
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.ros2.compiled_system import Gate
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 STATED = {"limits.v_u1": [1.0, 2.0], "clock.control": 0.02, "filter.gain": [0.9, 1.1],
           "filter.d": [0.05, 0.05], "filter.tau": [0.2, 0.3]}  # fmt: skip

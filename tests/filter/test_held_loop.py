@@ -12,15 +12,15 @@ import pytest
 import wmr_ctrl
 from tests.control.bases import VELOCITY, based
 from tests.control.test_velocity_base import OVERSHOOTING, ROOT
+from wmr_ctrl.control.filter.band import enclosed
+from wmr_ctrl.control.filter.clip import slew_reach
+from wmr_ctrl.control.filter.filter import CommandFilter, command_filter
+from wmr_ctrl.control.filter.forecast import PIECES
+from wmr_ctrl.control.filter.held_loop import HeldLoop, held_friction
+from wmr_ctrl.control.filter.peak_gain import PiLoop, peak_gains
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.band import enclosed
-from wmr_ctrl.filter.clip import slew_reach
-from wmr_ctrl.filter.filter import CommandFilter, command_filter
-from wmr_ctrl.filter.forecast import PIECES
-from wmr_ctrl.filter.held_loop import HeldLoop, held_friction
-from wmr_ctrl.filter.peak_gain import PiLoop, peak_gains
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 WORST = {"robot.m": 55.0, "base.kp": 140.0, "base.ki": 320.0}
 """The member of the stated family that swings most."""

@@ -8,7 +8,7 @@ import pytest
 import wmr_ctrl
 from wmr_ctrl.control.controller import unfiltered_controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 LATE = {
     "changes": [],

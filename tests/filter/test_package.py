@@ -20,12 +20,12 @@ from tests.matrix import quick
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.package import known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import with_margin
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter import command_filter
-from wmr_ctrl.filter.channels import FLAG_NAMES
-from wmr_ctrl.filter.enclosure import Floats
-from wmr_ctrl.filter.filter import filter_system
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.control.filter import command_filter
+from wmr_ctrl.control.filter.channels import FLAG_NAMES
+from wmr_ctrl.control.filter.enclosure import Floats
+from wmr_ctrl.control.filter.filter import filter_system
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import load_scenario
 
 MEMORY = """#include <math.h>
 #include <stdio.h>

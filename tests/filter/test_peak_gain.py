@@ -13,9 +13,8 @@ from scipy.signal import lti, step
 
 from tests.filter.linear_base import LinearBase, pi_base, second_order_base
 from wmr_ctrl import command_filter, load_scenario
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.enclosure import Span
-from wmr_ctrl.filter.peak_gain import (
+from wmr_ctrl.control.filter.enclosure import Span
+from wmr_ctrl.control.filter.peak_gain import (
     PiLoop,
     _gain_bound,
     _push_bound,
@@ -24,7 +23,8 @@ from wmr_ctrl.filter.peak_gain import (
     peak_gains,
     second_order,
 )
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import Scenario
 
 WIDE = {"mass": (50.0, 65.0), "kp": (135.0, 165.0), "ki": (270.0, 330.0), "friction": (0.0, 20.0)}
 LOOP = PiLoop((50.0, 65.0), (135.0, 165.0), (270.0, 330.0), (0.0, 20.0))

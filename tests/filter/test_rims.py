@@ -6,9 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.filter.channels import channels_of
-from wmr_ctrl.model.system import Parameters
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.control.filter.channels import channels_of
+from wmr_ctrl.world.model.system import Parameters
+from wmr_ctrl.world.scenario import load_scenario
 
 
 def test_a_rim_has_the_pushes_of_both_axes_and_the_widest_of_their_gains() -> None:

@@ -13,10 +13,10 @@ from scipy.sparse import diags, vstack
 from tests.filter.linear_base import LinearBase, held, pi_base, second_order_base
 from tests.filter.test_peak_gain import LOOP, WIDE, scenario
 from wmr_ctrl import command_filter
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.peak_gain import PiLoop
-from wmr_ctrl.filter.step_response import Cells, band, pi_cells, swing
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.control.filter.peak_gain import PiLoop
+from wmr_ctrl.control.filter.step_response import Cells, band, pi_cells, swing
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import Scenario, override
 
 
 def fastest_slow_command(base: LinearBase, c: float, a: float, T: float) -> float:

@@ -14,9 +14,9 @@ from tests.filter.test_filter import scenario as first_order
 from tests.filter.test_peak_gain import scenario
 from tests.matrix import quick
 from wmr_ctrl import command_filter
-from wmr_ctrl.filter.band import NAMES, BandGovernor
-from wmr_ctrl.filter.filter import CommandFilter
-from wmr_ctrl.filter.forecast import Forecast, stays_of
+from wmr_ctrl.control.filter.band import NAMES, BandGovernor
+from wmr_ctrl.control.filter.filter import CommandFilter
+from wmr_ctrl.control.filter.forecast import Forecast, stays_of
 
 T = 0.05
 FAMILIES = {

@@ -19,7 +19,7 @@ from scipy.optimize import linprog
 from scipy.sparse import csr_matrix
 
 from tests.filter.linear_base import LinearBase
-from wmr_ctrl.model.system import System
+from wmr_ctrl.world.model.system import System
 
 Floats = NDArray[np.float64]
 Kept = tuple[str, int, int]

@@ -13,7 +13,7 @@ import pytest
 from fmpy import extract
 
 from tests.fmi.raw import Fmu
-from wmr_ctrl.fmi.export import export_fmu
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
 
 Export = Callable[..., Path]
 MADE = "WMR_TESTS_FMUS"

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.fields.values import Quantity
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.kinematics import KinematicGains
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.scenario.scenario import SECTIONS
-from wmr_ctrl.scenario.sections import Change
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.core.fields.values import Quantity
+from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario.scenario import SECTIONS
+from wmr_ctrl.world.scenario.sections import Change
 
 Changed = tuple[str, dict[str, Any]]
 """A field's key, and the overrides that change it."""

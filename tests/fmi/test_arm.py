@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.fmi.export import binaries, export_fmu
+from wmr_ctrl.export.fmi.fmu_files import binaries, export_fmu
 from wmr_ctrl.results.formats import load_run
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="folders of Linux")

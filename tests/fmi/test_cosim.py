@@ -19,14 +19,14 @@ from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, FAILING, PLANT, PLANT_
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
-from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.cosim.mapping import load_map
-from wmr_ctrl.fmi.cosim.run import IN_ORDER, TELL, _assumed, _cosim_setup
-from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile, Slave
-from wmr_ctrl.fmi.ssp import export_ssp
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.mapping import load_map
+from wmr_ctrl.export.cosim.run import IN_ORDER, TELL, _assumed, _cosim_setup
+from wmr_ctrl.export.cosim.slave import FmuError, FmuFile, Slave
+from wmr_ctrl.export.fmi.ssp import export_ssp
 from wmr_ctrl.results import ise, load_run, summary
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 NOMINAL = load_scenario("paper-simulation-nominal")
 SHORT = override(NOMINAL, {"clock.duration": 3.0})

@@ -10,11 +10,11 @@ import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK, reals, refs
 from wmr_ctrl.control.controller import asking_controller
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.dynamics import plant
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
 CASES = [

@@ -17,11 +17,11 @@ from lxml import etree
 
 from tests.matrix import versioned
 from wmr_ctrl.control.controller import asking_controller
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.dynamics import plant
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.world.model.dynamics import plant
+from wmr_ctrl.world.scenario import load_scenario
 
 SCHEMA = Path(fmpy.__file__).parent / "schema"
 WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)

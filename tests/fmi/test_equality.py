@@ -8,11 +8,11 @@ from fmpy import simulate_fmu
 
 from tests.matrix import headed, turns
 from wmr_ctrl.api import simulate
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.signals import REFERENCE
+from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import load_scenario, override
 
 STATE = ("x", "y", "theta", "v1", "omega", "psi")
 SHORT = override(

@@ -21,15 +21,15 @@ from tests.fmi.raw import DISCARD, ERROR, OK, Fmu, Instance
 from tests.matrix import quick, turns
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.api import simulate
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fmi.cosim.master import Measurement, Outside
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.core.signals import DISTURBING, FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE, VELOCITY
+from wmr_ctrl.export.cosim.master import Measurement, Outside
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.signals import DISTURBING, FORCE, PATH, PLANT_STATE, PSI, TIME, TORQUE, VELOCITY
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import OURS
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 Row: TypeAlias = dict[str, float]
 Load: TypeAlias = Callable[[str, str, Scenario, int], Fmu]

@@ -22,17 +22,17 @@ from fmpy.ssp.simulation import simulate_ssp
 from tests.fmi.fields import FULL, LOOSE, Changed, based, of_gains, of_references, of_sections
 from tests.fmi.raw import OK, Fmu
 from wmr_ctrl.api import simulate
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.export import export_fmu, model_of
-from wmr_ctrl.fmi.files import sources_of
-from wmr_ctrl.fmi.ssp import export_ssp
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
+from wmr_ctrl.export.fmi.files import sources_of
+from wmr_ctrl.export.fmi.fmu_files import export_fmu, model_of
+from wmr_ctrl.export.fmi.ssp import export_ssp
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario, override, quantities
-from wmr_ctrl.scenario.sections import Body
 from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.scenario import Scenario, override, quantities
+from wmr_ctrl.world.scenario.sections import Body
 
 LAW = "mb"
 STATE = {"x", "y", "theta", "v1", "omega", "psi"}

@@ -12,8 +12,8 @@ from fmpy.fmi1 import FMICallException
 
 from tests.fmi.raw import DISCARD, ERROR, OK
 from tests.matrix import versioned
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.signals import LARGEST
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.signals import LARGEST
 
 STEP = 0.01
 SIZES = (1.7e308, 1.0001 * LARGEST, math.inf, math.nan)

@@ -13,10 +13,10 @@ from tests.control.bases import GOVERNED
 from tests.filter.test_filter import scenario
 from tests.fmi.raw import ERROR, OK, Fmu
 from wmr_ctrl import command_filter, simulate
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.channels import FLAG_NAMES
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.control.filter.channels import FLAG_NAMES
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.world.scenario import load_scenario, override
 
 PI = {
     "kind": "band", "loop": "pi", "mass": (50, 65), "inertia": (4, 6), "kp": (135, 165),
@@ -103,8 +103,8 @@ def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(tm
 
 
 def test_terminals_gather_what_is_asked_and_what_is_sent(tmp_path):
-    from wmr_ctrl.fmi.blocks import filter_model
-    from wmr_ctrl.fmi.xml import terminals
+    from wmr_ctrl.export.fmi.blocks import filter_model
+    from wmr_ctrl.export.fmi.xml import terminals
 
     text = terminals(filter_model(scenario()))
     for name, member in (("asked", "v_asked[2]"), ("odometry", "v_odometry[1]"),

@@ -13,12 +13,12 @@ from tests.fmi.test_cosim import SHORT
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.cosim.slave import Slave
-from wmr_ctrl.fmi.ssp import export_ssp
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.slave import Slave
+from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
+from wmr_ctrl.export.fmi.ssp import export_ssp
+from wmr_ctrl.world.scenario import load_scenario, override
 
 THEIRS = ("TheirController", CONTROLLER)
 

@@ -16,9 +16,9 @@ from fmpy import platform_tuple
 from tests.fmi.test_portable import HEADERS, tool
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.world.scenario import load_scenario, override
 
 SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 1.0})
 LIGHTER = override(SHORT, {"changes": [{"t": 0.4, "m": 45.0}]})

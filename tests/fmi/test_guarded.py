@@ -13,15 +13,15 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.cosim.run import CosimSetup
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.run import CosimSetup
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.results import summary
-from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.signals import GUARD_DIAGNOSTICS
+from wmr_ctrl.world.scenario import load_scenario, override
 
 SAFE = override(
     load_scenario("safe-simulation"),

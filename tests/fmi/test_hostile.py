@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.fmi.raw import CS, DISCARD, ERROR, ME, OK, REFUSED, Instance, reals, refs
 from tests.fmi.sequences import MODES, STEP, calls, reach
 from tests.matrix import versioned
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
 
 FULL = versioned(("plant", "nn"))
 SMOKE = versioned(("reference", "guard", "closed-loop", *(law for law in LAWS if law != "nn")))

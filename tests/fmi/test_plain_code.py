@@ -12,8 +12,8 @@ import pytest
 from tests.fmi.raw import OK, Fmu
 from tests.fmi.test_portable import tool
 from tests.matrix import quick
-from wmr_ctrl.fmi.extra import FOLDER, INTERFACE
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.export.fmi.extra import FOLDER, INTERFACE
 
 STEPS = 20
 PERIOD = 0.01

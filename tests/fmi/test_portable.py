@@ -19,11 +19,11 @@ from fmpy.validation import validate_fmu
 
 from tests.compilers import ARM_LIBRARIES, QEMU, WINE, ZIG, compile_program, where, wine
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.errors import CompilerError, UnknownNameError
-from wmr_ctrl.fmi import targets
-from wmr_ctrl.fmi.export import export_fmu, joined
-from wmr_ctrl.fmi.targets import PartlyBuiltError
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.errors import CompilerError, UnknownNameError
+from wmr_ctrl.export.fmi import targets
+from wmr_ctrl.export.fmi.fmu_files import export_fmu, joined
+from wmr_ctrl.export.fmi.targets import PartlyBuiltError
 
 WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
 HEADERS = fmu_dir() / "fmi" / "headers"

@@ -9,10 +9,10 @@ from fmpy import simulate_fmu
 from tests.fmi.foreign import PLANT, PLANT_MAP
 from tests.fmi.test_equality import STATE
 from wmr_ctrl.api import simulate
-from wmr_ctrl.campaign.comparison import FACTORS
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.simulation.campaign.comparison import FACTORS
+from wmr_ctrl.world.scenario import load_scenario, override
 
 PUSHED = override(
     load_scenario("paper-simulation-nominal"),

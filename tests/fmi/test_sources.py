@@ -19,9 +19,9 @@ from tests.fmi.test_portable import HEADERS, WHAT, linux, tool
 from tests.languages import LANGUAGES, STRICT, compile_all
 from tests.matrix import turns
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.fmi.export import model_of, scenario_given, write_fmu
-from wmr_ctrl.fmi.files import sources_of
-from wmr_ctrl.fmi.targets import targets_of
+from wmr_ctrl.export.fmi.files import sources_of
+from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
+from wmr_ctrl.export.fmi.targets import targets_of
 
 ROOT = Path(__file__).resolve().parents[2]
 WATCHED = (("plant", 2), ("reference", 3), ("closed-loop", 3))

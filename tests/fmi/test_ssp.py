@@ -21,11 +21,11 @@ from fmpy.ssp.ssd import read_ssd
 from tests.fmi.together import Wire, step_together
 from tests.matrix import quick
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.cosim.mapping import MapRow
-from wmr_ctrl.fmi.ssp import INNER, ORDER, SET, Component, _structure, export_ssp
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.cosim.mapping import MapRow
+from wmr_ctrl.export.fmi.ssp import INNER, ORDER, SET, Component, _structure, export_ssp
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 SHORT = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 3.0})
 SHOWN = (("plant", ("x", "y", "theta", "v1", "omega")), ("controller", ("tau_right", "margin")))

@@ -11,7 +11,7 @@ import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK
 from tests.matrix import versioned
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
 
 ROOT = Path(__file__).resolve().parents[2]
 WHAT = ("plant", "reference", "nn", "mb", "closed-loop")

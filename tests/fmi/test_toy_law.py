@@ -9,10 +9,10 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.world.scenario import load_scenario, override
 
 
 @pytest.fixture

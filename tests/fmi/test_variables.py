@@ -17,16 +17,16 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from wmr_ctrl.fmi.blocks import plant_model
-from wmr_ctrl.fmi.cosim.mapping import MapRow
-from wmr_ctrl.fmi.export import model_of
-from wmr_ctrl.fmi.extra import _seconds
-from wmr_ctrl.fmi.files import Sources, write_archive
-from wmr_ctrl.fmi.model import FmuModel, Role, orders
-from wmr_ctrl.fmi.ssp import SAME_AS, _joined
-from wmr_ctrl.fmi.units import unit_of
-from wmr_ctrl.fmi.xml import _structure, _unknown, description
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.export.cosim.mapping import MapRow
+from wmr_ctrl.export.fmi.blocks import plant_model
+from wmr_ctrl.export.fmi.extra import _seconds
+from wmr_ctrl.export.fmi.files import Sources, write_archive
+from wmr_ctrl.export.fmi.fmu_files import model_of
+from wmr_ctrl.export.fmi.model_description import FmuModel, Role, orders
+from wmr_ctrl.export.fmi.ssp import SAME_AS, _joined
+from wmr_ctrl.export.fmi.units import unit_of
+from wmr_ctrl.export.fmi.xml import _structure, _unknown, description
+from wmr_ctrl.world.scenario import load_scenario
 
 LISTED = Path(__file__).with_name("variables.txt")
 WHAT = ("plant", "reference", "guard", "filter", "closed-loop", "mb", "nn")

@@ -10,10 +10,10 @@ from fmpy import extract
 from tests.fmi.raw import Fmu
 from tests.fmi.test_every_field import assert_loop_is
 from wmr_ctrl import simulate
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.export.fmi.fmu_files import export_fmu
+from wmr_ctrl.world.scenario import load_scenario, override
 
 SCENARIO = override(
     load_scenario("paper-simulation-noise-free"),

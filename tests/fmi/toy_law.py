@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.model.system import System, port
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.law import Law, Traits
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.world.model.system import System, port
 
 SUM = Signal("toy_sum", "m, rad", "integral of the velocity error", 2)
 

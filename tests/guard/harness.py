@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.api import compile_law
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 MOST = np.array([60.0, 15.0])
 """Bound of the disturbance in every case here [N, N m]."""

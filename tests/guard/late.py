@@ -12,8 +12,8 @@ import numpy as np
 from tests.guard.harness import HEAVY, LIGHT, MOST, guarded, slid
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.evaluate import evaluated
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.scenario import Scenario
 
 GRIPS = (0.0, 30.0, 1e7)
 """Dry friction, N and N m."""

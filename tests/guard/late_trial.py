@@ -12,12 +12,12 @@ from tests.guard.exact_axis import PARTS, Robots
 from tests.guard.late_formula import LateGuard
 from tests.guard.varying_formula import VaryingGuard
 from wmr_ctrl.control.controller import guard as guard_system
+from wmr_ctrl.control.guard.refusals import feasible_guard
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.guard.refusals import feasible_guard
-from wmr_ctrl.model.evaluate import evaluated
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario
 
 LIMITS = np.array([1.0, 1.5])
 BY_SIGN, BY_TIME, BY_CHANCE = 0, 1, 2

@@ -8,7 +8,7 @@ import pytest
 from tests.guard.harness import HEAVY, LIGHT, LIMITS, MOST, WIDE, Robot, guarded
 from tests.matrix import turns
 from wmr_ctrl.api import simulate
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.results import Run
 
 PERIODS = (0.01, 0.001, 0.05, 0.1)

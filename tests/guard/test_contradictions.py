@@ -9,10 +9,10 @@ import pytest
 
 from tests.checks.asking import told_of
 from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.control.guard.contradictions import beyond_belief, contradictions
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.contradictions import beyond_belief, contradictions
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 FRICTION = 0.08 * 50 * 9.81
 BROKEN = [

@@ -16,13 +16,13 @@ from tests.guard.test_graph import evaluated
 from tests.matrix import turns
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import guard as guard_alone
+from wmr_ctrl.control.guard.delay import InFlight, in_flight
+from wmr_ctrl.control.guard.price import early_speed, usable_speed
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.delay import InFlight, in_flight
-from wmr_ctrl.guard.price import early_speed, usable_speed
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 ON = {"guard.enabled": True}
 DELAYS = (0.1, 0.5, 1.0, 2.0)
@@ -87,17 +87,20 @@ def test_hostile_robots_many_times(cases: int) -> None:
     assert (fastest(cases, 1) <= 1).all()
 
 
-UNDER_WAY = "wmr_ctrl.guard.delay.in_flight"
+UNDER_WAY = "wmr_ctrl.control.guard.delay.in_flight"
 MUTATIONS = {
     "nothing under way is counted": (
-        "wmr_ctrl.guard.delay.in_flight",
+        "wmr_ctrl.control.guard.delay.in_flight",
         lambda *_: InFlight(ca.SX(0), ca.SX(0)),
     ),
     "one percent is not counted": (
-        "wmr_ctrl.guard.delay.in_flight",
+        "wmr_ctrl.control.guard.delay.in_flight",
         lambda *a: _scaled(in_flight(*a), 0.99),
     ),
-    "commands are not capped": ("wmr_ctrl.guard.guard.largest_force", lambda _: ca.SX(1e30)),
+    "commands are not capped": (
+        "wmr_ctrl.control.guard.guard.largest_force",
+        lambda _: ca.SX(1e30),
+    ),
 }
 
 

@@ -13,9 +13,9 @@ import pytest
 from tests.codegen.compiled import compiled
 from tests.guard.test_graph import ASKED, BOUNDS, NAMES, SYMBOLS, Y
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.guard.bounds import rounding
-from wmr_ctrl.guard.delay import in_flight, largest_force
-from wmr_ctrl.guard.guard import ceiling, clipped, floor
+from wmr_ctrl.control.guard.bounds import rounding
+from wmr_ctrl.control.guard.delay import in_flight, largest_force
+from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
 
 SHARES = (1.0, 0.5)
 """Two commands under way, for one and for half a period."""

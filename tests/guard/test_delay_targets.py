@@ -11,8 +11,8 @@ import pytest
 from wmr_ctrl.api import scenario_of, simulate, simulate_many
 from wmr_ctrl.codegen.package import write_package
 from wmr_ctrl.codegen.toolchain import find_toolchain
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.world.scenario import Scenario
 
 LATE = {
     "actuator.delay": 0.013,

@@ -8,14 +8,14 @@ from dataclasses import replace
 import casadi as ca
 import pytest
 
+from wmr_ctrl.control.guard.bounds import MODEL, STATED, assumption_sources, derived_guard, reach
+from wmr_ctrl.control.guard.delay import Tails, delayed_push
+from wmr_ctrl.control.guard.guard import bounds_of, ceiling, feasible
+from wmr_ctrl.control.guard.price import early_speed, unbeatable_speed, usable_speed
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import MODEL, STATED, assumption_sources, derived_guard, reach
-from wmr_ctrl.guard.delay import Tails, delayed_push
-from wmr_ctrl.guard.guard import bounds_of, ceiling, feasible
-from wmr_ctrl.guard.price import early_speed, unbeatable_speed, usable_speed
-from wmr_ctrl.model.system import Parameters, stack, values
-from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.model.system import Parameters, stack, values
+from wmr_ctrl.world.scenario import load_scenario
 
 ON = {"guard.enabled": True}
 

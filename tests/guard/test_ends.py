@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from tests.guard.test_contradictions import BROKEN, MET
+from wmr_ctrl.control.guard.bounds import derived_guard
+from wmr_ctrl.control.guard.contradictions import beyond_belief, contradictions
+from wmr_ctrl.control.guard.guard import Bounds
+from wmr_ctrl.control.guard.monitor import least_push
+from wmr_ctrl.control.guard.price import usable_speed
+from wmr_ctrl.control.guard.refusals import _enough, feasible_guard
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import derived_guard
-from wmr_ctrl.guard.contradictions import beyond_belief, contradictions
-from wmr_ctrl.guard.guard import Bounds
-from wmr_ctrl.guard.monitor import least_push
-from wmr_ctrl.guard.price import usable_speed
-from wmr_ctrl.guard.refusals import _enough, feasible_guard
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 ON = {"guard.enabled": True, "disturbance.std": 0.0, "changes": []}
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.guard.guard import MAPS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.guard import MAPS
-from wmr_ctrl.proofs.relation import at_least
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.relation import at_least
+from wmr_proofs.statement import Statement
 
-point = pytest.importorskip("wmr_ctrl.proofs.methods.point")
+point = pytest.importorskip("wmr_proofs.methods.point")
 
 Pair = tuple[Fraction, Fraction]
 NONE = (Fraction(0), Fraction(0))

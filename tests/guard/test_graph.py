@@ -13,11 +13,11 @@ from tests.codegen.compiled import compiled
 from tests.oracle.guard import VelocityGuard, axes_of
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, ceiling, clipped, feasible, floor
+from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.guard import MAPS, Bounds, ceiling, clipped, feasible, floor
-from wmr_ctrl.guard.monitor import least_push
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario
 
 NAMES = ("u1", "period", "M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")
 BOUNDS = Bounds(**{name: ca.SX.sym(name) for name in NAMES})

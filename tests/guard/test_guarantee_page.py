@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.guard.price import usable_speed
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.price import usable_speed
-from wmr_ctrl.model.evaluate import evaluated
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.scenario import load_scenario
 
 U1, R, L = np.array((1.0, 1.5)), 0.1, 0.25
 LOW, HIGH, DBAR = np.array((45.0, 4.86)), np.array((71.5, 7.7)), np.array((60.0, 15.0))

@@ -16,11 +16,11 @@ from wmr_ctrl.api import scenario_of, simulate, simulate_many
 from wmr_ctrl.codegen.package import write_package
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.control.controller import guard as guard_alone
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.export.cosim import cosimulate
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario
 
 SLOW_SAMPLE = {"clock.control": 0.1}
 KINDS = {

@@ -13,13 +13,13 @@ import pytest
 from tests.guard.late_trial import Case, composed, trial
 from tests.guard.test_delay import ON
 from wmr_ctrl.control.controller import guard as guard_system
+from wmr_ctrl.control.guard.lateness import Counting, Times, lateness, since_last
+from wmr_ctrl.control.guard.price import unbeatable_speed, usable_speed
+from wmr_ctrl.control.guard.refusals import feasible_guard
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.lateness import Counting, Times, lateness, since_last
-from wmr_ctrl.guard.price import unbeatable_speed, usable_speed
-from wmr_ctrl.guard.refusals import feasible_guard
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.scenario import load_scenario
 
 MEAN = Case(window=1, dbar=40.0, nbar=0.05)
 OLD = Case(age=1, window=0.5, dbar=30.0)

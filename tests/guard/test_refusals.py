@@ -9,11 +9,11 @@ import pytest
 
 from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.guard.refusals import feasible_guard
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.refusals import feasible_guard
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.scenario import load_scenario
 
 ON = {"guard.enabled": True}
 

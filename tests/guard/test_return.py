@@ -9,10 +9,10 @@ import pytest
 
 from tests.matrix import turns
 from wmr_ctrl.api import simulate
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 TRUNCATED = {"disturbance.truncate": 3.0, "clock.duration": 20.0}
 

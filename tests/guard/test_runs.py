@@ -11,12 +11,12 @@ from tests import oracle
 from tests.equal_runs import runs_equal
 from tests.matrix import turns
 from wmr_ctrl.api import simulate, simulate_runs
+from wmr_ctrl.control.guard.price import usable_speed
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.price import usable_speed
-from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run
 from wmr_ctrl.results.formats import save_run
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 every_law = pytest.mark.parametrize("law", NAMES)
 PAPERS = {"gains.kinematics.k": [10.0, 5.0, 4.0]}

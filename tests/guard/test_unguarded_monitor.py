@@ -12,12 +12,12 @@ from tests import oracle
 from tests.equal_runs import runs_equal
 from tests.matrix import turns
 from wmr_ctrl.api import simulate, simulate_many
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Run, load_run
 from wmr_ctrl.results.formats import save_run
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.signals import GUARD_DIAGNOSTICS
+from wmr_ctrl.world.scenario import load_scenario
 
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
 OFF = {"guard.enabled": False, "clock.duration": 5.0, "changes": []}

@@ -14,9 +14,9 @@ from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.estimate import PHYSICAL, searched
 from wmr_ctrl.identification.fit import SKIPPED, WATCHED, events_of, packed
 from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
-from wmr_ctrl.logs.log import LogError
-from wmr_ctrl.logs.samples import Samples
-from wmr_ctrl.scenario import Scenario, loads_scenario
+from wmr_ctrl.identification.logs.log import LogError
+from wmr_ctrl.identification.logs.samples import Samples
+from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
 MAIN = ("m", "I", "delay", "lag")
 

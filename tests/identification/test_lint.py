@@ -11,13 +11,20 @@ from click.testing import CliRunner
 from benchmarks.own_plant import log_of
 from tests.identification.conftest import KNOWN, POSED, TRUTH
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification import identify
-from wmr_ctrl.logs import lint
-from wmr_ctrl.logs.log import FACTORS, LogError, of_columns, unit_of, with_counts, with_torques
-from wmr_ctrl.logs.samples import motion_of, wheels
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.identification.logs import lint
+from wmr_ctrl.identification.logs.log import (
+    FACTORS,
+    LogError,
+    of_columns,
+    unit_of,
+    with_counts,
+    with_torques,
+)
+from wmr_ctrl.identification.logs.samples import motion_of, wheels
 from wmr_ctrl.world.encoder import COUNTS
+from wmr_ctrl.world.scenario import Scenario, override
 
 T, RIGHT, LEFT = "t [s]", "wheel_counts[1] [1]", "wheel_counts[2] [1]"
 TAU, TAU_LEFT = "tau_right [N.m]", "tau_left [N.m]"

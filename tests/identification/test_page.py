@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.identification.kalman import INDEX, NAMES
 from wmr_ctrl.report.identified import write_identification
 from wmr_ctrl.report.style import shown

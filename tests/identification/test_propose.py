@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.own_plant import Drives, log_of, simulate
 from tests.identification.conftest import KNOWN, STEP, TRUTH
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.propose import (
     DRAWS,
@@ -19,7 +19,7 @@ from wmr_ctrl.identification.propose import (
     _shapes,
     propose,
 )
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 FLOOR = 3.0
 

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import RecordedDrive, identify, simulate
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.filter import command_filter
+from wmr_ctrl.control.filter import command_filter
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.identification.logs.log import LogError
+from wmr_ctrl.identification.logs.samples import AxisLog
 from wmr_ctrl.identification.propose import propose
 from wmr_ctrl.identification.speed_loop import foretold
-from wmr_ctrl.logs.log import LogError
-from wmr_ctrl.logs.samples import AxisLog
 from wmr_ctrl.report.identified import write_identification
-from wmr_ctrl.scenario import loads_scenario
+from wmr_ctrl.world.scenario import loads_scenario
 
 FIRST = {"tau": [0.25, 0.15], "gain": [0.95, 1.05], "delay": 0.03}
 PI = {"loop": "pi", "kp": 150.0, "ki": 600.0, "delay": 0.04}

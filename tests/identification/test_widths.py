@@ -11,11 +11,11 @@ import pytest
 from wmr_ctrl.identification import widths
 from wmr_ctrl.identification.fit import COUNTED, LogProblem
 from wmr_ctrl.identification.kalman import LOGARITHMIC, NAMES
+from wmr_ctrl.identification.logs.log import of_columns
+from wmr_ctrl.identification.logs.samples import Samples, motion_of
 from wmr_ctrl.identification.refuted import guard_bounds, tolerance_sentence, usable_speeds
 from wmr_ctrl.identification.widths import errors_of, intervals_of, plant_step
-from wmr_ctrl.logs.log import of_columns
-from wmr_ctrl.logs.samples import Samples, motion_of
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 T_14 = 2.1448
 """Student's t of 14 degrees of freedom at 0.975; at 0.9875 it is 2.5096."""

@@ -14,12 +14,12 @@ from benchmarks.own_plant import log_of
 from tests.identification.conftest import TRUTH
 from tests.identification.test_velocity_base import FIRST, steps
 from wmr_ctrl import identify
-from wmr_ctrl.filter import command_filter
+from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.identification.estimate import bare_scenario
+from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.stated import believed
-from wmr_ctrl.logs.log import LogError
-from wmr_ctrl.scenario import Scenario, inherited, load_scenario, override
-from wmr_ctrl.scenario.toml_io import preset_names
+from wmr_ctrl.world.scenario import Scenario, inherited, load_scenario, override
+from wmr_ctrl.world.scenario.toml_io import preset_names
 
 VELOCITY = [name for name in preset_names() if load_scenario(name).base.kind == "velocity"]
 LOG = steps(FIRST, 12.0)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.control.controller import controller, law_graph
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import gains_of, settle
-from wmr_ctrl.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY
+from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.core.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario, override
 
 SCENARIO = load_scenario("paper-simulation-nominal")
 NOMINAL = (0.0, 0.0, -np.pi / 2, 0.2, 0.1, 0.0, 0.0)

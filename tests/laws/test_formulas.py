@@ -9,16 +9,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.barrier.stable import stable_barrier
+from wmr_ctrl.control.barrier.stable import stable_barrier
 from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.law import commands_predicted
+from wmr_ctrl.control.laws.prediction import slowed
+from wmr_ctrl.control.laws.prox import ProxGains, guide
+from wmr_ctrl.control.laws.pursuit import point_ahead
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.laws.law import commands_predicted
-from wmr_ctrl.laws.prediction import slowed
-from wmr_ctrl.laws.prox import ProxGains, guide
-from wmr_ctrl.laws.pursuit import point_ahead
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import Scenario, override
 
 T, M, INERTIA, R, HALF = 0.01, 50.0, 5.4, 0.1, 0.25
 DRIVING = {"x_d": 0.1, "y_d": 0.2, "theta_d": 0.3, "v1_d": 0.4, "v2_d": 0.2, "x": 0.08, "y": 0.15,

@@ -11,7 +11,7 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 LAW = "kanayama"
 OWN = f"gains.{LAW}"

@@ -11,19 +11,19 @@ import pytest
 from tests import oracle
 from tests.checks.asking import closed, told_of
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.stable_ranges import stability
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.prediction import ahead
+from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.laws.prediction import ahead
-from wmr_ctrl.laws.prox import guide
-from wmr_ctrl.linear import closed_loop as linear_loop
+from wmr_ctrl.core.signals import tau_sent
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.signals import tau_sent
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.stable_ranges import stability
+from wmr_ctrl.theory.linear import closed_loop as linear_loop
 from wmr_ctrl.world.references import sample as reference_rows
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 T = 0.1
 LAWS = ("prox", "kanayama")

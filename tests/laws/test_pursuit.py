@@ -9,12 +9,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.pursuit import point_ahead, wanted_velocity
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.laws.pursuit import point_ahead, wanted_velocity
-from wmr_ctrl.model.system import stack
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.model.system import stack
+from wmr_ctrl.world.scenario import load_scenario
 
 TOP = 0.95 * np.array((1.0, 1.5))
 """Share of the limits that is commanded at most."""

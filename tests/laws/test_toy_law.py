@@ -9,11 +9,11 @@ import pytest
 
 from tests.laws.toys import TOY, install
 from wmr_ctrl.api import compile_law, law_table, simulate
-from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.theory.checks import warnings_for
+from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.fixture(autouse=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import casadi as ca
 import pytest
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.laws import registry
-from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.model.system import System
+from wmr_ctrl.control.laws import registry
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.law import Law, Traits
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.world.model.system import System
 
 
 class ToyGains(Section, key="gains.toy"):

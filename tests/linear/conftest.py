@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 
 @pytest.fixture(scope="session")

@@ -11,15 +11,9 @@ import pytest
 import wmr_ctrl
 from analysis.authority import BarrierTerm, VelocityFeedback
 from analysis.stepper import linear_gain, loop_pair, reach, stepper, sweep
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.linear import (
-    closed_loop,
-    law_nlsys,
-    loop_nlsys,
-    plant_nlsys,
-    start_of,
-)
-from wmr_ctrl.scenario import override
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.theory.linear import closed_loop, law_nlsys, loop_nlsys, plant_nlsys, start_of
+from wmr_ctrl.world.scenario import override
 
 LAWS = ("pid", "smc", "mb", "nn")
 
@@ -51,8 +45,8 @@ def test_continuous_reading_is_the_limit_of_a_fast_clock(nominal):
 
 def test_python_control_linearises_the_plant_to_the_same_matrices(nominal):
     """Its own differences, as an independent check of ours."""
-    from wmr_ctrl.linear import linearise
-    from wmr_ctrl.model.dynamics import plant
+    from wmr_ctrl.theory.linear import linearise
+    from wmr_ctrl.world.model.dynamics import plant
 
     x, u = np.array((0.1, -0.2, 0.4, 0.3, 0.2)), np.array((2.0, 1.0, 0.0, 0.0, 0.0, 0.0))
     theirs = plant_nlsys(nominal).linearize(x, u)

@@ -9,12 +9,17 @@ import pytest
 
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.linear import margins
-from wmr_ctrl.linear.linearise import instant
-from wmr_ctrl.linear.margins import Margins, margins_at, model_errors, with_robot, worst
-from wmr_ctrl.linear.nonlinear import continuous_reading, law_nlsys, reference_nlsys, start_of
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.theory.linear import margins
+from wmr_ctrl.theory.linear.linearise import instant
+from wmr_ctrl.theory.linear.margins import Margins, margins_at, model_errors, with_robot, worst
+from wmr_ctrl.theory.linear.nonlinear import (
+    continuous_reading,
+    law_nlsys,
+    reference_nlsys,
+    start_of,
+)
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 
 def test_the_worse_of_two_margins_is_the_nearer_to_one() -> None:

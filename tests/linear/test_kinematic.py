@@ -8,12 +8,12 @@ import pytest
 
 from analysis.starts import certified, converged, endings, level, start_at
 from wmr_ctrl.api import compile_loop
-from wmr_ctrl.barrier.stable import stable_minimiser
+from wmr_ctrl.control.barrier.stable import stable_minimiser
 from wmr_ctrl.control.setup import kinematic_gains
-from wmr_ctrl.linear import SADDLE, kinematic_loop
-from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.results import Outcome
-from wmr_ctrl.scenario import override
+from wmr_ctrl.theory.linear import SADDLE, kinematic_loop
+from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+from wmr_ctrl.world.scenario import override
 
 
 def test_levels_of_the_audit(nominal):

@@ -9,9 +9,9 @@ import pytest
 
 from analysis.along_reference import TimeInvariant, TimeVarying, along_reference
 from analysis.stepper import stepper
-from wmr_ctrl.checks.rest import newton
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.linear import (
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.theory.checks.rest import newton
+from wmr_ctrl.theory.linear import (
     SADDLE,
     closed_loop,
     kinematic_poles,
@@ -20,10 +20,10 @@ from wmr_ctrl.linear import (
     plant_at,
     resting_point,
 )
-from wmr_ctrl.linear.report import _pairs
-from wmr_ctrl.model.dynamics import plant
-from wmr_ctrl.scenario import override
+from wmr_ctrl.theory.linear.linear_report import _pairs
+from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.references import Lemniscate, Line, StopAndGo
+from wmr_ctrl.world.scenario import override
 
 LAWS = ("pid", "smc", "mb", "nn")
 K1, K2, K3, V1D, V2D = 10.0, 5.0, 4.0, 0.2, 0.1

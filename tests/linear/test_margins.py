@@ -12,9 +12,9 @@ import pytest
 
 import wmr_ctrl
 from analysis.starts import start_at
-from wmr_ctrl import linear
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear import (
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.theory import linear
+from wmr_ctrl.theory.linear import (
     largest_stable_period,
     margins_at,
     on_reference,
@@ -23,9 +23,9 @@ from wmr_ctrl.linear import (
     spectral_radius,
     with_robot,
 )
-from wmr_ctrl.linear.margins import crossings
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.linear.margins import crossings
 from wmr_ctrl.world.references import Line
+from wmr_ctrl.world.scenario import load_scenario, override
 
 LAWS = ("pid", "smc", "mb", "nn")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.pose_gain import best_gain, noise_ise, pose_variance
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 
 @pytest.fixture(scope="module")

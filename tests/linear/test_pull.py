@@ -7,8 +7,8 @@ import pytest
 
 from analysis.authority import authority, dead_zone, linear_offset, settled_speed
 from analysis.stepper import stepper
-from wmr_ctrl.linear import closed_loop
-from wmr_ctrl.linear.sampled import pull_of
+from wmr_ctrl.theory.linear import closed_loop
+from wmr_ctrl.theory.linear.sampled import pull_of
 
 MASS = (50.0, 5.4)
 TABLE = [

@@ -12,11 +12,11 @@ import pytest
 from click.testing import CliRunner
 
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.linear import report_linear
-from wmr_ctrl.linear.state_space import constant_speed
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.theory.linear import report_linear
+from wmr_ctrl.theory.linear.state_space import constant_speed
 from wmr_ctrl.world.references import Lemniscate
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 KEYS = {
     "kinematic_poles", "poles", "max_sample_time", "max_sample_time_kink",
@@ -81,7 +81,8 @@ def test_every_law_is_stable_on_the_reference_with_its_estimates_held(report_of,
 
 def test_command_prints_parseable_json_and_leaves_paths_to_stderr(report_of, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "wmr_ctrl.linear.report_linear", lambda scenario, law, at, guard, progress: report_of(law)
+        "wmr_ctrl.theory.linear.report_linear",
+        lambda scenario, law, at, guard, progress: report_of(law),
     )
     line = ("linearize", "paper-simulation-nominal", "--law", "mb", "--json", "--plot", "figures")
     monkeypatch.chdir(tmp_path)
@@ -131,7 +132,7 @@ def test_importing_the_package_does_not_load_python_control():
 
 def test_a_guard_that_no_long_period_admits_does_not_stop_the_report(monkeypatch):
     """Periods up to the stable limit are tried, and no guard could be met at the longest."""
-    monkeypatch.setattr("wmr_ctrl.linear.report.model_errors", lambda *given: [])
+    monkeypatch.setattr("wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: [])
     report = report_linear(load_scenario("safe-simulation"), "kanayama")
 
     assert report.max_sample_time > 0.243
@@ -159,7 +160,7 @@ def drive(speed: float) -> Scenario:
 
 def test_a_way_is_looked_at_where_it_drives_fastest_and_not_at_its_start(monkeypatch):
     monkeypatch.setattr(
-        "wmr_ctrl.linear.report.model_errors", lambda *given: []
+        "wmr_ctrl.theory.linear.linear_report.model_errors", lambda *given: []
     )  # two thirds of it
     page = report_linear(drive(0.4), "mb").to_json()
     start = report_linear(drive(0.4), "mb", at=0.0).to_json()

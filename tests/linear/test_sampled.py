@@ -15,7 +15,7 @@ from analysis.frozen_regressor import (
     regressor_square,
 )
 from analysis.stepper import stepper
-from wmr_ctrl.linear import (
+from wmr_ctrl.theory.linear import (
     kink_periods,
     largest_learning_period,
     largest_stable_period,
@@ -23,7 +23,7 @@ from wmr_ctrl.linear import (
     resting_point,
     spectral_radius,
 )
-from wmr_ctrl.scenario import override
+from wmr_ctrl.world.scenario import override
 
 BELOW, ABOVE = 0.99, 1.01
 
@@ -76,7 +76,7 @@ def test_kink_limits_of_the_audit(nominal):
 @pytest.mark.parametrize("axis", [0, 1])
 def test_velocity_swings_about_the_kink_just_above_its_limit(nominal, axis):
     """v_c0 held beyond v_u2; Euler is exact for a held force without friction."""
-    from wmr_ctrl.linear.sampled import pull_of
+    from wmr_ctrl.theory.linear.sampled import pull_of
 
     limit, mass = kink_periods(nominal, "mb")[axis], (50.0, 5.4)[axis]
     u2 = nominal.limits.v_u2[axis]

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.checks.sending import loop_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.linear import closed_loop, margins_at, report_linear
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.theory.checks.radius import largest_radius
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.theory.linear import closed_loop, margins_at, report_linear
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 T = 0.05
 

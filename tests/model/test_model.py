@@ -9,7 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.model.dynamics import (
+from wmr_ctrl.core.signals import PLANT_STATE, PSI
+from wmr_ctrl.world.model.dynamics import (
     force_to_wheel,
     plant,
     projected,
@@ -17,7 +18,7 @@ from wmr_ctrl.model.dynamics import (
     rk4_step,
     wheel_to_force,
 )
-from wmr_ctrl.model.kinematics import (
+from wmr_ctrl.world.model.kinematics import (
     constraint,
     error_rate,
     error_rotation,
@@ -25,8 +26,7 @@ from wmr_ctrl.model.kinematics import (
     tracking_error,
     velocity_map,
 )
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.signals import PLANT_STATE, PSI
+from wmr_ctrl.world.scenario import load_scenario
 
 ANGLES = np.linspace(-7.0, 7.0, 29)
 SCENARIO = load_scenario("paper-simulation-nominal")

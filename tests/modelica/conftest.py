@@ -12,8 +12,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from wmr_ctrl.cli import root
-from wmr_ctrl.modelica import FILE, modelica_package
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.export.modelica import FILE, modelica_package
+from wmr_ctrl.world.scenario import load_scenario
 
 Simulate = Callable[..., dict[str, np.ndarray]]
 

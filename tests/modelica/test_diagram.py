@@ -9,7 +9,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
 
 NUMBER = r"-?\d+(?:\.\d+)?"
 PAIR = rf"\{{({NUMBER}),({NUMBER})\}}"

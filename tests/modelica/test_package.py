@@ -14,12 +14,12 @@ from tests.fmi.fields import POINTS
 from tests.matrix import quick
 from tests.modelica.conftest import package
 from wmr_ctrl.api import export_fmu, simulate
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.modelica import modelica_package
-from wmr_ctrl.modelica.package import folded
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.export.modelica import modelica_package
+from wmr_ctrl.export.modelica.package import folded
 from wmr_ctrl.world.references.registry import REFERENCES
+from wmr_ctrl.world.scenario import load_scenario
 
 NOMINAL = "paper-simulation-nominal"
 SHOWN = ("x", "y", "theta", "v1", "omega", "tau_right", "tau_left")

@@ -10,10 +10,10 @@ import pytest
 
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.modelica.package import Member, _assignments, _changes
-from wmr_ctrl.modelica.statements import _PATTERNS, constant, literal
-from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.export.modelica.package import Member, _assignments, _changes
+from wmr_ctrl.export.modelica.statements import _PATTERNS, constant, literal
+from wmr_ctrl.world.scenario import Scenario, override
 
 NAMES = vars(math) | {"abs": abs, "min": min, "max": max, "sign": np.sign}
 LOGICAL = (ca.OP_AND, ca.OP_OR, ca.OP_NOT)

@@ -12,12 +12,12 @@ from typing import Any
 from tests.oracle.loop import simulate_oracle
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.laws.context import own_diagnostics
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.context import own_diagnostics
+from wmr_ctrl.core.signals import LOG_HEAD
 from wmr_ctrl.results import Monitor, Run
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.runnable import assemble_run
+from wmr_ctrl.simulation.runnable import assemble_run
+from wmr_ctrl.world.scenario import Scenario
 
 __all__ = ["simulate", "simulate_oracle"]
 

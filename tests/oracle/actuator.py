@@ -8,8 +8,8 @@ from collections import deque
 from tests.oracle.arrays import Words
 from tests.oracle.noise import LAG, symmetric
 from tests.oracle.plant import Pair
-from wmr_ctrl.scenario import Actuator
-from wmr_ctrl.scenario.sections import Clock
+from wmr_ctrl.world.scenario import Actuator
+from wmr_ctrl.world.scenario.sections import Clock
 
 
 class Drives:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from tests.oracle.law import Pair
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 _SHRINK = 2.0**-44
 

@@ -9,7 +9,7 @@ from typing import Any
 from tests.oracle.law import Pair, Sight
 from tests.oracle.observer import ForceObserver
 from tests.oracle.prediction import Predictor
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 
 class Kanayama:

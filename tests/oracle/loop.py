@@ -34,8 +34,8 @@ from tests.oracle.sensing import Sensors
 from tests.oracle.smc import Smc
 from tests.oracle.smooth import smooth_barrier
 from tests.oracle.target import DesiredState
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LOG_HEAD
+from wmr_ctrl.core.signals import LOG_HEAD
+from wmr_ctrl.world.scenario import Scenario
 
 _ROWS_PER_REPORT = 100
 REMEMBERED = 10_000

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from tests.oracle.law import Pair, Sight
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 
 class ModelBased:

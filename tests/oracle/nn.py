@@ -11,7 +11,7 @@ import numpy as np
 from tests.oracle.arrays import FloatArray
 from tests.oracle.barrier import BarrierTerms
 from tests.oracle.law import Pair, Sight
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 
 class NeuralNetwork:

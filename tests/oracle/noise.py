@@ -11,7 +11,7 @@ import zlib
 import numpy as np
 
 from tests.oracle.arrays import FloatArray, Words
-from wmr_ctrl.scenario import Disturbance
+from wmr_ctrl.world.scenario import Disturbance
 
 TORQUE, POSE, VELOCITY = 0, 1, 2
 """Streams."""

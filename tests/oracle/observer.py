@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from tests.oracle.law import Pair, Sight
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 
 class ForceObserver:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import ceil, cos, isinf, nan, sin, tanh
 
-from wmr_ctrl.scenario import Change, Robot
-from wmr_ctrl.scenario.sections import Clock
+from wmr_ctrl.world.scenario import Change, Robot
+from wmr_ctrl.world.scenario.sections import Clock
 
 State = tuple[float, float, float, float, float]
 """x [m], y [m], theta [rad], v1 [m/s], omega [rad/s]."""

@@ -13,7 +13,7 @@ from tests.oracle.auxiliary import (
 )
 from tests.oracle.law import Pair, Sight, Triple
 from tests.oracle.target import DesiredState
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 
 class Predictor:

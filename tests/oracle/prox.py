@@ -11,7 +11,7 @@ from tests.oracle.law import Pair, Sight
 from tests.oracle.observer import ForceObserver
 from tests.oracle.prediction import Predictor
 from tests.oracle.smooth import smooth_barrier
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 
 class Prox:

@@ -10,12 +10,12 @@ from bisect import bisect_right
 from collections.abc import Callable
 
 from tests.oracle.target import DesiredState, Pair, target_on
-from wmr_ctrl.scenario import Circle, Lemniscate, Line, RoundedSquare, StopAndGo, Waypoints
-from wmr_ctrl.scenario import Reference as Kind
 from wmr_ctrl.world.references.rounded_square import square_path
 from wmr_ctrl.world.references.speed_profile import SpeedProfile
 from wmr_ctrl.world.references.spline import SplinePath
 from wmr_ctrl.world.references.waypoints import LOOP, profile_of, waypoint_path
+from wmr_ctrl.world.scenario import Circle, Lemniscate, Line, RoundedSquare, StopAndGo, Waypoints
+from wmr_ctrl.world.scenario import Reference as Kind
 
 Reference = Callable[[float], DesiredState]
 

@@ -10,8 +10,8 @@ from tests.oracle.arrays import Words
 from tests.oracle.auxiliary import Pair, Triple
 from tests.oracle.noise import LOST, POSE, VELOCITY, symmetric
 from tests.oracle.plant import State
-from wmr_ctrl.scenario import Sensor
-from wmr_ctrl.scenario.sections import Clock
+from wmr_ctrl.world.scenario import Sensor
+from wmr_ctrl.world.scenario.sections import Clock
 
 
 class Sensors:

@@ -8,7 +8,7 @@ from typing import Any
 
 from tests.oracle.barrier import clip
 from tests.oracle.law import Pair, Sight
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 
 class Smc:

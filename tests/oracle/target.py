@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.core.signals import REFERENCE
 
 Pair = tuple[float, float]
 

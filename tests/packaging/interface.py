@@ -19,22 +19,22 @@ from click.testing import CliRunner
 
 import wmr_ctrl
 from tests.architecture.tree import ROOT
-from wmr_ctrl import signals
 from wmr_ctrl.cli import console
 from wmr_ctrl.cli.lists import gains_docs
 from wmr_ctrl.cli.root import root
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
-from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.core import signals
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.export.fmi.blocks import guard_model, law_model, plant_model, reference_model
+from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT
-from wmr_ctrl.scenario import load_scenario, preset_names
-from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.scenario.sections import Change
 from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.scenario import load_scenario, preset_names
+from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario.sections import Change
 
 STABLE = ROOT / "docs" / "reference" / "stable.txt"
 GROUPS = ("effects", "figures", "laws", "references")

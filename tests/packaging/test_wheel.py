@@ -39,8 +39,8 @@ def test_wheel_has_package_data_and_nothing_else(built):
     assert "wmr_ctrl/_fmu/runtime/page.c" in names
     assert "wmr_ctrl/_fmu/ros2/filter_node.c" in names
     assert "wmr_ctrl/ros2/templates/package.xml.j2" in names
-    assert "wmr_ctrl/page/templates/page.html.j2" in names
-    assert any(name.startswith("wmr_ctrl/scenario/presets/") for name in names)
+    assert "wmr_ctrl/export/page/templates/page.html.j2" in names
+    assert any(name.startswith("wmr_ctrl/world/scenario/presets/") for name in names)
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert [name for name in names if name.endswith(UNWANTED)] == []
 

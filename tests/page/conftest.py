@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.page import content
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.export.page import content
 
 
 @pytest.fixture(scope="session")
@@ -32,7 +32,7 @@ def page(
         if request.config.getoption("every_case"):
             patch.delenv("WMR_CTRL_OPTIMIZE", raising=False)
         else:
-            patch.setattr("wmr_ctrl.page.scenes.LATE", (0, 5))
+            patch.setattr("wmr_ctrl.export.page.scenes.LATE", (0, 5))
             patch.setattr(
                 content, "_tube", lambda setup, whole: setup.name == "prox" and tube(setup, whole)
             )

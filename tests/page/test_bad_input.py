@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.errors import ArgumentError, CompilerError, ResultFileError, UnknownNameError
-from wmr_ctrl.page import module
+from wmr_ctrl.core.errors import ArgumentError, CompilerError, ResultFileError, UnknownNameError
+from wmr_ctrl.export.page import module
 
 
 def test_unknown_law_and_scenario(tmp_path: Path) -> None:

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import pytest
 
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.page.content import Content, Plain, _in_the_dark, content_of
-from wmr_ctrl.page.controls import controls_of
-from wmr_ctrl.page.scenes import scenes
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.export.page.content import Content, Plain, _in_the_dark, content_of
+from wmr_ctrl.export.page.controls import controls_of
+from wmr_ctrl.export.page.scenes import scenes
 from wmr_ctrl.report.style import look
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 T, H = 0.01, 0.001
 

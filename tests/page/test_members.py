@@ -11,8 +11,8 @@ import wmr_ctrl
 from tests.page.browser import browser
 from tests.page.test_browser import READY
 from tests.page.test_numbers import assert_same_bits, from_page
-from wmr_ctrl.page.scenes import members_of, scenes
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.export.page.scenes import members_of, scenes
+from wmr_ctrl.world.scenario import load_scenario
 
 STRONG = {"base.gain": [1.04, 1.04]}
 SWINGING = {

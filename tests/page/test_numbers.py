@@ -12,7 +12,7 @@ import pytest
 
 import wmr_ctrl
 from tests.compilers import NODE, where
-from wmr_ctrl.page.scenes import story
+from wmr_ctrl.export.page.scenes import story
 from wmr_ctrl.results import Run
 
 SCRIPT = Path(__file__).with_name("run.mjs")

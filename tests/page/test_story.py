@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.corridor import run_corridor
-from wmr_ctrl.fields.units import length
-from wmr_ctrl.page.content import content_of
-from wmr_ctrl.page.scenes import PageScene, story
+from wmr_ctrl.core.fields.units import length
+from wmr_ctrl.export.page.content import content_of
+from wmr_ctrl.export.page.scenes import PageScene, story
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.theory.corridor import run_corridor
+from wmr_ctrl.world.scenario import load_scenario, override
 
 STEPS = {step.key: step for step in story()}
 
@@ -64,8 +64,8 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
 
 
 def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wmr_ctrl.page.scenes.PERIODS", ())
-    monkeypatch.setattr("wmr_ctrl.page.scenes.LATE", ())
+    monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
+    monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
     brief = {"clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60.0}]}
     scenario = override(load_scenario("safe-simulation"), brief)
     scene = PageScene("near", "Near", "", scenario, ("prox",))
@@ -84,8 +84,8 @@ def test_a_page_has_the_certified_corridors(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wmr_ctrl.page.scenes.PERIODS", ())
-    monkeypatch.setattr("wmr_ctrl.page.scenes.LATE", ())
+    monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
+    monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
     known = {"actuator.delay": 0.01, "actuator.unmodelled_delay": 0.9, "clock.plant": 0.001}
     scenario = override(load_scenario("paper-simulation-nominal"), known)
     scene = PageScene("late", "Late", "", scenario, ("pid",))

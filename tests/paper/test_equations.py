@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.paper import CITATION, equations, symbols
+from wmr_ctrl.core.paper import CITATION, equations, symbols
 
 TAG = re.compile(r"Eqs?\.\s*((?:\(\d+\)[\s,\-]*(?:and\s+)?)+)")
 ITEM = re.compile(r"\((\d+)\)(?:-\((\d+)\))?")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, port
-from wmr_ctrl.signals import BODY_FORCE, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import BODY_FORCE, Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.model.system import Output, Parameters, System, port
 
 COUNT = Signal("shove_count", "1", "samples so far")
 

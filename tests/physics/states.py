@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from wmr_ctrl.physics.rigid import RigidBody
+from wmr_ctrl.simulation.physics.rigid import RigidBody
 
 KIND = mujoco.mjtState.mjSTATE_INTEGRATION
 

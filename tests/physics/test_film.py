@@ -11,11 +11,11 @@ from PIL import Image
 
 from tests.physics.test_run import SHORT
 from wmr_ctrl import simulate
-from wmr_ctrl.engines import runnable
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
-from wmr_ctrl.outputs import film_run
-from wmr_ctrl.physics.film import HEIGHT, WIDTH, check_painter, moments_of, pictures
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.export.outputs import film_run
+from wmr_ctrl.simulation.engines import runnable
+from wmr_ctrl.simulation.physics.film import HEIGHT, WIDTH, check_painter, moments_of, pictures
+from wmr_ctrl.world.scenario import load_scenario
 
 BRIEF = SHORT | {"clock.duration": 0.1}
 

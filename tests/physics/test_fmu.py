@@ -13,10 +13,10 @@ from fmpy.validation import validate_fmu
 from tests.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
 from tests.physics.fmu.together import Together
 from wmr_ctrl import cosimulate, simulate
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.physics.rigid import RigidBody
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.signals import PLANT_STATE
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import PLANT_STATE
+from wmr_ctrl.simulation.physics.rigid import RigidBody
+from wmr_ctrl.world.scenario import load_scenario
 
 ENCODERS = {"encoder.counts": 4096}
 SHORT = {"clock.duration": 3.0, "actuator.tau_max": 10.0}

@@ -6,12 +6,12 @@ import pytest
 
 from tests.physics.test_rigid import scenario
 from wmr_ctrl import simulate
-from wmr_ctrl.checks import first_torques, grip_warnings, reference_torque
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.physics.rigid import RigidBody, loads
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.simulation.physics.rigid import RigidBody, loads
+from wmr_ctrl.theory.checks import first_torques, grip_warnings, reference_torque
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.phases import phases
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 ROBOTS = (
     {},

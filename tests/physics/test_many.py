@@ -12,10 +12,10 @@ import pytest
 import wmr_ctrl
 from tests.physics.test_run import SHORT
 from wmr_ctrl import simulate, simulate_many
-from wmr_ctrl.campaign.study_plan import plan_of
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError, UnknownNameError
-from wmr_ctrl.physics.workers import make_each
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError, UnknownNameError
 from wmr_ctrl.results import summary
+from wmr_ctrl.simulation.campaign.study_plan import plan_of
+from wmr_ctrl.simulation.physics.workers import make_each
 
 BRIEF = SHORT | {"clock.duration": 0.5}
 PLAN = {

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tests.physics.states import state_of
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.physics.rigid import RigidBody, description
-from wmr_ctrl.scenario import Change, Scenario, load_scenario
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.simulation.physics.rigid import RigidBody, description
+from wmr_ctrl.world.scenario import Change, Scenario, load_scenario
 
 REST = {"initial.pose": [0.0, 0.0, 0.0], "initial.velocity": [0.0, 0.0]}
 WHEELS = ("sphere", "cylinder")

@@ -9,16 +9,16 @@ import pytest
 
 from tests.equal_runs import runs_equal
 from wmr_ctrl import simulate, simulate_runs
-from wmr_ctrl.engines import runnable
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError
+from wmr_ctrl.core.signals import PLANT_STATE, RIGID
 from wmr_ctrl.results import load_run, outcome_of, summary
 from wmr_ctrl.results.formats import save_run
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.signals import PLANT_STATE, RIGID
-from wmr_ctrl.sim.coupled import Coupled
-from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.simulation.coupled import Coupled
+from wmr_ctrl.simulation.engines import runnable
+from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.world.scenario import load_scenario
 
-physics_run = importlib.import_module("wmr_ctrl.physics.run")
+physics_run = importlib.import_module("wmr_ctrl.simulation.physics.run")
 
 SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
 
@@ -139,7 +139,7 @@ def test_without_the_package_one_sentence_tells_what_to_install(monkeypatch):
             raise ImportError(name)
         return importlib.import_module(name)
 
-    monkeypatch.setattr("wmr_ctrl.physics.rigid.import_module", absent)
+    monkeypatch.setattr("wmr_ctrl.simulation.physics.rigid.import_module", absent)
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
         simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)
 

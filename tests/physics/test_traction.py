@@ -7,9 +7,9 @@ import pytest
 from tests.matrix import turns
 from wmr_ctrl import cosimulate, simulate
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.grip import grip
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 BOUNDED = {"disturbance.truncate": 3.0}
 GRIPPING = {"actuator.traction": True, **BOUNDED}

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.physics.film import _Scenery
-from wmr_ctrl.physics.rigid import description
-from wmr_ctrl.physics.run import Coupling
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.simulation.physics.film import _Scenery
+from wmr_ctrl.simulation.physics.rigid import description
+from wmr_ctrl.simulation.physics.run import Coupling
+from wmr_ctrl.world.scenario import Scenario, override
 
 H = 0.001
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import z3
 
-from wmr_ctrl.proofs.graph import ProvedGraph, UndecidedError, Walk, paths
-from wmr_ctrl.proofs.methods.smt import OUTSIDE, TermArithmetic, relation
-from wmr_ctrl.proofs.relation import EQUAL
-from wmr_ctrl.proofs.statement import Statement
+from wmr_proofs.graph import ProvedGraph, UndecidedError, Walk, paths
+from wmr_proofs.methods.smt import OUTSIDE, TermArithmetic, relation
+from wmr_proofs.relation import EQUAL
+from wmr_proofs.statement import Statement
 
 Ask = Callable[[Hashable], bool]
 MOST = 256

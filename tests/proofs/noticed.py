@@ -10,12 +10,12 @@ from dataclasses import replace
 from functools import cache
 from time import process_time
 
-from wmr_ctrl.proofs.alterations import Change, built
-from wmr_ctrl.proofs.claim import CLAIMED, Claim
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
-from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring
-from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
+from wmr_proofs.alterations import Change, built
+from wmr_proofs.claim import CLAIMED, Claim
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.spec import Z3, Ball, Both, Method, Ring
+from wmr_proofs.statement import Statement
 
 CHANGES: Mapping[str, Change] = {
     "* 9/8": lambda x: 1.125 * x,

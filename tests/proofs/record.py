@@ -17,13 +17,13 @@ from pathlib import Path
 from tests.proofs.ledger_page import page
 from tests.proofs.noticed import tried
 from tests.proofs.second_solvers import confirmed_by
-from wmr_ctrl.proofs.alterations import functions_of
-from wmr_ctrl.proofs.check import graph_hash
-from wmr_ctrl.proofs.claim import CLAIMED, Claim
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import COMMITTED, OPEN, Entry, Ledger, load, stale
-from wmr_ctrl.proofs.methods.obligations import uses_z3
-from wmr_ctrl.proofs.runner import prove, selected
+from wmr_ctrl.results.ledger import COMMITTED, OPEN, Entry, Ledger, load, stale
+from wmr_proofs.alterations import functions_of
+from wmr_proofs.check import graph_hash
+from wmr_proofs.claim import CLAIMED, Claim
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.obligations import uses_z3
+from wmr_proofs.runner import prove, selected
 
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
 

@@ -16,9 +16,9 @@ from itertools import chain
 from pathlib import Path
 
 from tests.proofs.cases import cases
-from wmr_ctrl.proofs.graph import UndecidedError
-from wmr_ctrl.proofs.methods.obligations import obligations
-from wmr_ctrl.proofs.statement import Statement
+from wmr_proofs.graph import UndecidedError
+from wmr_proofs.methods.obligations import obligations
+from wmr_proofs.statement import Statement
 
 IMPATIENCE, PATIENCE = 2, 10
 """Seconds of the processor's time for one obligation and strategy, at first and in the end, so that

@@ -14,14 +14,14 @@ from types import FunctionType
 
 import pytest
 
-from wmr_ctrl.barrier import paper as barrier
-from wmr_ctrl.barrier import stable as stable_barrier
-from wmr_ctrl.laws import mb, nn
-from wmr_ctrl.model import dynamics, kinematics
-from wmr_ctrl.proofs.check import graph_hash
-from wmr_ctrl.proofs.claim import CLAIMED, Claim
-from wmr_ctrl.proofs.claims import all_claims, forget
-from wmr_ctrl.proofs.ledger import load
+from wmr_ctrl.control.barrier import printed as barrier
+from wmr_ctrl.control.barrier import stable as stable_barrier
+from wmr_ctrl.control.laws import mb, nn
+from wmr_ctrl.results.ledger import load
+from wmr_ctrl.world.model import dynamics, kinematics
+from wmr_proofs.check import graph_hash
+from wmr_proofs.claim import CLAIMED, Claim
+from wmr_proofs.claims import all_claims, forget
 
 AXIS, SMOOTH = stable_barrier.Axis, stable_barrier.SmoothAxis
 GRADIENT = '0.5 * context.per_axis("w") / context.per_axis("q")'

@@ -9,23 +9,23 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.control import applied, controller
+from wmr_ctrl.control.guard import delay, guard
+from wmr_ctrl.control.laws import prox
+from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard import delay, guard
-from wmr_ctrl.laws import prox
-from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.model.system import System
-from wmr_ctrl.proofs.alterations import altered
-from wmr_ctrl.proofs.claim import CLAIMED
-from wmr_ctrl.proofs.claims import all_claims, drive_bounds
-from wmr_ctrl.proofs.claims.common import PRESET, scalars
-from wmr_ctrl.proofs.claims.guard_exported import Assembled, setup
-from wmr_ctrl.proofs.claims.world import EffectGraph
-from wmr_ctrl.proofs.graph import graph_of
-from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
-from wmr_ctrl.proofs.methods import portfolio
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.world import slope, torque_noise
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.alterations import altered
+from wmr_proofs.claim import CLAIMED
+from wmr_proofs.claims import all_claims, drive_bounds
+from wmr_proofs.claims.common import PRESET, scalars
+from wmr_proofs.claims.guard_exported import Assembled, setup
+from wmr_proofs.claims.wheels_and_encoders import EffectGraph
+from wmr_proofs.graph import graph_of
+from wmr_proofs.methods import portfolio
 
 pytest.importorskip("z3")
 
@@ -150,7 +150,7 @@ def test_a_number_that_leaks_out_of_a_bound_is_found():
 
 def test_a_late_monitor_that_tells_ten_times_the_push_is_refuted():
     (claim,) = (item for item in all_claims() if item.id == "guard.monitor-late")
-    with altered("wmr_ctrl.guard.monitor:LateMotion.least_push", lambda push: 10 * push):
+    with altered("wmr_ctrl.control.guard.monitor:LateMotion.least_push", lambda push: 10 * push):
         method = replace(claim.method, effort=1, seconds=60)
         assert method.decide(claim.statement(CLAIMED)).verdict == REFUTED
 

@@ -9,12 +9,12 @@ from copy import copy
 
 import pytest
 
-from wmr_ctrl.proofs.claim import CLAIMED
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.claims.world import EffectGraph
-from wmr_ctrl.proofs.ledger import REFUTED
+from wmr_ctrl.results.ledger import REFUTED
 from wmr_ctrl.world.effect import PAIRS, SENTENCES
 from wmr_ctrl.world.registry import OURS
+from wmr_proofs.claim import CLAIMED
+from wmr_proofs.claims import all_claims
+from wmr_proofs.claims.wheels_and_encoders import EffectGraph
 
 pytest.importorskip("z3")
 

@@ -10,16 +10,16 @@ import casadi as ca
 import pytest
 
 from tests.proofs.test_claims import one_of_each_function
-from wmr_ctrl.proofs.cancelled import cancelled_operations, positive_sums, uncancelled, undefined
-from wmr_ctrl.proofs.check import check
-from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import LEMMA, OPEN, PROVED, load
-from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
-from wmr_ctrl.proofs.regions import POSITIVE, Case
-from wmr_ctrl.proofs.relation import Relation, above, at_least, equal
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.results.ledger import LEMMA, OPEN, PROVED, load
+from wmr_proofs.cancelled import cancelled_operations, positive_sums, uncancelled, undefined
+from wmr_proofs.check import check
+from wmr_proofs.claim import CLAIMED, Claims, Mutation
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.spec import Z3, Ball, Method, Ring
+from wmr_proofs.regions import POSITIVE, Case
+from wmr_proofs.relation import Relation, above, at_least, equal
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
 
 pytest.importorskip("z3")
 

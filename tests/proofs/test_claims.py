@@ -14,15 +14,15 @@ from pathlib import Path
 import pytest
 
 from tests.proofs import second_solvers
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.proofs import check, prove, runner
-from wmr_ctrl.proofs.alterations import function_named
-from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim, Mutation
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import Entry, Ledger, differences, exit_code, load, stale
-from wmr_ctrl.proofs.methods.point import judge
-from wmr_ctrl.proofs.methods.spec import versions
-from wmr_ctrl.proofs.runner import hashes, selected
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.results.ledger import Entry, Ledger, differences, exit_code, load, stale
+from wmr_proofs import check, prove, runner
+from wmr_proofs.alterations import function_named
+from wmr_proofs.claim import CLAIMED, MUTATED, Claim, Mutation
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.point import judge
+from wmr_proofs.methods.spec import versions
+from wmr_proofs.runner import hashes, selected
 
 IDS = [claim.id for claim in all_claims()]
 LONG = ("eq57", "eq58", "eq6", "eq7", "eq8", "authority.", "filter.slew-sent")
@@ -167,7 +167,7 @@ def test_workers_end_with_their_parent() -> None:
     """A worker whose parent is killed, which cleans nothing up, is gone a moment later."""
     code = (
         "import os, sys, time; from multiprocessing import get_context;"
-        "from wmr_ctrl.proofs.runner import follow_parent;"
+        "from wmr_proofs.runner import follow_parent;"
         "pid = os.fork()\n"
         "if pid == 0:\n"
         "    follow_parent(os.getppid()); time.sleep(600)\n"
@@ -214,7 +214,7 @@ SOLVERS = pytest.mark.parametrize("solver", ["cvc5", "yices"])
 
 def asked(key: str, point=None) -> dict:
     """Obligations of an entry by name."""
-    module = pytest.importorskip("wmr_ctrl.proofs.methods.obligations")
+    module = pytest.importorskip("wmr_proofs.methods.obligations")
     claim = next(claim for claim in all_claims() if claim.id == key)
     return {item.name: item for item in module.obligations(claim.statement(CLAIMED), point)}
 

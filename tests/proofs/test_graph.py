@@ -10,10 +10,10 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.proofs.claims.common import LawGraph, scalars
-from wmr_ctrl.proofs.graph import _NAMES, ProvedGraph, graph_of, is_parameter
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.control.laws import LAWS
+from wmr_proofs.claims.common import LawGraph, scalars
+from wmr_proofs.graph import _NAMES, ProvedGraph, graph_of, is_parameter
+from wmr_proofs.symbols import symbols
 
 
 def operations(graph: ProvedGraph) -> list[str]:

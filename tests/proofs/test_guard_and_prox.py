@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.proofs.check import check
-from wmr_ctrl.proofs.claim import PRINTED, Claim
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import Entry, load
+from wmr_ctrl.results.ledger import Entry, load
+from wmr_proofs.check import check
+from wmr_proofs.claim import PRINTED, Claim
+from wmr_proofs.claims import all_claims
 
 pytest.importorskip("z3")
 pytest.importorskip("flint")

@@ -9,8 +9,8 @@ from fractions import Fraction
 import pytest
 from flint import arb, ctx
 
-from wmr_ctrl.proofs.methods import interval as iv
-from wmr_ctrl.proofs.methods.interval import Interval
+from wmr_proofs.methods import interval as iv
+from wmr_proofs.methods.interval import Interval
 
 OPERATIONS = {
     "add": (iv.add, lambda a, b: a + b),

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.proofs.ledger_page import GUARANTEES, page
-from wmr_ctrl.paper import equations
-from wmr_ctrl.proofs.ledger import (
+from wmr_ctrl.core.paper import equations
+from wmr_ctrl.results.ledger import (
     PUBLIC_KEYS,
     VERDICTS,
     Entry,

@@ -7,11 +7,11 @@ from fractions import Fraction
 import casadi as ca
 import pytest
 
-from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
-from wmr_ctrl.proofs.regions import POSITIVE, Case, at
-from wmr_ctrl.proofs.relation import above, at_least, equal
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
+from wmr_proofs.regions import POSITIVE, Case, at
+from wmr_proofs.relation import above, at_least, equal
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
 
 
 def about(names: str, build) -> Statement:
@@ -119,7 +119,7 @@ def test_a_free_symbol_is_refused() -> None:
 def test_z3_is_asked_again_only_where_the_clock_stopped_it(monkeypatch) -> None:
     import z3
 
-    from wmr_ctrl.proofs.methods import portfolio
+    from wmr_proofs.methods import portfolio
 
     asked, hour = [], [0.0]
 
@@ -138,7 +138,7 @@ def test_z3_is_asked_again_only_where_the_clock_stopped_it(monkeypatch) -> None:
 
 
 def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch) -> None:
-    from wmr_ctrl.proofs.methods import portfolio
+    from wmr_proofs.methods import portfolio
 
     solvers = []
 

@@ -8,11 +8,11 @@ import casadi as ca
 import pytest
 
 from tests.proofs import noticed
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import at_least
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import at_least
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
 
 CLAIM = next(claim for claim in all_claims() if claim.id == "guard.anchor")
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.proofs.methods.field import Quotient, QuotientField
+from wmr_proofs.methods.field import Quotient, QuotientField
 
 FIELD = QuotientField(("x", "y"))
 X, Y = FIELD.generators

@@ -8,16 +8,16 @@ from fractions import Fraction
 import pytest
 
 from tests.proofs import noticed, record
-from wmr_ctrl.proofs.check import check, graph_hash
-from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import LEMMA, OPEN, PROVED, REFUTED, Entry, Ledger, load
-from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
-from wmr_ctrl.proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_ctrl.proofs.relation import above, at_least
-from wmr_ctrl.proofs.runner import provenance
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_ctrl.results.ledger import LEMMA, OPEN, PROVED, REFUTED, Entry, Ledger, load
+from wmr_proofs.check import check, graph_hash
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.spec import Z3, Ball, Method, Ring
+from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
+from wmr_proofs.relation import above, at_least
+from wmr_proofs.runner import provenance
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
 
 CLAIMED = {claim.id: claim for claim in all_claims()}
 
@@ -88,14 +88,14 @@ def test_which_engine_is_asked_first_does_not_matter() -> None:
 def test_what_calls_no_function_is_a_lemma_whatever_the_record_says() -> None:
     claim = claim_of(written)
     found = check(claim)
-    forged = replace(found, verdict=PROVED, altered={"wmr_ctrl.guard.guard:floor": REFUTED})
+    forged = replace(found, verdict=PROVED, altered={"wmr_ctrl.control.guard.guard:floor": REFUTED})
 
     assert found.verdict == LEMMA
     assert check(claim, forged).verdict == LEMMA
     assert check(claim, forged).altered == {}
 
 
-KNOWN = {"wmr_ctrl.laws.prediction:acts_for": REFUTED}
+KNOWN = {"wmr_ctrl.control.laws.prediction:acts_for": REFUTED}
 
 
 UNTRIED = dict.fromkeys(KNOWN, "")
@@ -114,7 +114,7 @@ def known() -> Entry:
         ({}, ("cvc5",), KNOWN),
         ({"graph_hash": "00"}, (), UNTRIED),
         ({"versions": {"z3": "0.0", "flint": "0.0"}}, (), UNTRIED),
-        ({"altered": {"wmr_ctrl.guard.guard:floor": REFUTED}}, ("cvc5",), UNTRIED),
+        ({"altered": {"wmr_ctrl.control.guard.guard:floor": REFUTED}}, ("cvc5",), UNTRIED),
     ],
 )
 def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, altered) -> None:
@@ -174,7 +174,11 @@ def test_entries_of_another_claim_are_not_kept() -> None:
 def test_what_is_left_open_within_a_longer_budget_is_not_caught(
     monkeypatch, answers, closes, verdict
 ) -> None:
-    claim, said, name = CLAIMED["guard.anchor"], iter(answers), "wmr_ctrl.guard.guard:clipped"
+    claim, said, name = (
+        CLAIMED["guard.anchor"],
+        iter(answers),
+        "wmr_ctrl.control.guard.guard:clipped",
+    )
     monkeypatch.setattr(noticed, "_verdict", lambda *_: next(said))
     monkeypatch.setattr(noticed, "proves_quickly", lambda _: closes)
 

@@ -8,15 +8,15 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from wmr_ctrl.control.filter.channels import WAYS, scaled
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter.channels import WAYS, scaled
-from wmr_ctrl.proofs.claims.filter_command_rounding import RIM, Limited
-from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
-from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.relation import above, at_least, equal
-from wmr_ctrl.proofs.statement import UNIT, Statement
-from wmr_ctrl.proofs.symbols import symbols
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
+from wmr_ctrl.world.scenario import load_scenario, preset_names
+from wmr_proofs.claims.filter_command_rounding import RIM, Limited
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import above, at_least, equal
+from wmr_proofs.statement import UNIT, Statement
+from wmr_proofs.symbols import symbols
 
 
 def verdict(expr: ca.SX, goal, table, given=()) -> str:

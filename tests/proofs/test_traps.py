@@ -7,11 +7,11 @@ from fractions import Fraction
 import casadi as ca
 import pytest
 
-from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring, Table
-from wmr_ctrl.proofs.regions import NONNEGATIVE, Case, at
-from wmr_ctrl.proofs.relation import above, at_least, equal
-from wmr_ctrl.proofs.statement import Statement
-from wmr_ctrl.proofs.symbols import symbols
+from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring, Table
+from wmr_proofs.regions import NONNEGATIVE, Case, at
+from wmr_proofs.relation import above, at_least, equal
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
 
 UNIT = {name: (Fraction(0), Fraction(1)) for name in ("x", "y")}
 NOT_NEGATIVE = Ring((Case("x, y >= 0", declared={"x": NONNEGATIVE, "y": NONNEGATIVE}),))

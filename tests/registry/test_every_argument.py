@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
-from wmr_ctrl.fields.arguments import hints_of
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.core.fields.arguments import hints_of
 from wmr_ctrl.results.drive import drive_of
 
 SHORT = {"clock.duration": 0.05}

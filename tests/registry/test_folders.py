@@ -6,9 +6,9 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.codegen.package import write_package
-from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.proofs.runner import run_export
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.runner import run_export
 
 SCENARIO = load_scenario("paper-simulation-nominal")
 WRITERS = {

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.results.figures import FIGURES
-from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario.scenario import sections
 
 
 @pytest.mark.parametrize("registry", [LAWS, REFERENCES], ids=["laws", "references"])

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl.errors import ScenarioError, WmrError
-from wmr_ctrl.fields import values
-from wmr_ctrl.fmi.cosim.slave import FmuFile
+from wmr_ctrl.core.errors import ScenarioError, WmrError
+from wmr_ctrl.core.fields import values
+from wmr_ctrl.export.cosim.slave import FmuFile
 from wmr_ctrl.results import load_run
-from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.references.point_files import read_poses
+from wmr_ctrl.world.scenario import load_scenario
 
 MOST = 100_000
 """Bytes that a packed file may hold in these tests; its own limit takes a second to pack."""

@@ -10,11 +10,11 @@ import pytest
 from tests.campaign.conftest import campaign as campaign
 from tests.campaign.conftest import fake_simulate as fake_simulate
 from tests.campaign.synthetic import made_up
-from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
-from wmr_ctrl.campaign.plan import PlannedRun
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.simulation.campaign.comparison import comparison_plan, run_comparison
+from wmr_ctrl.simulation.campaign.plan import PlannedRun
 
 
 @pytest.fixture(scope="session")

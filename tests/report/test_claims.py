@@ -10,11 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import PAPER_LAWS
-from wmr_ctrl.campaign.paper import AS_STATED, REPORTED, STUDIES
-from wmr_ctrl.campaign.plan import PlannedCase
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.report.claims import (
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.report.evidence_figures import slip_torque
+from wmr_ctrl.report.paper_claims import (
     Evidence,
     Measured,
     Quoted,
@@ -24,8 +22,10 @@ from wmr_ctrl.report.claims import (
     load_claims,
     verdict_of,
 )
-from wmr_ctrl.report.evidence_figures import slip_torque
 from wmr_ctrl.results.table import table_of_rows
+from wmr_ctrl.simulation.campaign import PAPER_LAWS
+from wmr_ctrl.simulation.campaign.paper_runs import AS_STATED, REPORTED, STUDIES
+from wmr_ctrl.simulation.campaign.plan import PlannedCase
 
 WORDS = {
     "a tenth": 0.1, "half": 0.5, "halves": 0.5, "grow by at least a half": 1.5, "twice": 2.0,

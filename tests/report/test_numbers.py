@@ -11,8 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from tests.results.conftest import build
-from wmr_ctrl.campaign.comparison import BASES
-from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import comparison_figures, course, scene
 from wmr_ctrl.report.course import Course, band, course_of
 from wmr_ctrl.report.drawing import FAR, running_mean, running_rms, target_of, view_limits
@@ -21,7 +20,8 @@ from wmr_ctrl.report.scene import outline, scene_of
 from wmr_ctrl.report.study_table import PREFERRED, StudyTable, read_study
 from wmr_ctrl.report.tables import _Line, ranged, stress_table
 from wmr_ctrl.results.table import spread, table_of_rows
-from wmr_ctrl.scenario import Scenario, override, to_toml
+from wmr_ctrl.simulation.campaign.comparison import BASES
+from wmr_ctrl.world.scenario import Scenario, override, to_toml
 
 
 def test_a_cell_has_its_range_only_where_numbers_differ() -> None:

@@ -13,8 +13,7 @@ from matplotlib.text import Text
 
 from tests.results.conftest import build
 from wmr_ctrl.api import simulate
-from wmr_ctrl.corridor import run_corridor
-from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report import style
 from wmr_ctrl.report.course import course_of, course_of_tube
 from wmr_ctrl.report.drawing import FAR
@@ -23,8 +22,9 @@ from wmr_ctrl.report.plot_runs import plot_runs
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.report.stage import frames
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.scenario import load_scenario, override, to_toml
+from wmr_ctrl.theory.corridor import run_corridor
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import load_scenario, override, to_toml
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")

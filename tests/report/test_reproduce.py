@@ -9,8 +9,8 @@ from tests.campaign.synthetic import Watch
 from tests.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl import api
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
-from wmr_ctrl.report.page import Facts
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.report.report_page import Facts
 
 
 def never(*_args: object) -> None:
@@ -21,7 +21,7 @@ def never(*_args: object) -> None:
 def idle(monkeypatch):
     """Nothing may be compiled or run."""
     monkeypatch.setattr(api, "compile_law", never)
-    monkeypatch.setattr("wmr_ctrl.campaign.engine.build_loop", never)
+    monkeypatch.setattr("wmr_ctrl.simulation.campaign.engine.build_loop", never)
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ def test_without_the_extra_the_rigid_body_is_refused_before_anything_runs(tmp_pa
     def absent(name):
         raise ImportError(name)
 
-    monkeypatch.setattr("wmr_ctrl.physics.rigid.import_module", absent)
+    monkeypatch.setattr("wmr_ctrl.simulation.physics.rigid.import_module", absent)
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
         api.reproduce(tmp_path / "new", with_physics=True)
     line = ("reproduce", "--quick", "--with-physics", "--out", str(tmp_path / "new"))
@@ -96,7 +96,7 @@ def test_quick_takes_three_seeds_and_progress_ends_every_phase(tmp_path):
 
 
 def test_quick_does_not_compare_the_graphs_with_the_ledger(monkeypatch):
-    monkeypatch.setattr("wmr_ctrl.proofs.runner.stale_entries", lambda: ("an.entry",))
+    monkeypatch.setattr("wmr_proofs.runner.stale_entries", lambda: ("an.entry",))
 
     assert api._facts((), quick=True).stale is None
     assert api._facts((), quick=False).stale == ("an.entry",)
@@ -109,7 +109,7 @@ def test_the_verdicts_are_the_committed_ones_with_one_seed_too(tmp_path, monkeyp
 
     tests/proofs compares the graphs with the ledger.
     """
-    monkeypatch.setattr("wmr_ctrl.proofs.runner.stale_entries", list)
+    monkeypatch.setattr("wmr_proofs.runner.stale_entries", list)
     verdicts = api.reproduce(tmp_path / "out", seeds=1)
 
     assert verdicts.changed == ()

@@ -7,13 +7,13 @@ import re
 
 import pytest
 
-from wmr_ctrl.campaign import Campaign
-from wmr_ctrl.campaign.plan import PlannedCase
-from wmr_ctrl.campaign.rigid import AS_PRINTED, COMPARED, E1, E1_BEFORE, LIMITED
-from wmr_ctrl.report.page import report_environment
+from wmr_ctrl.report.report_page import report_environment
 from wmr_ctrl.report.rigid_section import RigidSection, rigid_figures
 from wmr_ctrl.report.write import write_runs
 from wmr_ctrl.results.table import table_of_rows
+from wmr_ctrl.simulation.campaign import Campaign
+from wmr_ctrl.simulation.campaign.plan import PlannedCase
+from wmr_ctrl.simulation.campaign.rigid import AS_PRINTED, COMPARED, E1, E1_BEFORE, LIMITED
 
 
 def row(name, law, plant, seed=0, **values):

@@ -15,17 +15,17 @@ from tests.campaign.synthetic import Watch, made_up
 from tests.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
-from wmr_ctrl.campaign.engine import run_campaign
-from wmr_ctrl.campaign.paper import paper_plan
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.report.claims import Evidence, Verdict, judge_all
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report.comparison_figures import comparison_figures
 from wmr_ctrl.report.guard_section import GuardSection
-from wmr_ctrl.report.page import Facts, Reproduction, report_environment
+from wmr_ctrl.report.paper_claims import Evidence, Verdict, judge_all
 from wmr_ctrl.report.paper_figures import PANELS
+from wmr_ctrl.report.report_page import Facts, Reproduction, report_environment
 from wmr_ctrl.report.tables import least, scenario_table
 from wmr_ctrl.report.write import FILES, all_drawings, write_reproduction
-from wmr_ctrl.scenario import load_scenario, to_toml
+from wmr_ctrl.simulation.campaign.engine import run_campaign
+from wmr_ctrl.simulation.campaign.paper_runs import paper_plan
+from wmr_ctrl.world.scenario import load_scenario, to_toml
 
 PNG = b"\x89PNG"
 PAST = ("ours_violations", "ours_position", "ours_ise_period", "ours_ise_torque")

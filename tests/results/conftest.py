@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from wmr_ctrl.core.signals import LOG_HEAD, Signal
 from wmr_ctrl.results import Monitor, Run, Settings, outcome_of
-from wmr_ctrl.signals import LOG_HEAD, Signal
 
 
 def build(

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.results import Run, atomic_path, atomic_text, check_writable, write_all
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.formats import save_run

@@ -11,12 +11,13 @@ from click.testing import CliRunner
 
 from tests.results.conftest import build
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
 
 pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 
+from wmr_ctrl.core.signals import COMMAND
 from wmr_ctrl.results.bag import (
     JOINTS,
     ODOMETRY,
@@ -29,7 +30,6 @@ from wmr_ctrl.results.bag import (
 )
 from wmr_ctrl.results.bag_topics import read_topics
 from wmr_ctrl.results.formats import load_run
-from wmr_ctrl.signals import COMMAND
 
 TYPES = message_types().types
 EPOCH = 1_700_000_000

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.results.compare import ColumnDifference, Comparison, compare
-from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]
 STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")

@@ -17,13 +17,13 @@ from tests.results.test_bags import EPOCH, JOINTS, ODOMETRY, TWIST, bag, joints,
 from wmr_ctrl import RecordedDrive, compare, identify, load_drive, load_run
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import drive_text
-from wmr_ctrl.errors import ArgumentError, ResultFileError, UnknownNameError, WmrError
-from wmr_ctrl.logs.log import read_log
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError, UnknownNameError, WmrError
+from wmr_ctrl.core.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY
+from wmr_ctrl.identification.logs.log import read_log
 from wmr_ctrl.report.plot_runs import page_of
 from wmr_ctrl.report.scene import scene_of_drives
 from wmr_ctrl.results.bag_topics import read_topics
 from wmr_ctrl.results.drive import UNITS, drive_of
-from wmr_ctrl.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY
 
 T = np.arange(0, 6, 0.1)
 

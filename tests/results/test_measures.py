@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.results.conftest import build
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.results.measures import (
     arrival,
@@ -22,7 +23,6 @@ from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
 from wmr_ctrl.results.remarks import CHATTER, HELD_BACK, OF_LIMIT
 from wmr_ctrl.results.verdicts import Outlook
 from wmr_ctrl.results.windows import covered, working
-from wmr_ctrl.signals import GUARD_DIAGNOSTICS
 
 
 def stopped(time: float | None) -> Monitor:

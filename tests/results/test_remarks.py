@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Monitor, Run, percent, position_rms, tracked
 from wmr_ctrl.results.measures import guard_share, position_max, torque_change_rms
 from wmr_ctrl.results.oscillation import oscillation
-from wmr_ctrl.signals import GUARD_DIAGNOSTICS
 
 MakeRun = Callable[..., Run]
 CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results import Monitor, Rises, Run, distance, rises
 from wmr_ctrl.results.measures import settling_time, weight_norm
-from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]
 STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.595, 2), "diverged")

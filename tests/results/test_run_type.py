@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from tests.equal_runs import runs_equal
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.signals import LOG_HEAD, Signal
 from wmr_ctrl.results import Monitor, Outcome, Run, Settings
-from wmr_ctrl.signals import LOG_HEAD, Signal
 
 MakeRun = Callable[..., Run]
 

@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tests.equal_runs import runs_equal
-from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results import Monitor, Run, load_run
 from wmr_ctrl.results.formats import save_run
-from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]
 SUFFIXES = [

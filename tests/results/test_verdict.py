@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import scenario_of, simulate, simulate_many
-from wmr_ctrl.checks.outlook import CheckVerdict, outlook, verdict
 from wmr_ctrl.results import Run, tracked
 from wmr_ctrl.results.measures import saturated_share, torque_needed_rms, tracking
 from wmr_ctrl.results.oscillation import KEPT, SLOWEST, fast_swing_rms, oscillation
+from wmr_ctrl.theory.checks.outlook import CheckVerdict, outlook, verdict
 
 MakeRun = Callable[..., Run]
 PATH = {

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.ros2.c_node import LINKED, NAME, node_settings, write_node
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 AT_ONCE = 3

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import simulate
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import MEASURED, POSE
 from wmr_ctrl.ros2.compiled_system import CompiledSystem
 from wmr_ctrl.ros2.drive_law import QUATERNION, heading
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.signals import MEASURED, POSE
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.model.system import Output, System, port
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import load_scenario
 
 THETA = MEASURED[2]
 START = 5_000_000_000

@@ -8,10 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.ros2.c_node import GIVEN, NodeSettings, node_files, node_settings
 from wmr_ctrl.ros2.parameters import FILTER
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
 WORDS = {"stamped": "true", "odometry": "watched", "base_frame": "base_link", "trigger": "timer"}

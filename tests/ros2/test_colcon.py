@@ -14,7 +14,7 @@ from tests.ros2.conftest import OVER_DDS, ROOT, with_python
 from tests.ros2.test_node import SCENARIO
 from wmr_ctrl.ros2.c_node import NAME, write_node
 from wmr_ctrl.ros2.parameters import DRIVE, FILTER
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 PACKAGE = ROOT / "ros" / "wmr_ctrl_ros"
 TABLES = {"filter": FILTER, "drive": DRIVE}

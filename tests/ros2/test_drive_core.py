@@ -6,9 +6,9 @@ import math
 
 import pytest
 
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Moment
 from wmr_ctrl.ros2.drive_core import (
     ARRIVED,
@@ -22,7 +22,7 @@ from wmr_ctrl.ros2.drive_core import (
     DriveCore,
     DriveSettings,
 )
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 MS = 1_000_000
 TICK = 20 * MS

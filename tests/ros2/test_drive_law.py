@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from tests.filter.test_laws_behind import scenario
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.core.signals import SAMPLE
 from wmr_ctrl.ros2.clocks import Moment
 from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
 from wmr_ctrl.ros2.drive_law import DesiredMotion, heading
-from wmr_ctrl.signals import SAMPLE
 
 DRAWS = 300
 

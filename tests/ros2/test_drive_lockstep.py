@@ -7,12 +7,12 @@ import pytest
 
 from tests.ros2.lockstep import BASES, CARRIED, COMMON, messages, sent_by
 from wmr_ctrl import simulate
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter.gate import GateSettings
 from wmr_ctrl.ros2.clocks import Moment
 from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
-from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import load_scenario
 
 WIDE = GateSettings(
     odometry="required", command_timeout=0.1, rise=(1e6, 1e6), fall=(1e6, 1e6), excess=(1.0, 1.0)

@@ -8,7 +8,7 @@ import pytest
 from tests.ros2.conftest import OVER_DDS, SLACK, TICK, Job, bar
 from tests.ros2.lockstep import BASES, COMMON, carried_run, messages, sent_by
 from tests.ros2.test_node import words_of
-from wmr_ctrl.scenario import load_scenario, to_toml
+from wmr_ctrl.world.scenario import load_scenario, to_toml
 
 pytestmark = [pytest.mark.slow, OVER_DDS]
 

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.filter.gate import GateSettings
 from wmr_ctrl.ros2.clocks import Moment
 from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
 from wmr_ctrl.ros2.filter_core import FilterCore
-from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 MS = 1_000_000
 EVENTS = 2_000

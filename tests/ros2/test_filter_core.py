@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Clocks, Moment
 from wmr_ctrl.ros2.diagnosis import ERROR, OK, WARN, judged, rivals, two_senders
 from wmr_ctrl.ros2.filter_core import FilterCore
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 MS = 1_000_000
 TICK = 20 * MS

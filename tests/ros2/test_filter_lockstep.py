@@ -10,10 +10,10 @@ import pytest
 
 from tests.ros2.conftest import OVER_DDS, in_both
 from tests.ros2.lockstep import BASES, COMMON, SMALL, carried_run, messages, sent_by
-from wmr_ctrl.filter.gate import gate_system
+from wmr_ctrl.control.filter.gate import gate_system
 from wmr_ctrl.ros2.c_node import node_settings
 from wmr_ctrl.ros2.compiled_system import Gate
-from wmr_ctrl.scenario import load_scenario, to_toml
+from wmr_ctrl.world.scenario import load_scenario, to_toml
 
 COMPILED = (
     "trigger=command", "command_timeout=60.0", "odometry_timeout=60.0", "rise=[1e6, 1e6]",

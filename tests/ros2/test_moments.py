@@ -8,10 +8,10 @@ import re
 import pytest
 
 from tests.ros2.test_drive_core import CIRCLE, core_of
-from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Clocks, Moment, longest_pause
 from wmr_ctrl.ros2.filter_core import core_files
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario
 
 MS = 1_000_000
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmr_ctrl.errors import ScenarioError, WmrError
-from wmr_ctrl.fields.section import build
-from wmr_ctrl.scenario import Scenario, load_scenario, loads_scenario
-from wmr_ctrl.scenario.command_filter import Filter
+from wmr_ctrl.core.errors import ScenarioError, WmrError
+from wmr_ctrl.core.fields.section import build
+from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario
+from wmr_ctrl.world.scenario.command_filter import Filter
 
 TWO_CHANGES = "[[changes]]\nt = 40.0\nm = 60.0\n[[changes]]\n"
 POINTS = "[reference]\nkind = 'waypoints'\npoints = "

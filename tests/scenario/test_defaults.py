@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from wmr_ctrl.fields.section import REQUIRED, Section, quantities
-from wmr_ctrl.fields.values import Quantity
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.kinematics import KinematicGains
-from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.scenario.sections import Change
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.core.fields.section import REQUIRED, Section, quantities
+from wmr_ctrl.core.fields.values import Quantity
+from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario.sections import Change
 
 LIST = Path(__file__).with_name("keys.txt")
 

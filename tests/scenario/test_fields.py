@@ -8,14 +8,14 @@ from dataclasses import FrozenInstanceError, fields
 import numpy as np
 import pytest
 
-from wmr_ctrl.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.fields.problems import UnknownKeyError
-from wmr_ctrl.fields.section import build, quantity
-from wmr_ctrl.fields.values import Frozen
-from wmr_ctrl.scenario import Change, Robot, Scenario, Section
-from wmr_ctrl.scenario.scenario import SECTIONS
-from wmr_ctrl.scenario.sections import Limits
+from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.core.fields.problems import UnknownKeyError
+from wmr_ctrl.core.fields.section import build, quantity
+from wmr_ctrl.core.fields.values import Frozen
 from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.scenario import Change, Robot, Scenario, Section
+from wmr_ctrl.world.scenario.scenario import SECTIONS
+from wmr_ctrl.world.scenario.sections import Limits
 
 KINDS = [kind.section for kind in REFERENCES.values()]
 

@@ -12,15 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wmr_ctrl
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.orientation import ORIENTATIONS, inward, outward
-from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward, outward
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.core.signals import POSE
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.results.compare import compare
-from wmr_ctrl.scenario import from_dict, load_scenario, override, scenario_dict, to_toml
-from wmr_ctrl.scenario.toml_io import loads_scenario
-from wmr_ctrl.signals import POSE
-from wmr_ctrl.sim.runnable import _stated
+from wmr_ctrl.simulation.runnable import _stated
+from wmr_ctrl.world.scenario import from_dict, load_scenario, override, scenario_dict, to_toml
+from wmr_ctrl.world.scenario.toml_io import loads_scenario
 
 angles = st.floats(-1e6, 1e6)
 HEADED = """
@@ -65,7 +65,7 @@ def test_along_x_is_the_papers_minus_a_quarter_turn():
 
 
 def test_every_orientation_of_a_scenario_is_declared_and_no_other_angle():
-    known = {**wmr_ctrl.scenario.scenario.sections(), "reference": type(headed().reference)}
+    known = {**wmr_ctrl.world.scenario.scenario.sections(), "reference": type(headed().reference)}
     turned = {
         f"{key}.{name}" for key, part in known.items() for name, what in quantities(part)
         if what.orientation

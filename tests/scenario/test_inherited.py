@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import inherited, load_scenario, loads_scenario, override, to_toml
-from wmr_ctrl.scenario.toml_io import KIND, OF_A_ROBOT, preset_names
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import inherited, load_scenario, loads_scenario, override, to_toml
+from wmr_ctrl.world.scenario.toml_io import KIND, OF_A_ROBOT, preset_names
 
 
 def keys(path, overrides=None):

@@ -8,10 +8,10 @@ import re
 import numpy as np
 import pytest
 
-from wmr_ctrl.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.scenario import Change, Robot, load_scenario, override, parse_assignments
-from wmr_ctrl.scenario.raw import parse_key, parse_value
+from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.world.references import Circle, Line, Waypoints
+from wmr_ctrl.world.scenario import Change, Robot, load_scenario, override, parse_assignments
+from wmr_ctrl.world.scenario.raw import parse_key, parse_value
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.prox import guide
-from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 LIST = Path(__file__).with_name("presets.txt")
 ON_THE_MARKET = ("turtlebot3-burger", "turtlebot3-waffle", "irobot-create3", "clearpath-husky",
@@ -34,7 +34,7 @@ def tables(place: str, content: dict[str, object]) -> Iterator[str]:
 
 def listed() -> Iterator[str]:
     for name in preset_names():
-        text = (files("wmr_ctrl.scenario") / "presets" / f"{name}.toml").read_text("utf-8")
+        text = (files("wmr_ctrl.world.scenario") / "presets" / f"{name}.toml").read_text("utf-8")
         yield from tables(name, {k: v for k, v in tomllib.loads(text).items() if k != "title"})
 
 

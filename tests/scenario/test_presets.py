@@ -7,8 +7,9 @@ import pickle
 
 import pytest
 
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.scenario import (
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.world.references import Circle, Line
+from wmr_ctrl.world.scenario import (
     Change,
     Scenario,
     from_dict,
@@ -19,7 +20,6 @@ from wmr_ctrl.scenario import (
     scenario_dict,
     to_toml,
 )
-from wmr_ctrl.world.references import Circle, Line
 
 NAMES = (
     "paper-experiment",

@@ -9,8 +9,18 @@ import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import (
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.references import (
+    REFERENCES,
+    Circle,
+    Lemniscate,
+    Line,
+    RoundedSquare,
+    StopAndGo,
+    Waypoints,
+)
+from wmr_ctrl.world.registry import Actuator, Disturbance, Sensor
+from wmr_ctrl.world.scenario import (
     Change,
     Model,
     Robot,
@@ -25,18 +35,8 @@ from wmr_ctrl.scenario import (
     title_of,
     to_toml,
 )
-from wmr_ctrl.scenario.scenario import SECTIONS
-from wmr_ctrl.scenario.sections import Clock, Metrics
-from wmr_ctrl.world.references import (
-    REFERENCES,
-    Circle,
-    Lemniscate,
-    Line,
-    RoundedSquare,
-    StopAndGo,
-    Waypoints,
-)
-from wmr_ctrl.world.registry import Actuator, Disturbance, Sensor
+from wmr_ctrl.world.scenario.scenario import SECTIONS
+from wmr_ctrl.world.scenario.sections import Clock, Metrics
 
 FULL = Scenario(
     title='odd "title" with = and # and é',

@@ -6,16 +6,16 @@ import math
 
 import pytest
 
-from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.fields.units import OTHERS, USUAL, is_usual
-from wmr_ctrl.fmi.units import unit_of
-from wmr_ctrl.scenario import load_scenario, preset_names
-from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.scenario.units import unit_questions
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.core.fields.units import OTHERS, USUAL, is_usual
+from wmr_ctrl.export.fmi.units import unit_of
+from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.scenario import load_scenario, preset_names
+from wmr_ctrl.world.scenario.scenario import sections
+from wmr_ctrl.world.scenario.units import unit_questions
 
 LINE = {"reference.kind": "line"}
 SLIPS = {

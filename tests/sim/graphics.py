@@ -8,7 +8,7 @@ from pathlib import Path
 
 from filelock import FileLock
 
-from wmr_ctrl.sim.gpu import Arrays, Batch, Defines
+from wmr_ctrl.simulation.gpu import Arrays, Batch, Defines
 
 PRELUDE = """\
 #define __global__

@@ -16,14 +16,14 @@ from wmr_ctrl.api import compile_loop, scenario_of, simulate, simulate_many, sim
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.codegen.toolchain import Unit
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor, split_columns
 from wmr_ctrl.results.frames import summary
 from wmr_ctrl.results.windows import windows_of
-from wmr_ctrl.sim.batch import run_logged, run_tasks
-from wmr_ctrl.sim.memory import Task, aligned, laid_out
-from wmr_ctrl.sim.memory import vector_sets as usable
+from wmr_ctrl.simulation.batch import run_logged, run_tasks
+from wmr_ctrl.simulation.memory import Task, aligned, laid_out
+from wmr_ctrl.simulation.memory import vector_sets as usable
 
 Columns = dict[str, np.ndarray]
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}

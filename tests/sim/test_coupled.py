@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from wmr_ctrl.engines import runnable
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.coupled import Coupled
+from wmr_ctrl.simulation.coupled import Coupled
+from wmr_ctrl.simulation.engines import runnable
+from wmr_ctrl.world.scenario import load_scenario
 
 LATE = {"clock.duration": 2.0, "actuator.delay": 0.02, "sensor.velocity_noise": [0.02, 0.03]}
 NAN, INF = math.nan, math.inf

@@ -20,17 +20,17 @@ from tests.matrix import headed, turns
 from tests.sim.graphics import COMPILER, Stand
 from wmr_ctrl import simulate_many, simulate_runs, study
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.campaign.plan import PlannedCase
-from wmr_ctrl.campaign.study_chunks import StudyChunk, chunk_rows
-from wmr_ctrl.campaign.study_run import _told
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.engines import check_device, runnable
-from wmr_ctrl.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.sim import gpu
-from wmr_ctrl.sim.batch import run_tasks
-from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.simulation import gpu
+from wmr_ctrl.simulation.batch import run_tasks
+from wmr_ctrl.simulation.campaign.plan import PlannedCase
+from wmr_ctrl.simulation.campaign.study_chunks import StudyChunk, chunk_rows
+from wmr_ctrl.simulation.campaign.study_run import _told
+from wmr_ctrl.simulation.engines import check_device, runnable
+from wmr_ctrl.simulation.memory import Task
 
 SHORT = {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 3.3, "I": 0.03, "mu": 0.05}]}
 
@@ -43,7 +43,7 @@ def stand(
         pytest.skip("NOT RUN: no C++ compiler is there")
     made = Stand(Path(request.config.cache.mkdir("gpu")), most=3)
     monkeypatch.setattr(gpu, "processor", lambda: made)
-    monkeypatch.setattr("wmr_ctrl.engines.processor", lambda: made)
+    monkeypatch.setattr("wmr_ctrl.simulation.engines.processor", lambda: made)
     return made
 
 
@@ -121,7 +121,7 @@ def test_a_cancelled_launch_ends_and_leaves_nothing(
 def test_a_study_has_the_same_table_and_goes_on_after_an_interrupt(
     stand: Stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wmr_ctrl.campaign.study_run.GPU_CHUNK", 3)
+    monkeypatch.setattr("wmr_ctrl.simulation.campaign.study_run.GPU_CHUNK", 3)
     figures = ["violated", "position_rms"]
     plan = {**REAL, "guard": [False], "seeds": 4, "figures": figures, "chunk": 2}
     expected = study(plan, tmp_path / "cpu").table.read_bytes()

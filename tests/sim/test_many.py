@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import compile_loop, scenario_of, simulate
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.section import Section
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.context import LawContext
-from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.model.system import System
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.law import Law, Traits
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.results.frames import summary
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.sim.many import planned_tasks, tabulated
-from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.simulation.many import planned_tasks, tabulated
+from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.world.model.system import System
 
 SHORT = {"clock.duration": 4.0, "changes": []}
 

@@ -22,14 +22,14 @@ from wmr_ctrl.api import (
     export_fmu,
     simulate,
 )
-from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
+from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario, load_scenario, loads_scenario, preset_names
-from wmr_ctrl.signals import LARGEST
-from wmr_ctrl.sim.compiled_law import seconds_of
-from wmr_ctrl.sim.runnable import provenance, settings_of
+from wmr_ctrl.simulation.compiled_law import seconds_of
+from wmr_ctrl.simulation.runnable import provenance, settings_of
 from wmr_ctrl.world.registry import Disturbance
+from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario, preset_names
 
 CHANGES = [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}, {"t": 4.5, "m": 40.0, "I": 4.0, "mu": 0.05}]
 SHORT = {"clock.duration": 6.0, "changes": CHANGES}

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.oracle import simulate_oracle
-from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.signals import GUARD_DIAGNOSTICS, LOG_HEAD
+from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS, LOG_HEAD
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 KINEMATICS = {"k": (10.0, 5.0, 4.0)}
 GAINS: dict[str, dict[str, Any]] = {

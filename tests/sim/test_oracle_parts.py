@@ -13,10 +13,10 @@ from tests.oracle import actuator, noise
 from tests.oracle.plant import Plant, limited_force, plants, wheel_torques
 from tests.oracle.references import reference_of
 from tests.oracle.sensing import Sensors as OracleSensor
-from wmr_ctrl.scenario import Change, Robot
-from wmr_ctrl.scenario.sections import Clock
 from wmr_ctrl.world.references import Circle, Lemniscate, Line, RoundedSquare, StopAndGo, Waypoints
 from wmr_ctrl.world.registry import Actuator, Disturbance, Sensor
+from wmr_ctrl.world.scenario import Change, Robot
+from wmr_ctrl.world.scenario.sections import Clock
 
 # -- noise ----
 

@@ -7,7 +7,7 @@ import pytest
 
 from wmr_ctrl import simulate, simulate_many
 from wmr_ctrl.results.figures import FIGURES
-from wmr_ctrl.sim.figures import COLUMNS, EVENTS
+from wmr_ctrl.simulation.figures import COLUMNS, EVENTS
 
 SHORT = {"clock.duration": 4.0}
 

@@ -9,16 +9,16 @@ import pytest
 
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import Program, build_batch, numbers_of
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.engines import runnable_of
-from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.system import values
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.sim.many import later, planned_tasks, tabulated
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.simulation.engines import runnable_of
+from wmr_ctrl.simulation.many import later, planned_tasks, tabulated
+from wmr_ctrl.simulation.runnable import RunnableLoop
+from wmr_ctrl.world.model.system import values
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 BASES = {
     "plain": {},

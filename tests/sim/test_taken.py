@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import simulate_many, simulate_runs
-from wmr_ctrl.physics.run import figures_from_run
 from wmr_ctrl.results.figures import STATE
-from wmr_ctrl.sim.figures import COLUMNS
+from wmr_ctrl.simulation.figures import COLUMNS
+from wmr_ctrl.simulation.physics.run import figures_from_run
 
 
 @pytest.mark.parametrize(

@@ -15,14 +15,14 @@ import pytest
 from tests.matrix import headed, quick, turns
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.codegen.package import c_name, package_files, packaged
+from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.system import Port
-from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.signals import LARGEST, POSE, REFERENCE, VELOCITY, Signal
-from wmr_ctrl.simulink import kit_files
-from wmr_ctrl.simulink.kit import _parameter
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import LARGEST, POSE, REFERENCE, VELOCITY, Signal
+from wmr_ctrl.export.simulink import kit_files
+from wmr_ctrl.export.simulink.kit import _parameter
+from wmr_ctrl.world.model.system import Port
+from wmr_ctrl.world.scenario import load_scenario, override
 
 HERE = Path(__file__).parent
 SCENARIO = load_scenario("paper-simulation")

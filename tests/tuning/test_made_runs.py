@@ -12,9 +12,9 @@ import pytest
 
 from wmr_ctrl import tune
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.scenario import Model, load_scenario
-from wmr_ctrl.tuning import gains, judged
-from wmr_ctrl.tuning.search import Cost, TuningPlan
+from wmr_ctrl.simulation.tuning import gains, judged
+from wmr_ctrl.simulation.tuning.search import Cost, TuningPlan
+from wmr_ctrl.world.scenario import Model, load_scenario
 
 TOLD = {"robot.m": 55.0, "robot.I": 6.0, "model.m": 50.0, "model.I": 5.0, "model.mu": 0.07,
         "gains.mb.rho": [60.0, 20.0]}  # fmt: skip

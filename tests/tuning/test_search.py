@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import tune
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results.table import table_of_rows
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.tuning import gains
-from wmr_ctrl.tuning.gains import Tuning
-from wmr_ctrl.tuning.search import Cost, Search, Trials, TuningPlan
+from wmr_ctrl.simulation.tuning import gains
+from wmr_ctrl.simulation.tuning.gains import Tuning
+from wmr_ctrl.simulation.tuning.search import Cost, Search, Trials, TuningPlan
+from wmr_ctrl.world.scenario import load_scenario
 
 START = {"gains.mb.rho": (60.0, 20.0)}
 

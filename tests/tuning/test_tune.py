@@ -13,16 +13,16 @@ from click.testing import CliRunner
 
 import wmr_ctrl
 from wmr_ctrl.cli import root
-from wmr_ctrl.corridor import certified_corridor, find_corridor
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.registry import NAMES
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.results import tau_peak
 from wmr_ctrl.results.figures import FIGURES, Figure
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.tuning import judged, tunable
-from wmr_ctrl.tuning.gains import _costs, _start
-from wmr_ctrl.tuning.search import Cost, Search, TuningPlan
+from wmr_ctrl.simulation.tuning import judged, tunable
+from wmr_ctrl.simulation.tuning.gains import _costs, _start
+from wmr_ctrl.simulation.tuning.search import Cost, Search, TuningPlan
+from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
+from wmr_ctrl.world.scenario import load_scenario
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
 FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}

@@ -11,10 +11,10 @@ import numpy as np
 from wmr_ctrl.api import (
     scenario_of,
 )
-from wmr_ctrl.model.evaluate import evaluated
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound, Effect
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import Scenario
 
 Changes = Mapping[str, Any]
 Rows = list[dict[str, list[float]]]

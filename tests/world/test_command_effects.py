@@ -11,11 +11,11 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.model.evaluate import evaluated
-from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 BASE: Mapping[str, Any] = {
     "changes": [],

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references.point_files import read_points
 from wmr_ctrl.world.references.spline import simplified
 from wmr_ctrl.world.references.waypoints import Waypoints, waypoint_path
+from wmr_ctrl.world.scenario import load_scenario
 
 GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
 

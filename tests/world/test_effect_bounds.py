@@ -18,7 +18,6 @@ from tests.world.motion import (
     scenario,
 )
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.delay import delay_in_periods
 from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.gust import GUST
@@ -26,6 +25,7 @@ from wmr_ctrl.world.gyro import GYRO
 from wmr_ctrl.world.jitter import JITTER
 from wmr_ctrl.world.motor import MOTOR, largest_torque, stepped
 from wmr_ctrl.world.resistance import RESISTANCE
+from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.slope import SLOPE
 from wmr_ctrl.world.velocity_noise import build as velocity_noise
 from wmr_ctrl.world.wheels import WHEELS

@@ -20,11 +20,11 @@ from tests.world.motion import (
     rows,
     scenario,
 )
-from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.world.effect import Effect
 from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.gust import GUST
 from wmr_ctrl.world.jitter import JITTER
+from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.motor import MOTOR
 from wmr_ctrl.world.pose_delay import POSE_DELAY
 from wmr_ctrl.world.resistance import RESISTANCE

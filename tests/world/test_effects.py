@@ -22,9 +22,9 @@ from wmr_ctrl.api import (
 )
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.signals import TORQUE
 from wmr_ctrl.results import Run
-from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.world.effect import Bound, total
 
 TWINNED = ("lost poses", "untold delay", "lag that varies")

@@ -8,19 +8,19 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.model.system import NORMAL, System, draw, ports
-from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.signals import MEASURED_VELOCITY, Signal
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.signals import MEASURED_VELOCITY, Signal
 from wmr_ctrl.world.command_delay import COMMAND_DELAY
 from wmr_ctrl.world.command_jerk import build as jerk
 from wmr_ctrl.world.command_loss import COMMAND_LOSS
 from wmr_ctrl.world.effect import Bound, total
 from wmr_ctrl.world.grip import grip
+from wmr_ctrl.world.model.system import NORMAL, System, draw, ports
 from wmr_ctrl.world.push import build as push
 from wmr_ctrl.world.references import Waypoints, sample
 from wmr_ctrl.world.references.waypoints import waypoint_path
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.velocity_loss import build as held
 from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN
 

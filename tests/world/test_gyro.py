@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.gyro import GYRO
+from wmr_ctrl.world.scenario import load_scenario
 
 NUMBERS = {"gyro.enabled": True, "gyro.bias": 0.02, "gyro.noise": 0.3}
 

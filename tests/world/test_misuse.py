@@ -11,20 +11,20 @@ from click.testing import CliRunner
 
 from tests.world import toys
 from wmr_ctrl.api import compile_loop, export_fmu, scenario_of, simulate
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.stable_ranges import largest_period
-from wmr_ctrl.checks.surroundings import rounded_effects
 from wmr_ctrl.cli import root
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.fields import plugins
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import NORMAL, Output, Parameters, System, draw, port, ports
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import BODY_FORCE, REFERENCE, TIME, TORQUE, TORQUE_NOISE, Signal
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields import plugins
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import BODY_FORCE, REFERENCE, TIME, TORQUE, TORQUE_NOISE, Signal
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.stable_ranges import largest_period
+from wmr_ctrl.theory.checks.surroundings import rounded_effects
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.model.system import NORMAL, Output, Parameters, System, draw, port, ports
 from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Scenario
 
 SHORT = {"clock.duration": 0.3, "disturbance.truncate": 3.0}
 

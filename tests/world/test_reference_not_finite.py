@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.references.kind import MOST_SAMPLES, Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.registry import REFERENCES
 

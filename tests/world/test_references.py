@@ -12,10 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.scenario.sections import Clock
-from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.signals import REFERENCE
 from wmr_ctrl.world.references import (
     Circle,
     Lemniscate,
@@ -27,6 +25,8 @@ from wmr_ctrl.world.references import (
 )
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
+from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario.sections import Clock
 
 HOOK = ((0.0, 0.0), (1.0, 0.2), (2.0, 1.5), (1.0, 2.5), (-0.5, 2.0), (-1.0, 0.5))
 EIGHT = ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (1.0, -1.0), (0.0, 0.0), (-1.0, 1.0), (-2.0, 0.0))

@@ -6,10 +6,10 @@ import pytest
 
 from tests.matrix import quick
 from wmr_ctrl.api import scenario_of, simulate, simulate_many, simulate_runs
-from wmr_ctrl.campaign.comparison import BASES, FACTORS, OUR_LAWS, overrides_of
-from wmr_ctrl.checks import filter_facts, warnings_for
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.simulation.campaign.comparison import BASES, FACTORS, OUR_LAWS, overrides_of
+from wmr_ctrl.theory.checks import filter_facts, warnings_for
 from wmr_ctrl.world.encoder import ENCODER
 from wmr_ctrl.world.gyro import GYRO
 from wmr_ctrl.world.jitter import JITTER

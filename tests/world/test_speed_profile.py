@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import Scenario, load_scenario, loads_scenario
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.point_files import read_poses
 from wmr_ctrl.world.references.waypoints import profile_of
+from wmr_ctrl.world.scenario import Scenario, load_scenario, loads_scenario
 
 ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))
 FAST = {"speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}

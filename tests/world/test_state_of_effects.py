@@ -11,7 +11,7 @@ from fmpy import extract
 from tests.fmi.raw import OK, Fmu
 from tests.world.motion import LAW, TOGETHER, scenario
 from wmr_ctrl.api import export_fmu, simulate
-from wmr_ctrl.scenario import override
+from wmr_ctrl.world.scenario import override
 
 SET = {
     "encoder.counts": 600.0, "gyro.bias": 0.02, "gyro.noise": 0.003, "sensor.pose_dropout": 0.6,

@@ -9,14 +9,14 @@ import pytest
 
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.codegen.build import build_batch, build_loop
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.engines import runnable_of
-from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results.windows import windows_of
-from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.memory import Task, laid_out
-from wmr_ctrl.sim.memory import vector_sets as usable
+from wmr_ctrl.simulation.engines import runnable_of
+from wmr_ctrl.simulation.memory import Task, laid_out
+from wmr_ctrl.simulation.memory import vector_sets as usable
 from wmr_ctrl.world.references.registry import OURS
+from wmr_ctrl.world.scenario import load_scenario
 
 pytestmark = pytest.mark.usefixtures("every_set_of_instructions")
 Changes = Mapping[str, object]

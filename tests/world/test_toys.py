@@ -19,10 +19,10 @@ from wmr_ctrl.api import (
     simulate_runs,
 )
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.fields.problems import UnknownKeyError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields.problems import UnknownKeyError
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import loads_scenario, to_toml
+from wmr_ctrl.world.scenario import loads_scenario, to_toml
 
 SHORT = {"clock.duration": 1.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
 TOYS = {

@@ -9,21 +9,8 @@ import math
 
 import casadi as ca
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import (
-    NORMAL,
-    UNIFORM,
-    Output,
-    Parameters,
-    System,
-    draw,
-    outputs,
-    port,
-    ports,
-    stack,
-)
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import (
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import (
     BODY_FORCE,
     MEASURED_VELOCITY,
     PLANT_STATE,
@@ -35,7 +22,20 @@ from wmr_ctrl.signals import (
     Signal,
 )
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.model.system import (
+    NORMAL,
+    UNIFORM,
+    Output,
+    Parameters,
+    System,
+    draw,
+    outputs,
+    port,
+    ports,
+    stack,
+)
 from wmr_ctrl.world.references.kind import Reference, ReferenceKind
+from wmr_ctrl.world.scenario import Scenario
 
 OMEGA = MEASURED_VELOCITY[1]
 THETA = PLANT_STATE[2]

@@ -7,24 +7,25 @@ from math import inf
 from operator import attrgetter
 from typing import NamedTuple
 
-from wmr_ctrl import api, checks
-from wmr_ctrl.checks.budget import OverBudgetError, budget
-from wmr_ctrl.checks.outlook import IN_PART, OF_THEORY, CheckVerdict, verdict
-from wmr_ctrl.checks.sample_time import checked_by
-from wmr_ctrl.checks.surroundings import lost_samples, rounded_effects
-from wmr_ctrl.checks.torques import GRIP
+from wmr_ctrl import api
 from wmr_ctrl.cli import check_sentences
 from wmr_ctrl.cli.console import Progress, say, table, wrapped
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.corridor import Corridor, find_corridor
-from wmr_ctrl.errors import ArgumentError, CompilerError
-from wmr_ctrl.fields.units import rounded
+from wmr_ctrl.core.errors import ArgumentError, CompilerError
+from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.results import Run, driving, summary
 from wmr_ctrl.results.measures import guard_share, tracking
 from wmr_ctrl.results.remarks import Remark
-from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.scenario.toml_io import InheritedValue
+from wmr_ctrl.theory import checks
+from wmr_ctrl.theory.checks.budget import OverBudgetError, budget
+from wmr_ctrl.theory.checks.outlook import IN_PART, OF_THEORY, CheckVerdict, verdict
+from wmr_ctrl.theory.checks.sample_time import checked_by
+from wmr_ctrl.theory.checks.surroundings import lost_samples, rounded_effects
+from wmr_ctrl.theory.checks.torques import GRIP
+from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.grip import grip
+from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.scenario.toml_io import InheritedValue
 
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
@@ -71,7 +72,8 @@ def find_answers(
 ) -> Answers:
     """Answers for these laws; ``only``: as far as findings on this subject need them.
 
-    ``work``: the most for warnings, and for stable ranges, of a law (`wmr_ctrl.checks.budget`).
+    ``work``: the most for warnings, and for stable ranges, of a law
+    (`wmr_ctrl.theory.checks.budget`).
     """
     warned, stable, tubes, bare = {}, {}, {}, only == "corridor"
     with Progress("what theory says") as progress:

@@ -3,24 +3,24 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
-from wmr_ctrl.checks import Stability, filter_advice, filter_facts
-from wmr_ctrl.checks.velocity_base import hears
+from wmr_ctrl.control.guard.bounds import MASS_KEYS, SourcedNumber, assumption_sources
+from wmr_ctrl.control.guard.price import early_speed, speed_price
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.law import OwnKinematics
 from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.guard.bounds import MASS_KEYS, SourcedNumber, assumption_sources
-from wmr_ctrl.guard.price import early_speed, speed_price
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.law import OwnKinematics
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.results import Run, driving, percent, speeds, tracked
 from wmr_ctrl.results.measures import arrival, guard_share, tracking
-from wmr_ctrl.scenario import Scenario, override, parse_assignments, title_of
-from wmr_ctrl.scenario.command_filter import Filter
-from wmr_ctrl.scenario.sections import Guard
-from wmr_ctrl.scenario.toml_io import InheritedValue, stated_keys
+from wmr_ctrl.theory.checks import Stability, filter_advice, filter_facts
+from wmr_ctrl.theory.checks.velocity_base import hears
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import against
+from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title_of
+from wmr_ctrl.world.scenario.command_filter import Filter
+from wmr_ctrl.world.scenario.sections import Guard
+from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 TOLD = 1e-3

@@ -12,7 +12,7 @@ import click
 from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, table, wrapped, write_file
 from wmr_ctrl.cli.runs import animate_option, plot_option
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wmr_ctrl.results import Run
@@ -117,7 +117,7 @@ def _simulated(
     guard: bool | None,
 ) -> Iterator[Run]:
     from wmr_ctrl import api
-    from wmr_ctrl.laws.registry import LAWS
+    from wmr_ctrl.control.laws.registry import LAWS
 
     if len(sources) > 1:
         raise ArgumentError(

@@ -17,8 +17,8 @@ from typing import Any, Self
 
 import click
 
-from wmr_ctrl.errors import WmrError
-from wmr_ctrl.late_bound import late_bound
+from wmr_ctrl.core.errors import WmrError
+from wmr_ctrl.core.late_bound import late_bound
 
 DIFFERENCE, WRONG_INPUT, FMU_FAILED, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 3, 70, 130, 141
 """Exit codes."""

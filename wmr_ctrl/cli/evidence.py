@@ -99,7 +99,7 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     and so are the functions that an entry names. The exit code is 1 if a verdict differs from the
     committed one, and 3 if a proving package is missing, so that some entries are NOT_CHECKED.
     """
-    from wmr_ctrl.proofs.runner import run_export, run_prove
+    from wmr_proofs.runner import run_export, run_prove
 
     if folder is not None:
         run_export(Path(folder), only)
@@ -148,7 +148,7 @@ def linearize(
     and the largest stable period cover a whole period of the reference, or its worst point if it
     does not repeat.
     """
-    from wmr_ctrl.linear import report_linear
+    from wmr_ctrl.theory.linear import report_linear
 
     if plot:
         opt.check_folder(plot, "--plot")

@@ -13,8 +13,8 @@ from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import Progress, say
 
 if TYPE_CHECKING:
-    from wmr_ctrl.api_types import ExportOptions
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.export.api_types import ExportOptions
+    from wmr_ctrl.world.scenario import Scenario
 
 WITH_LAW = ("corridor", "closed-loop", "ssp", "simulink")
 WITHOUT_LAW = ("plant", "reference", "guard", "filter")
@@ -71,8 +71,8 @@ def export(
     The Simulink kit has an S-function of one law and a script that builds the loop.
     """
     from wmr_ctrl import api
-    from wmr_ctrl.laws.registry import LAWS
-    from wmr_ctrl.outputs import read_by
+    from wmr_ctrl.control.laws.registry import LAWS
+    from wmr_ctrl.export.outputs import read_by
 
     given = {name: value for name, value in options.items() if name in read_by(what)}
     if what in (*WITHOUT_LAW, *LAWS):
@@ -91,7 +91,7 @@ def export(
             say("note", str(warning.message))
     _ask_about_units(what, case)
     if what == "ssp":
-        from wmr_ctrl.fmi.ssp import has_conversions
+        from wmr_ctrl.export.fmi.ssp import has_conversions
 
         if has_conversions(paths[0]):
             text = "connections convert units, which FMPy reads but does not do: see docs/fmu.md."
@@ -103,7 +103,7 @@ def _note_idle(
 ) -> None:
     """Name keys without effect, but of a filter by itself, which any base may have."""
     from wmr_ctrl.codegen.package import FILTER
-    from wmr_ctrl.laws.registry import LAWS
+    from wmr_ctrl.control.laws.registry import LAWS
 
     own = what, law if what in WITH_LAW else None
     if what != FILTER:
@@ -114,7 +114,7 @@ def _note_idle(
 def _ask_about_units(what: str, case: Scenario) -> None:
     """Ask about a filter's numbers that look like another unit."""
     from wmr_ctrl.codegen.package import FILTER
-    from wmr_ctrl.filter.filter import filter_questions
+    from wmr_ctrl.control.filter.filter import filter_questions
 
     if what == FILTER:
         for question in filter_questions(case):
@@ -188,8 +188,8 @@ def codegen(
         )
     _note_idle(law, watched, case, scenario, assignments)
     if watched is not None:
-        from wmr_ctrl.corridor import corridor_monitor
         from wmr_ctrl.results import write_all
+        from wmr_ctrl.theory.corridor import corridor_monitor
 
         monitor = corridor_monitor(case, watched)
         paths = tuple(write_all(files_of(CORRIDOR, monitor, case), Path(out)))

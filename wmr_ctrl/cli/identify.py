@@ -81,7 +81,7 @@ def identify(
     """
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.results import atomic_text
-    from wmr_ctrl.scenario import parse_assignments
+    from wmr_ctrl.world.scenario import parse_assignments
 
     with Progress(f"identify {log}") as progress:
         result = identify_log(

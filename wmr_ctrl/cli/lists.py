@@ -12,7 +12,7 @@ from wmr_ctrl.cli.console import print_json, table, wrapped
 from wmr_ctrl.cli.options import command, json_option, load, set_option
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.world.scenario import Scenario
 
 Docs = dict[str, dict[str, tuple[Any, str, str]]]
 """Default, unit and meaning by law and gain."""
@@ -55,7 +55,7 @@ def scenarios(
     elif as_toml or complete or assignments:
         raise click.UsageError("--toml, --complete and --set need the NAME of a scenario.")
     else:
-        from wmr_ctrl.scenario import preset_titles
+        from wmr_ctrl.world.scenario import preset_titles
 
         _list([{"name": name, "title": title} for name, title in preset_titles().items()], as_json)
 
@@ -78,9 +78,9 @@ def _list(rows: list[dict[str, str]], as_json: bool) -> None:
 
 def reference_text(kind: str) -> str:
     """Description of a kind of reference, its fields with defaults, and a table to begin with."""
-    from wmr_ctrl.errors import UnknownNameError
-    from wmr_ctrl.scenario import quantities
+    from wmr_ctrl.core.errors import UnknownNameError
     from wmr_ctrl.world.references import REFERENCES
+    from wmr_ctrl.world.scenario import quantities
 
     if kind not in REFERENCES:
         raise UnknownNameError("kind of reference", kind, REFERENCES)
@@ -100,7 +100,7 @@ def reference_text(kind: str) -> str:
 
 
 def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...]) -> None:
-    from wmr_ctrl.scenario import scenario_dict, title_of, to_toml
+    from wmr_ctrl.world.scenario import scenario_dict, title_of, to_toml
 
     scenario = load(name, assignments)
     if as_json:
@@ -129,10 +129,10 @@ def _left_out(scenario: Scenario) -> str:
 
 def gains_docs() -> Docs:
     """Default, unit and meaning of every gain, by law; the kinematic loop's first."""
+    from wmr_ctrl.control.laws import LAWS
     from wmr_ctrl.control.setup import KINEMATICS
-    from wmr_ctrl.laws import LAWS
-    from wmr_ctrl.model.kinematics import KinematicGains
-    from wmr_ctrl.scenario import quantities
+    from wmr_ctrl.world.model.kinematics import KinematicGains
+    from wmr_ctrl.world.scenario import quantities
 
     tables: dict[str, type] = {KINEMATICS: KinematicGains}
     tables |= {law: LAWS[law].gains for law in LAWS}

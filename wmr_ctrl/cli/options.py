@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from wmr_ctrl.cli.console import say
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.values import SEED_END
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.values import SEED_END
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.world.scenario import Scenario
 
 SCENARIO = "paper-simulation"
 F = TypeVar("F", bound=Callable[..., object])
@@ -109,7 +109,7 @@ def laws_option(name: str, text: str) -> Callable[[F], F]:
 def _each_law(_: click.Context, __: click.Parameter, values: Sequence[str]) -> tuple[str, ...]:
     names = [name.strip() for value in values for name in value.split(",")]
     if "all" in names:
-        from wmr_ctrl.laws.registry import LAWS
+        from wmr_ctrl.control.laws.registry import LAWS
 
         names += LAWS
     return tuple(dict.fromkeys(name for name in names if name != "all"))
@@ -172,7 +172,7 @@ def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = No
     ``guard`` switches the velocity guard on or off; None leaves it as it is.
     """
     from wmr_ctrl.control.given import scenario_of
-    from wmr_ctrl.scenario import parse_assignments
+    from wmr_ctrl.world.scenario import parse_assignments
 
     return scenario_of(scenario, parse_assignments(assignments), guard)
 
@@ -182,8 +182,8 @@ def note_idle(
 ) -> None:
     """Name on stderr what the user states and these laws do not read."""
     from wmr_ctrl.cli.check_sentences import idle_by_user, unread_k
-    from wmr_ctrl.scenario import parse_assignments
-    from wmr_ctrl.scenario.toml_io import stated_keys
+    from wmr_ctrl.world.scenario import parse_assignments
+    from wmr_ctrl.world.scenario.toml_io import stated_keys
 
     if idle := idle_by_user(case, scenario, assignments, laws):
         say("note", f"without effect here: {', '.join(idle)}.")

@@ -19,8 +19,8 @@ from wmr_ctrl.cli.lists import laws, scenarios
 from wmr_ctrl.cli.options import debug_option
 from wmr_ctrl.cli.runs import cosim, run, show_saved
 from wmr_ctrl.cli.studies import study, tune
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.fields.files import one_command
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.version import __version__
 
 PROGRAM = "wmr-ctrl"

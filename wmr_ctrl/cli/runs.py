@@ -8,12 +8,12 @@ import click
 
 from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import FMU_FAILED, Progress, print_json, say, write_file
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.core.errors import UnknownNameError
 
 if TYPE_CHECKING:
-    from wmr_ctrl.api_types import CosimulationOptions
+    from wmr_ctrl.export.api_types import CosimulationOptions
     from wmr_ctrl.results import Run
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.world.scenario import Scenario
 
 save_option = opt.new_file("--out", "Save the run", *opt.RUNS)
 plot_option = opt.new_file("--plot", "Draw the run", *opt.PLOTS)
@@ -123,10 +123,10 @@ def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None
 
 def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str) -> Run:
     from wmr_ctrl import api
-    from wmr_ctrl.checks import grip_warnings, warnings_for
     from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.engines import check_plant
     from wmr_ctrl.results import NOT_CHECKED
+    from wmr_ctrl.simulation.engines import check_plant
+    from wmr_ctrl.theory.checks import grip_warnings, warnings_for
 
     if engine not in api.ENGINES:
         raise UnknownNameError("engine", engine, api.ENGINES)
@@ -226,8 +226,8 @@ def cosim(
     the call, and the exit code is 3; what was simulated until then is printed and saved as usual.
     """
     from wmr_ctrl import api
-    from wmr_ctrl.fmi.cosim.fitting import law_within
-    from wmr_ctrl.fmi.cosim.run import STAND_IN
+    from wmr_ctrl.export.cosim.fitting import law_within
+    from wmr_ctrl.export.cosim.run import STAND_IN
 
     case = opt.load(scenario, assignments, guard)
     file = options.get("controller")

@@ -10,10 +10,10 @@ import click
 
 from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, resumable, say, wrapped
-from wmr_ctrl.fields.values import SEED_END
+from wmr_ctrl.core.fields.values import SEED_END
 
 if TYPE_CHECKING:
-    from wmr_ctrl.tuning import Tuning
+    from wmr_ctrl.simulation.tuning import Tuning
 
 
 @opt.command(
@@ -58,8 +58,8 @@ def study(
     DIR` also writes the table by columns. If the guard refused every run, the exit code is 1.
     """
     if words[0] in ("plot", "parquet") and len(words) == 2:
-        from wmr_ctrl.campaign.study_store import write_columns
         from wmr_ctrl.report.study_figures import plot_study
+        from wmr_ctrl.simulation.campaign.study_store import write_columns
 
         draws = words[0] == "plot"
         with Progress("drawing" if draws else "writing", measured=False):
@@ -73,8 +73,8 @@ def study(
         raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`, or `parquet DIR`.")
     opt.check_folder(out, "--out")
     from wmr_ctrl import api
-    from wmr_ctrl.campaign.study_plan import load_plan
     from wmr_ctrl.cli.check_sentences import unread_k
+    from wmr_ctrl.simulation.campaign.study_plan import load_plan
 
     plan = load_plan(words[0])
     for text in plan.warnings:
@@ -184,8 +184,8 @@ def tune(
     and shows how they perform on test seeds and on references that were not used for training. An
     interrupted search continues when the command is repeated.
     """
-    from wmr_ctrl import tuning
-    from wmr_ctrl.tuning.search import trials_file
+    from wmr_ctrl.simulation import tuning
+    from wmr_ctrl.simulation.tuning.search import trials_file
 
     case = opt.load(scenario, assignments)
     opt.note_idle(case, scenario, assignments, [law])
@@ -214,8 +214,8 @@ def _text(better: Tuning) -> str:
     """Gains, the objective, and figures of the test seeds before and after."""
     import numpy as np
 
-    from wmr_ctrl.fields.units import length
-    from wmr_ctrl.tuning.search import CORRIDOR
+    from wmr_ctrl.core.fields.units import length
+    from wmr_ctrl.simulation.tuning.search import CORRIDOR
 
     first, last = better.objective
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]

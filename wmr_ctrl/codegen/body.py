@@ -21,7 +21,7 @@ from wmr_ctrl.codegen.items import (
     statements,
 )
 from wmr_ctrl.codegen.reroll import Place, fused, reroll, shared_rooms
-from wmr_ctrl.model.graph import SELECT, Graph
+from wmr_ctrl.world.model.graph import SELECT, Graph
 
 _STEP = "    "
 FEWEST = 4

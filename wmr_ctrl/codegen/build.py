@@ -22,13 +22,13 @@ from wmr_ctrl.codegen.emit import Kernel
 from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
-from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout, elements
 from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.errors import CompilerError
-from wmr_ctrl.model.system import values
-from wmr_ctrl.signals import PLANT_STATE, Signal
+from wmr_ctrl.core.compiled import CompiledLoop, LawLayout, LoopLayout, elements
+from wmr_ctrl.core.errors import CompilerError
+from wmr_ctrl.core.signals import PLANT_STATE, Signal
+from wmr_ctrl.world.model.system import values
 
 LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
 NATIVE = ("native.c", *LOOP)

@@ -29,7 +29,7 @@ from pathlib import Path
 import platformdirs
 from filelock import FileLock, Timeout
 
-from wmr_ctrl.errors import CacheError
+from wmr_ctrl.core.errors import CacheError
 
 log = logging.getLogger(__name__)
 

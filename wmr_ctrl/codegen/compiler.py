@@ -23,7 +23,7 @@ from pathlib import Path
 
 from wmr_ctrl.codegen.cache import STORAGE_REMEDY, cache_part
 from wmr_ctrl.codegen.resources import runtime_dir
-from wmr_ctrl.errors import CacheError, CompilerError
+from wmr_ctrl.core.errors import CacheError, CompilerError
 
 _PATIENCE = 0.2
 """Longest time until a thread notices that it shall stop [s]."""

@@ -15,8 +15,8 @@ import casadi as ca
 
 from wmr_ctrl.codegen.body import body
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
-from wmr_ctrl.model import graph as graphs
-from wmr_ctrl.model.graph import PARAMETERS, Graph, Node, Store
+from wmr_ctrl.world.model import graph as graphs
+from wmr_ctrl.world.model.graph import PARAMETERS, Graph, Node, Store
 
 QUALIFIERS = """\
 #ifndef WMR_KERNEL

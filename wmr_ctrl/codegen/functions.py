@@ -5,11 +5,11 @@ from pathlib import Path
 
 from wmr_ctrl.codegen.build import filled, program_of
 from wmr_ctrl.codegen.kernels import logged_kernels
-from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.loop import CLOCK
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.model.evaluate import InPlace
+from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.world.effect import Rate
+from wmr_ctrl.world.model.evaluate import InPlace
 
 
 @dataclass(frozen=True)

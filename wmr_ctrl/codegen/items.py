@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from wmr_ctrl.model.graph import SELECT, Graph, Store
+from wmr_ctrl.world.model.graph import SELECT, Graph, Store
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,17 +20,17 @@ from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import cached_definition
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.filter.filter import called_filter, derived_numbers
+from wmr_ctrl.control.filter.rounding_ranges import check_single_precision
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.fields.problems import printable
-from wmr_ctrl.filter.filter import called_filter, derived_numbers
-from wmr_ctrl.filter.rounding_ranges import check_single_precision
-from wmr_ctrl.model.system import Output, Port, System, stack
+from wmr_ctrl.core.fields.problems import printable
+from wmr_ctrl.core.signals import LARGEST, VELOCITY, Signal, places
 from wmr_ctrl.results import write_all
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LARGEST, VELOCITY, Signal, places
 from wmr_ctrl.world.encoder import ENCODER, MOVED, Encoder, reader
+from wmr_ctrl.world.model.system import Output, Port, System, stack
 from wmr_ctrl.world.references import Circle
+from wmr_ctrl.world.scenario import Scenario
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip

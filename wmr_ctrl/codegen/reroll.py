@@ -25,7 +25,7 @@ from wmr_ctrl.codegen.items import (
     computed,
     replaced,
 )
-from wmr_ctrl.model.graph import SELECT, Graph, Node
+from wmr_ctrl.world.model.graph import SELECT, Graph, Node
 
 SHORTEST = 8
 """Fewest elements that a loop is begun with."""

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from wmr_ctrl.errors import WmrError
+from wmr_ctrl.core.errors import WmrError
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 

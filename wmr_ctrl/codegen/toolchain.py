@@ -36,7 +36,7 @@ from wmr_ctrl.codegen.compiler import (
     library_suffix,
     run_command,
 )
-from wmr_ctrl.errors import CacheError, CompilerError
+from wmr_ctrl.core.errors import CacheError, CompilerError
 
 _INSTALL = (
     "Install one with `pip install ziglang` (or, on Debian and Ubuntu, `apt install gcc "

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario.sections import Limits
-from wmr_ctrl.signals import ASKED, TORQUE, VELOCITY
+from wmr_ctrl.core.signals import ASKED, TORQUE, VELOCITY
 from wmr_ctrl.world.encoder import MOVED
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario.sections import Limits
 
 Floats = NDArray[np.float64]
 

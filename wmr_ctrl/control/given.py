@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import TypeAlias
 
 from wmr_ctrl.control.setup import check_name, check_scenario
-from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.scenario.toml_io import naming_file
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario.toml_io import naming_file
 
 Overrides: TypeAlias = Mapping[str, object]
 """Values of a scenario's fields by key path, such as ``{"clock.control": 0.02}``."""

@@ -14,16 +14,11 @@ from typing import Any, cast
 import casadi as ca
 
 from wmr_ctrl.control.controller import watched_controller, wheel_limit
+from wmr_ctrl.control.laws.context import own_diagnostics
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.wiring import Named, Stream, Wiring, held_signals, pushes
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.laws.context import own_diagnostics
-from wmr_ctrl.model.dynamics import KEYS, plant, rk4_step
-from wmr_ctrl.model.kinematics import tracking_error
-from wmr_ctrl.model.system import Parameters, Port, System, port, stack, values
-from wmr_ctrl.results.measures import AT_LIMIT
-from wmr_ctrl.results.settings import admitted, stopping_force
-from wmr_ctrl.signals import (
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import (
     BODY_FORCE,
     COMMAND,
     DISTURBING,
@@ -41,7 +36,12 @@ from wmr_ctrl.signals import (
     VELOCITY,
     Signal,
 )
+from wmr_ctrl.results.measures import AT_LIMIT
+from wmr_ctrl.results.settings import admitted, stopping_force
 from wmr_ctrl.world.effect import EffectRole, Rate
+from wmr_ctrl.world.model.dynamics import KEYS, plant, rk4_step
+from wmr_ctrl.world.model.kinematics import tracking_error
+from wmr_ctrl.world.model.system import Parameters, Port, System, port, stack, values
 from wmr_ctrl.world.phases import demanded
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.speed_loop import EXERTED

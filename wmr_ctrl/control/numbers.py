@@ -10,18 +10,18 @@ import math
 from collections.abc import Hashable, Iterable
 from dataclasses import fields
 
+from wmr_ctrl.control.guard.bounds import LATENESS
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import KINEMATICS, Setup
-from wmr_ctrl.fields.section import Section, quantities
-from wmr_ctrl.fields.values import Range as Admitted
-from wmr_ctrl.guard.bounds import LATENESS
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.model.kinematics import KinematicGains
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.signals import LARGEST
+from wmr_ctrl.core.fields.section import Section, quantities
+from wmr_ctrl.core.fields.values import Range as Admitted
+from wmr_ctrl.core.signals import LARGEST
+from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.scenario import sections
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 

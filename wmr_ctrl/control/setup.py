@@ -8,31 +8,37 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import TypeVar
 
-from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
-from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
-from wmr_ctrl.filter.filter import derived_numbers
-from wmr_ctrl.filter.hypotheses import check_velocity_base
-from wmr_ctrl.guard.bounds import GuardNumbers, assumptions, derived_guard
-from wmr_ctrl.guard.contradictions import (
+from wmr_ctrl.control.filter.filter import derived_numbers
+from wmr_ctrl.control.filter.hypotheses import check_velocity_base
+from wmr_ctrl.control.guard.bounds import GuardNumbers, assumptions, derived_guard
+from wmr_ctrl.control.guard.contradictions import (
     Contradiction,
     beyond_belief,
     contradictions,
     refuse_contradictions,
 )
-from wmr_ctrl.guard.price import speed_price
-from wmr_ctrl.guard.refusals import feasible_guard
-from wmr_ctrl.laws.law import Law, OwnKinematics, Predicting, TorqueLimited, commands_predicted
-from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.model.kinematics import KinematicGains
+from wmr_ctrl.control.guard.price import speed_price
+from wmr_ctrl.control.guard.refusals import feasible_guard
+from wmr_ctrl.control.laws.law import (
+    Law,
+    OwnKinematics,
+    Predicting,
+    TorqueLimited,
+    commands_predicted,
+)
+from wmr_ctrl.control.laws.registry import LAWS
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.core.fields.section import Section, build, number_of, numbers_in
+from wmr_ctrl.core.signals import COMMAND, TORQUE, Signal
 from wmr_ctrl.results import Assumptions
-from wmr_ctrl.scenario import Scenario, override, preset_names
-from wmr_ctrl.scenario.units import asking_about_units
-from wmr_ctrl.signals import COMMAND, TORQUE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
 from wmr_ctrl.world.grip import grip
+from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.references.kind import check_finite
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Scenario, override, preset_names
+from wmr_ctrl.world.scenario.units import asking_about_units
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 KINEMATICS = "kinematics"

@@ -18,15 +18,22 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl import signals
 from wmr_ctrl.control.applied import followed
+from wmr_ctrl.control.filter.channels import (
+    BOUNDS_LEFT,
+    FLAGS,
+    SENT,
+    has_bit,
+    usable_command,
+    within,
+)
+from wmr_ctrl.control.filter.filter import filter_system
+from wmr_ctrl.control.filter.governor_step import ODOMETRY
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, has_bit, usable_command, within
-from wmr_ctrl.filter.filter import filter_system
-from wmr_ctrl.filter.governor_step import ODOMETRY
-from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
-from wmr_ctrl.model.system import Output, Parameters, Port, System, outputs, port, stack
+from wmr_ctrl.core import signals
 from wmr_ctrl.world.delay import in_periods
+from wmr_ctrl.world.model.dynamics import force_to_wheel, friction, reduced_mass
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System, outputs, port, stack
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
 from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS

@@ -12,11 +12,11 @@ from typing import TypeAlias
 
 import casadi as ca
 
-from wmr_ctrl import signals
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.model.system import NORMAL, Draw, Parameters, Port, System, port, stack
+from wmr_ctrl.core import signals
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.world.effect import EffectRole, Rate
+from wmr_ctrl.world.model.system import NORMAL, Draw, Parameters, Port, System, port, stack
 
 Named: TypeAlias = dict[str, ca.SX]
 STREAMS = {"torque": 0, "pose": 1, "velocity": 2}

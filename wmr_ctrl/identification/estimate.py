@@ -24,6 +24,8 @@ from wmr_ctrl.identification.fit import (
     scored,
 )
 from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC, NAMES
+from wmr_ctrl.identification.logs.log import Floats
+from wmr_ctrl.identification.logs.samples import AxisLog, Samples, differenced, speeds, wheels
 from wmr_ctrl.identification.speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
 from wmr_ctrl.identification.widths import (
     PHYSICAL,
@@ -32,10 +34,8 @@ from wmr_ctrl.identification.widths import (
     plant_step,
     standard_errors,
 )
-from wmr_ctrl.logs.log import Floats
-from wmr_ctrl.logs.samples import AxisLog, Samples, differenced, speeds, wheels
-from wmr_ctrl.scenario import Scenario, from_dict, scenario_dict
-from wmr_ctrl.scenario.scenario import multiples
+from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
+from wmr_ctrl.world.scenario.scenario import multiples
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""

@@ -19,8 +19,8 @@ from wmr_ctrl.identification.kalman import (
     Events,
     PassResult,
 )
-from wmr_ctrl.logs.log import Floats
-from wmr_ctrl.logs.samples import LONGEST_DELAY, Samples
+from wmr_ctrl.identification.logs.log import Floats
+from wmr_ctrl.identification.logs.samples import LONGEST_DELAY, Samples
 
 START, PIECE_KIND, SKIPPED, COUNTED, WATCHED = range(5)
 LONGEST = 0.01

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.identification.bounds import (
     DETERMINED,
     LEAST_LATE,
@@ -38,18 +38,8 @@ from wmr_ctrl.identification.estimate import (
 from wmr_ctrl.identification.fit import COUNTED as MEASURED
 from wmr_ctrl.identification.fit import Fit, LogProblem
 from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
-from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
-from wmr_ctrl.identification.stated import (
-    LEAST_SEEN,
-    believed,
-    with_limits,
-    within_reach,
-    written,
-)
-from wmr_ctrl.identification.velocity_base import of_velocities
-from wmr_ctrl.identification.widths import intervals_of, standard_errors
-from wmr_ctrl.logs import lint
-from wmr_ctrl.logs.log import (
+from wmr_ctrl.identification.logs import lint
+from wmr_ctrl.identification.logs.log import (
     COMMAND,
     KNOWN,
     TORQUES,
@@ -60,11 +50,21 @@ from wmr_ctrl.logs.log import (
     with_counts,
     with_torques,
 )
-from wmr_ctrl.logs.samples import Samples, held_speeds, motion_of
+from wmr_ctrl.identification.logs.samples import Samples, held_speeds, motion_of
+from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
+from wmr_ctrl.identification.stated import (
+    LEAST_SEEN,
+    believed,
+    with_limits,
+    within_reach,
+    written,
+)
+from wmr_ctrl.identification.velocity_base import of_velocities
+from wmr_ctrl.identification.widths import intervals_of, standard_errors
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.drive import RecordedDrive
-from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS, Encoder
+from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
 
 Progress = Callable[[float], None]

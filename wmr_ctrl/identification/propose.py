@@ -13,12 +13,14 @@ from itertools import product
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification.bounds import BaseIdentification, sizes, verdict
 from wmr_ctrl.identification.estimate import PHYSICAL
 from wmr_ctrl.identification.fit import Fit, LogProblem
 from wmr_ctrl.identification.identification import Identification
 from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC, NAMES, stepped
+from wmr_ctrl.identification.logs.log import Floats
+from wmr_ctrl.identification.logs.samples import AxisLog, Samples
 from wmr_ctrl.identification.speed_loop import (
     ORDER,
     PLACE,
@@ -29,12 +31,10 @@ from wmr_ctrl.identification.speed_loop import (
     whitener,
 )
 from wmr_ctrl.identification.velocity_base import VelocityIdentification
-from wmr_ctrl.logs.log import Floats
-from wmr_ctrl.logs.samples import AxisLog, Samples
-from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.evaluate import evaluated
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.lag import followed
+from wmr_ctrl.world.model.dynamics import force_to_wheel
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.scenario import Scenario
 
 TONES = (0.1, 0.25, 0.45, 0.7, 1.1, 1.6, 2.1)
 """Frequencies [Hz]: from turning about slowly to what delay and lag show in."""

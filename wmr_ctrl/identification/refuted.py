@@ -13,21 +13,21 @@ import casadi as ca
 import numpy as np
 from scipy.special import stdtrit
 
+from wmr_ctrl.control.guard.bounds import pair_of
+from wmr_ctrl.control.guard.guard import Bounds
+from wmr_ctrl.control.guard.monitor import least_push
+from wmr_ctrl.control.guard.price import speed_price
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import pair_of
-from wmr_ctrl.guard.guard import Bounds
-from wmr_ctrl.guard.monitor import least_push
-from wmr_ctrl.guard.price import speed_price
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.identification.bounds import UNITS, GuardBounds
 from wmr_ctrl.identification.estimate import cut_of, fitted_part
 from wmr_ctrl.identification.fit import COUNTED, LAG_LEAST, Fit, at_rest
 from wmr_ctrl.identification.kalman import BLOCKS, INDEX, NAMES
+from wmr_ctrl.identification.logs.log import Floats
+from wmr_ctrl.identification.logs.samples import Samples
 from wmr_ctrl.identification.widths import Fitted, changes, intervals_of
-from wmr_ctrl.logs.log import Floats
-from wmr_ctrl.logs.samples import Samples
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.encoder import rounded_by
+from wmr_ctrl.world.scenario import Scenario
 
 SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 """Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""

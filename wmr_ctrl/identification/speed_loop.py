@@ -22,15 +22,15 @@ import numpy as np
 
 from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import kernel
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.identification.fit import FINEST
 from wmr_ctrl.identification.kalman import BLOCKS
+from wmr_ctrl.identification.logs.log import Floats
+from wmr_ctrl.identification.logs.samples import LONGEST_DELAY, AxisLog
 from wmr_ctrl.identification.widths import FLOOR, errors_of
-from wmr_ctrl.logs.log import Floats
-from wmr_ctrl.logs.samples import LONGEST_DELAY, AxisLog
-from wmr_ctrl.model.dynamics import rk4_step
-from wmr_ctrl.model.system import System, port
-from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.command_ramp import moved
+from wmr_ctrl.world.model.dynamics import rk4_step
+from wmr_ctrl.world.model.system import System, port
 
 AXES = (1, 2)
 STEP = 0.01

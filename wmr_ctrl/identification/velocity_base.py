@@ -7,9 +7,9 @@ from itertools import product
 
 import numpy as np
 
+from wmr_ctrl.control.filter.peak_gain import PeakGain, peak_gains, pi_loop
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.filter.peak_gain import PeakGain, peak_gains, pi_loop
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.identification.bounds import (
     UNDETERMINED,
     BaseIdentification,
@@ -21,6 +21,9 @@ from wmr_ctrl.identification.bounds import (
     loop_remarks,
 )
 from wmr_ctrl.identification.estimate import bare_scenario, cut_of, loop_estimates, loop_score
+from wmr_ctrl.identification.logs.lint import check_following
+from wmr_ctrl.identification.logs.log import COMMAND, Floats, LogError
+from wmr_ctrl.identification.logs.samples import AxisLog, Samples, axis_log, shifted_gain
 from wmr_ctrl.identification.speed_loop import (
     AXES,
     LOOPS,
@@ -35,10 +38,7 @@ from wmr_ctrl.identification.speed_loop import (
     set_of,
 )
 from wmr_ctrl.identification.stated import rounded_down
-from wmr_ctrl.logs.lint import check_following
-from wmr_ctrl.logs.log import COMMAND, Floats, LogError
-from wmr_ctrl.logs.samples import AxisLog, Samples, axis_log, shifted_gain
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.world.scenario import Scenario, override
 
 LEAST_DRIVEN = 1e-3
 TRAINED = 4

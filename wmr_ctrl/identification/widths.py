@@ -9,8 +9,8 @@ from scipy.special import stdtrit
 
 from wmr_ctrl.identification.fit import Fit
 from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC
-from wmr_ctrl.logs.log import Floats
-from wmr_ctrl.logs.samples import AxisLog, Samples
+from wmr_ctrl.identification.logs.log import Floats
+from wmr_ctrl.identification.logs.samples import AxisLog, Samples
 
 PHYSICAL = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag")
 FLOOR = 2e-3

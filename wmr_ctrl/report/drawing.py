@@ -13,7 +13,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
 from wmr_ctrl.results import Floats, atomic_path, check_writable
 

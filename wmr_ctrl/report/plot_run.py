@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.report import course, drawing, style
 from wmr_ctrl.results import Floats, Run, e_rms, ise, tau_peak, tau_rms
 from wmr_ctrl.results.measures import heading_error, heading_rms

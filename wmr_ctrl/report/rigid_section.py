@@ -8,13 +8,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from wmr_ctrl.campaign import Campaign
-from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES, RigidClaim, rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.scenario import Scenario, loads_scenario
+from wmr_ctrl.simulation.campaign import Campaign
+from wmr_ctrl.simulation.campaign.rigid import (
+    AS_PRINTED,
+    E1,
+    RIGID_STUDIES,
+    RigidClaim,
+    rigid_claims,
+)
+from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
 ISE = "ise_total"
 FRAMES = 6

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
-from wmr_ctrl.fields.units import length
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward
+from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.report.course import Course, band, course_of, course_of_tube
 from wmr_ctrl.report.style import colours_of, driver
 from wmr_ctrl.results import Floats, Run

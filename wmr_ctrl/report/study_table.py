@@ -11,8 +11,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.campaign.study_store import counted_reasons
-from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.simulation.campaign.study_store import counted_reasons
 
 Floats = NDArray[np.float64]
 PlainPlan: TypeAlias = Mapping[str, Any]

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
-from wmr_ctrl.fields.files import note_input
-from wmr_ctrl.fields.orientation import outward
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.core.fields.files import note_input
+from wmr_ctrl.core.fields.orientation import outward
 from wmr_ctrl.results import drive
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.run import Floats, Run

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.results.bag import SECOND
 from wmr_ctrl.results.run import Floats
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.errors import ArgumentError, ResultFileError
-from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.orientation import theta_of
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.orientation import theta_of
 from wmr_ctrl.results import bag, drive
 from wmr_ctrl.results.bag_clocks import Topic, clocks_of
 from wmr_ctrl.results.formats import load_run

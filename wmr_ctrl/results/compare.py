@@ -9,9 +9,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.orientation import ORIENTATIONS, inward
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.results.drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive, drive_of
 from wmr_ctrl.results.run import Floats, Run
 

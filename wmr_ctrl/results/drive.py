@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from wmr_ctrl import signals
-from wmr_ctrl.errors import ArgumentError, ResultFileError, UnknownNameError
-from wmr_ctrl.fields.arguments import check_fields, checks_arguments
-from wmr_ctrl.fields.orientation import inward
-from wmr_ctrl.fields.problems import show
-from wmr_ctrl.late_bound import late_bound
+from wmr_ctrl.core import signals
+from wmr_ctrl.core.errors import ArgumentError, ResultFileError, UnknownNameError
+from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
+from wmr_ctrl.core.fields.orientation import inward
+from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.late_bound import late_bound
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.run import Floats, Run
-from wmr_ctrl.signals import Signal
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.fields.plugins import blamed, loaded
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.fields.plugins import blamed, loaded
 from wmr_ctrl.results import measures
 from wmr_ctrl.results.windows import BEFORE, LATE, WINDOWS, Span, named
 

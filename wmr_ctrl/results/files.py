@@ -8,8 +8,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.fields.files import note_output
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.core.fields.files import note_output
 
 _REMEDIES = {
     errno.EACCES: "Choose a folder that you may write to.",

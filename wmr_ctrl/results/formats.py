@@ -19,10 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.errors import MissingExtraError, ResultFileError, WmrError
-from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.files import note_input
-from wmr_ctrl.fields.values import may_unpack
+from wmr_ctrl.core.errors import MissingExtraError, ResultFileError, WmrError
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.files import note_input
+from wmr_ctrl.core.fields.values import may_unpack
+from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results.bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
 from wmr_ctrl.results.drive import NEVER
 from wmr_ctrl.results.files import atomic_write
@@ -30,7 +31,6 @@ from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.outcomes import Monitor, Outcome
 from wmr_ctrl.results.run import Floats, Run, split_columns
 from wmr_ctrl.results.settings import Settings
-from wmr_ctrl.signals import Signal
 
 _FORMAT = "wmr_ctrl run, version 1"
 _LABELS = ("scenario", "law", "guard", "seed", "engine")

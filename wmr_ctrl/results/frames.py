@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.core.errors import MissingExtraError
+from wmr_ctrl.core.signals import TIME
 from wmr_ctrl.results.figures import FIGURES, READINGS, values_of
 from wmr_ctrl.results.measures import tracked
 from wmr_ctrl.results.settings import COUNTED
 from wmr_ctrl.results.windows import driving
-from wmr_ctrl.signals import TIME
 
 if TYPE_CHECKING:
     import pandas

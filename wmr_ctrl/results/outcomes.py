@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results.settings import UNCOVERED, WIDER, Event
 
 DIVERGENCE = 1e3

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.fields.arguments import check_fields, checks_arguments
-from wmr_ctrl.late_bound import late_bound
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
+from wmr_ctrl.core.late_bound import late_bound
+from wmr_ctrl.core.signals import REFERENCE, TIME, Signal, places
 from wmr_ctrl.results.outcomes import Monitor, Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
-from wmr_ctrl.signals import REFERENCE, TIME, Signal, places
 
 if TYPE_CHECKING:
     import pandas

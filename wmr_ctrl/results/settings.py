@@ -8,8 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.orientation import PAPER
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.orientation import PAPER
 from wmr_ctrl.results.obstacles import Shape
 
 Pair: TypeAlias = tuple[float, float]

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.frames import figure, table_frame, table_html
 from wmr_ctrl.results.outcomes import Outcome

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from wmr_ctrl.fields.units import length
+from wmr_ctrl.core.fields.units import length
 
 
 @dataclass(frozen=True, slots=True)

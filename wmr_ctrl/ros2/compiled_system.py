@@ -11,9 +11,9 @@ from wmr_ctrl.codegen.kernels import controller_kernel
 from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
-from wmr_ctrl.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.control.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import Scenario
 
 VISIBLE = ("-fvisibility=default",)
 """The library is the kernel alone, which is called by its name."""
@@ -96,7 +96,7 @@ class Gate:
 
         Ages [s] are counted since a message was taken, negative: there is none; ``elapsed`` [s]
         since the last step, 0: the period.  ``stop`` latches zeros until ``reset``.  Flags: those
-        of `wmr_ctrl.filter.CommandFilter.step`, and "stopped", "no-command", "no-odometry",
+        of `wmr_ctrl.control.filter.CommandFilter.step`, and "stopped", "no-command", "no-odometry",
         "too-fast" (odometry contradicts the bounds: stopped), "ramped".
         """
         v, omega, bits = self._function.step(

@@ -10,10 +10,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from wmr_ctrl.control.filter.filter import STANDING
+from wmr_ctrl.control.filter.gate import Gated, GateSettings
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.errors import ScenarioError, WmrError
-from wmr_ctrl.filter.filter import STANDING
-from wmr_ctrl.filter.gate import Gated, GateSettings
+from wmr_ctrl.core.errors import ScenarioError, WmrError
 from wmr_ctrl.ros2.clocks import BACK, Clocks, Moment, longest_pause
 from wmr_ctrl.ros2.compiled_system import NONE, PAIR, Gate
 from wmr_ctrl.ros2.drive_law import DesiredMotion, DriveLaw, check_follows, path_motion

@@ -12,18 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import controller, unfiltered_controller
+from wmr_ctrl.control.filter.channels import SENT
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.orientation import theta_of
-from wmr_ctrl.filter.channels import SENT
-from wmr_ctrl.model.evaluate import evaluated
-from wmr_ctrl.model.kinematics import tracking_error
-from wmr_ctrl.model.system import Output, System, port, stack
-from wmr_ctrl.ros2.compiled_system import PAIR, CompiledSystem
-from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.signals import (
+from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.orientation import theta_of
+from wmr_ctrl.core.signals import (
     POSE,
     REFERENCE,
     SAMPLE,
@@ -33,9 +28,14 @@ from wmr_ctrl.signals import (
     VELOCITY,
     Signal,
 )
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.symbolic import ca
+from wmr_ctrl.ros2.compiled_system import PAIR, CompiledSystem
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.model.kinematics import tracking_error
+from wmr_ctrl.world.model.system import Output, System, port, stack
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.references.waypoints import Waypoints
+from wmr_ctrl.world.scenario import Scenario, override
 
 QUATERNION = Signal("quaternion", "1", "orientation (x, y, z, w), REP-103", 4)
 NEAR = Signal("theta_near", "rad", "orientation of the sample before")

@@ -5,15 +5,15 @@ from __future__ import annotations
 from nav_msgs.msg import Odometry, Path
 from std_msgs.msg import Float64MultiArray
 
+from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import WmrError
-from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
 from wmr_ctrl.ros2.graph import KEPT, LATEST, SURE
 from wmr_ctrl.ros2.node import SafeNode, guarded, stamp_of
 from wmr_ctrl.ros2.parameters import DRIVE, REFERENCES
 from wmr_ctrl.ros2.twists import command_kind, twist_message
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 SIDES = ("right", "left")
 """Order of the wheels in a law's torques."""

@@ -13,7 +13,7 @@ from wmr_ctrl.codegen.kernels import controller_kernel
 from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
-from wmr_ctrl.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
+from wmr_ctrl.control.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
 from wmr_ctrl.results.bag_topics import UNIT
 from wmr_ctrl.ros2.clocks import Clocks, Moment, longest_pause, named_happenings
 from wmr_ctrl.ros2.compiled_system import PAIR, VISIBLE
@@ -26,7 +26,7 @@ from wmr_ctrl.ros2.native import (
     in_ns,
     reason_words,
 )
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.scenario import Scenario
 
 _RETURNS: dict[str, type | None] = {
     **dict.fromkeys(("size", "see", "command", "odometry", "due", "overdue", "reset"), c_int64),

@@ -22,13 +22,13 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
-from wmr_ctrl.errors import WmrError
-from wmr_ctrl.filter.gate import Gated
+from wmr_ctrl.control.filter.gate import Gated
+from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.ros2 import diagnosis, graph
 from wmr_ctrl.ros2.clocks import Clocks, Moment
 from wmr_ctrl.ros2.graph import KEPT
 from wmr_ctrl.ros2.parameters import Declared, Table
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
 

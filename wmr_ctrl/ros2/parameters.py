@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from wmr_ctrl.filter.gate import ODOMETRY_USES
+from wmr_ctrl.control.filter.gate import ODOMETRY_USES
 
 Default: TypeAlias = str | float | bool | list[float] | list[str]
 

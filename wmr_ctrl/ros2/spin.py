@@ -14,7 +14,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.signals import SignalHandlerOptions
 
-from wmr_ctrl.errors import WmrError
+from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.ros2.node import Core, SafeNode
 
 LAST_ZERO = 1.0

@@ -3,11 +3,11 @@
 Source: firmware that does not let motors hum at rest.
 """
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Parameters, System, outputs, ports, stack
-from wmr_ctrl.signals import COMMAND
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import COMMAND
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.model.system import Parameters, System, outputs, ports, stack
 
 
 class CommandDeadBand(Section, key="base"):

@@ -4,14 +4,14 @@ Source: buses, radio and firmware.  The loop keeps the commands under way in its
 steps, the same that carries torques to late drives.
 """
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import Section
-from wmr_ctrl.fields.values import check_count
-from wmr_ctrl.model.system import Output, Parameters, System, ports
-from wmr_ctrl.signals import COMMAND
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import Section
+from wmr_ctrl.core.fields.values import check_count
+from wmr_ctrl.core.signals import COMMAND
 from wmr_ctrl.world.delay import queued
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.history import MOST_REMEMBERED
+from wmr_ctrl.world.model.system import Output, Parameters, System, ports
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 

@@ -16,11 +16,11 @@ from __future__ import annotations
 
 import math
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Parameters, System, outputs, port, ports, stack
-from wmr_ctrl.signals import COMMAND, LARGEST, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import COMMAND, LARGEST, Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.model.system import Parameters, System, outputs, port, ports, stack
 
 ROUNDED = Signal("v_rounded", "m/s, rad/s", "command behind the jerk limit", 2)
 RATE = Signal("v_rounded_rate", "m/s2, rad/s2", "rate of the command behind the jerk limit", 2)

@@ -6,12 +6,21 @@ in a row; a base that heard nothing for ``timeout`` takes 0 for its command unti
 
 import math
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
-from wmr_ctrl.signals import COMMAND, STEP, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import COMMAND, STEP, Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import ROUNDING, Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.jitter import whole
+from wmr_ctrl.world.model.system import (
+    UNIFORM,
+    Parameters,
+    System,
+    draw,
+    outputs,
+    port,
+    ports,
+    stack,
+)
 
 NUMBERS = Signal("command_loss", "1", "uniform numbers on [-1, 1) of a sample", 2)
 HEARD = Signal("v_heard", "m/s, rad/s", "last command that was not lost", 2)

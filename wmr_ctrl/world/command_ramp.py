@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.fields.units import rounded
-from wmr_ctrl.model.system import Parameters, System, outputs, port, ports, stack
-from wmr_ctrl.signals import COMMAND, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.fields.units import rounded
+from wmr_ctrl.core.signals import COMMAND, Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.model.system import Parameters, System, outputs, port, ports, stack
 
 RAMPED = Signal("v_ramped", "m/s, rad/s", "command behind the acceleration limit", 2)
 FREE = (math.inf, math.inf)

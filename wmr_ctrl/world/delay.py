@@ -4,12 +4,12 @@ The loop keeps the commands under way in a queue of plant steps, the one thing t
 at; this System passes them on.
 """
 
-from wmr_ctrl.fields.section import Section
-from wmr_ctrl.fields.values import check_count
-from wmr_ctrl.model.system import Output, Parameters, System, ports
-from wmr_ctrl.signals import TORQUE
+from wmr_ctrl.core.fields.section import Section
+from wmr_ctrl.core.fields.values import check_count
+from wmr_ctrl.core.signals import TORQUE
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.history import MOST_REMEMBERED, multiple
+from wmr_ctrl.world.model.system import Output, Parameters, System, ports
 
 MOST_QUEUED = 100_000
 """Plant steps that a command may be under way."""

@@ -25,12 +25,11 @@ from enum import Enum
 from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.plugins import blamed
-from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import Section, quantities
-from wmr_ctrl.model.system import NORMAL, UNIFORM, System
-from wmr_ctrl.signals import (
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.plugins import blamed
+from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.fields.section import Section, quantities
+from wmr_ctrl.core.signals import (
     COMMAND,
     DISTURBING,
     MEASURED,
@@ -45,10 +44,11 @@ from wmr_ctrl.signals import (
     TRAVEL,
     Signal,
 )
+from wmr_ctrl.world.model.system import NORMAL, UNIFORM, System
 from wmr_ctrl.world.speed_loop import takes_velocity
 
 if TYPE_CHECKING:
-    from wmr_ctrl import scenario
+    from wmr_ctrl.world import scenario
 
 Scenario: TypeAlias = "scenario.Scenario"
 """By name only: a scenario's tables are those of its effects, so it imports them."""

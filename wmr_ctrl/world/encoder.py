@@ -10,9 +10,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import (
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
+from wmr_ctrl.core.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
+from wmr_ctrl.world.gyro import axes_without_gyro
+from wmr_ctrl.world.history import MOST_REMEMBERED, history
+from wmr_ctrl.world.model.system import (
     Number,
     Output,
     Parameters,
@@ -23,11 +28,6 @@ from wmr_ctrl.model.system import (
     ports,
     stack,
 )
-from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
-from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
-from wmr_ctrl.world.gyro import axes_without_gyro
-from wmr_ctrl.world.history import MOST_REMEMBERED, history
 from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
 
 DIFFERENCE, TIME = "difference", "time"

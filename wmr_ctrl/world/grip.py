@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.world.phases import phases
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Robot, Scenario
+    from wmr_ctrl.world.scenario import Robot, Scenario
 
 
 @dataclass(frozen=True)

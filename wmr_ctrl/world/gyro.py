@@ -4,10 +4,10 @@ Source: a gyro's data sheet; its bias over a run is taken as constant.  It shows
 of what other sensors make of it.
 """
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Number, Output, Parameters, System, draw, port
-from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import MEASURED_VELOCITY, VELOCITY, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
+from wmr_ctrl.world.model.system import UNIFORM, Number, Output, Parameters, System, draw, port
 
 NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
 

@@ -4,13 +4,22 @@ Source: computation and buses; the time is uniform over whole plant steps from 0
 anew for each command.  A command never overtakes the one before it, since jitter <= clock.control.
 """
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import Section
-from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
-from wmr_ctrl.signals import STEP, TORQUE, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import Section
+from wmr_ctrl.core.signals import STEP, TORQUE, Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.history import multiple
+from wmr_ctrl.world.model.system import (
+    UNIFORM,
+    Parameters,
+    System,
+    draw,
+    outputs,
+    port,
+    ports,
+    stack,
+)
 
 NUMBERS = Signal("jitter", "1", "uniform numbers on [-1, 1) of a sample", 2)
 ACTING = Signal("jitter_acting", "N.m", "torque that acts (right, left)", 2)

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Parameters, System, outputs, ports, stack
-from wmr_ctrl.signals import TORQUE, VELOCITY
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import TORQUE, VELOCITY
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, ports, stack
 
 
 class Motor(Section, key="motor"):

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.model.dynamics import NAMES, force_to_wheel, friction, reduced_mass
-from wmr_ctrl.model.evaluate import Floats, evaluated
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.symbolic import ca
+from wmr_ctrl.world.model.dynamics import NAMES, force_to_wheel, friction, reduced_mass
+from wmr_ctrl.world.model.evaluate import Floats, evaluated
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Robot, Scenario
+    from wmr_ctrl.world.scenario import Robot, Scenario
 
 
 FAST = 1e6

@@ -6,11 +6,20 @@ measurements.
 
 from __future__ import annotations
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Parameters, System, draw, outputs, port, ports, stack
-from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing
+from wmr_ctrl.world.model.system import (
+    UNIFORM,
+    Parameters,
+    System,
+    draw,
+    outputs,
+    port,
+    ports,
+    stack,
+)
 
 NUMBERS = Signal("pose", "1", "uniform numbers on [-1, 1)", 2)
 LOST = Signal("pose_lost", "1", "uniform numbers on [-1, 1)", 2)

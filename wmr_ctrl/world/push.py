@@ -4,12 +4,12 @@ Source: none in the paper; the worst disturbance of a given size for a limit on 
 acts as torque at the wheels and is held over a control period.
 """
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.system import Parameters, System, outputs, ports, stack
-from wmr_ctrl.signals import TORQUE_NOISE, VELOCITY
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import TORQUE_NOISE, VELOCITY
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
+from wmr_ctrl.world.model.dynamics import force_to_wheel
+from wmr_ctrl.world.model.system import Parameters, System, outputs, ports, stack
 
 
 class Push(Section, key="disturbance"):

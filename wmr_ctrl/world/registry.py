@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.plugins import loaded
-from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.plugins import loaded
+from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.world.command_dead_band import COMMAND_DEAD_BAND, CommandDeadBand
 from wmr_ctrl.world.command_delay import COMMAND_DELAY, CommandDelay
 from wmr_ctrl.world.command_jerk import COMMAND_JERK, CommandJerk
@@ -43,7 +43,7 @@ from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT, WheelSpeedLimit
 from wmr_ctrl.world.wheels import WHEELS
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.world.scenario import Scenario
 
 OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, VELOCITY_LOSS, POSE_DELAY, POSE_SENSOR,

@@ -6,11 +6,11 @@ robot's friction is; a force in proportion to the velocity for bearings and air.
 
 from __future__ import annotations
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Number, Parameters, System, outputs, ports
-from wmr_ctrl.signals import BODY_FORCE, VELOCITY
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import BODY_FORCE, VELOCITY
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario, heaviest
+from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, ports
 
 
 class Resistance(Section, key="resistance"):

@@ -11,14 +11,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.dynamics import KEYS, force_to_wheel, friction, reduced_mass
-from wmr_ctrl.model.system import Parameters, Port, System, outputs, port, ports, stack
-from wmr_ctrl.signals import COMMAND, TORQUE, VELOCITY, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import COMMAND, TORQUE, VELOCITY, Signal
+from wmr_ctrl.core.symbolic import ca
+from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, friction, reduced_mass
+from wmr_ctrl.world.model.system import Parameters, Port, System, outputs, port, ports, stack
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.world.scenario import Scenario
 
 KINDS = ("torque", "velocity")
 LOOPS = ("first-order", "pi")

@@ -11,10 +11,10 @@ A push f ends at the speed d = s f/M.
 
 from functools import partial
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import System
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.speed_loop import Drive, Servo, has_loop, speed_loop
 
 

@@ -5,10 +5,10 @@ Source: Section V of the paper adds such noise without saying more.
 
 import math
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import NORMAL, Number, Parameters, System, draw, outputs
-from wmr_ctrl.signals import TORQUE_NOISE, Signal
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import TORQUE_NOISE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
+from wmr_ctrl.world.model.system import NORMAL, Number, Parameters, System, draw, outputs
 
 SIGMAS = 3.0
 """Bound of noise without truncation, in standard deviations: it holds with a probability only."""

@@ -5,11 +5,20 @@ with an even chance, but never more than ``velocity_losses`` in a row, and the f
 age of the velocity that is shown is an output; a governor of commands uses it (`filter`).
 """
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
-from wmr_ctrl.signals import MEASURED_VELOCITY, ODOMETRY_AGE, SAMPLE, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import MEASURED_VELOCITY, ODOMETRY_AGE, SAMPLE, Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
+from wmr_ctrl.world.model.system import (
+    UNIFORM,
+    Output,
+    Parameters,
+    System,
+    draw,
+    port,
+    ports,
+    stack,
+)
 from wmr_ctrl.world.speed_loop import takes_velocity
 from wmr_ctrl.world.velocity_mean import VelocityMean
 

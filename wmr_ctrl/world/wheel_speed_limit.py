@@ -7,11 +7,11 @@ and never change their sign by it, since clipping is odd and monotone.
 
 import math
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Parameters, System, outputs, ports
-from wmr_ctrl.signals import COMMAND
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import COMMAND
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.model.system import Parameters, System, outputs, ports
 
 
 class WheelSpeedLimit(Section, key="base"):

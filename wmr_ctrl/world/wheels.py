@@ -8,12 +8,12 @@ Noise and push are torques at wheels of the believed size.
 
 import math
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.system import Number, Parameters, System, outputs, ports
-from wmr_ctrl.signals import TORQUE
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.core.signals import TORQUE
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario
+from wmr_ctrl.world.model.dynamics import force_to_wheel
+from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, ports
 from wmr_ctrl.world.motor import largest_torque
 
 

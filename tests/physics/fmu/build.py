@@ -14,8 +14,8 @@ import pytest
 from tests.compilers import compile_in, where
 from tests.physics.states import state_of
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.physics.rigid import RigidBody, description
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.simulation.physics.rigid import RigidBody, description
+from wmr_ctrl.world.scenario import Scenario
 
 INPUTS = {"motor_right": "N.m", "motor_left": "N.m", "force": "N", "moment": "N.m"}
 OUTPUTS = {

@@ -2,7 +2,7 @@
 
    resources/robot.xml is the body, resources/start.txt what a run starts from: r, l [m], theta at the
    start, theta, the number of MuJoCo's state and that state.  Formulas of the outputs are those of
-   wmr_ctrl/physics/rigid.py, written a second time; a communication step is a whole number of
+   wmr_ctrl/simulation/physics/rigid.py, written a second time; a communication step is a whole number of
    MuJoCo's steps.  Parameters cannot be changed, states not be taken back. */
 #include <math.h>
 #include <mujoco/mujoco.h>

@@ -16,7 +16,7 @@ import numpy as np
 from tests.physics.fmu.build import build_rigid
 from tests.physics.fmu.together import BODILY, STATE, Together
 from wmr_ctrl import cosimulate
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "physics.md"
 MARK = "<!-- written by python -m tests.physics.fmu.table -->\n"

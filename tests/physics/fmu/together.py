@@ -18,11 +18,11 @@ from fmpy import read_model_description
 
 from tests.fmi.together import step_together
 from tests.physics.fmu.build import build_rigid
-from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.export import model_of, write_fmu
-from wmr_ctrl.fmi.targets import targets_of
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import PLANT_STATE, REFERENCE
+from wmr_ctrl.core.signals import PLANT_STATE, REFERENCE
+from wmr_ctrl.export.fmi.blocks import parallel
+from wmr_ctrl.export.fmi.fmu_files import model_of, write_fmu
+from wmr_ctrl.export.fmi.targets import targets_of
+from wmr_ctrl.world.scenario import Scenario
 
 STATE = tuple(item.name for item in PLANT_STATE)
 DESIRED = tuple(item.name for item in REFERENCE)

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.fields.section import quantity
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.references.kind import Reference, ReferenceKind, speeds, timed
 
 

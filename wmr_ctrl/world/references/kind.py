@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.fields.plugins import blamed
-from wmr_ctrl.fields.section import Section, number_of, quantities, quantity
-from wmr_ctrl.model.evaluate import Floats, evaluated
-from wmr_ctrl.model.system import Parameters, System, outputs, port
-from wmr_ctrl.signals import REFERENCE, SAMPLE, TIME, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields.plugins import blamed
+from wmr_ctrl.core.fields.section import Section, number_of, quantities, quantity
+from wmr_ctrl.core.signals import REFERENCE, SAMPLE, TIME, Signal
+from wmr_ctrl.core.symbolic import ca
+from wmr_ctrl.world.model.evaluate import Floats, evaluated
+from wmr_ctrl.world.model.system import Parameters, System, outputs, port
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.world.scenario import Scenario
 
 
 GRID = 2001

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.files import read_text
-from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.values import MOST_NODES
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.files import read_text
+from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.fields.values import MOST_NODES
 
 Point = tuple[float, float]
 KEY = "reference.file"

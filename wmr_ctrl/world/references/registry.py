@@ -7,8 +7,8 @@ value = a `ReferenceKind`).
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.plugins import loaded
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.plugins import loaded
 from wmr_ctrl.world.references import rounded_square, waypoints
 from wmr_ctrl.world.references.curves import CIRCLE, LEMNISCATE, LINE, STOP_AND_GO
 from wmr_ctrl.world.references.kind import Reference, ReferenceKind

@@ -4,8 +4,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.spline import Array, SplinePath, fit, path_numbers, trajectory
 

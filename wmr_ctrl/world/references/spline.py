@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.signals import Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.references.kind import Numbers, cross, speeds
 
 Array = NDArray[np.float64]

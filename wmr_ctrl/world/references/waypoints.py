@@ -18,11 +18,11 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.signals import Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.fields.section import quantity
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.references import spline
 from wmr_ctrl.world.references.kind import Numbers, Raw, Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.point_files import SAME, read_points, read_poses

@@ -1,0 +1,337 @@
+"""Governor of linear loops of any damping, from the commands that it sent: no odometry is used.
+
+The base: v = sum of Delta_j S(age_j) + what pushes lead to, |.| <= delta, with Delta_j the changes
+of its command so far and a step response S between low and high (`step_response`), the same at
+all times.  What is known of v and of -v at s from now, if the command stays as it is, is
+
+    v(s) <= u + over(s),   -v(s) <= -u + under(s)                                        s >= 0
+    over(s) = sum Delta_j^+ (high(age_j + s) - 1) + Delta_j^- (1 - low(age_j + s))
+
+with the parts Delta^+ - Delta^- of each change, ``under`` the same with the parts exchanged, and
+behind the tables left exp(-rate t) for both brackets.  A change D to the command u adds D^+ high(s)
+- D^- low(s) to the first and D^- high(s) - D^+ low(s) to the second.  It is admitted where both
+stay within c = (V - delta)/K for all s, and also if the command 0 follows a period later: so 0 is
+always admitted, and the admitted commands are an interval around it.  A delay that is constant
+moves all of this in time, for every command alike.  It starts at rest, and what it is told as time
+since the last sample must be what has passed, or not above 0.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property, lru_cache
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.control.filter.channels import (
+    AXES,
+    DELTA,
+    ELAPSED,
+    FLAGS,
+    LATE,
+    SENT,
+    TINY,
+    UNSOUND,
+    channels_of,
+    limited,
+    passed,
+    scaled,
+    sound,
+    usable_command,
+    within,
+)
+from wmr_ctrl.control.filter.forecast import (
+    HELD,
+    PIECES,
+    SPARE,
+    Fading,
+    Forecast,
+    ResponseTable,
+    bounds_after,
+    inverse_slopes,
+    spread_of,
+    stays_of,
+)
+from wmr_ctrl.control.filter.governor import NEAR, largest_command
+from wmr_ctrl.control.filter.peak_gain import PiLoop, peak_gains, pi_loop
+from wmr_ctrl.control.filter.step_response import Band, band, pi_cells, second_order_cells
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
+from wmr_ctrl.world.scenario import Scenario
+
+MOST_COMMANDS = 128
+LARGEST_LEFT = 0.2
+"""Largest deviation behind the tables: a family that leaves more is too slow for its period."""
+
+
+CONDITIONS = {
+    "held": "1 over the slope for a command held",
+    "stop_rise": "1 over the slope where 0 follows a rise",
+    "stop_fall": "1 over the slope where 0 follows a fall",
+}
+
+
+class BandGovernor:
+    """The graph of the band's step; its state is the forecast of each axis."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Take the ports, and enclose the family's step responses."""
+        self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
+        self.jitter = scenario.filter.jitter
+        self.last, self.spread = port(LAST), port(SPREAD)
+        T, bands = scenario.clock.control, [enclosed(scenario, axis) for axis in AXES]
+        self.state = [_forecast(axis, len(bands[axis].low)) for axis in AXES]
+        self.far = [_faded_ports(NAMES[axis], UNITS[axis]) for axis in AXES]
+        known = [_table(axis, bands[axis], T, self.jitter) for axis in AXES]
+        slopes = [_slopes(axis, bands[axis]) for axis in AXES]
+        delta = port(DELTA, [item.push for item in peak_gains(scenario)])
+        ports = (item for own in (*known, *slopes) for item in own)
+        self.p = Parameters(scenario, (delta, *ports))
+        gain, self.T = self.p.take("filter.gain"), self.p.take("clock.control")
+        symbols = [
+            (
+                (own[0].sym, own[1].sym, own[2].sym, own[3].sym, own[4].sym),
+                [item.sym for item in own[5:]],
+            )
+            for own in known
+        ]
+        self.tables = [ResponseTable(*own) for own, _ in symbols]
+        self.fading = [own for _, own in symbols]
+        self.inverse = [[item.sym for item in own] for own in slopes]
+        numbers = ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), delta.sym
+        self.channels = channels_of(scenario, self.p, numbers, ca.SX(0))
+        self.sound = sound(self.channels)
+        self.command, self.refused = usable_command(self.asked.sym)
+
+    @cached_property
+    def off(self) -> ca.SX:
+        """Lateness of the sample: time since the one before, less a period."""
+        return passed(self.elapsed.sym, self.T) - self.T
+
+    @cached_property
+    def apart(self) -> ca.SX:
+        """Largest earliness and lateness of samples on its beat, itself among them (2,)."""
+        return spread_of(self.spread.sym, self.off)
+
+    @cached_property
+    def came(self) -> ca.SX:
+        """1 where some beat has the sample and all since the last untimely one in its jitter."""
+        most = 2 * self.jitter + NEAR * self.T
+        return ca.logic_and(within(self.off, most), ca.sum1(self.apart) <= most)
+
+    @cached_property
+    def faded(self) -> list[Fading]:
+        """Rest of each axis' past at the sample."""
+        time, rows = passed(self.elapsed.sym, self.T), []
+        for i, (reach, past, held) in enumerate(self.far):
+            _, rate, soonest = self.fading[i]
+            known = Fading(reach.sym, past.sym, held.sym)
+            rows.append(known.aged(self.came, self.last.sym[i], stays_of(rate, time), soonest))
+        return rows
+
+    @cached_property
+    def forecasts(self) -> list[Forecast]:
+        """Forecast of each axis at the sample."""
+        share = ca.fmax(ca.if_else(self.came, 1, 0), 0)  # a factor, no choice: loops in C
+        rows = []
+        for i, (over, under, tail) in enumerate(self.state):
+            past = self.faded[i].bounds(self.most[i])
+            known = Forecast(over.sym, under.sym, tail.sym, self.last.sym[i], *past)
+            rows.append(known.later(self.tables[i]).kept(share))
+        return rows
+
+    @cached_property
+    def most(self) -> list[ca.SX]:
+        """Largest command of each axis that may be held."""
+        bounds = (self.channels[axis].bounds for axis in AXES)
+        return [largest_command(b.V, b) for b in bounds]
+
+    @cached_property
+    def ends(self) -> list[tuple[ca.SX, ca.SX]]:
+        """Least and largest command of each axis that may be held from now on."""
+        both = []
+        for i in AXES:
+            known = self.forecasts[i]
+            rise, fall = known.steps(self.most[i] * HELD, self.inverse[i][0])
+            both.append((known.u - fall, known.u + rise))
+        return both
+
+    @cached_property
+    def stopping(self) -> list[ca.SX]:
+        """Largest size of a command behind which 0 may follow, in the direction asked for."""
+        rows = []
+        for i, (least, most) in enumerate(self.ends):
+            ahead = self.command[i] >= 0
+            known = self.forecasts[i].mirrored(ca.if_else(ahead, 1, -1))
+            stopped = known.largest(self.most[i], self.tables[i], self.inverse[i][1:])
+            rows.append(ca.fmax(ca.fmin(stopped, ca.if_else(ahead, most, -least)), 0))
+        return rows
+
+    @cached_property
+    def limits(self) -> list[ca.SX]:
+        """Largest size of a command that is sent in the direction that is asked for.
+
+        Where 0 is not admitted, behind an untimely sample, the last command may stay.
+        """
+        rows = []
+        for i, (least, most) in enumerate(self.ends):
+            turned = ca.if_else(self.command[i] >= 0, least, -most) > 0
+            stays = ca.if_else(turned, ca.fabs(self.last.sym[i]), 0)
+            rows.append(ca.fmax(self.stopping[i], stays))
+        return rows
+
+    @cached_property
+    def sent(self) -> ca.SX:
+        """The safe command (2,): within its limits, and where it may be held from now on."""
+        asked = [ca.if_else(self.sound, r, 0) for r in self.command]
+        room = [ca.fmin(ca.fmax(limit, TINY), LARGEST) for limit in self.limits]
+        back, scale = [-most for most in room], self.scenario.filter.scale
+        safe = scaled(asked, self.channels, back, room, scale)
+        limited = (ca.fmin(ca.fmax(safe[i], -most), most) for i, most in enumerate(self.limits))
+        return self.held(list(limited))
+
+    def held(self, safe: Sequence[ca.SX]) -> ca.SX:
+        """The nearest command (2,) that may be held; 0 where the parameters are unsound."""
+        within = (ca.fmin(ca.fmax(safe[i], ends[0]), ends[1]) for i, ends in enumerate(self.ends))
+        return ca.if_else(self.sound, ca.vertcat(*within), 0)
+
+    @property
+    def system(self) -> System:
+        """The sampled System."""
+        pairs = zip(self.forecasts, self.tables, strict=True)
+        after = [was.changed(self.sent[i], table) for i, (was, table) in enumerate(pairs)]
+        flags = limited(self.sent, self.command) + self.refused + ca.if_else(self.came, 0, LATE)
+        flags = ca.if_else(self.sound, flags, UNSOUND)
+        apart = ca.if_else(self.came, self.apart, 0)
+        parts = [part for f in after for part in (f.over, f.under, f.tail)]
+        for i, known in enumerate(self.faded):
+            change = self.sent[i] - self.last.sym[i]
+            now = known.changed(change, self.fading[i][0])
+            parts += [now.reach, now.past, now.held]
+        return System(
+            "filter", "command filter (band)", inputs=(self.asked, self.elapsed),
+            state=(*(item for ports in (*self.state, *self.far) for item in ports), self.last,
+                   self.spread),
+            params=self.p.ports, update=ca.vertcat(*parts, self.sent, apart),
+            outputs=(Output(SENT, self.sent), Output(FLAGS, flags)),
+            period=self.scenario.clock.control,
+        )  # fmt: skip
+
+
+LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
+SPREAD = Signal("spread", "s", "how far samples on its beat were before the last and behind it", 2)
+NAMES = ("v", "omega")
+
+
+UNITS = ("m/s", "rad/s")
+
+
+def _forecast(axis: int, size: int) -> tuple[Port, ...]:
+    name, unit = NAMES[axis], UNITS[axis]
+    return (
+        port(Signal(f"over_{name}", unit, f"bound of {name} over its command, ahead", size)),
+        port(Signal(f"under_{name}", unit, f"bound of {name} under its command, ahead", size)),
+        port(Signal(f"tail_{name}", unit, f"bound of {name} from its command, far ahead")),
+    )
+
+
+def _slopes(axis: int, known: Band) -> list[Port]:
+    """Divisors of the conditions, worked out once: divisions take most of a step's time."""
+    slopes = zip(CONDITIONS.items(), rounded_slopes(response_table(known)), strict=True)
+    return [
+        port(Signal(f"filter.{name}_{NAMES[axis]}", "1", what, len(own)), own)
+        for (name, what), own in slopes
+    ]
+
+
+def _faded_ports(name: str, unit: str) -> tuple[Port, ...]:
+    """Ports of a Fading, in the order of its fields."""
+    return (
+        port(Signal(f"reach_{name}", unit, f"bound of {name} from its end, at the sample")),
+        port(Signal(f"past_{name}", unit, "the same before the last untimely sample")),
+        port(Signal(f"held_{name}", "m/s, rad/s", "command at that sample")),
+    )
+
+
+def response_table(known: Band) -> ResponseTable:
+    """A Band as the numbers of a ResponseTable, of which nothing fades."""
+    above, below = (np.nextafter(item, np.inf) for item in (known.high - 1, 1 - known.low))
+    none, left = ca.SX(0, 1), ca.SX(known.left)
+    table = ResponseTable(ca.SX(ca.DM(above)), ca.SX(ca.DM(below)), none, left, ca.SX(0))
+    return replace(table, after=bounds_after(table.high))
+
+
+def rounded_slopes(table: ResponseTable) -> list[np.ndarray]:
+    """`inverse_slopes`, rounded so that none of them admits more."""
+    held, rise, fall = (np.array(_numbers_of(item)) for item in inverse_slopes(table))
+    wider = 2.0**-50
+    return [1 / (1 / held + wider), 1 / (1 / rise + wider), 1 / (1 / fall - wider)]
+
+
+def _numbers_of(values: ca.SX) -> list[float]:
+    """The numbers of a column without symbols."""
+    return [float(item) for item in ca.DM(values).full().ravel()]
+
+
+def _table(axis: int, known: Band, T: float, jitter: float) -> tuple[Port, ...]:
+    """Ports of a ResponseTable, in the order of its fields; then what it fades from, and how."""
+    name, table = NAMES[axis], response_table(known)
+    times = np.array([T, T - 2 * jitter - NEAR * T])
+    fading, soonest = np.exp(-known.rate * times) * SPARE
+    own = (
+        ("above", "1", "largest step response of {}, less 1", _numbers_of(table.above)),
+        ("below", "1", "1 less the least step response of {}", _numbers_of(table.below)),
+        ("after", "1", "largest step response of {}, a period later", _numbers_of(table.after)),
+        ("left", "1", "{} from its command, behind", [known.left]),
+        ("fading", "1", "what stays of that in a period", [fading]),
+        ("reach", "1", "{} from its command, at most", [known.reach * SPARE]),
+        ("rate", "1/s", "rate at which that fades", [known.rate]),
+        ("soonest", "1", "what stays of it in the shortest period", [soonest]),
+    )
+    return tuple(
+        port(Signal(f"filter.{key}_{name}", unit, meaning.format(name), len(values)), values)
+        for key, unit, meaning, values in own
+    )
+
+
+def check_beat(scenario: Scenario) -> None:
+    """Raise ScenarioError where samples may be too far off their beat."""
+    settings, T = scenario.filter, scenario.clock.control
+    if settings.jitter > T / 4:
+        raise ScenarioError(
+            f'filter.jitter = {settings.jitter:g} s: with filter.kind = "band" samples may be off '
+            f"their beat by at most a quarter of clock.control = {T:g} s, that is {T / 4:g} s. "
+            "State that much, and give each step the time since the last one (elapsed): what is "
+            "later or earlier is then told from it."
+        )
+
+
+def enclosed(scenario: Scenario, axis: int) -> Band:
+    """Tables of an axis' family.  ScenarioError where it is too slow for the control period."""
+    settings, T = scenario.filter, scenario.clock.control
+    if settings.loop == "pi":
+        known = _pi_band(pi_loop(scenario, axis), T, settings.jitter)
+    else:
+        family = settings.interval("frequency"), settings.interval("damping")
+        known = _second_order_band(*family, T, settings.jitter)
+    if not known.left <= LARGEST_LEFT:
+        far = f"{known.left:.2g} times that" if known.left < np.inf else "any amount"
+        raise ScenarioError(
+            f"filter: after {MOST_COMMANDS} periods of clock.control = {T:g} s the step response "
+            f"of {NAMES[axis]} may still be off its final value by {far}, and the band looks no "
+            'further. Narrow the intervals, choose a longer period, or set filter.kind = "clip".'
+        )
+    return known
+
+
+@lru_cache(maxsize=32)
+def _pi_band(loop: PiLoop, T: float, jitter: float) -> Band:
+    return band(pi_cells(loop), T, PIECES, MOST_COMMANDS, jitter)
+
+
+@lru_cache(maxsize=32)
+def _second_order_band(
+    frequency: tuple[float, float], damping: tuple[float, float], T: float, jitter: float
+) -> Band:
+    return band(second_order_cells(frequency, damping), T, PIECES, MOST_COMMANDS, jitter)

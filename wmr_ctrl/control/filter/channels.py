@@ -1,0 +1,207 @@
+"""Speeds that are limited, and one command brought inside all of their limits.
+
+A channel is a speed that follows its own command by itself: v and omega, or the speed of each wheel
+over the ground, v + l omega and v - l omega.  Their limits are a convex set of commands with 0
+inside, so that every command has a largest share that is safe: scaled by it, it keeps omega/v, the
+curvature of the path.
+
+Wheels that are not alike couple v and omega: there the wheels are the channels, each limited to
+min(V, l Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.governor import NEAR, FirstOrder, admitted
+from wmr_ctrl.core.signals import LARGEST, Signal
+from wmr_ctrl.world.model.system import Parameters
+from wmr_ctrl.world.scenario import Scenario
+
+AXES = (0, 1)
+WAYS = (1, -1)
+FIRST = {"drive": 0, "turn": 1}
+"""Axis that goes first, by the scale's name."""
+ROUNDING = 2.0**-26
+"""Share of V that the filter stays away from the limit: roundings (`filter.rounding.*`), and times
+that are taken for the same (1e-9 of a period), are far below it."""
+TINY = 1e-30
+"""Room of a limit that is used up [m/s], so that no share is 0/0."""
+
+ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
+SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
+DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
+FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
+
+LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND = 1, 2, 4, 8, 16, 32
+"""Bits of the flags, of which CommandFilter.step tells the meaning."""
+FLAG_NAMES = {
+    LIMITED: "limited",
+    UNUSED: "unused",
+    BOUNDS_LEFT: "bounds-left",
+    LATE: "late",
+    REFUSED: "refused",
+    UNSOUND: "unsound",
+}
+FLAG_MEANINGS = {
+    LIMITED: "the command was not sent as it came",
+    UNUSED: "no odometry was used",
+    BOUNDS_LEFT: "odometry contradicts the stated bounds",
+    LATE: "the step came outside its jitter",
+    REFUSED: "the command was no number",
+    UNSOUND: "the parameters are such as no filter can keep",
+}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Speed ways[0] v + ways[1] arm omega with its numbers; ``largest``: value of its limit.
+
+    ``ways``: 1, -1 or 0 each.  ``made_of``: positive numbers of which the least or the largest is
+    among them, each of which may be none.
+    """
+
+    ways: tuple[int, int]
+    arm: ca.SX
+    bounds: FirstOrder
+    largest: float
+    made_of: tuple[ca.SX, ...] = ()
+
+    def of(self, pair: Sequence[ca.SX | int] | ca.SX) -> ca.SX:
+        """The channel's part of (v, omega)."""
+        return self.ways[0] * pair[0] + self.ways[1] * (self.arm * pair[1])
+
+
+def channels_of(
+    scenario: Scenario, p: Parameters, numbers: tuple[ca.SX, ca.SX, ca.SX], kappa: ca.SX
+) -> list[Channel]:
+    """Channels of a scenario's filter; ``numbers``: gain (least, largest of each axis), push."""
+    settings, limits = scenario.filter, scenario.limits.v_u1
+    K_min, K_max, d = numbers
+    V = p.take("limits.v_u1") * (1 - ROUNDING)
+    nbar = p.take("filter.odometry") if settings.odometry else ca.SX.zeros(2)
+    body = [FirstOrder(V[i], d[i], nbar[i], K_min[i], K_max[i], kappa) for i in AXES]
+    both = [Channel((1 - i, i), ca.SX(1), body[i], limits[i]) for i in AXES]
+    wheels = settings.channels == "wheels"
+    if not wheels and settings.wheel_speed is None:
+        return both
+    l, top, most = p.take("robot.l"), list[ca.SX](), list[float]()
+    if settings.wheel_speed is not None:
+        top, most = [p.take("filter.wheel_speed") * (1 - ROUNDING)], [settings.wheel_speed]
+    if wheels:
+        top += [V[0], l * V[1]]
+        most += [limits[0], scenario.robot.l * limits[1]]
+    rim = FirstOrder(
+        reduce(ca.fmin, top), d[0] + l * d[1], nbar[0] + l * nbar[1],
+        ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa,
+    )  # fmt: skip
+    made_of = (l, *top, *ca.vertsplit(K_min), *ca.vertsplit(K_max))
+    sides = [Channel((1, way), l, rim, min(most), made_of) for way in WAYS]
+    return sides if wheels else [*both, *sides]
+
+
+def scaled(
+    r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], scale: str
+) -> ca.SX:
+    """The command (2,) within the limits lo < 0 < hi of all channels.
+
+    ``scale``: by one factor, each axis by its own, or one axis first and then the other.
+    """
+    if scale in FIRST:
+        return one_first(r, channels, lo, hi, FIRST[scale])
+    sent = stretched(r, channels, lo, hi, scale)
+    if not channels[0].ways[1]:  # the axes themselves: no rounding leads beyond their limits
+        return ca.vertcat(*(ca.fmin(ca.fmax(sent[i], lo[i]), hi[i]) for i in AXES))
+    return sent
+
+
+def stretched(
+    r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], scale: str
+) -> ca.SX:
+    """Both axes' commands by one factor or, with ``scale`` "axes", each by its own."""
+    shares = admitted([channel.of(r) for channel in channels], lo, hi)
+    common = reduce(ca.fmin, shares)
+    factors = shares if scale == "axes" else [common, common]
+    return ca.vertcat(*(factors[i] * r[i] for i in AXES))
+
+
+def one_first(
+    r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], first: int
+) -> ca.SX:
+    """One axis' command (of both), then the other's within what it leaves.
+
+    What is asked for meets the limits one by one, so that those known first do not wait for others.
+    """
+    sent = [ca.SX(0), ca.SX(0)]
+    for axis in (first, 1 - first):
+        back, ahead = zip(*_ends(sent, channels, lo, hi, axis), strict=True)
+        forth, down = reduce(ca.fmin, ahead, r[axis]), reduce(ca.fmax, back, r[axis])
+        if axis != first:  # what is used up may be so beyond the limit, by roundings
+            forth, down = ca.fmax(forth, 0), ca.fmin(down, 0)
+        sent[axis] = ca.if_else(r[axis] >= 0, forth, down)
+    return ca.vertcat(*sent)
+
+
+def _ends(
+    sent: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], axis: int
+) -> Iterator[tuple[ca.SX, ca.SX]]:
+    """Ends, back and ahead, to which each channel lets an axis go beside the other's command."""
+    for channel, low, high in zip(channels, lo, hi, strict=True):
+        way, used = channel.ways[axis], channel.of(sent)
+        if way:
+            inverse = 1 / channel.arm if axis else ca.SX(1)
+            ends = (low - used, high - used) if way > 0 else (used - high, used - low)
+            yield ends[0] * inverse, ends[1] * inverse
+
+
+def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:
+    """The command of both axes, 0 where it is no number, and the flag that says so."""
+    usable = reduce(ca.logic_and, (within(asked[i], LARGEST) for i in AXES))
+    return [ca.if_else(usable, asked[i], 0) for i in AXES], ca.if_else(usable, 0, REFUSED)
+
+
+def within(value: ca.SX, size: ca.SX | float) -> ca.SX:
+    """1 where |value| <= size; 0 else, and for what is no number."""
+    return ca.logic_and(value >= -size, value <= size)
+
+
+def passed(elapsed: ca.SX, T: ca.SX) -> ca.SX:
+    """Time since the previous sample, the period where nobody tells it."""
+    return ca.if_else(elapsed == 0, T, elapsed)
+
+
+def usable_time(elapsed: ca.SX, T: ca.SX) -> ca.SX:
+    """Time in which a command may change: since the previous sample, a period at most.
+
+    0 where a clock stood still or went back, or tells no number.
+    """
+    since = passed(elapsed, T)
+    return ca.if_else(since >= T, T, ca.if_else(since >= 0, since, 0))
+
+
+def punctual(elapsed: ca.SX, T: ca.SX, jitter: float) -> ca.SX:
+    """1 where a sample came within its jitter [periods]; 0 else, and for what is no number."""
+    return within(passed(elapsed, T) - T, (jitter + NEAR) * T)
+
+
+def has_bit(flags: ca.SX, bit: int) -> ca.SX:
+    """1 where this bit of a sum of flags is set."""
+    return ca.floor(flags / bit) - 2 * ca.floor(flags / (2 * bit))
+
+
+def limited(sent: ca.SX, r: Sequence[ca.SX]) -> ca.SX:
+    """The flag of a command that is not sent as it was asked for."""
+    return ca.if_else(ca.logic_and(sent[0] == r[0], sent[1] == r[1]), 0, LIMITED)
+
+
+def sound(channels: Sequence[Channel]) -> ca.SX:
+    """1 where every channel's numbers leave a command that is safe; 0 for what is no number."""
+    tests = []
+    for b in (channel.bounds for channel in channels):
+        tests += [b.dbar >= 0, b.dbar < b.V, b.V <= LARGEST, b.nbar >= 0, b.nbar <= LARGEST]
+        tests += [b.K_min > 0, b.K_max >= b.K_min, b.K_max <= LARGEST]
+    for number in {id(item): item for channel in channels for item in channel.made_of}.values():
+        tests += [number > 0, number <= LARGEST]
+    return reduce(ca.logic_and, tests)

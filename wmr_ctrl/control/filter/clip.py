@@ -1,0 +1,147 @@
+"""Memoryless clip of commands: what keeps the limit without odometry, whatever came before.
+
+A base that never overshoots is kept by |u| <= (V - dbar)/K_max; a linear loop, which may, by |u| <=
+(V - delta)/N with its peak gain N and what pushes alone lead to, delta (`peak_gain`).  Neither
+asks when a command arrives: late, lost, jittering and timed-out ones are commands within the same
+bounds.
+
+Commands that change by at most ``slew`` a second, a, swing a linear loop less.  What acts is then
+within a H/2 of a command that changes at most so fast, with H the longest that one may act, so that
+for the step response S, and L the integral of |1 - S| from when S first reaches 1 on,
+
+    |v| <= K c + a (K L + N H/2) + delta
+
+and |u| <= c = (V - delta - a (K L + N H/2))/K is admitted (`filter.slew`).
+"""
+
+from functools import cached_property, reduce
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.channels import (
+    AXES,
+    DELTA,
+    ELAPSED,
+    FLAGS,
+    LATE,
+    SENT,
+    UNSOUND,
+    Channel,
+    channels_of,
+    limited,
+    punctual,
+    scaled,
+    sound,
+    usable_command,
+    usable_time,
+)
+from wmr_ctrl.control.filter.governor import admitted, largest_command
+from wmr_ctrl.control.filter.governor_step import stated
+from wmr_ctrl.control.filter.peak_gain import peak_gains
+from wmr_ctrl.control.filter.step_response import longest_swing
+from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
+from wmr_ctrl.world.scenario import Scenario
+
+LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
+REACH = Signal("filter.slew_reach", "s", "speed beyond a command that changes by 1 a second", 2)
+PEAK_GAIN = Signal("filter.peak_gain", "1", "largest speed that commands of at most 1 lead to", 2)
+
+
+UNTOLD = 0.25
+"""Share of a period by which a step may be off without the flag "late": no limit hangs on it."""
+
+
+class Clip:
+    """The graph of a clip: its channels, their limits and the command that is sent."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Take the ports; the peak gain of a linear loop is computed here, and is a parameter."""
+        self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
+        if scenario.filter.loop == "first-order":
+            self.p = Parameters(scenario)
+            numbers = stated(self.p)
+        else:
+            peaks = peak_gains(scenario)
+            N = port(PEAK_GAIN, [item.gain for item in peaks])
+            delta = port(DELTA, [item.push for item in peaks])
+            numbers = N.sym, N.sym, delta.sym
+            if scenario.filter.slew is None:
+                self.p = Parameters(scenario, (N, delta))
+            else:
+                reach = port(REACH, slew_reach(scenario))
+                self.p = Parameters(scenario, (delta, reach))
+                least, most, _ = stated(self.p)
+                numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
+        self.channels: list[Channel] = channels_of(scenario, self.p, numbers, ca.SX(0))
+        self.T = self.p.take("clock.control")
+        self.limits = [largest_command(c.bounds.V, c.bounds) for c in self.channels]
+        self.command, self.refused = usable_command(self.asked.sym)
+        self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
+        self.sound = reduce(ca.logic_and, self._sound_ramp(), sound(self.channels))
+        backwards = [-limit for limit in self.limits]
+        safe = scaled(self.command, self.channels, backwards, self.limits, scenario.filter.scale)
+        self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
+
+    def _sound_ramp(self) -> list[ca.SX]:
+        """1 where the slew leads somewhere in a period, each; 0 for what is no number."""
+        if not self.last:
+            return []
+        slew, reach = self.p.take("filter.slew"), self.p.take(REACH.name)
+        axes = (test for i in AXES for test in (slew[i] > 0, reach[i] >= 0))
+        return [*axes, self.T > 0, self.T <= LARGEST]
+
+    @cached_property
+    def time(self) -> ca.SX:
+        """Time in which the command may change."""
+        return usable_time(self.elapsed.sym, self.T)
+
+    def _slowly(self, wanted: ca.SX) -> ca.SX:
+        """The command (2,) on the way to ``wanted`` that the slew leads to in the time there is."""
+        most, last = self.p.take("filter.slew") * self.time, self.last[0].sym
+        shares = ramp_shares(last, wanted, most)
+        if self.scenario.filter.scale != "axes":
+            shares = [reduce(ca.fmin, shares)] * len(shares)
+        return ca.if_else(self.time > 0, moved(last, wanted, ca.vertcat(*shares)), last)
+
+    @property
+    def system(self) -> System:
+        """The sampled System, whose state is what was sent last where that counts."""
+        jitter = self.scenario.filter.jitter / self.scenario.clock.control
+        came = punctual(self.elapsed.sym, self.T, max(jitter, UNTOLD))
+        flags = limited(self.sent, self.command) + self.refused + ca.if_else(came, 0, LATE)
+        flagged = ca.if_else(self.sound, flags, UNSOUND)
+        return System(
+            "filter", "command filter (clip)", inputs=(self.asked, self.elapsed),
+            params=self.p.ports, state=self.last, update=self.sent if self.last else ca.SX(0, 1),
+            outputs=(Output(SENT, self.sent), Output(FLAGS, flagged)),
+            period=self.scenario.clock.control,
+        )  # fmt: skip
+
+
+def ramp_shares(last: ca.SX, wanted: ca.SX, most: ca.SX) -> list[ca.SX]:
+    """Share of each axis' way to ``wanted`` that changes of at most ``most`` allow."""
+    return admitted(ca.vertsplit(wanted - last), ca.vertsplit(-most), ca.vertsplit(most))
+
+
+def moved(last: ca.SX, wanted: ca.SX, share: ca.SX) -> ca.SX:
+    """The command that is this share of the way from ``last`` to ``wanted``."""
+    return last + share * (wanted - last)
+
+
+def slew_reach(scenario: Scenario) -> tuple[float, float]:
+    """K L + N H/2 of both axes [s], rounded up, for commands as the filter times them.
+
+    Of samples ``jitter`` apart from the period, the shortest lets commands change fastest.
+    """
+    settings, T = scenario.filter, scenario.clock.control
+    first, last = settings.delay
+    H = (1 + settings.losses) * (T + settings.jitter) + last - first
+    K, quicker, peaks = settings.gain[1], T / (T - settings.jitter), peak_gains(scenario)
+    families = AXES if settings.loop == "pi" else AXES[:1]  # else one for both axes
+    swings = [longest_swing(scenario, axis) for axis in families]
+    linear, angular = (
+        quicker * (K * swings[min(i, len(swings) - 1)] + peaks[i].gain * H / 2) * (1 + 2.0**-49)
+        for i in AXES
+    )
+    return linear, angular

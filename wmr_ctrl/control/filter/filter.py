@@ -1,0 +1,345 @@
+"""The command filter as one sampled System, and as an object that Python programs call.
+
+A command (v, omega) goes in, with odometry where there is some, and the nearest safe one comes out:
+both axes scaled by one factor, so that the path keeps its curvature, or each by its own.
+"""
+
+import math
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.control.filter.band import NAMES, BandGovernor, check_beat
+from wmr_ctrl.control.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
+from wmr_ctrl.control.filter.clip import Clip, slew_reach
+from wmr_ctrl.control.filter.enclosure import Floats
+from wmr_ctrl.control.filter.governor import largest_command
+from wmr_ctrl.control.filter.governor_step import Governor, check_jitter
+from wmr_ctrl.control.filter.peak_gain import peak_gains, pi_loop, refuse_all
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.core.fields.units import meant, rounded
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.model.system import Output, System, port, stack, values
+from wmr_ctrl.world.scenario import Scenario, load_scenario
+from wmr_ctrl.world.scenario.command_filter import Filter
+from wmr_ctrl.world.scenario.units import asking_about_units, unit_questions
+
+
+def _damped(scenario: Scenario, axis: int) -> str:
+    """Changes by which a loop's peak gain is at most LARGEST_PEAK, hardly larger than needed.
+
+    Of a PI loop those of one interval's end that leave an interval; all where none does.
+    """
+    fades, stated = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi, scenario.filter
+    if stated.loop == "second-order":
+        return f"filter.damping[1] of at least {rounded(fades, 3)}"
+    loop = pi_loop(scenario, axis)
+    (least, most), (soft, stiff), (light, heavy) = loop.kp, loop.ki, loop.M
+    firm, bound = 2 * fades * math.sqrt(stiff * heavy), (least / (2 * fades)) ** 2
+    inert = scenario.robot.l**2 if axis else 1.0
+    heaviest = rounded(bound / stiff * inert, 3, up=False)
+    ends = {
+        f"kp[1] of at least {rounded(firm, 3)}": firm <= most,
+        f"ki[2] of at most {rounded(bound / heavy, 3, up=False)}": bound / heavy >= soft,
+        f"{('mass', 'inertia')[axis]}[2] of at most {heaviest}": bound / stiff >= light,
+    }
+    fit = [f"filter.{text}" for text, fits in ends.items() if fits or not any(ends.values())]
+    return " or ".join(fit)
+
+
+def _which(reached: float, limit: float, of: str) -> tuple[str, str, float, float]:
+    """The speed that pushes reach and the bound that it is not below, in words.
+
+    Then a push that is, as a share of the stated one, and a limit, as a share of what is reached.
+    """
+    if reached >= limit:
+        return f"{reached:g}", f"{of} = {limit:g}", limit / reached, 1.0
+    room = limit * (1 - ROUNDING)
+    return f"{reached:.12g}", f"{of} less 1.5e-8 of it for rounding, {room:.12g}", 0.99, 1.01
+
+
+def _finite(speed: float) -> str:
+    return "any speed" if speed == math.inf else f"{speed:.3g}"
+
+
+def check_filter(scenario: Scenario) -> None:
+    """Raise ScenarioError where no command is safe, or where there is nothing to filter."""
+    settings, limits = scenario.filter, scenario.limits.v_u1
+    if settings.kind == "none":
+        raise ScenarioError(
+            'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip", '
+            '"governor" or "band".'
+        )
+    peaks = peak_gains(scenario) if settings.loop != "first-order" else None
+    reached = [item.push for item in peaks] if peaks else settings.d
+    pi = settings.loop == "pi"
+    pushes = pi and any(settings.push)
+    name, stated = ("push", settings.push) if pushes else ("d", settings.d)
+    high = [i for i in AXES if peaks and peaks[i].gain > LARGEST_PEAK * settings.gain[1]]
+    faults = []
+    if peaks and high:
+        driven = " and ".join(f"{NAMES[i]} to {_finite(peaks[i].gain)}" for i in high)
+        most = f"{LARGEST_PEAK:g}{'' if pi else ' filter.gain[2]'}"
+        advice = " and ".join(dict.fromkeys(_damped(scenario, i) for i in high))
+        faults.append(
+            f"filter.loop: commands of at most 1 can drive {driven}, the peak gain N. N <= {most} "
+            "is required: a loop with hardly any damping leaves no useful limit. State "
+            f"{advice}, if that holds for the base."
+        )
+    for i in AXES:
+        if i not in high and reached[i] >= limits[i] * (1 - ROUNDING):
+            far, bound, less, more = _which(reached[i], limits[i], f"limits.v_u1[{i + 1}]")
+            faults.append(
+                f"filter.{name}[{i + 1}] = {stated[i]:.12g} alone drives the base to {far}, "
+                f"which must be below {bound}: no command is safe. State a push below "
+                f"{rounded(stated[i] * less, 3, up=False)}, or a limit above "
+                f"{rounded(reached[i] * more, 3)}."
+            )
+    refuse_all(faults)
+    if settings.kind == "band":
+        check_beat(scenario)
+    if settings.slew is not None:
+        _check_slew(scenario, settings.slew)
+    rim, apart = reached[0] + scenario.robot.l * reached[1], settings.channels == "wheels"
+    tops = [settings.wheel_speed] if settings.wheel_speed is not None else []
+    tops += [limits[0], scenario.robot.l * limits[1]] if apart else []
+    if tops and rim >= min(tops) * (1 - ROUNDING):
+        least = "the least of filter.wheel_speed, limits.v_u1[1] and robot.l limits.v_u1[2]"
+        far, bound, *_ = _which(rim, min(tops), f"{least} that limits it")
+        raise ScenarioError(
+            f"filter.d drives a wheel to {far} m/s by itself, which must be below {bound}: no "
+            "command is safe. State a smaller push, or a higher limit."
+        )
+
+
+def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
+    """Raise ScenarioError where commands that change slowly are allowed no more than others."""
+    check_jitter(scenario)
+    refuse_all(
+        f"filter.slew[{i + 1}] = {slew[i]:g} brings no gain: from {worth:.3g} on, slow commands "
+        "may be no larger than any others. State a smaller value, leave out filter.slew, or use "
+        'filter.kind = "band".'
+        for i, worth in enumerate(worthwhile_slew(scenario))
+        if slew[i] >= worth
+    )
+
+
+def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:
+    """Slew [m/s2, rad/s2] of a linear loop from which on slow commands gain nothing."""
+    reach, peaks, K = slew_reach(scenario), peak_gains(scenario), scenario.filter.gain[1]
+    linear, angular = (
+        (scenario.limits.v_u1[i] - peaks[i].push) * (1 - K / peaks[i].gain) / reach[i] for i in AXES
+    )
+    return linear, angular
+
+
+LARGEST_PEAK = 100.0
+"""Largest peak gain of a filter: beyond it less than a per cent of the limit is left."""
+
+SHRUNK = 1 - 1e-12
+"""Share of a limit within which a command passes, roundings of the filter's own sums included."""
+SIDES = ("v", "omega", "the right wheel", "the left wheel")
+UNITS_COUNT = ("filter.", "limits.", "clock.")
+"""Keys by which a filter's numbers come."""
+STANDING = -1.0
+"""Time since the last step by a clock that did not go on: 0 would say that nobody tells it."""
+TOLD = Signal("told", "1", "1: the time since the previous sample was told before")
+
+BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
+    "clip": Clip,
+    "governor": Governor,
+    "band": BandGovernor,
+}
+
+
+def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, ...]]]:
+    """Parameters of a linear loop's filter that no field states, by name.
+
+    Peak gains, what pushes lead to, tables of step responses.
+    """
+    if scenario.filter.kind == "none" or scenario.filter.loop == "first-order":
+        return {}
+    stated = {f"filter.{name}" for name, _ in quantities(Filter)}
+    own = (item for item in filter_system(scenario).params if item.signal.name not in stated)
+    return {
+        item.signal.name: (item.signal, item.value)
+        for item in own
+        if item.signal.name.startswith("filter.")
+    }
+
+
+def filter_system(scenario: Scenario) -> System:
+    """The command filter of a scenario; inputs and outputs as in `CommandFilter.step`.
+
+    Raises ScenarioError where the filter is not set, or cannot be met.
+    """
+    with asking_about_units(scenario):
+        check_filter(scenario)
+        return BUILDERS[scenario.filter.kind](scenario).system
+
+
+def filter_questions(scenario: Scenario) -> Iterator[str]:
+    """Questions about numbers of a filter that look like another unit."""
+    for key, question in unit_questions(scenario):
+        if key.startswith(UNITS_COUNT):
+            yield question
+
+
+def called_filter(scenario: Scenario) -> System:
+    """`filter_system` as programs call it: once the time was told, 0 says that none has passed.
+
+    Before that 0 says that nobody tells it.  A clip without memory tells no repeated call: no limit
+    of its hangs on the time.
+    """
+    system = filter_system(scenario)
+    if not system.state:
+        return system
+    (elapsed,) = (item.sym for item in system.inputs if item.signal == ELAPSED)
+    memory = port(TOLD)
+    repeated = ca.logic_and(memory.sym > 0, elapsed == 0)
+    since = ca.if_else(repeated, STANDING, elapsed)
+    exprs = (system.update, *(item.expr for item in system.outputs))
+    update, *outputs = ca.substitute(list(exprs), [elapsed], [since])
+    signals = (item.signal for item in system.outputs)
+    return replace(
+        system,
+        state=(*system.state, memory),
+        update=ca.vertcat(update, ca.if_else(elapsed == 0, memory.sym, 1)),
+        outputs=tuple(map(Output, signals, outputs)),
+    )
+
+
+def passing_commands(scenario: Scenario) -> list[tuple[str, tuple[float, float], float]]:
+    """Speeds, as parts of v and of omega, by name, with the size within which a command passes.
+
+    Whatever came before: the clip's own limits, than which a governor's are never less, since the
+    speed that it counts on is at most V (ledger: filter.contains-clip).  Of a clip without slew or
+    a governor; empty without filter.  0 where none passes.
+    """
+    if scenario.filter.kind == "none":
+        return []
+    check_filter(scenario)
+    built: Clip | Governor = (
+        Clip(scenario) if scenario.filter.kind == "clip" else Governor(scenario)
+    )
+    limits = [largest_command(item.bounds.V, item.bounds) for item in built.channels]
+    units = ((1, 0), (0, 1))
+    rows = ca.vertcat(*(ca.horzcat(*map(item.of, units)) for item in built.channels))
+    ports = built.p.ports
+    numbers = [stack(item.sym for item in ports)]
+    graph = ca.Function("passing", numbers, [ca.vertcat(*limits), rows, built.sound])
+    most, sides, sound = (item.full() for item in graph(values(ports)))
+    most = most * sound
+    names = SIDES[2:] if scenario.filter.channels == "wheels" else SIDES
+    return [
+        (name, (float(row[0]), float(row[1])), float(size[0]) * SHRUNK)
+        for name, row, size in zip(names, sides, most, strict=False)
+    ]
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """Result of a filter: velocities [m/s, rad/s], and flags as words."""
+
+    command: tuple[float, float]
+    flags: tuple[str, ...]
+
+
+class CommandFilter:
+    """The command filter of a scenario, step by step; see `command_filter`."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Build the graph; ScenarioError where the filter is not set, or cannot be met."""
+        self.system, self._scenario = called_filter(scenario), scenario
+        self.governs = scenario.filter.kind == "governor"
+        self.period = scenario.clock.control
+        dense = [ca.densify(item) for item in (self.system.update, self.system.y)]
+        self._step, self._p = self.system.function("filter", dense), np.array(self.system.p0)
+        self.start()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Built again from the scenario, with the memory of this one."""
+        return CommandFilter, (self._scenario,), {"_x": self._x.copy()}
+
+    def start(self) -> None:
+        """Restart: what was sent before counts as 0.
+
+        A band and a clip with slew are started where the base rests; in motion a band breaks its
+        limit.  A governor's base may have any speed within its limits, but commands before must
+        have ceased to act, unless delay, losses and age are 0.  A clip has no memory.
+        """
+        self._x = np.array(self.system.x0)
+
+    @checks_arguments
+    def step(
+        self,
+        command: Sequence[float] | Floats,
+        measured: Sequence[float] | Floats | None = None,
+        age: float = 0.0,
+        dt: float | None = None,
+    ) -> Filtered:
+        """The safe command (v [m/s], omega [rad/s]) nearest to ``command``, and flags.
+
+        ``measured``: the odometry's velocities, ``age`` [s] old, if there are any.  ``dt`` [s]:
+        time since the last step by a steady clock (`time.monotonic`), by default the clock's
+        period, on whose beat a band's steps must then come, until one was told: then it counts as
+        0.  0 or less says that the clock stood still or was set back, and more than has passed
+        breaks a band's limit.  A command that is
+        not a number counts as (0, 0), with the flag "refused"; further flags are "limited",
+        "unused" (odometry was not used), "bounds-left" (it contradicts the stated bounds: one of
+        them is wrong), "late" (the step came outside its jitter) and "unsound" (parameters that no
+        filter can satisfy, such as a push beyond the limit: (0, 0) is sent).  Raises ArgumentError
+        for wrong lengths.
+        """
+        asked = _pair(command, "command")
+        u = list(asked)
+        if self.governs:
+            seen = (0.0, 0.0) if measured is None else _pair(measured, "measured")
+            u += [*seen, -1.0 if measured is None else age]
+        if dt is not None and dt > 100 * self.period:
+            self._ask(dt)
+        u.append(0.0 if dt is None else dt or STANDING)
+        self._x, y = evaluated(self._step, u, self._x, self._p)
+        sent = y.ravel().tolist()
+        names = tuple(name for bit, name in FLAG_NAMES.items() if int(sent[2]) & bit)
+        return Filtered((sent[0], sent[1]), names)
+
+    def _ask(self, dt: float) -> None:
+        """Warn of a time that would be the clock's period in another unit."""
+        if asked := meant(dt, "s", (0.5 * self.period, 2 * self.period)):
+            warnings.warn(
+                f"dt = {dt:g} s: clock.control is {self.period:g} s. {asked}", stacklevel=4
+            )
+
+
+@checks_arguments
+def command_filter(scenario: Scenario | str) -> CommandFilter:
+    """The command filter of a scenario with a section [filter], as an object with memory.
+
+    Warns of numbers that look like another unit, such as milliseconds, as `check` does.
+    Raises ScenarioError if no filter is set, or if its limit cannot be kept.
+    """
+    settings = load_scenario(scenario) if isinstance(scenario, str) else scenario
+    built = CommandFilter(settings)
+    for question in filter_questions(settings):
+        warnings.warn(question, stacklevel=3)
+    return built
+
+
+def _pair(values: Sequence[float] | Floats, name: str) -> tuple[float, float]:
+    if isinstance(values, np.ndarray) and (values.ndim != 1 or values.dtype.kind not in "fiu"):
+        raise ArgumentError(
+            f"{name} is an array of {values.dtype} with shape {values.shape} and must be one of "
+            "two real numbers: v [m/s], omega [rad/s]."
+        )
+    if len(values) != 2:
+        raise ArgumentError(
+            f"{name} has {len(values)} numbers and must have two: v [m/s], omega [rad/s]."
+        )
+    return float(values[0]), float(values[1])

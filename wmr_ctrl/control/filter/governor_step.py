@@ -1,0 +1,253 @@
+"""The governor's step as a graph, from odometry to the command that is sent.
+
+Its state is the bounds of every channel's speed and the commands that may still act.
+"""
+
+from functools import cached_property, reduce
+from typing import TypeAlias
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.channels import (
+    AXES,
+    BOUNDS_LEFT,
+    ELAPSED,
+    FLAGS,
+    LATE,
+    SENT,
+    UNSOUND,
+    UNUSED,
+    WAYS,
+    channels_of,
+    limited,
+    punctual,
+    scaled,
+    sound,
+    usable_command,
+    within,
+)
+from wmr_ctrl.control.filter.governor import (
+    NEAR,
+    Schedule,
+    SpeedBound,
+    drive,
+    drive_back,
+    largest_command,
+)
+from wmr_ctrl.control.guard.lateness import Times
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
+from wmr_ctrl.world.model.system import Output, Parameters, System, port
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
+from wmr_ctrl.world.scenario.units import asking_about_units
+
+Sides: TypeAlias = list[list[ca.SX]]
+"""A number of every channel, of its speed first, then of the speed's negative."""
+
+ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
+IN_TIME = Signal("in_time", "1", "samples that came in time since one that did not")
+
+
+AGREED = 2.0**-15
+"""Share of V by which a speed's bounds from above and below may contradict each other: roundings,
+also those of single precision, make less of bounds that touch (`filter.rounding.agrees`)."""
+SIDES = (("v_above", "bound of the velocity"), ("v_below", "bound of the velocity's negative"))
+
+
+def check_jitter(scenario: Scenario) -> None:
+    """Raise ScenarioError where samples may come as early as those before."""
+    jitter, T = scenario.filter.jitter, scenario.clock.control
+    if jitter >= T:
+        raise ScenarioError(
+            f"filter.jitter = {jitter:g} s must be less than the period between samples, "
+            f"clock.control = {T:g} s."
+        )
+
+
+def schedule(scenario: Scenario) -> Schedule:
+    """The filter's times in control periods.
+
+    Raises ScenarioError where they span more samples than the filter counts through.
+    """
+    settings, T = scenario.filter, scenario.clock.control
+    check_jitter(scenario)
+    first, last = settings.delay
+    times = first, last, settings.jitter, settings.age, settings.hold
+    in_periods = (float(item) for item in map(Times(T, scenario.clock.plant).in_periods, times))
+    soonest, latest, jitter, age, hold = in_periods
+    plan = Schedule((soonest, latest), settings.losses, jitter, age, hold)
+    span = (last + settings.age) / (T - settings.jitter) + settings.losses
+    with asking_about_units(scenario):
+        if span > MOST_PERIODS:
+            raise ScenarioError(
+                f"filter: delay, age of odometry and losses span {span:.0f} control periods of "
+                f"{T:g} s and the governor handles at most {MOST_PERIODS}. State shorter ones, or "
+                'set filter.kind = "clip", which does not depend on them.'
+            )
+    return plan
+
+
+class Governor:
+    """The graph of a governor, step by step from odometry to the command that is sent."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Take the ports; ScenarioError where the times span too many samples."""
+        self.scenario, self.plan, self.p = scenario, schedule(scenario), Parameters(scenario)
+        self.asked, self.odometry = port(ASKED), port(ODOMETRY)
+        self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
+        oldest = self.plan.oldest
+        self.before = [port(_sent(number)) for number in range(1, oldest + 1)]
+        self.counted = (port(IN_TIME, oldest),) if oldest > 1 else ()
+        self.T, tau = self.p.take("clock.control"), self.p.take("filter.tau")
+        kappa = 1 / ca.expm1(self.plan.longest * self.T / tau[0])
+        self.channels = channels_of(scenario, self.p, stated(self.p), kappa)
+        self.bounds = [channel.bounds for channel in self.channels]
+        self.motions = [SpeedBound(self.plan, b, (tau[0], tau[1]), self.T) for b in self.bounds]
+        largest = [channel.largest for channel in self.channels]
+        self.known = [port(_known(*side, len(largest)), largest) for side in SIDES]
+        self.command, self.refused = usable_command(self.asked.sym)
+        times = ca.logic_and(tau[0] > 0, tau[1] >= tau[0]), self.T > 0, self.T <= LARGEST
+        self.sound = reduce(ca.logic_and, (*times, tau[1] <= LARGEST, sound(self.channels)))
+
+    @cached_property
+    def seen(self) -> ca.SX:
+        """1 where there is odometry, young enough and a number."""
+        if self.scenario.filter.odometry is None:
+            return ca.SX(0)
+        age = 0.5 * self.plan.age * self.T
+        young = within(self.age.sym - age, age + NEAR * self.T)
+        return reduce(ca.logic_and, [young, *(within(self.odometry.sym[i], LARGEST) for i in AXES)])
+
+    @cached_property
+    def came(self) -> ca.SX:
+        """1 where the sample came within its jitter."""
+        return punctual(self.elapsed.sym, self.T, self.plan.jitter)
+
+    @cached_property
+    def in_time(self) -> list[ca.SX]:
+        """Samples that came in time since one that did not, none where just one command may act."""
+        most = self.plan.oldest
+        return [ca.if_else(self.came, ca.fmin(n.sym + 1, most), 0) for n in self.counted]
+
+    @cached_property
+    def punctual(self) -> ca.SX:
+        """1 where all commands that may still act were sent in time."""
+        return self.in_time[0] >= self.plan.oldest if self.counted else self.came
+
+    @cached_property
+    def now(self) -> Sides:
+        """Bounds of the speed at the sample: what was carried here, and what odometry says."""
+        sides = []
+        for way, known in zip(WAYS, self.known, strict=True):
+            odometry = [
+                motion.now(way * channel.of(self.odometry.sym), self.age.sym, self._targets(way, i))
+                for i, (motion, channel) in enumerate(zip(self.motions, self.channels, strict=True))
+            ]
+            pairs = zip(odometry, self.bounds, strict=True)
+            most = [ca.if_else(self.seen, bound, b.V) for bound, b in pairs]
+            sides.append([ca.fmin(known.sym[i], bound) for i, bound in enumerate(most)])
+        return sides
+
+    @cached_property
+    def agrees(self) -> ca.SX:
+        """1 where odometry and the stated bounds do not contradict each other."""
+        both = zip(*self.now, self.bounds, strict=True)
+        agree = [above + below >= -contradiction(b.V) for above, below, b in both]
+        return reduce(ca.logic_and, agree)
+
+    @cached_property
+    def trusted(self) -> ca.SX:
+        """1 where the bounds count; else the memoryless clip acts."""
+        return ca.logic_and(self.agrees, self.punctual)
+
+    @cached_property
+    def start(self) -> Sides:
+        """Bounds of the speed at the sample, V where they are not to be trusted."""
+        return [
+            [ca.if_else(self.trusted, v, b.V) for v, b in zip(side, self.bounds, strict=True)]
+            for side in self.now
+        ]
+
+    @cached_property
+    def limits(self) -> Sides:
+        """Largest commands that are safe, forwards and backwards, of all channels."""
+        sides = []
+        for way, side in zip(WAYS, self.start, strict=True):
+            v_bar = [m.takeover(side[i], self._targets(way, i)) for i, m in enumerate(self.motions)]
+            if self.plan.delay[1]:
+                pairs = zip(v_bar, self.bounds, strict=True)
+                v_bar = [ca.if_else(self.trusted, v, b.V) for v, b in pairs]
+            sides.append([largest_command(*pair) for pair in zip(v_bar, self.bounds, strict=True)])
+        return sides
+
+    @cached_property
+    def safe(self) -> ca.SX:
+        """The safe command (2,) of sound parameters."""
+        upper, lower = self.limits
+        backwards, scale = [-limit for limit in lower], self.scenario.filter.scale
+        return scaled(self.command, self.channels, backwards, upper, scale)
+
+    @cached_property
+    def sent(self) -> ca.SX:
+        """The safe command (2,); 0 where the parameters are unsound."""
+        return ca.if_else(self.sound, self.safe, 0)
+
+    @cached_property
+    def following(self) -> Sides:
+        """Bounds of the speed at the next sample, behind the safe command."""
+        return [
+            [
+                motion.following(side[i], self._targets(way, i, self.safe))
+                for i, motion in enumerate(self.motions)
+            ]
+            for way, side in zip(WAYS, self.start, strict=True)
+        ]
+
+    def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
+        """Speed towards which each command may drive a channel, by its age; [0]: the newest."""
+        first = self.before[0].sym if newest is None else newest
+        commands, channel = [first, *(item.sym for item in self.before)], self.channels[number]
+        most = drive if way > 0 else drive_back
+        return [most(channel.of(command), channel.bounds) for command in commands]
+
+    @property
+    def system(self) -> System:
+        """The sampled System, whose state is the bounds and the commands that may still act."""
+        flags = limited(self.sent, self.command) + ca.if_else(self.seen, 0, UNUSED) + self.refused
+        flags += ca.if_else(self.agrees, 0, BOUNDS_LEFT) + ca.if_else(self.punctual, 0, LATE)
+        bounds = ca.vertcat(*(item for side in self.following for item in side))
+        older = [item.sym for item in self.before[:-1]]
+        known = ca.if_else(self.sound, bounds, LARGEST)
+        return System(
+            "filter",
+            "command filter (governor)",
+            inputs=(self.asked, self.odometry, self.age, self.elapsed),
+            state=(*self.known, *self.before, *self.counted),
+            params=self.p.ports,
+            update=ca.vertcat(known, self.sent, *older, *self.in_time),
+            outputs=(
+                Output(SENT, self.sent),
+                Output(FLAGS, ca.if_else(self.sound, flags, UNSOUND)),
+            ),
+            period=self.scenario.clock.control,
+        )
+
+
+def contradiction(V: ca.SX) -> ca.SX:
+    """Tolerance by which bounds of a speed may fall short of each other [m/s, rad/s]."""
+    return AGREED * V
+
+
+def stated(p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Gain, least and largest of each axis, and push as they are stated, of one loop for both."""
+    gain = p.take("filter.gain")
+    return ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), p.take("filter.d")
+
+
+def _known(name: str, meaning: str, size: int) -> Signal:
+    return Signal(name, "m/s, rad/s", f"{meaning}, of each channel", size)
+
+
+def _sent(age: int) -> Signal:
+    return Signal(f"v_sent_{age}", "m/s, rad/s", f"command sent {age} samples ago", 2)

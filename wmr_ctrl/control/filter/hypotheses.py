@@ -1,0 +1,330 @@
+"""Assumptions of a filter that a run breaks: refused, unless `filter.trust` says it is meant."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from wmr_ctrl.control.filter.held_loop import (
+    counts_on_rims,
+    friction_at_a_rim,
+    held_friction,
+    kick_of_friction,
+    push_speeds,
+    too_quick,
+)
+from wmr_ctrl.control.laws.law import Predicting
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import Section
+from wmr_ctrl.core.fields.units import rounded
+from wmr_ctrl.world.command_ramp import keeps_wheels, quick_stops
+from wmr_ctrl.world.effect import ROUNDING, Bound, EffectRole, Pair
+from wmr_ctrl.world.encoder import TIME, Encoder
+from wmr_ctrl.world.phases import largest_friction, phases
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.resistance import Resistance, against, rolling_against
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loop import has_loop
+
+UNITS = ("m/s", "rad/s")
+CAPPED = " Here actuator.traction limits tau_max; false leaves that as it is stated."
+
+
+def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
+    """Raise ScenarioError for what a base that takes velocities cannot have."""
+    if scenario.guard.enabled:
+        raise ScenarioError(
+            'guard.enabled: the guard limits wheel torques, and base.kind = "velocity" takes '
+            'velocities. Set guard.enabled = false and filter.kind = "clip" or "governor".'
+        )
+    if isinstance(gains, Predicting) and gains.delay > 0:
+        raise ScenarioError(
+            f"{type(gains).KEY}.delay = {gains.delay:g} s: the law predicts from the torques that "
+            'it sent, but with base.kind = "velocity" it sends velocities. Set it to 0.'
+        )
+    refuse_broken_hypotheses(scenario, bound)
+
+
+def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
+    """Sentences on what of the filter's theorem does not hold; empty where all does.
+
+    ``bound``: sum of the bounds of all effects that are present.
+    """
+    if scenario.filter.kind == "none":
+        return ()
+    sentences = [*_of_every_filter(scenario, bound)]
+    if scenario.filter.kind == "governor":
+        sentences += _of_the_governor(scenario, bound)
+    if scenario.filter.kind == "band":
+        sentences += _of_the_band(bound)
+    if scenario.filter.slew is not None:
+        sentences += _of_slow_commands(scenario, bound)
+    capped = CAPPED * scenario.actuator.traction
+    return tuple(dict.fromkeys(s + capped * ("actuator.tau_max" in s) for s in sentences))
+
+
+def refuse_broken_hypotheses(scenario: Scenario, bound: Bound) -> None:
+    """Raise ScenarioError for them, some at once, unless filter.trust says that it is meant."""
+    sentences = broken_hypotheses(scenario, bound)
+    if sentences and not scenario.filter.trust:
+        raise ScenarioError(  # at most both axes of two things
+            f'filter.kind = "{scenario.filter.kind}" guarantees nothing here. '
+            f"{' '.join(sentences[:4])} To run it nevertheless, without guarantee, set "
+            "filter.trust = true."
+        )
+
+
+def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    stated, governs = scenario.filter, scenario.filter.kind == "governor"
+    for item in EFFECTS.present(scenario):
+        if item.role is EffectRole.DRIVE and item.active(scenario):
+            yield (
+                f"{item.title} acts behind the speed loop, so its speed may exceed its command. "
+                "Remove it from the scenario."
+            )
+        elif item.bound is None and (item.role is not EffectRole.SENSOR or governs):
+            yield (
+                f"{item.title} states no bound that a filter may rely on. Give its Effect one, or "
+                "remove it from the scenario."
+            )
+    if stated.loop == "pi" and has_loop(scenario, "pi"):
+        yield from _of_pi_loops(scenario, bound)
+        return
+    if stated.loop != "first-order":
+        yield (
+            f'filter.loop = "{stated.loop}" does not fit the base of this run, whose base.loop = '
+            f'"{scenario.base.loop}". State the loop that the base has.'
+        )
+    if bound.overshoots:
+        yield (
+            f"{bound.overshoots} A filter for first-order loops is for speeds that never exceed "
+            'their command. Use filter.loop = "pi" and state its intervals.'
+        )
+    if has_loop(scenario, "first-order"):
+        for axis, gain in enumerate(scenario.base.gain, 1):
+            if not _within(gain, (governs * stated.gain[0], stated.gain[1])):
+                yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
+        yield from _of_pushed_weak_motors(scenario, bound)
+        yield from _of_wheels(scenario)
+        yield from held_friction(scenario)
+    yield from _of_pushes(scenario, bound)
+
+
+def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """Pushes on a first-order base beyond d; of a governor's base also those that slow it."""
+    slowed = against(scenario) if scenario.filter.kind == "governor" else (0.0, 0.0)
+    both = bound.dbar[0] + slowed[0], bound.dbar[1] + slowed[1]
+    pushes, held = push_speeds(scenario, replace(bound, dbar=both)), 0.0
+    if counts_on_rims(scenario):
+        held = friction_at_a_rim(scenario, pushes[0], bound)
+    for axis, speed in enumerate((pushes[0] + held, pushes[1])):
+        if speed <= (d := scenario.filter.d[axis]) * (1 + ROUNDING):
+            continue
+        said, why, other = "Disturbances and errors of the command may push the base on by", "", ""
+        if slowed[axis]:
+            said = "[resistance] and pushes together slow the base by up to"
+            why = ": on its way back to rest the speed changes faster than the governor counts on"
+            other = ', or use filter.kind = "clip"'
+        elif held and axis == 0:
+            said += " up to"
+            why = ": friction (robot.mu) that changes within a plant step holds back v alone"
+            which = "wheel_speed" if scenario.filter.wheel_speed is not None else "channels"
+            other = f", shorten clock.plant or leave out filter.{which}"
+        yield (
+            f"{said} {rounded(speed, 4)} {UNITS[axis]}, and filter.d[{axis + 1}] = {d:g} "
+            f"{UNITS[axis]} is less{why}. Raise it to that, if that is below limits.v_u1{other}."
+        )
+
+
+def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    stated, base, robot = scenario.filter, scenario.base, scenario.robot
+    if any(start := scenario.initial.velocity):
+        yield (
+            f"initial.velocity = [{start[0]:g}, {start[1]:g}]: a filter for loops that overshoot "
+            "counts on a base at rest at the start, since it does not know what drove it before. "
+            "Set it to [0, 0]."
+        )
+    numbers = {
+        "mass": ("robot.m", robot.m, "kg"), "inertia": ("robot.I", robot.I, "kg.m2"),
+        "kp": ("base.kp", base.kp, "N.s/m"), "ki": ("base.ki", base.ki, "N/m"),
+    }  # fmt: skip
+    for name, (key, value, unit) in numbers.items():
+        if not _within(value, stated.interval(name)):
+            yield _outside(key, value, unit, f"filter.{name}", stated.interval(name))
+    yield from too_quick(scenario)
+    if any(change.m is not None or change.I is not None for change in scenario.changes):
+        yield (
+            "[[changes]] changes the robot's mass while it drives, and the peak gain holds for "
+            "loops that do not change. Leave mass and inertia constant: `changes = []` takes out "
+            "those of a preset that the file extends."
+        )
+    viscous = scenario.section(Resistance).viscous
+    for axis, (lever, unit) in enumerate(((1.0, "N.s/m"), (robot.l**2, "N.m.s/rad"))):
+        least, most = (lever * c for c in stated.friction)
+        if not _within(viscous[axis], (least, most)):
+            key, name = f"resistance.viscous[{axis + 1}]", "filter.friction" + " robot.l^2" * axis
+            yield _outside(key, viscous[axis], unit, name, (least, most))
+    yield from _of_weak_motors(scenario)
+    rolling = rolling_against(scenario)
+    pushes = bound.dbar[0] + largest_friction(scenario) + rolling[0], bound.dbar[1] + rolling[1]
+    for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):
+        if push > stated.push[axis] * (1 + ROUNDING):
+            yield (
+                f"The base may be pushed by {rounded(push, 4)} {unit} (disturbances, Coulomb "
+                f"friction and rolling together), and filter.push[{axis + 1}] = "
+                f"{stated.push[axis]:g} {unit} is less. Raise it to that."
+            )
+    for axis, error in enumerate(bound.command):
+        if error > stated.d[axis] * (1 + ROUNDING):
+            yield (
+                f"The command that acts may be off by {rounded(error, 4)} {UNITS[axis]} "
+                f"(base.quantum). Raise filter.d[{axis + 1}] = {stated.d[axis]:g} to that."
+            )
+
+
+def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
+    """A torque limit that the loop may reach."""
+    if not math.isinf(most := scenario.actuator.tau_max):
+        yield (
+            f"actuator.tau_max = {most:g} N.m: behind a torque limit the integral of the loop may "
+            "wind up, and the speed then exceeds its command by more than the peak gain. Leave "
+            "tau_max out if commands stay low enough for the motors."
+        )
+
+
+def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """A torque limit that a first-order loop may reach while it is pushed.
+
+    A wheel at its limit brakes on neither axis as the loop wants: pushes go on to drive the base,
+    however small they are, where both wheels are at theirs for a turn.
+    """
+    most, needed = scenario.actuator.tau_max, most_torque(scenario)
+    if any(bound.dbar) and most < needed:
+        yield (
+            f"actuator.tau_max = {most:g} N.m: a wheel at its limit does not hold against pushes, "
+            "which may then drive the base on beyond filter.d. Raise it to "
+            f"{rounded(needed, 3)} N.m, which the loop never asks for here, or take out what "
+            "pushes (disturbances, slopes)."
+        )
+
+
+def _of_wheels(scenario: Scenario) -> Iterator[str]:
+    """Limits of wheels that need loops of v and omega which change alike."""
+    stated, base, governs = scenario.filter, scenario.base, scenario.filter.kind == "governor"
+    speed, alike = stated.wheel_speed is not None, counts_on_rims(scenario)
+    which = "filter.wheel_speed" if speed else 'the governor of filter.channels = "wheels"'
+    remedy = "Leave it out" if speed else 'Use filter.channels = "body"'
+    for key, (linear, angular) in (("tau", base.tau), ("gain", base.gain)):
+        if alike and linear != angular and (governs or key == "tau"):
+            yield (
+                f"base.{key} = [{linear:g}, {angular:g}]: the loops of v and omega differ, so that "
+                "no wheel follows a first-order loop of its own, and "
+                f"{which} relies on that. {remedy}."
+            )
+    hold = ("jerk",) if keeps_wheels(scenario) else ("accel", "decel", "jerk")
+    bounded = [f"base.{key}" for key in hold if min(getattr(base, key)) < math.inf]
+    bounded += ["actuator.tau_max"] * (scenario.actuator.tau_max < most_torque(scenario))
+    if speed and bounded:
+        yield (
+            f"{bounded[0]} may hold back one of v and omega while the other changes, so that a "
+            "wheel passes filter.wheel_speed between two commands that keep it. Leave out either"
+            f"{quick_stops(scenario) * ('cel' in bounded[0])}."
+        )
+
+
+def most_torque(scenario: Scenario) -> float:
+    """Largest torque [N m] that a first-order loop asks of a wheel, all speeds within limits."""
+    base, robot, h = scenario.base, scenario.robot, scenario.clock.plant
+    robots = [phase.robot for phase in phases(scenario)]
+    masses = max(item.m for item in robots), max(item.I for item in robots)
+    force, moment = (
+        2 * limit * mass * -math.expm1(-h / tau) / h
+        for limit, mass, tau in zip(scenario.limits.v_u1, masses, base.tau, strict=True)
+    )
+    return robot.r * (force + largest_friction(scenario) + moment / robot.l) / 2
+
+
+def _of_the_band(bound: Bound) -> Iterator[str]:
+    """Objections to what lies between the band's commands and the loop that its tables know."""
+    if bound.hidden:
+        yield (
+            f"{bound.hidden} The band relies on every command reaching the loop as it was sent. "
+            'Use filter.kind = "clip".'
+        )
+    soonest, latest = bound.takeover
+    if bound.losses or soonest != latest:
+        yield (
+            "Commands may be lost, or delayed by varying times, and the band relies on each one "
+            'taking effect, a constant delay after it was sent. Use filter.kind = "clip".'
+        )
+
+
+def _of_slow_commands(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """Objections to what makes the acting command change faster than it was sent."""
+    if bound.hidden:
+        yield (
+            f"{bound.hidden} With filter.slew the clip relies on every command reaching the loop "
+            "as it was sent. Leave out filter.slew."
+        )
+    yield from _of_the_times(scenario, bound)
+
+
+def _of_the_times(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    """Delays and losses beyond what is stated."""
+    stated = scenario.filter
+    for late in bound.takeover:
+        if not _within(late, stated.delay):
+            yield _outside("A command's delay", late, "s", "filter.delay", stated.delay)
+    if bound.losses > stated.losses:
+        yield (
+            f"base.losses = {bound.losses} commands in a row may be lost, and filter.losses = "
+            f"{stated.losses} is less. Raise it to that."
+        )
+
+
+def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    stated = scenario.filter
+    if bound.hidden:
+        yield (
+            f"{bound.hidden} The governor relies on a speed that begins to change at once, and "
+            'anything that it does not see breaks its guarantee. Use filter.kind = "clip".'
+        )
+    if has_loop(scenario, "first-order") and stated.tau is not None:
+        for axis, tau in enumerate(scenario.base.tau, 1):
+            if not _within(tau, stated.tau):
+                yield _outside(f"base.tau[{axis}]", tau, "s", "filter.tau", stated.tau)
+    yield from _of_the_times(scenario, bound)
+    if stated.odometry is None:
+        return
+    kick = kick_of_friction(scenario) * counts_on_rims(scenario)
+    for axis, error in enumerate((bound.nbar[0] + kick, bound.nbar[1])):
+        if error > stated.odometry[axis] * (1 + ROUNDING):
+            yield (
+                f"The sensors' velocity is off by up to {rounded(error, 4)} {UNITS[axis]}"
+                f"{' with friction within plant steps' * (axis == 0 and kick > 0)}, and "
+                f"filter.odometry[{axis + 1}] = {stated.odometry[axis]:g} {UNITS[axis]} is less. "
+                "Raise it to that."
+            )
+    encoder = scenario.section(Encoder)
+    if any(bound.window) or (encoder.counts and encoder.method == TIME):
+        yield (
+            "The sensors' velocity is a mean over some time (sensor.velocity_window, [encoder]), "
+            "and the governor relies on that of one instant. Leave out filter.odometry, which it "
+            "does not need, or take a sensor without window."
+        )
+    if bound.age[0] != bound.age[1]:
+        yield (
+            f"sensor.velocity_age: one axis' velocity is {max(bound.age):g} s old and the other's "
+            "is not (gyro.enabled), but the governor takes one age for both. Leave out "
+            "filter.odometry, or one of the two sensors."
+        )
+
+
+def _within(value: float, ends: Pair) -> bool:
+    return ends[0] * (1 - ROUNDING) <= value <= ends[1] * (1 + ROUNDING)
+
+
+def _outside(name: str, value: float, unit: str, key: str, ends: Pair) -> str:
+    return (
+        f"{name} = {value:g}{f' {unit}' * (unit != '1')} is outside {key} = [{ends[0]:g}, "
+        f"{ends[1]:g}], which must hold it. Widen the interval."
+    )

@@ -1,0 +1,299 @@
+"""Peak gain of a linear speed loop: how far commands of at most 1 can drive the speed.
+
+    second order   v'' + 2 z w0 v' + w0^2 v = w0^2 (K u + d)
+    PI loop        M v' = F - c v + d,  F = kp (u - v) + f,  f' = ki (u - v)
+
+N, the integral of the impulse response's size, is the largest |v| that any commands |u| <= 1 reach
+from rest, held, late, lost or jittering as they may be; no smaller number is (Boyd, Doyle 1987).
+With r = exp(-pi z/w), w = sqrt(1 - z^2) what half a swing leaves (0 for z >= 1):
+
+    second order   N = K (1 + r)/(1 - r)
+    PI loop        N = 1 + 2 o/(1 - r),  o = exp(-2 z acos(z)/w),  z = kp/(2 sqrt(ki M)),  c = 0
+    its push       4 z exp(-z acos(z)/w)/(1 - r) dbar/(kp + c),    z = (kp + c)/(2 sqrt(ki M))
+
+N is enclosed over the whole family: boxes that cover its numbers are halved, each bounded in
+intervals that are rounded outward, until none may hold more than what was seen by a few millionths.
+No corner is taken for the worst; `filter.peak-worst` says which one is.  Where a scenario has such
+a base of its own, its loop as it is held over plant steps counts beside the family (`held_loop`).
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import inf
+
+import numpy as np
+
+from wmr_ctrl.control.filter.enclosure import Floats, Span, exp, increasing, root, square
+from wmr_ctrl.control.filter.held_loop import PI, HeldLoop, Through, held_loop
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import Scenario
+
+NEAR_ONE = 2.0**-5
+"""Dampings nearer to 1 have bounds of their own, where w hardly differs from 0."""
+OFF_ONE = 2.0**-20
+"""Single dampings nearer to 1 are taken for one so far below, where the bound is larger."""
+TOLERANCE = 2.0**-16
+MOST_ROUNDS, MOST_BOXES = 100, 100_000
+
+HALF_PI = 0.5 * PI
+
+
+@dataclass(frozen=True)
+class PeakGain:
+    """Largest |v| per commanded speed, and the largest that the push alone causes [m/s, rad/s]."""
+
+    gain: float
+    push: float
+
+
+@dataclass(frozen=True)
+class PiLoop:
+    """Family of PI loops of one axis, all numbers intervals: M, kp, ki, c, at the wheels' rim.
+
+    kg, N.s/m, N/m, N.s/m; of the angular axis over l^2.  ``held``: a run's own base, beside them.
+    """
+
+    M: tuple[float, float]
+    kp: tuple[float, float]
+    ki: tuple[float, float]
+    c: tuple[float, float]
+    held: HeldLoop | None = None
+
+    def peak(self, push: float) -> PeakGain:
+        """Peak gain of the whole family; ``push`` [N] is the largest of its disturbances."""
+        gain, pushed = _peak(self)
+        return PeakGain(gain, float((Span.of(pushed) * push).hi) if push else 0.0)
+
+
+@lru_cache(maxsize=64)
+def _peak(loop: PiLoop) -> tuple[float, float]:
+    """N of a family, and what a push of 1 N leads to, over boxes that cover it."""
+    M, kp, ki, c = (Span.of(*pair) for pair in (loop.M, loop.kp, loop.ki, loop.c))
+    s = root(ki * M)
+    family = largest(_gain_bound, kp / s, c / s), largest(_push_bound, kp + c, s)
+    own = loop.held.through() if loop.held else None
+    pairs = zip(family, _of_held(own) if own else family, strict=True)
+    gain, pushed = map(max, pairs)
+    return gain, pushed
+
+
+def _of_held(own: Through) -> tuple[float, float]:
+    """The same of a loop that is held."""
+    s, share = root(own.b), own.mass / own.ratio
+    gain = _gain_bound((own.a - own.gamma) / s, own.gamma / s)
+    return float(gain), float(_push_bound(own.a * share, s * share))
+
+
+def largest(bound: Callable[[Span, Span], Floats], first: Span, second: Span) -> float:
+    """Bound from above of a function of two numbers on a box, hardly larger than its largest value.
+
+    ``bound``: the same on many boxes at once.  Boxes are halved until none is left that may hold a
+    value beyond what was seen in the middle of some, by a share of `TOLERANCE`.
+    """
+    x, y = (Span(np.atleast_1d(item.lo), np.atleast_1d(item.hi)) for item in (first, second))
+    wide = [_width(item) for item in (x, y)]
+    seen, most = -np.inf, -np.inf
+    for _ in range(MOST_ROUNDS):
+        upper = np.nan_to_num(bound(x, y), nan=np.inf)
+        middle = (Span.of(0.5 * (item.lo + item.hi)) for item in (x, y))
+        seen = max(seen, float(bound(*middle).max()))
+        left = upper > seen * (1 + TOLERANCE)
+        most = max(most, float(upper[~left].max(initial=-np.inf)))
+        if not left.any() or left.sum() > MOST_BOXES:
+            break
+        x, y = _halves(x[left], y[left], wide)
+    return max(most, float(upper[left].max(initial=-np.inf)))
+
+
+def _width(x: Span) -> float:
+    """Length of a box's side; inf for one that roundings alone made, which is not cut."""
+    length = float(x.hi[0] - x.lo[0])
+    return length if length > 2.0**-40 * float(x.size[0]) + 2.0**-900 else np.inf
+
+
+def _halves(x: Span, y: Span, wide: Sequence[float]) -> tuple[Span, Span]:
+    """Both halves of boxes, cut across the side that is longer of the first box's."""
+    across = (x.hi - x.lo) / wide[0] >= (y.hi - y.lo) / wide[1]
+    cut_x, cut_y = 0.5 * (x.lo + x.hi), 0.5 * (y.lo + y.hi)
+    lower = Span(x.lo, np.where(across, cut_x, x.hi)), Span(y.lo, np.where(across, y.hi, cut_y))
+    upper = Span(np.where(across, cut_x, x.lo), x.hi), Span(np.where(across, y.lo, cut_y), y.hi)
+    linear, angular = (
+        Span(np.concatenate([a.lo, b.lo]), np.concatenate([a.hi, b.hi]))
+        for a, b in zip(lower, upper, strict=True)
+    )
+    return linear, angular
+
+
+def _gain_bound(b: Span, drag: Span) -> Floats:
+    """Upper bounds of N for b = kp/sqrt(ki M) and drag = c/sqrt(ki M), 2 z = b + drag.
+
+    The overshoot is rho exp(-z t0), rho^2 = 1 - b drag, and t0 the first zero of the impulse
+    response: with y = b z - 1 acot(y/(b w))/w for z < 1, artanh(b w/y)/w for z > 1 where there is
+    one.  Near z = 1 both are b/rho times arcsin(q)/q, q^2 = (b/rho)^2 (1 - z^2), where y > 0; in
+    any case they are at least b over rho, or over y.
+    """
+    z = 0.5 * (b + drag)
+    y, rho, w = b * z - 1, root(1 - b * drag), _frequency(z)
+    turned = increasing(np.arctan, y / _positive(b * w))
+    swinging = ((HALF_PI - turned) / _positive(w)).lo
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(y.hi > 0, (Span.of((b * w).lo) / _positive(y)).lo, np.inf)
+        creeping = np.where(
+            share < 1, (increasing(np.arctanh, Span.of(np.minimum(share, 1 - 2.0**-53)))
+                        / _positive(w)).lo, np.inf,
+        )  # fmt: skip
+        slope = b / _positive(rho)
+        least = np.where(y.hi > 0, np.minimum(slope.lo, (b / _positive(y)).lo), slope.lo)
+        arc = _arc(square(slope) * ((1 - z) * (1 + z)))
+        near = np.where(y.lo > 0, np.maximum(least, (slope * Span.of(arc)).lo), least)
+    t0 = np.select([z.hi < 1 - NEAR_ONE, z.lo > 1 + NEAR_ONE], [swinging, creeping], near)
+    over = rho * exp(-(Span.of(z.lo) * Span.of(np.maximum(t0, 0.0))))
+    return (1 + 2 * over / _positive(1 - _left(z, w))).hi
+
+
+def _push_bound(k: Span, s: Span) -> Floats:
+    """Upper bounds of 2 exp(-z acos(z)/w)/((1 - r) s) with z = k/(2 s): what 1 N leads to."""
+    z = k / (2 * s)
+    w = _frequency(z)
+    swinging = ((HALF_PI - increasing(np.arctan, z / _positive(w))) / _positive(w)).lo
+    creeping = (increasing(np.arccosh, Span.of(np.maximum(z.lo, 1.0))) / _positive(w)).lo
+    near = _arc((1 - z) * (1 + z))
+    ratio = np.select([z.hi < 1 - NEAR_ONE, z.lo > 1 + NEAR_ONE], [swinging, creeping], near)
+    faded = exp(-(Span.of(z.lo) * Span.of(np.maximum(ratio, 0.0))))
+    return (2 * faded / (_positive(1 - _left(z, w)) * s)).hi
+
+
+def _frequency(z: Span) -> Span:
+    """sqrt(|1 - z^2|)."""
+    return root(((1 - z) * (1 + z)).magnitude)
+
+
+def _arc(x: Span) -> Floats:
+    """Lower bounds of arcsin(q)/q, q^2 = x, which is arsinh(q)/q, q^2 = -x, below 0; it grows.
+
+    The first terms of its series, beyond which all are positive for x > 0 and alternate for x < 0;
+    0 where x may be beyond -1.
+    """
+    least = Span.of(np.clip(x.lo, -1.0, 1.0))
+    cubic = 1 + least * (Span.of(1.0) / 6 + least * (Span.of(3.0) / 40 + least * 15 / 336))
+    return np.where(x.lo >= -1, cubic.lo, 0.0)
+
+
+def _left(z: Span, w: Span) -> Span:
+    """r = exp(-pi z/w), 0 from z = 1 on."""
+    left = exp(-(PI * Span.of(z.lo) / _positive(Span.of(w.hi))))
+    return Span(np.zeros_like(z.lo), np.where(z.lo >= 1, 0.0, left.hi))
+
+
+def _positive(x: Span) -> Span:
+    """The part of intervals that is above 2^-100, where only that is of use."""
+    return Span(np.maximum(x.lo, 2.0**-100), np.maximum(x.hi, 2.0**-100))
+
+
+def refuse_all(faults: Iterable[str]) -> None:
+    """Raise ScenarioError with the sentences on all axes at once, each but once; none: nothing."""
+    if said := " ".join(dict.fromkeys(faults)):
+        raise ScenarioError(said)
+
+
+def peak_gains(scenario: Scenario) -> tuple[PeakGain, PeakGain]:
+    """Peak gains of v's and omega's linear loop, as a scenario's filter states them."""
+    settings = scenario.filter
+    if settings.loop == "second-order":
+        damping, K = settings.interval("damping")[0], settings.gain[1]
+        v, omega = (second_order(damping, K, d) for d in settings.d)
+        return v, omega
+    force, moment = settings.push
+    at_rim = over_square((0.0, moment), scenario.robot.l)[1] if moment else 0.0
+    peaks = pi_loop(scenario, 0).peak(force), pi_loop(scenario, 1).peak(at_rim)
+    v, omega = (_with_error(*pair) for pair in zip(peaks, settings.d, strict=True))
+    return v, omega
+
+
+def _with_error(peak: PeakGain, error: float) -> PeakGain:
+    """The same where the command that acts is off by an error, which adds its peak gain times."""
+    pushed = (peak.push + peak.gain * error) * (1 + 2.0**-50)
+    return replace(peak, push=pushed) if error else peak
+
+
+def pi_loop(scenario: Scenario, axis: int) -> PiLoop:
+    """Family of PI loops of an axis, as a scenario's filter states it, with its own base."""
+    settings, l = scenario.filter, scenario.robot.l
+    kp, ki, c = settings.interval("kp"), settings.interval("ki"), settings.friction
+    M = over_square(settings.interval("inertia"), l) if axis else settings.interval("mass")
+    return PiLoop(M, kp, ki, c, held_loop(scenario, axis))
+
+
+def over_square(values: tuple[float, float], l: float) -> tuple[float, float]:
+    """Bounds of values over l^2: the first from below, the second from above."""
+    least, most = (Span.of(value) / square(Span.of(l)) for value in values)
+    return max(float(least.lo), 0.0), float(most.hi)
+
+
+def second_order(damping: float, gain: float, d: float) -> PeakGain:
+    """Peak gain of loops with at least this damping and at most this gain at rest.
+
+    ``d``: the speed at which the push alone would end.
+    """
+    _, _, left = _swing(_off_one(damping, -1))
+    if not (1 - left).lo > 0:  # no swing is certainly smaller than the one before
+        return PeakGain(inf, inf)
+    most = (1 + left) / (1 - left)  # r = exp(-pi/sqrt(1/z^2 - 1)) falls with z
+    return PeakGain(float((most * gain).hi), float((most * d).hi) if d else 0.0)
+
+
+def overshoot(scenario: Scenario) -> tuple[float, float]:
+    """Largest overshoot of a step of v and of omega, as a share of it, for the stated numbers.
+
+    In doubles, of the corner where N is largest.
+    """
+    v, omega = (_overshoot(scenario, z) for z in _dampings(scenario))
+    return v, omega
+
+
+def less_damped(scenario: Scenario, axis: int, more: float) -> float:
+    """Share of its damping that is left to a base whose steps overshoot by ``more`` more."""
+    z = _dampings(scenario)[axis]
+    wanted, low, high = _overshoot(scenario, z) + more, 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if _overshoot(scenario, middle * z) < wanted else (middle, high)
+    return low
+
+
+BISECTIONS = 40
+
+
+def _dampings(scenario: Scenario) -> tuple[float, float]:
+    """Least damping of both axes: of PI loops without friction."""
+    settings = scenario.filter
+    if settings.loop == "second-order":
+        z = settings.interval("damping")[0]
+        return z, z
+    v, omega = (pi_loop(scenario, axis) for axis in (0, 1))
+    return _least_damping(v), _least_damping(omega)
+
+
+def _least_damping(loop: PiLoop) -> float:
+    return float(loop.kp[0] / (2 * (loop.ki[1] * loop.M[1]) ** 0.5))
+
+
+def _overshoot(scenario: Scenario, damping: float) -> float:
+    z, ratio, left = _swing(_off_one(damping, -1))
+    own = left if scenario.filter.loop == "second-order" else exp(-2 * z * ratio)
+    return float(own.hi)
+
+
+def _off_one(z: float, way: int) -> float:
+    """The damping, or one that is not near 1, smaller for ``way`` -1 and larger for 1."""
+    return 1 + way * OFF_ONE if abs(z - 1) < OFF_ONE else z
+
+
+def _swing(damping: float) -> tuple[Span, Span, Span]:
+    """z, acos(z)/w and r = exp(-pi z/w); beyond 1 acosh(z)/sqrt(z^2 - 1) and 0."""
+    z = Span.of(damping)
+    w = root(((1 - z) * (1 + z)).magnitude)
+    if damping >= 1:
+        return z, increasing(np.arccosh, z) / w, Span.of(0.0)
+    return z, increasing(np.arctan, w / z) / w, exp(-(PI * z / w))

@@ -1,0 +1,74 @@
+"""Numbers up to which it is proved that what a filter keeps back covers its roundings."""
+
+from collections.abc import Iterator
+
+from wmr_ctrl.control.filter.governor import Schedule
+from wmr_ctrl.control.filter.governor_step import schedule
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.scenario import Scenario
+
+OLDEST = 60.0
+"""Largest age of odometry, over the least time constant."""
+SHORTEST = 2.0**-13
+"""Least period for each piece of time that it is cut into, over the largest time constant."""
+SHORTEST_SINGLE = 2.0**-8
+"""The same of packages in single precision, which are refused below."""
+
+
+def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Key of each number for which nobody proved that the margin against rounding suffices.
+
+    And a sentence on it.  The ranges are those of `filter.rounding.governor`; all its others
+    a scenario keeps by itself.
+    """
+    if scenario.filter.kind != "governor":
+        return
+    for key, number, bound in _of_long_times(scenario):
+        yield (
+            key,
+            f"{number} is beyond {bound}: up to that it is proved that the share of the limit "
+            "which the filter keeps back covers its roundings, and beyond it the limit is proved "
+            "for exact arithmetic only.",
+        )
+
+
+def _of_long_times(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
+    settings, T, plan = scenario.filter, scenario.clock.control, schedule(scenario)
+    fastest, slowest = settings.interval("tau")
+    if (jitter := settings.jitter) > T / 2:
+        yield (
+            "filter.jitter",
+            f"filter.jitter = {jitter:g} s",
+            f"half of clock.control, {T / 2:g} s",
+        )
+    if settings.age > (most := OLDEST * fastest):
+        bound = f"{OLDEST:g} filter.tau[1], {most:g} s"
+        yield "filter.age", f"filter.age = {settings.age:g} s", bound
+    if (pieces := _most_pieces(plan)) * SHORTEST * slowest > T:
+        bound = (
+            f"clock.control 2^13/{pieces}, {T / pieces / SHORTEST:g} s, {pieces} being the pieces "
+            "that commands which may act divide a period into"
+        )
+        yield "filter.tau", f"filter.tau[2] = {slowest:g} s", bound
+
+
+def check_single_precision(scenario: Scenario) -> None:
+    """Raise ScenarioError for a governor whose bounds rise by less than a float's rounding."""
+    slowest, T = scenario.filter.interval("tau")[1], scenario.clock.control
+    longest = T / (SHORTEST_SINGLE * _most_pieces(schedule(scenario)))
+    if slowest > longest:
+        raise ScenarioError(
+            f"filter.tau[2] = {slowest:g} s is beyond {longest:.4g} s, the longest time constant "
+            f"of a governor in single precision at clock.control = {T:g} s: what the base gains in "
+            "a period gets lost in a float's rounding. Write the package in double precision, or "
+            "lengthen clock.control."
+        )
+
+
+def _most_pieces(plan: Schedule) -> int:
+    """Most pieces from a sample to the next, to the latest takeover, or in a period before it."""
+    back = plan.pieces(-plan.age, 0.0, 1)
+    ahead = plan.pieces(0.0, 1 + plan.jitter, 0, 1 - plan.jitter)
+    taken = plan.pieces(0.0, plan.delay[1], 1, plan.delay[0])
+    looked = (sum(b.start < a.start + 1 and b.end > a.start for b in back) for a in back)
+    return max(len(ahead), len(taken), *looked)

@@ -1,0 +1,240 @@
+"""The velocity guard: the smallest change of a law's force that keeps |v| <= v_u1 at every instant.
+
+Source: a control barrier function for h = v_u1 -+ v in the worst case over mass, friction and
+disturbance, valid for a force that is held over the whole control period; the theorem with its
+proof is in docs/guarantee.md.  It is no part of the paper.  Per axis, with the measured velocity y:
+
+    room(y) = v_u1 - max(y + nbar, f_speed),        net = dbar - f_min
+    hi(y)   = max(slope room(y) - net, -brake),     slope = M_min alpha inside, M_max/T outside
+    lo(y)   = -hi(-y),                              F = min(max(asked, lo), hi)
+
+With late velocities or drives the room shrinks by what was sent meanwhile (see `guard.delay`).
+
+No logarithm, no model of the friction, nothing that the law knows.  Choose it whenever the limit
+has to hold; its price is the speed that the bounds cost (see `usable_speed`).
+
+Behind it a map turns the force into wheel torques within |tau| <= tau_max.  The wheels can give
+|F| + |N|/l <= phi = 2 tau_max/r.  Clipping each torque by itself changes F and N at once; behind a
+guard it can turn a braking force into a driving one.  The maps reduce one axis after the other,
+towards the safe point: the force of least effort inside the guard's box, zero without a guard.
+Where the safe point is within reach, each map's result lies between the safe point and what was
+asked, so it stays in the box.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.bounds import GuardNumbers, aim, mass_range, pair_of, rounding
+from wmr_ctrl.control.guard.delay import InFlight, largest_force
+from wmr_ctrl.control.guard.lateness import Counting
+from wmr_ctrl.world.model.system import Parameters
+from wmr_ctrl.world.scenario import Scenario
+
+TIMES = ("delay", "jitter", "mixed")
+NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Symbols (or numbers) of one axis that the guard's formula reads; SI units as in Guard.
+
+    ``delay`` [s] is all that may count of what was sent, ``mixed`` [s] that of pieces in which one
+    of two commands acts, ``jitter`` [s] by how much a delay varies: what the graph was built for,
+    None where there is no such thing.
+    """
+
+    u1: ca.SX
+    period: ca.SX
+    M_min: ca.SX
+    M_max: ca.SX
+    dbar: ca.SX
+    nbar: ca.SX
+    alpha: ca.SX
+    brake: ca.SX
+    f_min: ca.SX
+    f_speed: ca.SX
+    delay: ca.SX | None = None
+    jitter: ca.SX | None = None
+    mixed: ca.SX | None = None
+
+    @property
+    def net(self) -> ca.SX:
+        """Disturbance less the friction that is sure to act [N or N m]."""
+        return self.dbar - self.f_min
+
+    @property
+    def cap(self) -> ca.SX:
+        """Most that it may brake with; without delay also what hi is at rest."""
+        reach = self.M_min * self.alpha * (self.u1 - self.f_speed)
+        reach = reach if self.delay is None else reach / (1 + self.alpha * self.delay)
+        if self.mixed is not None:
+            reach = ca.fmin(reach, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
+        return reach - self.net
+
+    @property
+    def braking(self) -> ca.SX:
+        """Largest force with which it brakes [N or N m]."""
+        return ca.fmin(self.brake, self.cap)
+
+    def axis(self, i: int) -> "Bounds":
+        """The bounds of axis ``i``, for bounds that hold both."""
+
+        def own(value: ca.SX) -> ca.SX:
+            return value[i] if value.numel() > 1 else value
+
+        read = {name: own(getattr(self, name)) for name in ("u1", "period", *NUMBERS)}
+        times = {name: own(t) for name in TIMES if (t := getattr(self, name)) is not None}
+        late = {name: time for name, time in times.items() if not time.is_zero()}
+        return Bounds(**read, **late)
+
+
+def bounds_of(p: Parameters, late: tuple[Counting, Counting]) -> Bounds:
+    """Symbols of both axes' bounds with the guard's numbers; u1 is shrunk against rounding."""
+    read = {name: p.take(f"guard.{name}") for name in NUMBERS}
+    period = p.take("clock.control")
+    u1 = p.take("limits.v_u1") * (1 - rounding(max(item.roundings for item in late)))
+    return Bounds(
+        u1=u1,
+        period=period,
+        delay=_times(period, [item.most for item in late]),
+        jitter=_times(period, [item.jitter for item in late]),
+        mixed=_times(period, [item.mixed for item in late]),
+        **read,
+    )
+
+
+def numeric_bounds(scenario: Scenario, guard: GuardNumbers, axis: int) -> Bounds:
+    """The same numbers of one axis, as values."""
+    period, late = scenario.clock.control, guard.lateness(scenario.clock)[axis]
+    (low, high), alpha = mass_range(guard, axis), float(guard.alpha or 0.0)
+    pairs = (guard.dbar, guard.nbar, guard.brake, guard.f_min, guard.f_speed)
+    dbar, nbar, brake, f_min, f_speed = (ca.SX(pair_of(pair)[axis]) for pair in pairs)
+    times = (late.most, late.jitter, late.mixed)
+    delay, jitter, mixed = (ca.SX(period * time) if time else None for time in times)
+    return Bounds(
+        u1=ca.SX(aim(scenario, guard, axis)), period=ca.SX(period), M_min=ca.SX(low),
+        M_max=ca.SX(high), dbar=dbar, nbar=nbar, alpha=ca.SX(alpha), brake=brake, f_min=f_min,
+        f_speed=f_speed, delay=delay, jitter=jitter, mixed=mixed,
+    )  # fmt: skip
+
+
+def _times(period: ca.SX, each: Sequence[float]) -> ca.SX | None:
+    """Times of both axes from numbers of periods; one if they are equal, None if there are none."""
+    if not any(each):
+        return None
+    return period * (each[0] if each[0] == each[1] else ca.SX(ca.DM(each)))
+
+
+def room(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
+    """Room of one axis to its limit at the measured velocity y [m/s or rad/s]."""
+    fastest = ca.fmax(y + b.nbar, b.f_speed)
+    if coming is None:
+        return b.u1 - fastest
+    return coming.left(b.u1 - coming.reached(fastest, b), b)
+
+
+def ceiling(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
+    """hi(y) of one axis [N or N m]: largest force that is safe at the measured velocity y.
+
+    ``coming`` goes with bounds that have a delay.
+    """
+    left = room(y, b, coming)
+    slope = ca.if_else(left >= 0, b.M_min * b.alpha, b.M_max / b.period)
+    hi = ca.fmax(slope * left - b.net, -b.braking)
+    return hi if coming is None else ca.fmin(hi, largest_force(b))
+
+
+def floor(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
+    """lo(y) of one axis [N or N m]: smallest force that is safe."""
+    return -ceiling(-y, b, None if coming is None else coming.mirrored)
+
+
+def clipped(asked: ca.SX, y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
+    """The nearest safe force of one axis; a force that is not a number becomes a safe one."""
+    return ca.fmin(ca.fmax(asked, floor(y, b, coming)), ceiling(y, b, coming))
+
+
+def feasible(b: Bounds) -> ca.SX:
+    """1 where lo <= hi for every y, hence where there is always a safe force; else 0."""
+    need = 2 * b.net if b.delay is None else 2 * b.net * (1 + b.alpha * b.delay)
+    conditions = [
+        need <= b.M_min * b.alpha * (b.u1 - b.f_speed),
+        2 * b.nbar <= b.u1,
+        b.brake >= b.net,
+        b.alpha * b.period <= 1,
+        b.M_min <= b.M_max,
+        b.f_speed < b.u1,
+    ]
+    if b.mixed is not None:
+        conditions.append(2 * b.net * b.mixed <= b.M_min * (b.u1 - 2 * b.nbar))
+    return reduce(ca.logic_and, conditions)
+
+
+@dataclass(frozen=True)
+class Guarded:
+    """Output of the guard: both axes' force, the safe point, whether it acted."""
+
+    force: ca.SX
+    safe: ca.SX
+    active: ca.SX
+
+
+def guarded(
+    asked: ca.SX,
+    v: ca.SX,
+    both: Bounds,
+    coming: tuple[InFlight | None, InFlight | None] = (None, None),
+) -> Guarded:
+    """Pass (thrust, moment) [N, N m] through both axes' guards at measured velocity (2,).
+
+    ``coming``: what each axis' commands under way count for, where they do.
+    """
+    axes = [(v[i], both.axis(i), coming[i]) for i in (0, 1)]
+    force = ca.vertcat(*(clipped(asked[i], *axis) for i, axis in enumerate(axes)))
+    safe = ca.vertcat(*(clipped(ca.SX(0), *axis) for axis in axes))
+    return Guarded(force, safe, force != asked)
+
+
+def possible(both: Bounds, phi: ca.SX, half_track: ca.SX, built_for: Sequence[ca.SX] = ()) -> ca.SX:
+    """1 where both axes' bounds can be met, by the wheels too (``phi`` = 2 tau_max/r [N]).
+
+    0 as well where drives are not what the graph was ``built_for``, conditions of its parameters.
+    """
+    axes = ca.logic_and(feasible(both.axis(0)), feasible(both.axis(1)))
+    return reduce(ca.logic_and, [axes, within_reach(both, phi, half_track), *built_for])
+
+
+def within_reach(both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:
+    """1 where the wheels can brake both axes at once, FB1 + FB2/l <= phi; else 0."""
+    first, second = (b.braking for b in (both.axis(0), both.axis(1)))
+    return first + second / half_track <= phi
+
+
+def linear_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:
+    """Force (N, N m) within the wheels' reach phi [N]: thrust first, the moment takes the rest.
+
+    The thrust leaves what the moment of the safe point (2,) needs.
+    """
+    room = phi if safe is None else phi - ca.fabs(safe[1]) / half_track
+    thrust = _clip(force[0], room)
+    moment = _clip(force[1], half_track * (phi - ca.fabs(thrust)))
+    return ca.vertcat(thrust, moment)
+
+
+def rotation_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:
+    """The same with the axes' order exchanged: the moment first, the thrust takes the rest."""
+    room = phi if safe is None else phi - ca.fabs(safe[0])
+    moment = _clip(force[1], half_track * room)
+    thrust = _clip(force[0], phi - ca.fabs(moment) / half_track)
+    return ca.vertcat(thrust, moment)
+
+
+MAPS = {"linear-first": linear_first, "rotation-first": rotation_first}
+"""By the value of guard.map."""
+
+
+def _clip(value: ca.SX, bound: ca.SX) -> ca.SX:
+    return ca.fmax(-bound, ca.fmin(bound, value))

@@ -1,0 +1,104 @@
+"""Cost of the guard: the steady speeds that it leaves, beside those the reference asks for."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from wmr_ctrl.control.guard.bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
+from wmr_ctrl.world.phases import largest_friction
+from wmr_ctrl.world.references.kind import reference_bounds
+from wmr_ctrl.world.scenario import Robot, Scenario
+
+
+@dataclass(frozen=True)
+class SpeedPrice:
+    """Speeds of both axes [m/s, rad/s], against the largest friction of the run.
+
+    ``usable``: largest steady ones that the guard admits; ``unbeatable``: no guard can admit more;
+    ``asked``: the largest of the reference.
+    """
+
+    usable: Pair
+    unbeatable: Pair
+    asked: Pair
+
+    @property
+    def short(self) -> tuple[bool, bool]:
+        """True if the reference asks for more than is usable, per axis."""
+        return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]
+
+
+@lru_cache(maxsize=64)
+def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
+    """Usable speeds by `usable_speed`; friction brakes the way ahead, and no turn."""
+    friction = (largest_friction(scenario), 0.0)
+    slowest, fastest, turning = reference_bounds(scenario)
+    return SpeedPrice(
+        usable_speed(scenario, guard, friction),
+        unbeatable_speed(scenario, guard, friction),
+        (max(abs(slowest), abs(fastest)), turning),
+    )
+
+
+def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
+    """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
+
+    See `usable_formula`.  Negative where the guard would not let the robot move at all, which is
+    also where the same with the whole window is above v_u1 - f_speed, the measured speed left out.
+    """
+    first, second = (_usable(scenario, guard, friction[i], i) for i in AXES)
+    return first, second
+
+
+def usable_formula(guard: GuardNumbers, axis: int) -> str:
+    """The formula of `usable_speed`, with the times that ``guard`` has."""
+    late = guard.age[axis] or guard.window[axis] or guard.slowest
+    time = "age + window/2 + delay + lag" if late else "delay"
+    return f"v_u1 - nbar - ({('friction + ', '')[axis]}dbar - f_min) (1/alpha + {time})/M_min"
+
+
+def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) -> float:
+    late, force = guard.lateness(scenario.clock)[i], friction + net(guard, i)
+    u1, nbar, period = scenario.limits.v_u1[i], pair_of(guard.nbar)[i], scenario.clock.control
+    first, least = 1.0 / float(guard.alpha or 0.0), mass_range(guard, i)[0]
+    mean = u1 - nbar - force * (first + period * late.usual) / least
+    rest = u1 - guard.f_speed[i] - force * (first + period * late.most) / least
+    return mean if rest >= 0 else min(mean, rest)
+
+
+def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
+    """No guard can admit larger steady speeds; arguments as in `usable_speed`.
+
+    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M: the friction that a steady
+    force has overcome may go and the push come right after what a sample sees of the velocity, and
+    the command of that sample acts until T + delay after it.
+    """
+    first, second = (
+        scenario.limits.v_u1[i]
+        - pair_of(guard.nbar)[i]
+        - (friction[i] + net(guard, i))
+        * (scenario.clock.control + guard.age[i] + guard.latest)
+        / mass_range(guard, i)[0]
+        for i in AXES
+    )
+    return first, second
+
+
+def early_speed(guard: GuardNumbers) -> Pair:
+    """Speed that a push can add before the first command acts, or behind a lag after it.
+
+    (delay + lag) (dbar - f_min)/M [m/s, rad/s], M the smallest mass or inertia.
+    """
+    time = guard.latest + guard.slowest
+    first, second = (time * max(net(guard, i), 0.0) / mass_range(guard, i)[0] for i in AXES)
+    return first, second
+
+
+def torque_swing(robot: Robot, guard: GuardNumbers, axis: int) -> float:
+    """Swing of a wheel's torque [N m] that errors of the measured velocity cause at the limit.
+
+    The guard's ceiling falls by M_min alpha for each m/s of measured velocity.  Errors of -nbar to
+    nbar move it, and the velocity that they cause moves it as much again: together by up to
+    4 nbar M_min alpha, the sum of the response's absolute values being 2 for alpha T <= 1.
+    """
+    arm = robot.r / 2 if axis == 0 else robot.r / (2 * robot.l)
+    return 4 * pair_of(guard.nbar)[axis] * slope(guard, axis) * arm

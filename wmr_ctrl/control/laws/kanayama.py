@@ -1,0 +1,66 @@
+"""Kinematic tracking with limited commands and computed torque (kanayama).
+
+Source: Kanayama, Kimura, Miyazaki and Noguchi, A stable tracking control method for an autonomous
+mobile robot (ICRA 1990), above a velocity loop (`velocity_loop`):
+
+    wanted   = (v1_d cos e3 + kx e1,  v2_d + v1_d (ky e2 + kt sin e3))
+
+Differences from the paper: not in it, and not Eq. (7), whose angular gain does not fade with v1_d.
+No barrier and no theorem: it cuts the command a margin below the limit, and whatever overshoots
+the command overshoots the margin.
+Choose it to have something plain and good to compare with, or behind the guard.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.law import Inside, Law, Traits
+from wmr_ctrl.control.laws.velocity_loop import CHANGE, VelocityLoopGains, with_command, with_torque
+from wmr_ctrl.core.fields.section import quantity
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+TITLE = "kinematic tracking with limited commands (kanayama)"
+
+
+class KanayamaGains(VelocityLoopGains, key="gains.kanayama"):
+    """Gains of the kinematic law, and of the velocity loop below it."""
+
+    k: tuple[float, float, float] = quantity(
+        (4.0, 64.0, 16.0), "1/s, 1/m2, 1/m", "kx, ky, kt of the kinematic law", above=0.0
+    )
+
+
+def build(context: LawContext) -> System:
+    """F of the velocity loop, for the wanted velocity above."""
+    return with_torque(context, TITLE, wanted_velocity)
+
+
+def inside(context: LawContext) -> Inside:
+    """The law whose command is cut nowhere."""
+    within: dict[str, tuple[ca.SX, ca.SX]] = {}
+
+    def whole(name: str, values: ca.SX, most: ca.SX) -> ca.SX:
+        within[name] = values, most
+        return values
+
+    build = with_command if takes_velocity(context.scenario) else with_torque
+    law = build(context, TITLE, wanted_velocity, whole)
+    return Inside(law, within, from_measured=frozenset({CHANGE}))
+
+
+def build_command(context: LawContext) -> System:
+    """Velocity that is sent to a base which follows it by a loop of its own."""
+    return with_command(context, TITLE, wanted_velocity)
+
+
+def wanted_velocity(context: LawContext) -> ca.SX:
+    """Kanayama's velocity (2,) [m/s, rad/s], before any limit."""
+    kx, ky, kt = ca.vertsplit(context.gain("k"))
+    (e1, e2, e3), (v1_d, v2_d) = ca.vertsplit(context.e), ca.vertsplit(context.v_d)
+    return ca.vertcat(v1_d * ca.cos(e3) + kx * e1, v2_d + v1_d * (ky * e2 + kt * ca.sin(e3)))
+
+
+TRAITS = Traits(model=True, observer=True)
+TUNED = ("k", "rate", "wo", "a_max")
+LAW = Law("kanayama", KanayamaGains, build, TRAITS, __doc__, TUNED, build_command, inside)

@@ -1,0 +1,127 @@
+"""Law: a control law as a value, with the traits that checks and reports ask for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.world.model.system import System
+
+if TYPE_CHECKING:
+    import casadi as ca
+
+    from wmr_ctrl.control.laws.context import LawContext
+
+BARRIERS = ("paper", "smooth")
+"""Forms of the barrier function: the paper's, and the one whose slope is continuous."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Traits:
+    """Properties of a law, as its author states them.
+
+    ``auxiliary``: Eq. (7) is its outer loop.  ``barrier``: it evaluates the barrier function.
+    ``model``: it assumes a mass and a friction.  ``theorem``: the paper's theorem about it, 0 for
+    none.  ``estimates``: its memory holds an estimate that is learnt during the run, so statements
+    about the start need not hold later.  ``integrates``: nothing lets go of these estimates, so
+    that behind a command filter they wait where it sends something else.  ``observer``: its memory
+    holds a disturbance observer, which is linear and part of every linear statement about the loop.
+    """
+
+    auxiliary: bool = False
+    barrier: bool = False
+    model: bool = False
+    theorem: int = 0
+    estimates: bool = False
+    integrates: bool = False
+    observer: bool = False
+
+
+@dataclass(frozen=True)
+class Inside:
+    """A law's System where none of its limits cuts, and the conditions for that.
+
+    ``within``: by name an expression (2,) in the System's symbols and the size (2,) that it must
+    not exceed on either axis for the law to be this System.  ``from_measured`` names those that a
+    first sample counts from the measured velocity, and later ones from the law's memory.
+    """
+
+    system: System
+    within: Mapping[str, tuple[ca.SX, ca.SX]]
+    from_measured: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Law:
+    """A control law: name, gains, graph, traits and its file's docstring.
+
+    ``build(context)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
+    names those of its gains that a search may change, all positive.  ``command(context)``, if
+    given, is the law for a base that takes velocities, whose output is the velocity
+    `ASKED`; a law without it drives such a base through an adapter (`control/velocity.py`).
+    ``inside(context)`` is the law away from its limits, for those that have a corridor.
+    """
+
+    name: str
+    gains: type[Section]
+    build: Callable[[LawContext], System]
+    traits: Traits
+    doc: str | None
+    tuned: tuple[str, ...] = ()
+    command: Callable[[LawContext], System] | None = None
+    inside: Callable[[LawContext], Inside] | None = None
+
+    @property
+    def title(self) -> str:
+        """First line of its file's docstring, or its name."""
+        return ((self.doc or "").strip().splitlines() or [self.name])[0].rstrip(".")
+
+
+class TorqueLimited(Section, key="gains"):
+    """Gains of a law that brings a torque limit of its own, which counts where it is smaller."""
+
+    tau_max: float = quantity(
+        20.0, "N.m", "the law's own torque limit, in addition to actuator.tau_max", above=0.0
+    )
+
+
+class OwnKinematics(Section, key="gains"):
+    """Gains of a law that may have gains of Eq. (7) of its own, beside those that laws share."""
+
+    kinematics: tuple[float, float, float] | None = quantity(
+        None,
+        "1/s, 1/m2, 1/s",
+        "k_1, k_2, k_3 of Eq. (7) for this law alone; left out: gains.kinematics.k",
+        size=3,
+        above=0.0,
+    )
+
+
+class BarrierChoice(Section, key="gains"):
+    """Gains of a law that lets one choose the form of the barrier function."""
+
+    barrier: str = quantity("paper", "1", "form of the barrier f", options=BARRIERS)
+
+
+class Predicting(Section, key="gains"):
+    """Gains of a law that predicts to the time when its command acts (see `prediction`)."""
+
+    delay: float = quantity(
+        0.0,
+        "s",
+        "delay over which the law predicts, at most that of the drives; 0: no prediction",
+        minimum=0.0,
+        maximum=10.0,
+    )
+
+
+def commands_predicted(gains: Section, period: float) -> int:
+    """Number of commands in flight over the delay of such gains, at a control period [s]."""
+    return math.ceil(gains.delay / period - WHOLE) if isinstance(gains, Predicting) else 0
+
+
+WHOLE = 1e-9
+"""Share of a period that is no command more."""

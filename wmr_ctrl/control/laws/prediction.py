@@ -1,0 +1,71 @@
+"""Prediction to the time when a command acts, for drives with a delay.
+
+Source: the usual predictor of a delayed input, here with what the law believes.  What is computed
+at a sample acts one delay later; until then the commands F_j act that are under way, the one sent j
+periods ago for
+
+    tau_j = max(delay - (j-1) T, 0) - max(delay - j T, 0),    together the delay.
+
+From the oldest on, with the believed mass M and friction F1, and the observer's force f,
+
+    u  = v + tau_j (F_j - f)/M,     v+ = u - cut(tau_j F1(u)/M, |u|)
+    q+ = q + tau_j H(theta + tau_j omega'/2) v',                   v' = (v + v+)/2
+
+so friction stops, and never turns round; the reference is carried on in the same way by its v_d'.
+The law is then asked about that instant: to it the drives seem to act at once.  What noise does
+until then stays unknown.  The delay that is stated must not be longer than the true one: a law that
+counts on commands that have acted already cycles.  That is the reverse of the guard's rule, so it
+is a field of its own, ``delay`` of the law's gains.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.core.signals import tau_sent
+from wmr_ctrl.world.model.dynamics import wheel_to_force
+from wmr_ctrl.world.model.kinematics import pose_rate
+from wmr_ctrl.world.model.system import Port, ports
+
+
+def ahead(context: LawContext, made_up: ca.SX) -> tuple[LawContext, tuple[Port, ...]]:
+    """The sample one delay later, and the inputs of the commands under way that this takes.
+
+    ``made_up`` (2,) [N, N m] is the observer's force f.  Without delay the sample itself.
+    """
+    if not context.in_flight:
+        return context, ()
+    delay = ca.fmin(context.gain("delay"), context.in_flight * context.period)
+    take = context.parameters.take
+    sent = ports(map(tau_sent, range(1, context.in_flight + 1)))
+    pose, v = context.pose, context.v
+    for age in range(context.in_flight, 0, -1):
+        force = wheel_to_force(take("robot.r"), take("robot.l"), sent[age - 1].sym)
+        time = acts_for(age, delay, context.period)
+        after = pushed(context, v, force - made_up, time)
+        pose, v = carried(pose, v, after, time), after
+    v_d = context.v_d + delay * context.v_d_dot
+    pose_d = carried(context.pose_d, context.v_d, v_d, delay)
+    return context.at((pose_d, v_d, context.v_d_dot), pose, v), sent
+
+
+def acts_for(age: int, delay: ca.SX, period: ca.SX) -> ca.SX:
+    """tau_j [s]: how long a command sent ``age`` periods ago acts from now on, within the delay."""
+    return ca.fmax(delay - (age - 1) * period, 0) - ca.fmax(delay - age * period, 0)
+
+
+def pushed(context: LawContext, v: ca.SX, force: ca.SX, time: ca.SX) -> ca.SX:
+    """v+ (2,) after a ``force`` (2,) [N, N m] that is held for ``time`` [s], friction in it."""
+    free = v + time * force / context.mass
+    return slowed(free, time * context.friction_at(free) / context.mass)
+
+
+def slowed(free: ca.SX, taken: ca.SX) -> ca.SX:
+    """A velocity less friction's share of it: all of it at most."""
+    most = ca.fabs(free)
+    return free - ca.fmax(-most, ca.fmin(most, taken))
+
+
+def carried(pose: ca.SX, v: ca.SX, after: ca.SX, time: ca.SX) -> ca.SX:
+    """Pose (3,) after ``time`` [s] in which the velocity (2,) went from v to ``after``."""
+    mean = v / 2 + after / 2
+    return pose + time * pose_rate(pose[2] + time * mean[1] / 2, mean)

@@ -1,0 +1,1 @@
+"""Fields of scenarios, errors, signals and what else every room needs."""

@@ -1,0 +1,60 @@
+"""A compiled loop as plain data, for those who run it and must not wait for CasADi."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from wmr_ctrl.core.signals import Signal
+
+Signals = tuple[Signal, ...]
+
+
+@dataclass(frozen=True)
+class LawLayout:
+    """Inputs, memory and parameters of the controller by itself."""
+
+    inputs: Signals
+    state: Signals
+    parameters: Signals
+    start: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class LoopLayout:
+    """Meaning of the vectors of a loop's library: the same for every scenario of its structure.
+
+    ``columns``: of the log.  ``findings`` and ``sums``: names of what a run without log leaves.
+    """
+
+    title: str
+    columns: Signals
+    state: Signals
+    parameters: Signals
+    findings: tuple[str, ...]
+    sums: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CompiledLoop:
+    """A law's closed loop on a scenario: library, layout, and the numbers of this scenario.
+
+    ``parameters`` has a row for each phase, which begins at plant step ``phase_start``; ``start``
+    is the whole state at t = 0; ``delay_steps`` is how many plant steps a command is under way.
+    ``digest`` is the hash of the sources; loops of one ``structure`` can
+    run side by side.
+    """
+
+    library: str
+    digest: str
+    structure: str
+    layout: LoopLayout
+    law: LawLayout
+    parameters: tuple[tuple[float, ...], ...]
+    phase_start: tuple[int, ...]
+    start: tuple[float, ...]
+    delay_steps: int
+
+
+def elements(signals: Iterable[Signal]) -> tuple[str, ...]:
+    """Names of all elements of some signals, in order."""
+    return tuple(name for signal in signals for name in signal.elements)

@@ -1,0 +1,154 @@
+"""Reading of small text files, TOML among them, and which files a command reads and writes.
+
+Failures of reading are ScenarioErrors.  A message quotes what it read, so a file is read only if
+its suffix says that it is meant.
+"""
+
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+
+from wmr_ctrl.core.errors import ResultFileError, ScenarioError
+from wmr_ctrl.core.fields.problems import printable
+
+LARGEST_FILE = 1_000_000
+"""Bytes; a scenario is far smaller."""
+TOML = (".toml",)
+EXCERPT = 72
+"""Characters of a line that are shown at most, around the column."""
+_COMMAND = ContextVar[tuple[dict[Path, str], set[Path]] | None]("files of a command", default=None)
+
+
+@contextmanager
+def one_command() -> Iterator[None]:
+    """Context of a command, in which no file may be both read and written.
+
+    Within the context of another command it does nothing.
+    """
+    if _COMMAND.get() is not None:
+        yield
+        return
+    token = _COMMAND.set(({}, set()))
+    try:
+        yield
+    finally:
+        _COMMAND.reset(token)
+
+
+def note_input(file: str | os.PathLike[str], what: str) -> None:
+    """Record that the command reads ``file``; ``what`` it is, for the message.
+
+    Raises ResultFileError if the command writes it.  Nothing is recorded outside of a command.
+    """
+    if (command := _COMMAND.get()) is not None:
+        inputs, outputs = command
+        inputs.setdefault(Path(file), what)
+        for output in outputs:
+            _refuse_same(output, Path(file), what)
+
+
+def note_output(file: str | os.PathLike[str]) -> None:
+    """Record that the command writes ``file``.  Raises ResultFileError if it reads it."""
+    if (command := _COMMAND.get()) is not None:
+        inputs, outputs = command
+        outputs.add(Path(file))
+        for source, what in inputs.items():
+            _refuse_same(Path(file), source, what)
+
+
+def _refuse_same(output: Path, source: Path, what: str) -> None:
+    try:
+        same = os.path.samefile(output, source)
+    except (OSError, ValueError):  # one of them does not exist
+        return
+    if same:
+        raise ResultFileError(
+            f"cannot write {str(output)!r}: the same command reads this file ({what}: {source}). "
+            "Write to another file."
+        )
+
+
+def read_text(
+    file: Path, what: str, suffixes: Sequence[str] = TOML, largest: int = LARGEST_FILE
+) -> str:
+    """Return the text of a UTF-8 file of at most ``largest`` bytes; errors start with ``what``."""
+    note_input(file, what)
+    try:
+        if file.is_dir():
+            raise ScenarioError(f"{what}: {file} is a directory. Name a file in it.")
+        if file.exists() and not file.is_file():
+            raise ScenarioError(f"{what}: {file} is not a regular file.")
+        if file.exists() and file.suffix.lower() not in suffixes:
+            raise ScenarioError(
+                f"{what}: {str(file)[:200]!r} must end in {' or '.join(suffixes)}: the suffix says "
+                "what the file is."
+            )
+        with file.open("rb") as stream:
+            data = stream.read(largest + 1)
+    except FileNotFoundError:
+        raise ScenarioError(f"{what}: there is no file {file}. Check the path.") from None
+    except (OSError, ValueError) as problem:
+        if isinstance(problem, ScenarioError):
+            raise
+        reason = getattr(problem, "strerror", None) or str(problem)
+        raise ScenarioError(f"{what}: {str(file)[:200]!r} cannot be read: {reason}.") from None
+    return decode(data, f"{what}: {file}", largest)
+
+
+def decode(data: bytes, what: str, largest: int = LARGEST_FILE) -> str:
+    """Return UTF-8 bytes, with or without byte order mark, as text; errors start with ``what``."""
+    if len(data) > largest:
+        raise ScenarioError(f"{what} is larger than {largest // 10**6} MB. Is it the right file?")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise ScenarioError(
+            f"{what} is not UTF-8 text (byte {problem.start + 1}). Save it as UTF-8."
+        ) from None
+    if "\0" in text:
+        raise ScenarioError(f"{what} is not text: it has a byte 0. Is it the right file?")
+    return text
+
+
+def parse_toml(text: str, what: str | Path, remedy: str = "") -> dict[str, object]:
+    """Return TOML text as a dictionary.
+
+    Raises ScenarioError: ``what``, line and column, why, ``remedy``; its note is the line with a
+    caret below the column.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ScenarioError(f"{what} is not usable TOML: it is nested too deeply.") from None
+    except ValueError as problem:
+        reason, line, column = _place(str(problem), text)
+        error = ScenarioError(
+            f"{what} is not valid TOML (line {line}, column {column}): {reason}. {remedy}".rstrip()
+        )
+        error.add_note(excerpt(text, line, column))
+        raise error from None
+
+
+_AT = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
+
+
+def _place(problem: str, text: str) -> tuple[str, int, int]:
+    """Reason, line and column, from 1, of what the library says; without a place it is the end."""
+    place = _AT.fullmatch(problem)
+    lines = text.rstrip().split("\n")
+    reason, line, column = place.groups() if place else (problem, len(lines), len(lines[-1]) + 1)
+    reason = reason.removesuffix(" (at end of document)")[:200]
+    return printable(reason[:1].lower() + reason[1:]), int(line), int(column)
+
+
+def excerpt(text: str, line: int, column: int) -> str:
+    """Return a line of a text, indented, with a caret below a column; both count from 1."""
+    whole = printable(text.split("\n")[line - 1].rstrip("\r"))
+    begin = max(0, column - EXCERPT) if len(whole) > EXCERPT else 0
+    head = f"  {line} | "
+    cut = whole[begin : begin + EXCERPT]
+    return f"{head}{cut}\n{' ' * (len(head) + column - 1 - begin)}^"

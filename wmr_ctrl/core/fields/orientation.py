@@ -1,0 +1,95 @@
+"""Orientations at the border: counted from +Y inside, as in the paper, outside as `frames` says.
+
+``frames = "rep103"`` counts them from +X, as REP 103 of ROS does.  Positions are the same in both.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from wmr_ctrl.core.errors import ScenarioError, choices
+from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.core.signals import MEASURED_POSE, POSE, REFERENCE
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+T = TypeVar("T", float, "NDArray[np.float64]")
+Q = TypeVar("Q", bound=Any)
+
+PAPER = "paper"
+FRAMES = {PAPER: 0.0, "rep103": math.pi / 2}
+"""Excess of each convention's orientation over the paper's [rad]."""
+ORIENTATIONS = (POSE[2].name, REFERENCE[2].name, MEASURED_POSE[2].name)
+"""Columns of a run that are orientations."""
+_SAID = {
+    "0 along +Y, forward = (-sin theta, cos theta)": "0 along +X, forward = (cos theta, sin theta)",
+    "0 along +Y": "0 along +X",
+}
+
+
+def checked_frames(frames: object) -> str:
+    """Return ``frames`` if it names a convention; raises ScenarioError."""
+    if not isinstance(frames, str) or frames not in FRAMES:
+        near = choices(frames if isinstance(frames, str) else "", FRAMES)
+        raise ScenarioError(
+            f"frames = {show(frames)} is not known (where orientations are 0: paper: along +Y, "
+            f"rep103: along +X); {near}."
+        )
+    return frames
+
+
+def outward(theta: T, frames: str) -> T:
+    """Orientations [rad] of the inside, as ``frames`` counts them; numbers and arrays."""
+    return theta + FRAMES[frames] if FRAMES[frames] else theta
+
+
+def inward(theta: T, frames: str) -> T:
+    """Orientations [rad] that ``frames`` counts, as the inside does: `outward`'s inverse.
+
+    What came in by this goes out and in again without loss: ``inward(outward(y)) == y`` to the
+    bit for every ``y = inward(x)``, since x is then the double nearest to y + pi/2, or y is exact.
+    """
+    return theta - FRAMES[frames] if FRAMES[frames] else theta
+
+
+def theta_of(quaternion: Sequence[Q], atan2: Callable[[Q, Q], Q]) -> Q:
+    """Orientation [rad] as inside, up to whole turns, of a pose as ROS has it: (x, y, z, w).
+
+    Its yaw by REP 103 less a quarter turn, of any tilt and length; numbers, arrays and symbols,
+    whose ``atan2`` is given.
+    """
+    x, y, z, w = quaternion
+    return atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z) - FRAMES["rep103"]
+
+
+def described(text: str, frames: str) -> str:
+    """A field's or a column's meaning, which names the paper's convention, in ``frames``."""
+    if FRAMES[frames]:
+        for ours, theirs in _SAID.items():
+            text = text.replace(ours, theirs)
+    return text
+
+
+def field_outward(value: Any, place: int, frames: str) -> Any:
+    """A field's value with its element ``place`` (from 1; 0: none is an orientation) outward."""
+    return _moved(value, place, frames, outward)
+
+
+def field_inward(value: Any, place: int, frames: str) -> Any:
+    """`field_outward` the other way; what is no number is left to the later check."""
+    return _moved(value, place, frames, inward)
+
+
+def _moved(value: Any, place: int, frames: str, move: Any) -> Any:
+    if not place or not FRAMES[frames]:
+        return value
+    if isinstance(value, list | tuple):
+        parts = list(value)
+        if len(parts) >= place:
+            parts[place - 1] = _moved(parts[place - 1], 1, frames, move)
+        return type(value)(parts)
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return move(value, frames) if number else value

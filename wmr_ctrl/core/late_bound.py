@@ -1,0 +1,31 @@
+"""Functions of higher layers that values and commands offer, imported when asked for.
+
+Folders import downwards only.  A Run that draws itself and a Scenario that shows its gains are for
+the user's convenience, and commands write the same files; these few names are the whole of it, and
+importing this file loads nothing.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import cast
+
+HOMES = {
+    "save_run": "wmr_ctrl.results.formats",
+    "draw_linear": "wmr_ctrl.report.linear_figures",
+    "plot_run": "wmr_ctrl.report.plot_run",
+    "plot_runs": "wmr_ctrl.report.plot_runs",
+    "plot_drives": "wmr_ctrl.report.plot_runs",
+    "animate_runs": "wmr_ctrl.report.animate",
+    "animate_drives": "wmr_ctrl.report.animate",
+    "film_run": "wmr_ctrl.export.outputs",
+    "gains_by_law": "wmr_ctrl.control.setup",
+    "outlook_of": "wmr_ctrl.theory.checks.outlook",
+    "needed_by": "wmr_ctrl.theory.checks.outlook",
+    "left_corridor": "wmr_ctrl.theory.corridor",
+}
+"""Each function, and the module that it is found in."""
+
+
+def late_bound(name: str) -> Callable[..., object]:
+    """The function of that name, one of `HOMES`; its module is imported now."""
+    return cast("Callable[..., object]", vars(import_module(HOMES[name]))[name])

@@ -1,0 +1,1 @@
+"""Files for other tools: FMUs, SSP, Modelica, Simulink and the live page."""

@@ -1,0 +1,163 @@
+"""Refusals before the first step: what a scenario asks for and the given FMUs cannot do."""
+
+import zipfile
+from pathlib import Path
+
+from wmr_ctrl.codegen.build import first_step_at
+from wmr_ctrl.control.applied import remembered
+from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.export.cosim.mapping import STATE
+from wmr_ctrl.export.cosim.parts import Part
+from wmr_ctrl.export.fmi.blocks import law_model
+from wmr_ctrl.export.fmi.extra import GRAPH
+from wmr_ctrl.export.fmi.model_description import FmuModel
+from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.scenario import Scenario, override
+
+_REACHING = {
+    "noise_right": {"noise_right", "torque_right"},
+    "noise_left": {"noise_left", "torque_left"},
+    "thrust": {"thrust"},
+    "moment": {"moment"},
+}
+"""Inputs of a plant by what a disturbance writes: one of them must be mapped."""
+_NEAR = 1e-6
+"""Largest distance of a foreign plant's start from the scenario's [m, rad, m/s, rad/s]."""
+
+
+def law_within(path: str | Path | None) -> str | None:
+    """Name of the law that a controller of ours holds; None for any other file, or for none."""
+    if path is None or not zipfile.is_zipfile(path):
+        return None
+    with zipfile.ZipFile(path) as archive:
+        if GRAPH not in archive.namelist():
+            return None
+        described = archive.read("modelDescription.xml").decode(errors="replace")
+    return next((law for law in LAWS if f'modelName="wmr_{law}"' in described), None)
+
+
+def check_structure(path: str | Path, model: FmuModel) -> None:
+    """Raise ArgumentError unless the FMU is ``model`` but for its numbers.
+
+    An FMU of ours carries the graph that it was made from; numbers are set before a run, but
+    guard, drives and options of a law are part of the graph.
+    """
+    graph = _graph_in(path)
+    if not graph:
+        raise ArgumentError(
+            f"the FMU {path} is not one of ours. Give a map of its names and units (--map "
+            "FILE.toml)."
+        )
+    if graph != model.graph:
+        raise ArgumentError(
+            f"the FMU {path} is not the {model.what} of this scenario: they differ in more than "
+            "numbers (the law or its options, guard, drives), or another version made it. "
+            "Export it from this scenario, or leave it out."
+        )
+
+
+def unguarded(path: str | Path, setup: Setup) -> Setup | None:
+    """The setup of a controller of ours that was made without the guard that ``setup`` has.
+
+    None where it has that guard, or is another one's.  Raises ArgumentError for a law that
+    remembers what it commanded, since a guard elsewhere changes that behind its back.
+    """
+    bare = settle(override(setup.scenario, {"guard.enabled": False}), setup.name)
+    if _graph_in(path) != law_model(bare).graph:
+        return None
+    if remembered(law_graph(bare)):
+        raise ArgumentError(
+            f"{path} contains no guard, and {setup.name} relies on the torque that it commanded, "
+            "which a guard outside it would change. Export it with the guard (guard.enabled = "
+            "true), or leave it out."
+        )
+    return bare
+
+
+def _graph_in(path: str | Path) -> str:
+    """The graph that an FMU of ours was made from; empty for another's."""
+    with zipfile.ZipFile(path) as archive:
+        return archive.read(GRAPH).decode() if GRAPH in archive.namelist() else ""
+
+
+def check_parts(setup: Setup, plant: Part) -> None:
+    """Raise ArgumentError where a foreign plant leaves out a part of the scenario."""
+    scenario = setup.scenario
+    lost = [
+        f"[{item.section.KEY}]"
+        for item in setup.with_role(EffectRole.DISTURBANCE)
+        if item.active(scenario)
+        and any(
+            plant.uses.isdisjoint(_REACHING[output.signal.name])
+            for output in item.system(scenario).outputs
+        )
+    ]
+    if lost:
+        raise ArgumentError(
+            f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
+            "which include it (and thrust and moment, where it acts on the body), or remove it "
+            f"from the scenario: {', '.join(lost)}."
+        )
+
+
+def check_step(scenario: Scenario, part: Part) -> None:
+    """Raise ArgumentError unless the map's step of an FMU divides the control period."""
+    step, period = part.step_size, scenario.clock.control
+    if step is not None and not _divides(step, period):
+        raise ArgumentError(
+            f"the map's step of {part.slave.path}, {step:g} s, does not divide clock.control = "
+            f"{period:g} s. Take {period / max(1, round(period / step)):.9g} s, or leave it out "
+            "for one step a period."
+        )
+
+
+def check_spans(scenario: Scenario, plant: Part, steady: bool) -> None:
+    """Raise ArgumentError where a plant would be stepped over less than its map's step.
+
+    ``steady``: what acts on it stays the same over a control period; else it may change after
+    every clock.plant.
+    """
+    step, pace, path = plant.step_size, scenario.clock.plant, plant.slave.path
+    says = "whose map says"
+    if step is None:
+        if not plant.foreign or plant.slave.takes_any_step:
+            return
+        step, says = scenario.clock.control if steady else pace, "which takes steps of one size,"
+    if not steady and not _divides(step, pace):
+        raise ArgumentError(
+            f"the map's step of {path}, {step:g} s, does not divide clock.plant = {pace:g} s, by "
+            "which drives or disturbances of this scenario change what acts on the plant. Set "
+            "clock.plant to a multiple of that step, or take out those drives (lag, delay, ...) "
+            "and disturbances (slope, resistance)."
+        )
+    for change in scenario.changes:
+        begins = first_step_at(change.t, pace) * pace
+        if begins < scenario.clock.duration and not _divides(step, begins):
+            raise ArgumentError(
+                f"the change at t = {change.t:g} s falls between two steps of {path}, {says} "
+                f"{step:g} s. Move it to a multiple of that step."
+            )
+
+
+def _divides(step: float, span: float) -> bool:
+    """True if ``span`` [s] is a whole number of steps, but for rounding; 0 is none."""
+    count = round(span / step)
+    return abs(count * step - span) <= _NEAR * span and (count > 0 or span == 0)
+
+
+def check_start(scenario: Scenario, plant: Part) -> None:
+    """Raise ArgumentError unless an initialised foreign plant starts where the scenario does."""
+    wanted = (*scenario.initial.pose, *scenario.initial.velocity)
+    off = [
+        f"{name} = {has:.9g}, not {want:.9g}"
+        for name, want, has in zip(STATE, wanted, plant.read(), strict=False)
+        if not abs(has - want) <= _NEAR * max(1.0, abs(want))
+    ]
+    if plant.foreign and off:
+        raise ArgumentError(
+            f"{plant.slave.path} does not start where the scenario does: {', '.join(off)}. Set "
+            "the map's [plant.start], or initial.pose and initial.velocity."
+        )

@@ -1,0 +1,200 @@
+"""The three parts of a co-simulation: reference, controller and plant, in our names and units."""
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cache
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.guard import linear_first
+from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.signals import FORCE, GUARD_DIAGNOSTICS, VELOCITY, Signal
+from wmr_ctrl.export.cosim import mapping
+from wmr_ctrl.export.cosim.slave import Slave
+from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
+from wmr_ctrl.world.scenario import Robot
+
+GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
+"""Sources of a guard."""
+_VELOCITY = tuple(mapping.SEEN.index(signal.name) for signal in VELOCITY)
+_ASKED = len(FORCE.elements)
+
+
+class Part:
+    """An FMU with the maps of its inputs and outputs.
+
+    ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``; ``uses`` are the
+    sources that the inputs are made of; ``foreign``: somebody else's, described by a map, of which
+    what is read must be finite.
+    """
+
+    def __init__(
+        self,
+        slave: Slave,
+        inputs: Sequence[mapping.MapRow],
+        outputs: Sequence[mapping.MapRow],
+        sources: Sequence[str],
+        step: float | None = None,
+        *,
+        foreign: bool = False,
+    ) -> None:
+        self.slave, self.targets, self.step_size = slave, tuple(row.target for row in outputs), step
+        self.foreign = foreign
+        theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
+        self.uses = frozenset(name for row in inputs for name, _ in row.terms)
+        self.wants_ready = not self.uses.isdisjoint(mapping.READY)
+        self._inward = mapping.compiled(inputs, sources) if inputs else None
+        self._write = slave.writer([row.target for row in inputs])
+        self._read, self._outward = slave.reader(theirs), mapping.compiled(outputs, theirs)
+        plain = all(row.plain for row in outputs)
+        self._same = plain and theirs == [row.terms[0][0] for row in outputs]
+
+    def write(self, values: Sequence[float]) -> None:
+        """Set the inputs from our quantities."""
+        if self._inward is not None:
+            self._write(self._inward(values))
+
+    def read(self) -> Sequence[float]:
+        """Our quantities from the outputs; raises FmuError where one must be finite and is not."""
+        values = self._read() if self._same else self._outward(self._read())
+        if self.foreign and not all(map(math.isfinite, values)):
+            pairs = zip(self.targets, values, strict=True)
+            lost = (f"{name} = {value}" for name, value in pairs if not math.isfinite(value))
+            raise self.slave.failure(f"its outputs, which give {', '.join(lost)}")
+        return values
+
+    def step(self, t: float, h: float) -> None:
+        """One step, or several of the FMU's own size."""
+        for _ in self.steps(t, h, t + h):
+            continue
+
+    def steps(self, t: float, h: float, end: float) -> Iterator[float]:
+        """The same, stopping after each with the time that was reached; the last is ``end``."""
+        count = 1 if self.step_size is None else max(1, round(h / self.step_size))
+        for i in range(1, count):
+            self.slave.step(t + (i - 1) * (h / count), h / count)
+            yield t + i * (h / count)
+        self.slave.step(t + (count - 1) * (h / count), h / count)
+        yield end
+
+
+class GuardedController:
+    """A controller with the velocity guard behind it, as one part; see `Part`.
+
+    Both take their sample at the same instant: the guard sees the force that the controller asks
+    for and the velocity that it was shown, and its torques are those of this part.  So the loop is
+    the one that a controller with the guard in it gives, under either master.
+    """
+
+    foreign = False
+
+    def __init__(self, controller: Part, guard: Part) -> None:
+        """``controller`` gives the force that it asks for first, then diagnostics of its own."""
+        self.controller, self.guard = controller, guard
+        self.wants_ready = controller.wants_ready
+        own = controller.targets[_ASKED:]
+        self._own = [_ASKED + i for i, name in enumerate(own) if name not in guard.targets]
+        self.targets = (*guard.targets, *(controller.targets[i] for i in self._own))
+        self._velocity: tuple[float, ...] = ()
+        self._told: list[float] = []
+
+    def write(self, values: Sequence[float]) -> None:
+        """Set the controller's inputs; the guard takes the same velocity."""
+        self.controller.write(values)
+        self._velocity = tuple(values[i] for i in _VELOCITY)
+
+    def step(self, t: float, h: float) -> None:
+        """The controller, then the guard on the force asked for."""
+        self.controller.step(t, h)
+        given = self.controller.read()
+        self._told = [given[i] for i in self._own]
+        self.guard.write((*given[:_ASKED], *self._velocity))
+        self.guard.step(t, h)
+
+    def read(self) -> Sequence[float]:
+        """Torques and diagnostics of the guard, then those of the controller."""
+        return [*self.guard.read(), *self._told]
+
+
+def reference_part(slave: Slave) -> Part:
+    """Our reference FMU."""
+    return Part(slave, [], mapping.identity(mapping.DESIRED), ())
+
+
+def guard_part(slave: Slave) -> Part:
+    """Our guard FMU."""
+    shown = (*mapping.TORQUES, *elements(GUARD_DIAGNOSTICS))
+    return Part(slave, mapping.identity(GUARDED), mapping.identity(shown), GUARDED)
+
+
+def controller_part(
+    slave: Slave,
+    part: mapping.PartMap | None,
+    robot: Robot,
+    diagnostics: Sequence[str],
+    asked: Sequence[str] = mapping.TORQUES,
+) -> Part:
+    """Ours, by its own names, or one with a map; the diagnostics are read where they exist.
+
+    ``asked``: what it gives, the torques of both wheels or, for a guard, the force.
+    """
+    if part is None:
+        known = {name for name, v in slave.variables.items() if v.causality == "input"}
+        inputs = [name for name in mapping.SEEN if name in known]
+        outputs = (*asked, *(name for name in diagnostics if name in slave.variables))
+        _check_variables(slave, outputs[:2])
+        return Part(slave, mapping.identity(inputs), mapping.identity(outputs), mapping.SEEN)
+    theirs = mapping.input_rows(part, slave.unit, "controller")
+    given = mapping.controller_outputs(part, slave.unit, robot, asked)
+    return Part(slave, theirs, given, mapping.SEEN, part.step, foreign=True)
+
+
+def plant_part(
+    slave: Slave, part: mapping.PartMap | None, robot: Robot, rolling: Sequence[Signal] = ()
+) -> Part:
+    """Ours, by its own names, or one with a map; pose and velocity may come from ready names.
+
+    ``rolling``: what sensors ask beside the state, PATH and SKID; without the latter it is zero.
+    """
+    if part is None:
+        shown = (*mapping.STATE, *(item.name for item in rolling[:1]))
+        _check_variables(slave, (*shown, *mapping.TORQUES))
+        inputs = [
+            name
+            for name in mapping.DRIVEN
+            if name in slave.variables and name not in mapping.DISTURBED
+        ]
+        return Part(slave, mapping.identity(inputs), mapping.identity(shown), mapping.DRIVEN)
+    theirs = mapping.input_rows(part, slave.unit, "plant")
+    given = mapping.plant_outputs(part, slave.unit, robot, rolling)
+    return Part(slave, theirs, given, mapping.DRIVEN, part.step, foreign=True)
+
+
+def _check_variables(slave: Slave, names: Sequence[str]) -> None:
+    missing = [name for name in names if name not in slave.variables]
+    if missing:
+        raise ArgumentError(
+            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of "
+            "ours, give a map of its names and units (--map FILE.toml)."
+        )
+
+
+def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
+    """psi [rad] and the wheels' speeds (right, left) [rad/s] of a state."""
+    _, _, theta, v1, omega = state
+    turn = robot.l * omega
+    return theta + math.pi / 2, (v1 + turn) / robot.r, (v1 - turn) / robot.r
+
+
+@cache
+def limiter() -> ca.Function:
+    """Torques (right, left) [N m], r, l [m] and tau_max to torques within it, the thrust first."""
+    torque, r, half_track, most = (
+        ca.SX.sym(n, k) for n, k in (("tau", 2), ("r", 1), ("l", 1), ("m", 1))
+    )
+    force = wheel_to_force(r, half_track, torque)
+    within = linear_first(force, full_thrust(r, most), half_track)
+    outside = ca.logic_or(within[0] != force[0], within[1] != force[1])
+    limited = ca.if_else(outside, force_to_wheel(r, half_track, within), torque)
+    return ca.Function("limited", [torque, r, half_track, most], [limited])

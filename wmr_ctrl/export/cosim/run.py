@@ -1,0 +1,315 @@
+"""cosimulate: FMUs in the loop, and the Run that they give."""
+
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.laws.context import own_diagnostics
+from wmr_ctrl.control.outside import check_takes_torques
+from wmr_ctrl.control.setup import Setup, one_period_later, settle
+from wmr_ctrl.core import signals
+from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.export.cosim import fitting, parts
+from wmr_ctrl.export.cosim.mapping import NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
+from wmr_ctrl.export.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
+from wmr_ctrl.export.cosim.slave import FmuError, Slave
+from wmr_ctrl.export.fmi.blocks import guard_model, parallel
+from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
+from wmr_ctrl.export.fmi.model_description import FmuModel, Role
+from wmr_ctrl.export.fmi.targets import targets_of
+from wmr_ctrl.results import Assumptions, Run
+from wmr_ctrl.simulation.many import checked_seeds
+from wmr_ctrl.simulation.runnable import assemble_run
+from wmr_ctrl.world.model.kinematics import tracking_error
+from wmr_ctrl.world.scenario import Change, Scenario
+
+UNTOLD = (
+    "Under the master jacobi each torque acts one control period later than the guard is told, and "
+    "the least disturbance counts that as a push."
+)
+TELL = "Build the controller for it: --know-delay, or delay_known=True."
+IN_ORDER = "No such delay is possible here: step the parts in order (the master gauss-seidel)."
+STAND_IN = "nn"
+"""The law of a setup where none is named: sensors, drives and guard do not ask which it is."""
+
+
+@dataclass(frozen=True)
+class CosimSetup:
+    """FMUs of a co-simulation: those that are given, and what the others are exported from.
+
+    ``setup`` stands around all parts; ``own`` is what our controller or guard is built for;
+    ``bare`` is ``setup`` without guard, where that is a part behind a controller of ours.
+    ``foreign``: the controller is somebody else's; ``files``: those that are given; ``maps``: those
+    of foreign parts; ``at_once``: all parts step at once.
+    """
+
+    setup: Setup
+    own: Setup
+    bare: Setup | None
+    foreign: bool
+    files: Mapping[str, str | Path | None]
+    maps: Mapping[str, PartMap]
+    at_once: bool
+
+    @property
+    def guarded(self) -> bool:
+        """True if the guard is a part of its own."""
+        return self.setup.scenario.guard.enabled and (self.foreign or self.bare is not None)
+
+    @cached_property
+    def diagnostics(self) -> tuple[signals.Signal, ...]:
+        """Signals that the controller publishes beside those of all laws."""
+        if self.foreign:
+            return signals.GUARD_DIAGNOSTICS
+        return own_diagnostics(watched_controller(self.own))
+
+    @cached_property
+    def models(self) -> Mapping[str, FmuModel]:
+        """Models of ours by part, but for files with a map; made for the master.
+
+        A guard steps right behind its controller, under either.
+        """
+        setup = self.bare or self.own
+        kinds = {"reference": "reference", "controller": setup.name, "plant": "plant"}
+        models = {
+            part: model_of(kind, setup.name, setup.scenario)
+            for part, kind in kinds.items()
+            if part not in self.maps or self.files.get(part) is None
+        }
+        if self.at_once:
+            models = {part: parallel(model) for part, model in models.items()}
+        return models | ({"guard": guard_model(self.own)} if self.guarded else {})
+
+
+def cosimulate(
+    scenario: str | Path | Scenario,
+    law: str | None = None,
+    *,
+    plant: str | Path | None = None,
+    controller: str | Path | None = None,
+    map_file: str | Path | None = None,
+    master: str = "gauss-seidel",
+    delay_known: bool = False,
+    seed: int = 0,
+    fmi: int = 2,
+    progress: Progress | None = None,
+) -> Run:
+    """Co-simulate reference, controller and plant FMUs through FMPy and return the Run.
+
+    ``law``: None is that of ``controller`` where it is one of ours, else "nn"; refused beside
+    somebody else's controller.  ``plant``, ``controller``: FMU files to use in place of those that
+    are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3).  With guard.enabled the
+    guard stands behind somebody else's controller as a further FMU, and behind one of ours that was
+    exported without it.  ``map_file``: TOML map of the names and units of FMUs that are not ours,
+    see ``cosim.mapping``.
+
+    ``master``: "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step
+    later); for the latter with ``delay_known`` the controller is built for drives that are one
+    control period later than the scenario's, so that guard and observer count with what this master
+    does; the loop is then the native one with that delay.
+
+    The Run has engine "fmu", and its monitor saw every step of our plant; of a plant with a map,
+    its communication steps.  Raises ArgumentError where an FMU cannot do what the scenario asks
+    for, FmuError where it cannot be loaded; one that fails later ends the Run and is named by it.
+    """
+    if master not in MASTERS:
+        raise UnknownNameError("master", master, MASTERS)
+    if delay_known and master != "jacobi":
+        raise ArgumentError(
+            f"delay_known is for master = 'jacobi': under {master!r} no torque is delayed. Leave "
+            "it out."
+        )
+    checked_seeds([seed])
+    files = {"controller": controller, "plant": plant}
+    case = _cosim_setup(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
+    with tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
+        slaves = _slaves(case, fmi, Path(folder))
+        try:
+            return _run(case, slaves, master, seed, progress)
+        finally:
+            for slave in slaves.values():
+                slave.end()
+
+
+def _cosim_setup(
+    scenario: str | Path | Scenario,
+    law: str | None,
+    files: Mapping[str, str | Path | None],
+    map_file: str | Path | None,
+    delay_known: bool,
+    *,
+    at_once: bool,
+) -> CosimSetup:
+    controller = files["controller"]
+    maps = load_map(map_file) if map_file is not None else {}
+    idle = next((part for part in maps if files[part] is None), None)
+    if idle is not None:
+        raise ArgumentError(
+            f"the map {map_file} has a part [{idle}], and no {idle} FMU is given. Name its file, "
+            "or leave that part out of the map."
+        )
+    within = fitting.law_within(controller)
+    theirs = controller is not None and within is None
+    if theirs and law is not None:
+        raise ArgumentError(
+            f"law = {law!r} has no effect: the controller {controller} is a foreign FMU with a "
+            "law of its own. Leave the law out."
+        )
+    setup = settle(scenario_given(scenario), law if law is not None else within or STAND_IN)
+    check_takes_torques(setup.scenario, "co-simulation couples FMUs")
+    own = one_period_later(setup) if delay_known else setup
+    foreign = theirs or "controller" in maps
+    bare = None
+    if controller is not None and not foreign and setup.scenario.guard.enabled:
+        bare = fitting.unguarded(controller, setup)
+    return CosimSetup(setup, own, bare, foreign, files, maps, at_once)
+
+
+def _slaves(case: CosimSetup, fmi: int, folder: Path) -> dict[str, Slave]:
+    slaves: dict[str, Slave] = {}
+    guard = ("guard",) if case.guarded else ()
+    for name in ("reference", "controller", *guard, "plant"):
+        given = case.files.get(name)
+        path = Path(given) if given is not None else folder / f"{name}.fmu"
+        if given is None:
+            write_fmu(case.models[name], fmi, targets_of("host"), path, result=False, level=0)
+        slaves[name] = Slave(path, name, folder / name, ours=given is None)
+    return slaves
+
+
+def _run(
+    case: CosimSetup, slaves: dict[str, Slave], master: str, seed: int, progress: Progress | None
+) -> Run:
+    scenario, maps = case.setup.scenario, case.maps
+    outside = Outside(case.setup, seed)
+    coupled = Parts(
+        parts.reference_part(slaves["reference"]),
+        _controller(case, slaves),
+        parts.plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
+        _changer(scenario, slaves["plant"], maps.get("plant")),
+    )
+    fitting.check_parts(case.setup, coupled.plant)
+    giver = coupled.controller
+    for part in (coupled.plant, giver if isinstance(giver, parts.Part) else giver.controller):
+        fitting.check_step(scenario, part)
+    fitting.check_spans(scenario, coupled.plant, outside.steady)
+    for name, slave in slaves.items():
+        if name in maps:
+            starts = maps[name].start
+        else:  # an FMU of ours that may come from another scenario gets this one's numbers
+            fitting.check_structure(slave.path, case.models[name])
+            single = (v for v in case.models[name].variables if not (v.array or v.integer))
+            given = (v for v in single if v.parameter or v.role is Role.START)
+            starts = {v.name: v.start for v in given}
+        slave.begin(scenario.clock.duration, starts)
+    fitting.check_start(scenario, coupled.plant)
+    loop: Master = MASTERS[master](scenario, coupled, outside)
+    facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
+    facts |= {"delay": "known to the controller"} if case.own is not case.setup else {}
+    failure = ""
+    try:
+        loop.run(progress)
+    except FmuError as error:
+        failure = str(error)
+    facts |= {f"warned_{name}": slave.warnings for name, slave in slaves.items() if slave.warnings}
+    named = slaves["controller"].description.modelName
+    law = named if case.foreign else case.setup.name
+    logged_signals = (*signals.LOG_HEAD, *case.diagnostics, *outside.columns)
+    logged = (logged_signals, _columns(logged_signals, _table(loop)), outside.monitor(failure))
+    run = assemble_run(scenario, law, seed, "fmu", logged, facts, _assumed(case))
+    if not coupled.plant.foreign:
+        return run
+    return replace(run, settings=replace(run.settings, plant_kind="fmu", plant=loop.watched_every))
+
+
+def _assumed(case: CosimSetup) -> Assumptions:
+    """The guard's assumptions; void where its torques act a period later than it is told."""
+    assumed = case.own.assumptions
+    if not case.at_once or case.own is not case.setup:
+        return assumed
+    remedy = TELL
+    try:
+        one_period_later(case.setup)
+    except ScenarioError:
+        remedy = IN_ORDER
+    return replace(assumed, void=" ".join(filter(None, (assumed.void, UNTOLD, remedy))))
+
+
+def _controller(
+    case: CosimSetup, slaves: Mapping[str, Slave]
+) -> parts.Part | parts.GuardedController:
+    """The controller, with the guard behind it where that is a part of its own."""
+    names = elements((*signals.DIAGNOSTICS, *case.diagnostics))
+    slave, robot = slaves["controller"], case.setup.scenario.robot
+    asked = signals.FORCE.elements if case.guarded else TORQUES
+    part = parts.controller_part(slave, case.maps.get("controller"), robot, names, asked)
+    if not case.guarded:
+        return part
+    return parts.GuardedController(part, parts.guard_part(slaves["guard"]))
+
+
+def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
+    """A function that changes the plant's parameters; refused where its map has no name for one."""
+    names = sorted({f"robot.{key}" for change in scenario.changes for key in change.values()})
+    rows = parameter_rows(part, slave.unit) if part is not None else {}
+    missing = [name for name in names if name not in rows]
+    if part is not None and missing:
+        raise ArgumentError(
+            f"the scenario changes {', '.join(missing)}, and the map's [plant.parameters] does "
+            f'not name it. Add "{missing[0]}" = "name there", or use a scenario without changes.'
+        )
+    setters = {name: _setter(slave, rows.get(name, MapRow(name, ((name, 1.0),)))) for name in names}
+
+    def change(what: Change) -> None:
+        for key, value in what.values().items():
+            setters[f"robot.{key}"](value)
+
+    return change
+
+
+def _setter(slave: Slave, row: MapRow) -> Callable[[float], None]:
+    """A function that sets the one parameter of theirs which gives ``row.target``."""
+    ((theirs, share),) = row.terms
+    variable = slave.variable(theirs)
+    if variable.causality not in ("parameter", "input") or variable.variability == "fixed":
+        raise ArgumentError(
+            f"the scenario changes {row.target}, and {theirs} of {slave.path} cannot be set during "
+            f"a run (it is a {variable.variability} {variable.causality}). Name a tunable "
+            "parameter or an input, or use a scenario without changes."
+        )
+    write = slave.writer([theirs])
+    return lambda value: write([(value - row.offset) / share])
+
+
+def _table(loop: Master) -> dict[str, np.ndarray]:
+    """Columns by element name, with heading and tracking error of the true pose."""
+    effects, further = elements(loop.outside.columns), loop.parts.controller.targets[2:]
+    names = (*HEAD, *TORQUES, *NOISES, *effects, *further)
+    rows = np.array(loop.rows, dtype=float).reshape(len(loop.rows), len(names))
+    table = {name: rows[:, i] for i, name in enumerate(names)}
+    table[signals.PSI.name] = table["theta"] + np.pi / 2
+    errors = np.asarray(_error()(rows[:, 6:9].T, rows[:, 1:4].T))
+    return table | {name: errors[i] for i, name in enumerate(signals.TRACKING_ERROR.elements)}
+
+
+@cache
+def _error() -> ca.Function:
+    """The tracking error of poses side by side."""
+    desired, pose = ca.SX.sym("desired", 3), ca.SX.sym("pose", 3)
+    return ca.Function("e", [desired, pose], [tracking_error(desired, pose)])
+
+
+def _columns(
+    listed: Sequence[signals.Signal], table: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Columns by signal; what a foreign controller does not publish is not a number."""
+    nothing = np.full(len(table["t"]), np.nan)
+    rows = {s.name: [table.get(name, nothing) for name in s.elements] for s in listed}
+    return {name: np.column_stack(row) if len(row) > 1 else row[0] for name, row in rows.items()}

@@ -1,0 +1,124 @@
+"""Extra files of an FMU: scenario, graph, reference result, and a law in plain C.
+
+For production code that wants the law without FMI's calls, such as a block that wraps a C function,
+there is the package that `wmr-ctrl codegen` writes, and ``interface.xml`` with sources, header,
+structs, the expressions of its functions and where each of the FMU's variables stands in the
+structs.
+"""
+
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from wmr_ctrl.codegen.package import FILTER, c_name, package_files
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.filter import filter_system
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.export.fmi.files import render
+from wmr_ctrl.export.fmi.model_description import FmuModel, Role
+
+EXTRA = "extra/org.wmr-ctrl"
+GRAPH = f"{EXTRA}/evaluate.casadi"
+"""The serialised function of a single block."""
+RESULT = f"{EXTRA}/reference.csv"
+"""The reference result."""
+STARTS = f"{EXTRA}/reference.ssv"
+"""Start values of inputs that it was made with, as an SSP parameter set."""
+REFERENCES = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
+"""Manifest of the files, by the layered standard FMI-LS-REF."""
+SECONDS = 2.0
+TORQUES = {"tau_right": 5.0, "tau_left": 4.5}
+"""Constant torques [N m] that the plant's reference result is driven with."""
+FOLDER = f"{EXTRA}/code"
+INTERFACE = f"{FOLDER}/interface.xml"
+NOTE = f". Plain C of one sample, and how to call it: {INTERFACE}"
+"""Words on it in the model description, after the title."""
+
+
+def plain_code(model: FmuModel) -> dict[str, str]:
+    """The package of a law or the filter, whose ports are those of the FMU, and its interface."""
+    if model.what not in (*LAWS, FILTER):
+        return {}
+    law, scenario = model.what, model.scenario
+    package = package_files(law, scenario, counting=False)
+    system = filter_system(scenario) if law == FILTER else controller(settle(scenario, law))
+    shown = {
+        "law": law,
+        "title": model.title,
+        "period": repr(scenario.clock.control),
+        "variables": [
+            *_variables("parameter", (port.signal for port in system.params)),
+            *_variables("input", (port.signal for port in system.inputs)),
+            *_variables("output", (item.signal for item in system.outputs)),
+        ],
+    }
+    files = {f"{FOLDER}/{name}": text for name, text in package.items()}
+    return files | {INTERFACE: render("interface.xml", m=shown)}
+
+
+def _variables(causality: str, signals: Iterable[Signal]) -> Iterator[dict[str, str]]:
+    """Variables of one causality, with their places in the struct of that name."""
+    for signal in signals:
+        for i, (name, unit) in enumerate(zip(signal.elements, signal.units, strict=True)):
+            place = f"[{i}]" if signal.size > 1 else ""
+            yield {
+                "name": name,
+                "causality": causality,
+                "expression": f"{causality}s.{c_name(signal)}{place}",
+                "unit": unit,
+                "text": signal.meaning,
+            }
+
+
+def references(model: FmuModel, tool: str) -> dict[str, str]:
+    """The manifest of FMI-LS-REF, and what it speaks of besides result, scenario and graph."""
+    starts = _starts_of(model)
+    times = {"seconds": f"{_seconds(model):g}", "step": f"{model.scenario.clock.control:g}"}
+    shown = {**times, "starts": starts, "graph": model.graph}
+    files = {REFERENCES: render("fmi-ls-manifest.xml", m=shown)}
+    if starts:
+        listed = [{"name": key, "value": repr(value), "unit": ""} for key, value in starts.items()]
+        values = {"name": "reference", "tool": tool, "units": [], "parameters": listed}
+        files[STARTS] = render("parameters.ssv", m=values)
+    return files
+
+
+def _starts_of(model: FmuModel) -> dict[str, float]:
+    """Start values of inputs that the reference result is made with."""
+    return TORQUES if model.what == "plant" else {}
+
+
+def _seconds(model: FmuModel) -> float:
+    return min(SECONDS, model.scenario.clock.duration)
+
+
+def reference_result(model: FmuModel, files: Mapping[str, bytes]) -> bytes:
+    """CSV of two seconds of co-simulation with constant inputs: time, inputs and outputs.
+
+    ``files``: the model description, and the library for this machine in all its places.
+    """
+    from fmpy import simulate_fmu
+
+    names = [v.name for v in model.variables if (v.output or v.role is Role.INPUT) and not v.array]
+    step = model.scenario.clock.control
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in files.items():
+            path = Path(folder) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        result = simulate_fmu(
+            folder,
+            validate=False,
+            stop_time=_seconds(model),
+            output_interval=step,
+            step_size=step,
+            start_values=_starts_of(model),
+            output=names,
+            fmi_type="CoSimulation",
+            debug_logging=False,
+        )
+    lines = [",".join(f'"{name}"' for name in result.dtype.names or ())]
+    lines += [",".join(repr(float(number)) for number in row) for row in result]
+    return "\n".join([*lines, ""]).encode()

@@ -1,0 +1,150 @@
+"""Sliders of the page: parameters in groups, each with its range.
+
+Value, unit, meaning and bounds come from the fields that the parameters are named after.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from wmr_ctrl.control.numbers import ranges_of
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.world.scenario import Scenario
+
+Span = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Group:
+    """A drawer of sliders: title, hint, and how the keys begin that belong there."""
+
+    key: str
+    title: str
+    hint: str
+    keys: tuple[str, ...]
+
+
+GROUPS = (
+    Group("limits", "Limits", "The threshold v_u2 moves with its limit.", ("limits.v_u",)),
+    Group(
+        "robot", "Robot", "The true robot. What the laws believe is set below.",
+        ("robot.m", "robot.I", "robot.mu", "actuator.tau_max"),
+    ),
+    Group(
+        "base", "Speed loop of the base", "The true base, which nobody knows exactly.", ("base.",)
+    ),
+    Group(
+        "filter", "What the filter counts on", "Its promise holds for bases within these bounds.",
+        ("filter.tau", "filter.gain", "filter.d", "filter.odometry", "filter.slew"),
+    ),
+    Group(
+        "world", "Noise and pushes", "A push always acts in the direction of motion.",
+        ("disturbance.", "sensor."),
+    ),
+    Group("believed", "What the laws believe", "The guard does not use it.", ("model.",)),
+    Group("gains", "Gains", "Of the laws that are shown.", ("gains.",)),
+    Group(
+        "guard", "What the guard relies on",
+        "Its promise holds for masses, disturbances and errors within these bounds.", ("guard.",),
+    ),
+    Group("reference", "Reference", "", ("ref_",)),
+)  # fmt: skip
+"""In the order in which they are listed; a parameter belongs to the first that names it."""
+HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay", "robot.g",
+          "robot.v_s", "base.delay", "base.timeout", "base.tau_believed",
+          "filter.delta", "filter.drag", "filter.slew_reach")  # fmt: skip
+"""Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
+OF_FIRST_ORDER = ("filter.gain", "filter.d")
+"""Parameters that filters of other loops ignore, or use only in what is computed beforehand."""
+SPANS: Mapping[str, Span] = {
+    "robot.m": (10.0, 150.0),
+    "robot.mu": (0.0, 0.4),
+    "model.mu": (0.0, 0.4),
+    "disturbance.std": (0.0, 10.0),
+    "disturbance.truncate": (0.5, 10.0),
+    "disturbance.push[1]": (0.0, 300.0),
+    "disturbance.push[2]": (0.0, 60.0),
+    "sensor.velocity_noise[1]": (0.0, 0.2),
+    "sensor.velocity_noise[2]": (0.0, 0.4),
+    "sensor.pose_noise": (0.0, 0.2),
+    "sensor.correction": (0.0, 1.0),
+    "actuator.tau_max": (1.0, 100.0),
+    "base.gain[1]": (0.8, 1.25),
+    "base.gain[2]": (0.8, 1.25),
+    "filter.gain[1]": (0.8, 1.25),
+    "filter.gain[2]": (0.8, 1.25),
+    "guard.nbar[1]": (0.0, 0.2),
+    "guard.nbar[2]": (0.0, 0.4),
+    "guard.f_min[1]": (0.0, 100.0),
+    "guard.f_min[2]": (0.0, 20.0),
+    "guard.f_speed[1]": (0.0, 0.2),
+    "guard.f_speed[2]": (0.0, 0.4),
+}
+"""Ranges other than a fifth to five times the value."""
+ALONG: Mapping[str, tuple[str, ...]] = {
+    "limits.v_u1[1]": ("limits.v_u2[1]",),
+    "limits.v_u1[2]": ("limits.v_u2[2]",),
+}
+"""Elements that keep their proportion to the one that is moved, and are not moved by themselves."""
+WIDER = 5.0
+AXES = ("linear", "angular")
+ENDS = ("least", "most")
+"""Elements of a pair that bounds one number."""
+
+
+@dataclass(frozen=True)
+class Control:
+    """A slider: element of a parameter, its group, unit, meaning, range, and coupled parameters.
+
+    ``bounds``: what its field admits, for numbers from a link.
+    """
+
+    name: str
+    group: str
+    unit: str
+    meaning: str
+    span: Span
+    bounds: Span
+    log: bool
+    along: tuple[str, ...]
+
+
+def controls_of(
+    scenario: Scenario, parameters: Iterable[Signal], values: Mapping[str, float]
+) -> list[Control]:
+    """Sliders for the elements of parameters that some group names, in the groups' order."""
+    unused = () if scenario.filter.loop == "first-order" else OF_FIRST_ORDER
+    signals = {item.name: item for item in parameters if item.name not in unused}
+    bounds = ranges_of(scenario, signals)
+    moved = {name for names in ALONG.values() for name in names}
+    controls = [
+        _control(signal, i, group.key, bounds.get(signal.name, (-math.inf, math.inf)), values)
+        for group in GROUPS
+        for signal in signals.values()
+        if _group(signal.name) == group.key
+        for i in range(signal.size)
+    ]
+    return [item for item in controls if item.name not in moved]
+
+
+def _group(name: str) -> str | None:
+    if name.startswith(HIDDEN):
+        return None
+    return next((item.key for item in GROUPS if name.startswith(item.keys)), None)
+
+
+def _control(
+    signal: Signal, i: int, group: str, bounds: Span, values: Mapping[str, float]
+) -> Control:
+    name = signal.elements[i]
+    span, value = SPANS.get(name), values[name]
+    if span is None and (value == 0 or math.isinf(value)):
+        span = (max(bounds[0], 0.0), 1.0)
+    elif span is None:  # a fifth to five times a value, within its bounds; 0 has no sign
+        low, high = sorted((value / WIDER, value * WIDER))
+        span = max(low, bounds[0]), min(high, bounds[1])
+    log = span[0] > 0 and span[1] / span[0] > 8
+    along = ALONG.get(name, ())
+    parts = ENDS if signal.meaning.startswith("bounds of") else AXES
+    meaning = f"{signal.meaning} ({parts[i]})" if signal.size == 2 else signal.meaning
+    return Control(name, group, signal.units[i], meaning, span, bounds, log, along)

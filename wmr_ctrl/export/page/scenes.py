@@ -1,0 +1,249 @@
+"""Scenes of the page, a story or one scenario to play with, their variants and their robots.
+
+Numbers are parameters of a loop and change while it runs.  What decides the form of its graphs does
+not: the law, the guard, how many commands are in flight.  A variant is a choice of those; it has a
+loop for each law, and the numbers that the product derives for it, such as the guard's.
+
+There is a robot for each law, or for a base that takes velocities one for each filter.
+There what is to be seen is the filter: the same law asks for all of the limit, and its commands are
+clipped, smoothed as is usual, or filtered in each way that the scenario's numbers admit.
+"""
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from importlib.resources import files
+
+from wmr_ctrl.control.filter.band import check_beat
+from wmr_ctrl.control.filter.filter import worthwhile_slew
+from wmr_ctrl.control.laws import LAWS
+from wmr_ctrl.control.laws.velocity_loop import VelocityLoopGains
+from wmr_ctrl.control.numbers import structure_of
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.values import multiple
+from wmr_ctrl.report.style import DASH_DOT, DASHED, DASHES, DOTTED, Dash, Look, look
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override, preset_titles, title_of
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+
+@dataclass(frozen=True)
+class PageMember:
+    """A robot: its name, law, look, caption, and its overrides of the scenario."""
+
+    name: str
+    law: str
+    look: Look
+    title: str
+    overrides: Mapping[str, object] = field(default_factory=dict)
+
+    def settled(self, scenario: Scenario) -> Setup:
+        """Setup of this robot; raises as `settle` does."""
+        return settle(override(scenario, self.overrides), self.law)
+
+
+SENDING = ("pursuit",)
+"""Laws that a page of a base that takes velocities has, unless others are named."""
+UNLIMITED = 1e3
+"""Rate of commands [m/s2, rad/s2] that nothing holds back."""
+SLOW = 0.25
+"""Slew that is shown where none is stated, as a share of that from which on it is worth nothing."""
+SMOOTH = [2.5, 3.2]
+"""Rates of Nav2's velocity smoother as it ships [m/s2, rad/s2]."""
+WAYS: Mapping[str, tuple[str, str, Dash, str]] = {
+    "clipped": ("at the limit", "#d6336c", "-", "commands clipped at the limit"),
+    "smoothed": ("smoothed", "#e69f00", DASHED, "the usual smoother, then clipped at the limit"),
+    "clip": ("filter, clip", "#1f77c9", DASH_DOT, "command filter, memoryless"),
+    "slew": (
+        "filter, slow clip",
+        "#6b7a1e",
+        DASHED,
+        "command filter, of commands that change slowly",
+    ),
+    "governor": ("filter, governor", "#00956d", DOTTED, "command filter, from odometry"),
+    "band": ("filter, band", "#5b0e3b", DASHED, "command filter, from what it sent"),
+}
+"""Label, colour, dashes and title of each way to limit commands; several laws dash as laws."""
+
+
+def members_of(scenario: Scenario, laws: Sequence[str]) -> tuple[PageMember, ...]:
+    """Robots of a scenario's page for these laws; raises ScenarioError where none can drive."""
+    if not takes_velocity(scenario):
+        return tuple(PageMember(law, law, look(law), LAWS[law].title) for law in laws)
+    several = len(laws) > 1
+    members = []
+    for number, law in enumerate(laws):
+        for way, overrides in _ways(scenario, law):
+            label, colour, dash, title = WAYS[way]
+            if several:
+                label, dash = f"{law}, {label}", DASHES[number % len(DASHES)]
+            own = Look(label, colour, dash)
+            members.append(PageMember(f"{law}-{way}", law, own, f"{law}: {title}", overrides))
+    return tuple(members)
+
+
+def _ways(scenario: Scenario, law: str) -> Iterator[tuple[str, Mapping[str, object]]]:
+    """Ways to limit the commands of a law, with their overrides."""
+    whole: dict[str, object] = {}
+    if issubclass(LAWS[law].gains, VelocityLoopGains):
+        whole = {f"gains.{law}.share": 1.0, f"gains.{law}.a_max": [UNLIMITED, UNLIMITED]}
+    bare = {**whole, "filter.kind": "none", "filter.slew": None}
+    yield "clipped", bare
+    if whole:
+        yield "smoothed", {**bare, f"gains.{law}.a_max": SMOOTH}
+    for way, own in _filters(scenario):
+        changes = {**bare, **own}
+        try:
+            changed = override(scenario, changes)
+            settle(changed, law)
+            if changed.filter.kind == "band":
+                check_beat(changed)
+        except ScenarioError:
+            if way == _own_way(scenario):
+                raise
+            continue
+        yield way, changes
+
+
+def _own_way(scenario: Scenario) -> str:
+    """The way that the scenario itself limits commands."""
+    own = scenario.filter
+    return "slew" if own.slew else own.kind
+
+
+def _is_swinging(scenario: Scenario) -> bool:
+    """Whether the filter knows how fast a loop swings that overshoots, and when commands come."""
+    own = scenario.filter
+    known = own.loop == "pi" or (own.loop == "second-order" and own.frequency is not None)
+    return known and own.jitter < scenario.clock.control
+
+
+def _filters(scenario: Scenario) -> Iterator[tuple[str, Mapping[str, object]]]:
+    """Filters that the scenario's numbers are enough for, with their overrides."""
+    own = scenario.filter
+    yield "clip", {"filter.kind": "clip"}
+    if own.slew:
+        yield "slew", {"filter.kind": "clip", "filter.slew": own.slew}
+    elif _is_swinging(scenario):
+        slew = [float(f"{SLOW * most:.3g}") for most in worthwhile_slew(scenario)]
+        yield "slew", {"filter.kind": "clip", "filter.slew": slew}
+    yield "governor", {"filter.kind": "governor"}
+    yield "band", {"filter.kind": "band"}
+
+
+@dataclass(frozen=True)
+class PageScene:
+    """A start of the page: its scenario, its text, and the laws that are shown first.
+
+    ``speed``: simulated seconds in one of the clock.
+    """
+
+    key: str
+    title: str
+    text: str
+    scenario: Scenario
+    shown: tuple[str, ...]
+    speed: float = 1.0
+
+
+def story() -> tuple[PageScene, ...]:
+    """Steps of the story, from the file beside this one: presets with overrides."""
+    text = files("wmr_ctrl.export.page").joinpath("story.toml").read_text(encoding="utf-8")
+    steps = []
+    for step in tomllib.loads(text)["step"]:
+        own = load_scenario(step.pop("preset"), step.pop("overrides", {}))
+        steps.append(PageScene(scenario=own, **{**step, "shown": tuple(step["shown"])}))
+    return tuple(steps)
+
+
+def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
+    """The story for ``laws`` where a scenario is the one it begins with, else one scene of it."""
+    steps = story()
+    if scenario != steps[0].scenario:
+        most = MOST_WAYS if takes_velocity(scenario) else MOST_SHOWN
+        shown = tuple(member.name for member in members_of(scenario, laws))[:most]
+        return (PageScene("own", _own_title(scenario), "", scenario, shown),)
+    return tuple(
+        replace(step, shown=tuple(name for name in step.shown if name in laws) or laws[:2])
+        for step in steps
+    )
+
+
+def _own_title(scenario: Scenario) -> str:
+    """A scenario's title, or its name where the title is that of a preset with other numbers."""
+    title, name = title_of(scenario), scenario.name
+    own = title == scenario.title or name in preset_titles()
+    return title if own and title else name
+
+
+MOST_SHOWN = 4
+"""Robots that one scenario's page shows first."""
+MOST_WAYS = 6
+"""The same of a base that takes velocities: all filters beside clipped and smoothed commands."""
+PERIODS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
+"""Control periods [s] that are offered where no part of the loop counts its steps."""
+LATE = (0, 2, 5)
+"""Delays of the drives that are offered, in control periods of the scenario."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One choice; period and delay [s]."""
+
+    guard: bool
+    period: float
+    delay: float
+
+    @property
+    def overrides(self) -> Mapping[str, object]:
+        """Fields that make it of a scenario."""
+        times = {"clock.control": self.period, "actuator.delay": self.delay}
+        return {"guard.enabled": self.guard, **times}
+
+
+@dataclass(frozen=True)
+class SettledVariant:
+    """A variant with the setup of each robot, or why the product refuses it."""
+
+    variant: Variant
+    setups: Mapping[str, Setup]
+    refusal: str = ""
+
+
+def settled_variants(scenario: Scenario, members: Sequence[PageMember]) -> Iterator[SettledVariant]:
+    """All variants of a scenario, its own first; of a base that takes velocities that one alone.
+
+    Raises as `settle` does where its own is refused.
+    """
+    own = Variant(scenario.guard.enabled, scenario.clock.control, scenario.actuator.delay)
+    yield SettledVariant(own, {member.name: member.settled(scenario) for member in members})
+    if takes_velocity(scenario):
+        return
+    for variant in _others(scenario, own, members[0].law):
+        try:
+            changed = override(scenario, variant.overrides)
+            yield SettledVariant(variant, {item.name: item.settled(changed) for item in members})
+        except ScenarioError as error:
+            yield SettledVariant(variant, {}, str(error))
+
+
+def _others(scenario: Scenario, own: Variant, law: str) -> Iterator[Variant]:
+    delays = {own.delay, *(round(count * own.period, 12) for count in LATE)}
+    places = [(period, own.delay) for period in _periods(scenario, own, law)]
+    places += [(own.period, delay) for delay in sorted(delays - {own.delay})]
+    variants = (Variant(guard, *place) for guard in (own.guard, not own.guard) for place in places)
+    return (variant for variant in variants if variant != own)
+
+
+def _periods(scenario: Scenario, own: Variant, law: str) -> tuple[float, ...]:
+    """Periods that the scenario's loop may have: its own, and more if nothing counts its steps."""
+    clock = scenario.clock
+    fitting = [p for p in PERIODS if multiple(p, clock.plant) and multiple(clock.duration, p)]
+    try:
+        other = next(p for p in fitting if p != own.period)
+        changed = override(scenario, {"clock.control": other, "guard.enabled": False})
+        still = override(scenario, {"guard.enabled": False})
+        same = structure_of(settle(changed, law)) == structure_of(settle(still, law))
+    except (ScenarioError, StopIteration):
+        same = False
+    return tuple(sorted({own.period, *(fitting if same else ())}))

@@ -1,0 +1,338 @@
+"""Faults of logs, told by name before anything is fitted: times, counters, units, signs, clocks.
+
+Each rule raises LogError with one paragraph: what was seen, where, and what to do about it.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from wmr_ctrl.identification.logs.log import POSES, TORQUES, Floats, Log, LogError, unit_of
+from wmr_ctrl.identification.logs.samples import LONGEST_SHIFT, Samples, differenced, speeds, wheels
+from wmr_ctrl.world.encoder import COUNTS
+
+FEWEST_ROWS, SHORTEST_LOG, LEAST_MOVING = 50, 10.0, 0.2
+SLOW = 0.01
+"""Speed of a wheel below which it counts as standing [m/s]."""
+STEPS = (5e-4, 0.5)
+"""Median time between rows that can be meant [s]."""
+OVER = 0.4
+"""Time over which poses are compared with the wheels' turn [s]."""
+
+
+def check_times(log: Log) -> None:
+    """Numbers are finite, and times go forward in steps that can be meant."""
+    for name, values in log.columns.items():
+        bad = np.flatnonzero(~(np.isfinite(values) & np.isfinite(log.times[name])))
+        if bad.size:
+            raise LogError(
+                f"{log.name}: {name} has {bad.size} values that are not numbers, the first in row "
+                f"{bad[0] + 1}. Leave such cells empty, or remove the rows."
+            )
+    for name, t in log.times.items():
+        _forward(log.name, name, t)
+
+
+def _forward(where: str, name: str, t: Floats) -> None:
+    if len(t) < FEWEST_ROWS:
+        raise LogError(f"{where}: {name} has {len(t)} rows; at least {FEWEST_ROWS} are needed.")
+    step = np.diff(t)
+    middle = float(np.median(step))
+    back = np.flatnonzero(step < 0)
+    if back.size:
+        raise LogError(
+            f"{where}: time goes back {back.size} times, first after row {back[0] + 1}, from "
+            f"{t[back[0]]:.6g} to {t[back[0] + 1]:.6g} s. Perhaps two logs are in one file, or the "
+            "clock was reset: cut the log there, or sort its rows if they were written out of "
+            "order."
+        )
+    twice = np.flatnonzero(step == 0)
+    if twice.size:
+        raise LogError(
+            f"{where}: {twice.size} rows have the time of the row before, first row {twice[0] + 2} "
+            f"at {t[twice[0]]:.6g} s. Remove one of each, or write times with more digits."
+        )
+    if not STEPS[0] <= middle <= STEPS[1]:
+        units = {1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
+        meant = [word for unit, word in units.items() if STEPS[0] <= middle * unit <= STEPS[1]]
+        hint = f"it looks like {meant[0]}" if meant else "no usual unit makes sense of it"
+        raise LogError(
+            f"{where}: the median step of t is {middle:.4g} s; {hint}. Name the unit in the "
+            "header, as in t [ms], or write seconds."
+        )
+
+
+def check_counters(log: Log) -> None:
+    """Counts do not wrap, and are not set back."""
+    if not log.has(COUNTS.elements):
+        return
+    for name in COUNTS.elements:
+        t, counts = log.times[name], log.columns[name]
+        gap = np.diff(t)
+        step, even = np.diff(counts) * np.median(gap) / gap, gap < 1.5 * np.median(gap)
+        near = np.median(np.lib.stride_tricks.sliding_window_view(np.pad(step, 2, "edge"), 5), 1)
+        off = np.abs(step - near)
+        usual = float(np.quantile(off[even], 0.98)) if even.any() else 0.0
+        limit = max(12 * usual, 25.0, 0.5 * float(np.quantile(np.abs(step[even]), 0.99)))
+        jumps = np.flatnonzero(even & (off > limit))
+        if not jumps.size:
+            continue
+        at = int(jumps[0])
+        size = abs(float(step[at]))
+        bits = [
+            b for b in (8, 12, 15, 16, 24, 32) if abs(size - 2.0**b) < max(4 * limit, 0.02 * 2**b)
+        ]
+        if bits:
+            kind = f"a counter of {bits[0]} bits that wraps: unwrap it"
+        elif abs(counts[at + 1]) <= 3 * max(float(np.abs(near[at])), limit) < abs(counts[at]):
+            kind = "a counter that was set back to zero: cut the log there"
+        else:
+            kind = "lost or added counts: cut the log there, or mend the counter"
+        raise LogError(
+            f"{log.name}: {name} jumps by {step[at]:g} from row {at + 1} to the next, at "
+            f"{t[at]:.6g} s, while the steps beside it are {near[at]:g} ({jumps.size} such jumps). "
+            f"It looks like {kind}."
+        )
+
+
+def check_motion(name: str, log: Samples, half_track: float) -> None:
+    """The log is long enough and moves."""
+    span = log.t[-1] - log.t[0]
+    if span < SHORTEST_LOG:
+        raise LogError(f"{name}: {span:.3g} s is too short; drive for {SHORTEST_LOG:g} s or more.")
+    speed = np.abs(wheels(speeds(log), half_track)).max(axis=1)
+    share = float(np.mean(speed > SLOW))
+    if share < LEAST_MOVING:
+        raise LogError(
+            f"{name}: the robot moves in only {100 * share:.0f} % of the log (a wheel above "
+            f"{100 * SLOW:g} cm/s). Drive for most of the time."
+        )
+
+
+def check_torques(name: str, log: Samples, half_track: float) -> None:
+    """Right belongs to right, signs agree, and motion follows torque, by one and the same time."""
+    moved, torque = _differenced(log, half_track)
+    if torque is None or np.std(torque(0.0), axis=0).min() < 1e-9:
+        return
+    shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
+    gains_by_shift = [_gains(moved, torque(shift)) for shift in shifts]
+    explained = np.array([share for share, _ in gains_by_shift])
+    best = int(np.argmax(explained))
+    if explained[best] < 0.3:
+        return
+    gains = gains_by_shift[best][1]
+    if (
+        np.linalg.det(gains) < 0
+        and np.abs(gains - np.diag(np.diag(gains))).sum() > np.abs(np.diag(gains)).sum()
+    ):
+        raise LogError(
+            f"{name}: the right wheel follows the left torque and the left wheel the right one: "
+            "torques (or counters) of the two wheels are swapped. Swap them in one of the two."
+        )
+    wrong = [side for side, gain in zip(("right", "left"), np.diag(gains), strict=True) if gain < 0]
+    if wrong:
+        raise LogError(
+            f"{name}: the {' and the '.join(wrong)} wheel turns against its torque: the sign of "
+            "that torque or of that counter is reversed. Positive torque drives forward, and "
+            "counts grow forward."
+        )
+    _check_clocks(name, log, (moved, torque), shifts, explained)
+
+
+def _check_clocks(
+    name: str,
+    log: Samples,
+    data: tuple[Floats, Callable[[float], Floats]],
+    shifts: Floats,
+    explained: Floats,
+) -> None:
+    moved, torque = data
+    best = float(shifts[np.argmax(explained)])
+    fine = max(2.5 * log.period, 0.03)
+    if explained.max() > 0.5 and best < -fine:
+        raise LogError(
+            f"{name}: the robot moves {-best:.2f} s before its torque: the clocks of commands and "
+            "sensors differ, or a column was shifted. Take both times from one clock."
+        )
+    parts = np.array_split(np.arange(len(moved)), 3)
+    late: list[float] = []
+    for part in parts:
+        shares = [_gains(moved[part], torque(shift)[part])[0] for shift in shifts]
+        # Without a sharp peak a third tells no time.
+        if max(shares) < 0.5 or max(shares) - np.median(shares) < 0.25:
+            return
+        late.append(float(shifts[int(np.argmax(shares))]))
+    drift = late[-1] - late[0]
+    if (
+        abs(drift) > 1.5 * fine
+        and (late[1] - late[0]) * drift >= 0
+        and (late[2] - late[1]) * drift >= 0
+    ):
+        raise LogError(
+            f"{name}: from torque to motion it takes {late[0]:.2f}, {late[1]:.2f} and "
+            f"{late[2]:.2f} s in the three thirds of the log: the clocks of commands and sensors "
+            "drift apart, or the delay itself changed. Take both times from one clock."
+        )
+
+
+def _differenced(
+    log: Samples, half_track: float
+) -> tuple[Floats, Callable[[float], Floats] | None]:
+    """Accelerations of the wheels, less what their speed explains, and the torques that go with
+    them for a shift [s]: both weighted by a triangle of 0.1 s, on an even grid (this is a check).
+    """
+    t, rate, speed, kernel = differenced(log, 2)
+    rate, speed = wheels(rate, half_track), wheels(speed, half_track)
+    inside = slice(w := (len(kernel) + 1) // 2, -w)
+    drag = np.column_stack((np.tanh(speed / 0.02), speed))
+    rate = rate - drag @ np.linalg.lstsq(drag, rate, rcond=None)[0]
+
+    def torque(shift: float) -> Floats:
+        index = np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1
+        held = log.command[np.clip(index, 0, len(log.command) - 1)]
+        smooth = np.column_stack([np.convolve(held[:, k], kernel, "same")[inside] for k in (0, 1)])
+        return np.asarray(smooth - drag @ np.linalg.lstsq(drag, smooth, rcond=None)[0])
+
+    return rate, torque
+
+
+def _gains(moved: Floats, torque: Floats) -> tuple[float, Floats]:
+    """Share of the acceleration that both torques explain, and the matrix (2, 2) by which."""
+    solution = np.asarray(np.linalg.lstsq(torque, moved, rcond=None)[0], dtype=np.float64)
+    rest = np.sum((moved - torque @ solution) ** 2)
+    return float(1 - rest / max(np.sum(moved**2), 1e-300)), solution.T
+
+
+def check_poses(name: str, log: Log, seen: Samples) -> None:
+    """Poses agree with the wheels' turn in unit, sign and convention of heading."""
+    motions = _over(log, seen)
+    if motions is None:
+        return
+    theta, moved, rolled = motions
+    _check_ratio(name, "theta", "turn", _ratio(moved[:, 2], rolled[:, 1]))
+    way = np.hypot(moved[:, 0], moved[:, 1])
+    _check_ratio(name, "x, y", "way", _ratio(way, np.abs(rolled[:, 0])))
+    _check_heading(name, theta, moved, rolled[:, 0])
+
+
+def pose_ratios(log: Log, seen: Samples) -> tuple[float, float] | None:
+    """Way and turn of the poses over those of the wheels; None without poses."""
+    motions = _over(log, seen)
+    if motions is None:
+        return None
+    _, moved, rolled = motions
+    way = np.hypot(moved[:, 0], moved[:, 1])
+    return _ratio(way, np.abs(rolled[:, 0])), _ratio(moved[:, 2], rolled[:, 1])
+
+
+def _over(log: Log, seen: Samples) -> tuple[Floats, Floats, Floats] | None:
+    """Mean theta (K,), motion of poses (K, 3), way and turn of the wheels (K, 2) over 0.4 s."""
+    names = next((item for item in POSES if log.has(item)), None)
+    if names is None:
+        return None
+    t, pose = log.pair(names)
+    pose = np.column_stack((pose[:, :2], np.unwrap(pose[:, 2])))
+    way = seen.seen
+    if seen.of_speed:
+        way = np.cumsum(way * np.diff(seen.t, prepend=seen.t[0])[:, None], axis=0)
+    begin = np.arange(max(t[0], seen.t[0]), min(t[-1], seen.t[-1]) - OVER, OVER / 2)
+    if len(begin) < 20:
+        return None
+
+    def at(times: Floats, values: Floats, moment: Floats) -> Floats:
+        return np.column_stack([np.interp(moment, times, column) for column in values.T])
+
+    first, last = (at(t, pose, begin + s) for s in (0, OVER))
+    rolled = at(seen.t, way, begin + OVER) - at(seen.t, way, begin)
+    return (first[:, 2] + last[:, 2]) / 2, last - first, rolled
+
+
+def _ratio(a: Floats, b: Floats) -> float:
+    return float(a @ b / (b @ b)) if np.abs(b).max() > 1e-3 else 1.0
+
+
+def _check_ratio(name: str, column: str, what: str, ratio: float) -> None:
+    if ratio < 0:
+        raise LogError(
+            f"{name}: {column} turns against the wheels (ratio {ratio:.3g}): the sign of theta, or "
+            "right and left of the counters, is reversed. theta grows anticlockwise."
+        )
+    if sense := unit_of(ratio):
+        raise LogError(
+            f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels: it "
+            f"looks like {sense}. Name the unit in the header, or set encoder.counts."
+        )
+    if not 0.5 < ratio < 2:
+        raise LogError(
+            f"{name}: the {what} of {column} is {ratio:.3g} times that of the wheels. Check "
+            "encoder.counts, robot.r and robot.l, and the units of the poses."
+        )
+
+
+def _check_heading(name: str, theta: Floats, moved: Floats, way: Floats) -> None:
+    far = np.abs(way) > 0.02
+    if far.sum() < 10:
+        return
+
+    def mean(x: Floats, y: Floats) -> complex:
+        direction = np.arctan2(y * np.sign(way), x * np.sign(way)) - theta
+        return complex(np.mean(np.exp(1j * direction[far])))
+
+    ours, swapped = mean(moved[:, 0], moved[:, 1]), mean(moved[:, 1], moved[:, 0])
+    if abs(ours) < 0.8:  # mirrored: exchanged turns forward to 90 degrees, one reversed to 0 or 180
+        exchanged = abs(swapped - 1j) < 0.4
+        hint = (
+            "x and y are exchanged"
+            if exchanged
+            else "x or y is reversed, or the poses are of another robot or frame"
+        )
+        raise LogError(
+            f"{name}: poses do not move where theta points, at no fixed angle to it: it looks like "
+            f"{hint}. Forward is (-sin theta, cos theta)."
+        )
+    angle = math.degrees(np.angle(ours))
+    if abs(angle) < 20:
+        raise LogError(
+            f"{name}: theta is the angle to +X (REP 103), and ours is 0 along +Y. Subtract pi/2 "
+            "from it, or name the column psi and leave theta out."
+        )
+    if abs(angle - 90) > 20:
+        raise LogError(
+            f"{name}: the robot moves at {angle:.0f} degrees to theta, and it should be 90 "
+            "(forward is (-sin theta, cos theta)). Turn the poses' frame, or the sign of the "
+            "motion."
+        )
+
+
+def check_log(log: Log, commands: tuple[str, ...] = TORQUES) -> None:
+    """All that needs no knowledge of the robot."""
+    check_times(log)
+    check_counters(log)
+    if log.has(commands) and not any(np.ptp(log.columns[name]) > 0 for name in commands):
+        raise LogError(
+            f"{log.name}: {' and '.join(commands)} are constant, so nothing can be identified."
+        )
+
+
+def check_following(
+    name: str, column: str, gain: float, shift: float, share: float, period: float
+) -> None:
+    """A speed follows its command, in its unit, forward and later."""
+    if share < 0.3:
+        return
+    if gain < 0:
+        raise LogError(
+            f"{name}: the speed goes against {column}: one of the two has the wrong sign. Positive "
+            "is forward, and anticlockwise."
+        )
+    if sense := unit_of(gain):
+        raise LogError(
+            f"{name}: the speed is {gain:.3g} times {column}: it looks like {sense}. Name the unit "
+            "in the header, or set encoder.counts."
+        )
+    if share > 0.5 and shift < -max(2.5 * period, 0.03):
+        raise LogError(
+            f"{name}: the speed changes {-shift:.2f} s before {column}: the clocks of commands and "
+            "sensors differ, or a column was shifted. Take both times from one clock."
+        )

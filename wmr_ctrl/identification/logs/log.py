@@ -1,0 +1,337 @@
+"""A log: columns by the names of our runs, in SI units, each on the clock that it came with."""
+
+import csv
+import math
+import os
+import re
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from wmr_ctrl.core.errors import ArgumentError, WmrError
+from wmr_ctrl.core.fields.files import note_input
+from wmr_ctrl.core.signals import POSE, TIME, VELOCITY
+from wmr_ctrl.results import Floats, Run, drive
+from wmr_ctrl.results.bag import is_bag
+from wmr_ctrl.results.bag_topics import load_source
+from wmr_ctrl.world.encoder import COUNTS
+from wmr_ctrl.world.scenario import Scenario, loads_scenario
+
+MOST_BYTES = 2**31
+WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
+COMMAND, TORQUES = drive.COMMANDS, drive.TORQUES
+CURRENT = ("current_right", "current_left")
+SPEEDS = (drive.SPEEDS, drive.names_of(VELOCITY))
+POSES = (drive.POSES, drive.names_of(POSE))
+KNOWN: Mapping[str, str] = {
+    TIME.name: "s",
+    **drive.UNITS,
+    **dict.fromkeys(COUNTS.elements, "1"),
+    **dict.fromkeys(CURRENT, "A"),
+    **{signal.name: signal.unit for signal in (*POSE, *VELOCITY)},
+}
+"""Columns that are read, and the unit of each."""
+UNITS: Mapping[str, tuple[str, float]] = {
+    "ms": ("s", 1e-3), "us": ("s", 1e-6), "ns": ("s", 1e-9), "mm": ("m", 1e-3), "cm": ("m", 1e-2),
+    "deg": ("rad", math.pi / 180), "deg/s": ("rad/s", math.pi / 180),
+    "rpm": ("rad/s", math.pi / 30), "mm/s": ("m/s", 1e-3), "N.mm": ("N.m", 1e-3),
+    "mA": ("A", 1e-3), "counts": ("1", 1.0), "ticks": ("1", 1.0), "N m": ("N.m", 1.0),
+    "Nm": ("N.m", 1.0), "": ("", 1.0),
+}  # fmt: skip
+"""Units that a header may name instead, and what they are in ours."""
+_HEAD = re.compile(r"\s*([^\[\]]+(?:\[[12]\])?)\s*(?:\[([^\]]*)\])?\s*$")
+
+
+class LogError(WmrError, ValueError):
+    """A log that cannot be read, or that tells that something is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Log:
+    """Columns by name, each with its own times: a log may have several clocks' rates.
+
+    ``times`` and ``columns`` map a name to (N,) numbers; ``base`` is the scenario that a saved run
+    was made with.
+    """
+
+    name: str
+    times: Mapping[str, Floats]
+    columns: Mapping[str, Floats]
+    base: Scenario | None = None
+    remarks: tuple[str, ...] = ()
+
+    def has(self, names: Sequence[str]) -> bool:
+        """True if all of these columns are there."""
+        return all(name in self.columns for name in names)
+
+    def pair(self, names: Sequence[str]) -> tuple[Floats, Floats]:
+        """Times (N,) and values (N, len(names)) of columns that come together."""
+        return self.times[names[0]], np.column_stack([self.columns[name] for name in names])
+
+
+def log_of(
+    given: str | Path | Run | drive.RecordedDrive | Mapping[str, list[float]],
+    topics: Mapping[str, str] | None = None,
+) -> Log:
+    """A log from a file, a run, a drive, or columns by ``name [unit]``.
+
+    Raises LogError, ResultFileError, ArgumentError, MissingExtraError.
+    """
+    if isinstance(given, str | Path):
+        return read_log(given, topics)
+    if topics:
+        raise ArgumentError("topics can only be given with the path of a bag. Leave them out.")
+    if isinstance(given, Run):
+        return _of_run(given.scenario, given)
+    if isinstance(given, drive.RecordedDrive):
+        return _of_drive(given)
+    return of_columns("log", given)
+
+
+def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
+    """A log from a CSV file, a saved run, or a ROS 2 bag, whose ``topics`` may be named by role.
+
+    A bag that a run was saved in is that run, unless topics are named.  Raises LogError,
+    ResultFileError, ArgumentError, MissingExtraError.
+    """
+    place = Path(path)
+    note_input(place, "log")
+    suffix = place.suffix.lower()
+    begins = _begins(place) if suffix == ".csv" else ""
+    if is_bag(place) or topics or suffix in (".npz", ".parquet") or begins == "#":
+        loaded = load_source(place, topics)
+        if isinstance(loaded, Run):
+            return _of_run(place.name, loaded)
+        return _of_drive(loaded)
+    if os.path.isdir(place):
+        raise LogError(
+            f"{str(path)!r} is a folder without metadata.yaml, so it is not a ROS 2 bag. Give a "
+            "bag's folder, or its .mcap or .db3 file."
+        )
+    if suffix != ".csv":
+        raise LogError(
+            f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a ROS 2 bag (its "
+            "folder, .mcap or .db3), or a saved run (.npz, .csv, .parquet, .mcap). rosbags-convert "
+            "turns a ROS 1 bag into a ROS 2 bag."
+        )
+    header, table = _table(place)
+    return _of_table(place.name, header, table)
+
+
+def _begins(path: Path) -> str:
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return file.read(1)
+    except OSError as error:
+        raise LogError(
+            f"cannot read {str(path)!r}: {error.strerror}. Give the path of a log."
+        ) from None
+
+
+def _of_run(name: str, run: Run) -> Log:
+    t = run.time
+    columns = {s.name: run[s.name] for s in run.elements if s.name in KNOWN and s.name != TIME.name}
+    text = run.provenance.get("scenario_toml")
+    base = None if text is None else loads_scenario(text)
+    return Log(name, dict.fromkeys(columns, t), columns, base)
+
+
+def _of_drive(one: drive.RecordedDrive) -> Log:
+    return Log(one.name, one.times, one.columns, None, one.remarks)
+
+
+def _table(path: Path) -> tuple[list[str], Floats]:
+    """Header and numbers (rows, columns) of a CSV file; an empty cell is NaN in column k + n."""
+    if path.stat().st_size > MOST_BYTES:
+        raise LogError(f"{str(path)!r} is larger than 2 GiB. Cut it into pieces.")
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            header = next(csv.reader([file.readline()]), [])
+            rest = file.tell()
+        try:
+            with path.open(encoding="utf-8") as file, warnings.catch_warnings(action="ignore"):
+                file.seek(rest)
+                table = np.loadtxt(file, delimiter=",", ndmin=2)
+        except ValueError:
+            table = _with_gaps(path, len(header))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise LogError(f"cannot read {str(path)!r} as CSV ({error}).") from None
+    if table.shape[0] == 0:
+        raise LogError(f"{str(path)!r} has no rows of numbers under its header.")
+    if table.shape[1] not in (len(header), 2 * len(header)):
+        raise LogError(
+            f"{str(path)!r} has {table.shape[1]} numbers in a row under a header of {len(header)} "
+            "names. The first line names the columns, each with its unit, such "
+            "as tau_right [N.m]."
+        )
+    return header, table
+
+
+def _with_gaps(path: Path, width: int) -> Floats:
+    """Numbers, then for each whether its cell was empty."""
+    rows = []
+    with path.open(newline="", encoding="utf-8") as file:
+        reader = csv.reader(file)
+        next(reader)
+        for count, row in enumerate(reader, start=2):
+            if not row:
+                continue
+            if len(row) != width:
+                raise LogError(f"{str(path)!r}, line {count}: {len(row)} of {width} cells.")
+            try:
+                numbers = [float(cell) if cell.strip() else math.nan for cell in row]
+            except ValueError as error:
+                raise LogError(f"{str(path)!r}, line {count}: {error}.") from None
+            rows.append(numbers + [float(not cell.strip()) for cell in row])
+    return np.array(rows, dtype=float).reshape(-1, 2 * width)
+
+
+def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
+    names, scales = [], []
+    for text in header:
+        match = _HEAD.match(text)
+        column, unit = (match[1].strip(), (match[2] or "").strip()) if match else (text, "")
+        names.append(column)
+        if column not in KNOWN:
+            scales.append(1.0)
+            continue
+        base, factor = UNITS.get(unit, (unit, 1.0))
+        if base not in ("", KNOWN[column]):
+            raise LogError(
+                f"{name}: column {column} is in {unit!r}, which does not fit it. Give it in "
+                f"{KNOWN[column]}."
+            )
+        scales.append(factor)
+    if TIME.name not in names:
+        raise LogError(
+            f"{name}: no column is named t. Name it t [s]; the others are {', '.join(KNOWN)}."
+        )
+    width = len(names)
+    empty = table[:, width:] > 0 if table.shape[1] > width else np.zeros((len(table), width), bool)
+    t = table[:, names.index(TIME.name)] * scales[names.index(TIME.name)]
+    times, columns = {}, {}
+    for k, column in enumerate(names):
+        there = ~empty[:, k]
+        if column in KNOWN and column != TIME.name and there.any():
+            if column in columns:
+                raise LogError(f"{name}: two columns are named {column}. Rename one.")
+            times[column], columns[column] = t[there], table[there, k] * scales[k]
+    for group in (
+        COUNTS.elements,
+        WHEEL_ANGLE,
+        WHEEL_SPEED,
+        TORQUES,
+        CURRENT,
+        COMMAND,
+        *SPEEDS,
+        *POSES,
+    ):
+        own = [item for item in group if item in columns]
+        if own and (len(own) < len(group) or len({len(times[item]) for item in own}) > 1):
+            raise LogError(
+                f"{name}: {', '.join(group)} belong together, in the same rows; there "
+                f"{'is' if len(own) == 1 else 'are'} {', '.join(own)}."
+            )
+    return Log(name, times, columns)
+
+
+def of_columns(name: str, columns: Mapping[str, Sequence[float]]) -> Log:
+    """A log from columns by header (``name`` or ``name [unit]``), all of one length."""
+    lengths = {len(values) for values in columns.values()}
+    if len(lengths) != 1:
+        raise ArgumentError("log: all columns must have the same length.")
+    table = np.column_stack([np.asarray(values, dtype=float) for values in columns.values()])
+    return _of_table(name, list(columns), table)
+
+
+def with_torques(log: Log, constant: float | None) -> Log:
+    """The log with torques made of motor currents, by newton metres at a wheel per ampere.
+
+    Raises ArgumentError where that is not positive, or there are no currents; LogError where there
+    are currents alone and it is not given.
+    """
+    if constant is None:
+        if log.has(CURRENT) and not log.has(TORQUES):
+            raise LogError(
+                f"{log.name} has motor currents but no torques. Give the torque at the wheel per "
+                "ampere, gear included, as in --torque-constant 0.6. If you do not know it, give "
+                "1: delay and lag come out right, but m, I and friction come out divided by that "
+                "torque, so do not run such a scenario."
+            )
+        return log
+    if not 0 < constant < math.inf:
+        raise ArgumentError(f"torque_constant = {constant:g} N.m/A must be positive and finite.")
+    if not log.has(CURRENT):
+        raise ArgumentError(
+            f"torque_constant is for motor currents, and {log.name} has no {' and '.join(CURRENT)}."
+        )
+    times, columns = dict(log.times), dict(log.columns)
+    for torque, current in zip(TORQUES, CURRENT, strict=True):
+        times[torque], columns[torque] = log.times[current], constant * log.columns[current]
+    said = (
+        f"torques are currents times {constant:g} N.m/A: an error of that factor scales m, I and "
+        "all frictions, and no interval contains it; delay and lag do not depend on it."
+    )
+    return replace(log, times=times, columns=columns, remarks=(*log.remarks, said))
+
+
+MOST_COUNTS = 1_000_000
+"""Counts of a turn where angles show no steps."""
+
+
+def with_counts(log: Log, counts: float | None) -> tuple[Log, float | None]:
+    """The log with wheels' angles as counts, and how many make a turn.
+
+    Where ``counts`` is None the smallest step of the angles is taken for one.
+    """
+    if log.has(COUNTS.elements) or not log.has(WHEEL_ANGLE):
+        return log, counts
+    remarks = log.remarks
+    if counts is None:
+        step = np.abs(np.diff([log.columns[name] for name in WHEEL_ANGLE]))
+        least = float(step.min(where=step > 2 * math.pi / MOST_COUNTS, initial=2 * math.pi))
+        counts = float(round(2 * math.pi / least))
+        remarks += (
+            f"the smallest step of the wheels' angles makes {counts:g} counts a turn; if that is "
+            "not so, say it by --set encoder.counts=N.",
+        )
+    times, columns = dict(log.times), dict(log.columns)
+    for name, angle in zip(COUNTS.elements, WHEEL_ANGLE, strict=True):
+        times[name], columns[name] = log.times[angle], log.columns[angle] * counts / (2 * math.pi)
+    return replace(log, times=times, columns=columns, remarks=remarks), counts
+
+
+def seen_by(log: Log) -> str:
+    """Name of the columns that show the motion: counts before speeds, measured before true ones."""
+    if log.has(COUNTS.elements):
+        return COUNTS.name
+    if log.has(WHEEL_SPEED):
+        return "wheel_speed"
+    for pair in SPEEDS:
+        if log.has(pair):
+            return pair[0]
+    raise LogError(
+        f"{log.name}: no column shows the motion. It needs {' and '.join(COUNTS.elements)} "
+        f"(encoder counts), {' and '.join(WHEEL_SPEED)}, {' and '.join(SPEEDS[0])} or "
+        f"{' and '.join(SPEEDS[1])}; poses alone are not enough."
+    )
+
+
+FACTORS = {
+    57.29577951308232: "degrees for radians", 9.549296585513721: "revolutions a minute for rad/s",
+    1000.0: "millimetres for metres", 4.0: "a quarter of the counts in a turn (or all four edges)",
+}  # fmt: skip
+NEAR = 0.08
+"""Tolerance within which a ratio is named after one of these factors."""
+
+
+def unit_of(ratio: float) -> str | None:
+    """Units that are mistaken for each other where two columns have this ratio."""
+    for factor, word in FACTORS.items():
+        for power, sense in ((1.0, word), (-1.0, " for ".join(reversed(word.split(" for "))))):
+            if abs(ratio / factor**power - 1) < NEAR:
+                return sense
+    return None

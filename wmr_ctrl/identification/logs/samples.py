@@ -1,0 +1,213 @@
+"""Samples of a log: measured motion and commands, of both axes or of one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.identification.logs.log import TORQUES, Floats, Log
+from wmr_ctrl.world.encoder import COUNTS
+from wmr_ctrl.world.scenario import Scenario
+
+GAP = 5.0
+"""Steps without a row from which on a log is in two stretches."""
+
+LONGEST_SHIFT = 0.5
+"""Shifts of commands against the motion that are looked at, either way [s]."""
+
+LONGEST_DELAY = 0.6
+"""Longest delay of a command that is looked for [s]."""
+
+ENOUGH_ROWS = 20_000
+"""Rows of a log that tell by how much a speed is later than its command."""
+
+HELD = 0.2
+"""Time for which a speed is held that a log shows [s]."""
+
+COUNTED_FROM = 1.0
+"""Time at the start of each stretch that does not count [s]."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Measurements and commands on the clocks of the log.
+
+    ``t`` (N,) [s] and ``seen`` (N, 2): way [m] and turn [rad], or both speeds (``of_speed``), with
+    variances (2,) that are known of each; ``command_t`` (M,) [s] and ``command`` (M, 2): torques
+    [N m] or speeds, each held until the next; ``first``: indices of t at which a stretch without
+    gap begins.
+    """
+
+    t: Floats
+    seen: Floats
+    variance: Floats
+    command_t: Floats
+    command: Floats
+    first: NDArray[np.int64]
+    of_speed: bool = False
+
+    @property
+    def period(self) -> float:
+        """Median time between commands [s]."""
+        return float(np.median(np.diff(self.command_t)))
+
+    def until(self, end: float, begin: float = -np.inf) -> Samples:
+        """The same between two times [s]; commands before are kept."""
+        inside = np.flatnonzero((self.t >= begin) & (self.t < end))
+        low, high = (int(inside[0]), int(inside[-1]) + 1) if inside.size else (0, 0)
+        first = self.first[(self.first > low) & (self.first < high)] - low
+        return Samples(
+            self.t[low:high],
+            self.seen[low:high],
+            self.variance,
+            self.command_t,
+            self.command,
+            np.concatenate(([0], first)).astype(np.int64),
+            self.of_speed,
+        )
+
+
+def motion_of(
+    raw: Log, scenario: Scenario, source: str, commands: tuple[str, ...] = TORQUES
+) -> Samples:
+    """Samples of a log whose motion is read from ``source``."""
+    r, half_track = scenario.robot.r, scenario.robot.l
+    sent, command = raw.pair(commands)
+    variance, of_speed = np.zeros(2), source != COUNTS.name
+    if source in (COUNTS.name, "wheel_speed"):
+        names = COUNTS.elements if source == COUNTS.name else ("wheel_speed[1]", "wheel_speed[2]")
+        t, wheel = raw.pair(names)
+        if not of_speed:
+            count = 2 * math.pi / float(scenario.value("encoder.counts")[0])
+            wheel = wheel * count
+            one = (count * r) ** 2 / 12
+            variance = np.array([one / 2, one / (2 * half_track**2)])
+        seen = (
+            np.column_stack((wheel.sum(axis=1), (wheel[:, 0] - wheel[:, 1]) / half_track)) * r / 2
+        )
+    else:
+        t, seen = raw.pair((source, source.replace("v1", "omega")))
+    step = np.diff(t)
+    first = np.concatenate(([0], np.flatnonzero(step > GAP * np.median(step)) + 1))
+    return Samples(t, seen, variance, sent, command, first.astype(np.int64), of_speed)
+
+
+def speeds(log: Samples, over: float = 0.1) -> Floats:
+    """Smoothed speeds (N, 2) [m/s, rad/s], differenced over a time [s], across no gap."""
+    if log.of_speed:
+        return log.seen
+    later = np.minimum(np.searchsorted(log.t, log.t + over / 2), len(log.t) - 1)
+    sooner = np.maximum(np.searchsorted(log.t, log.t - over / 2, "right") - 1, 0)
+    stretch = np.searchsorted(log.first, np.arange(len(log.t)), "right")
+    last = np.append(log.first[1:] - 1, len(log.t) - 1)[stretch - 1]
+    later, sooner = np.minimum(later, last), np.maximum(sooner, log.first[stretch - 1])
+    span = np.maximum(log.t[later] - log.t[sooner], 1e-9)
+    return np.asarray((log.seen[later] - log.seen[sooner]) / span[:, None])
+
+
+def held_speeds(log: Samples) -> tuple[float, float]:
+    """Largest |v1| and |omega| [m/s, rad/s] held for `HELD`: single readings do not count."""
+    speed = np.abs(speeds(log))
+    rows = min(round(HELD / float(np.median(np.diff(log.t)))) + 1, len(speed))
+    held = np.lib.stride_tricks.sliding_window_view(speed, rows, axis=0).min(axis=-1)
+    v, omega = held.max(axis=0).tolist()
+    return v, omega
+
+
+def wheels(speed: Floats, half_track: float) -> Floats:
+    """Speeds of the right and the left wheel (N, 2) [m/s] of body speeds."""
+    turn = half_track * speed[:, 1]
+    return np.column_stack((speed[:, 0] + turn, speed[:, 0] - turn))
+
+
+@dataclass(frozen=True)
+class AxisLog:
+    """Command and speed of one axis; ``of_way``: speeds are means since the sample before.
+
+    ``t``, ``speed``, ``in_fit`` (N,); ``sent_t``, ``sent`` (M,); ``first``: where stretches begin.
+    """
+
+    t: Floats
+    speed: Floats
+    in_fit: np.ndarray
+    sent_t: Floats
+    sent: Floats
+    first: np.ndarray
+    of_way: bool
+    period: float
+
+    def until(self, end: float) -> AxisLog:
+        """The same up to a time [s]."""
+        n = int(np.searchsorted(self.t, end))
+        first = self.first[self.first < n]
+        return replace(
+            self, t=self.t[:n], speed=self.speed[:n], in_fit=self.in_fit[:n], first=first
+        )
+
+    def commands(self, begin: Floats, length: Floats, delays: Floats) -> Floats:
+        """Commands (3, K, P) over pieces of time (K,), each late by delays (P,).
+
+        At the beginning, at the end, and the share of the piece for which the first one acts.
+        """
+        done = np.concatenate(([0.0], np.cumsum(self.sent[:-1] * np.diff(self.sent_t))))
+
+        def until(t: Floats) -> Floats:
+            at = np.maximum(np.searchsorted(self.sent_t, t, "right") - 1, 0)
+            return np.asarray(done[at] + self.sent[at] * (t - self.sent_t[at]))
+
+        start = begin[:, None] - delays
+        end = start + length[:, None]
+        mean = (until(end) - until(start)) / length[:, None]
+        at = np.searchsorted(self.sent_t, np.stack((start, end - 1e-12)), "right") - 1
+        before, after = self.sent[np.maximum(at, 0)]
+        apart = np.where(before == after, 1.0, before - after)
+        share = np.where(before == after, 1.0, np.clip((mean - after) / apart, 0, 1))
+        return np.stack((before, after, share))
+
+
+def axis_log(log: Samples, axis: int) -> AxisLog:
+    """Speeds of one axis; of counts their difference over the time between samples."""
+    speed = log.seen[:, axis]
+    if not log.of_speed:
+        step = np.diff(log.t, prepend=log.t[0] - 1.0)
+        speed = np.diff(speed, prepend=speed[0]) / step
+    since = log.t - log.t[log.first][np.searchsorted(log.first, np.arange(len(log.t)), "right") - 1]
+    in_fit = (since > COUNTED_FROM) & (log.t - LONGEST_DELAY > log.command_t[0])
+    sent = log.command[:, axis]
+    return AxisLog(
+        log.t, speed, in_fit, log.command_t, sent, log.first, not log.of_speed, log.period
+    )
+
+
+def differenced(log: Samples, fewest: int) -> tuple[Floats, Floats, Floats, Floats]:
+    """Times of an even grid, accelerations and speeds inside of it, and a triangle of weights.
+
+    Second differences of way and turn over 0.1 s, of at least ``fewest`` steps, weigh what was
+    accelerated by that triangle.
+    """
+    T = log.period
+    t = np.arange(log.t[0], log.t[-1], T)
+    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
+    if log.of_speed:
+        way = np.cumsum(way, axis=0) * T
+    w = max(round(0.1 / T), fewest)
+    rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
+    speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
+    return t, rate, speed, np.convolve(np.ones(w), np.ones(w)) / w**2
+
+
+def shifted_gain(log: AxisLog) -> tuple[float, float, float]:
+    """Gain, the shift [s] at which the command explains most of the speed, and that share."""
+    shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 1e-9, max(log.period, 0.01))
+    some = np.flatnonzero(log.in_fit)
+    some = some[:: max(1, len(some) // ENOUGH_ROWS)]
+    step = np.full(len(some), log.period)
+    before, after, share = log.commands(log.t[some] - log.period, step, shifts)
+    u, v = share * before + (1 - share) * after, log.speed[some][:, None]
+    gains = np.sum(u * v, axis=0) / np.maximum(np.sum(u * u, axis=0), 1e-300)
+    shares = 1 - np.sum((v - gains * u) ** 2, axis=0) / max(float(np.sum(v * v)), 1e-300)
+    k = int(np.argmax(shares))
+    return float(gains[k]), float(shifts[k]), float(shares[k])

@@ -1,0 +1,113 @@
+"""The report as one page that needs nothing but itself; its words are in the templates."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from jinja2 import Environment
+
+from wmr_ctrl.core.paper import CITATION, PAPER_TIMES
+from wmr_ctrl.report.drawing import Drawing
+from wmr_ctrl.report.guard_section import GuardSection
+from wmr_ctrl.report.paper_claims import RULE, Judged, Verdict, load_readings
+from wmr_ctrl.report.rigid_section import RigidSection
+from wmr_ctrl.report.style import page_environment, picture, shown
+from wmr_ctrl.report.tables import headed, ranged, scenario_table, stress_table
+from wmr_ctrl.results import atomic_text
+from wmr_ctrl.results.ledger import load
+from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results.windows import BEFORE, LATE, seconds
+from wmr_ctrl.simulation.campaign import Campaign
+from wmr_ctrl.simulation.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
+from wmr_ctrl.simulation.campaign.paper_runs import BARRIER_LAWS, STUDIES
+from wmr_ctrl.world.scenario import preset_titles
+
+_ALWAYS_COUNTED = (Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS)
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """Contents of a report beside the runs' numbers.
+
+    ``titles``: law -> text; ``timings``: law -> s per 10,000 evaluations, the least of ``rounds``,
+    empty where they were not taken; ``versions``: name -> text; ``stale``: ids of the proof ledger
+    whose graph has changed since, None where that was not compared.
+    """
+
+    titles: Mapping[str, str] = field(default_factory=dict)
+    timings: Mapping[str, float] = field(default_factory=dict)
+    rounds: int = 0
+    versions: Mapping[str, str] = field(default_factory=dict)
+    stale: Sequence[str] | None = None
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """Finished runs, the verdicts that follow from them, and facts: all that a report shows.
+
+    ``comparison`` is the one past the paper, ``rigid`` that with the rigid body; without rows where
+    they were not run.
+    """
+
+    campaign: Campaign
+    judged: tuple[Judged, ...]
+    facts: Facts = field(default_factory=Facts)
+    comparison: RunTable = field(default_factory=RunTable)
+    rigid: Campaign = field(default_factory=Campaign)
+
+
+def write_page(
+    path: Path, reproduction: Reproduction, drawings: Sequence[Drawing], figures: Path
+) -> None:
+    """Render the page into one file, whole or not at all.
+
+    Pictures are the SVG files of the folder ``figures``; of ``drawings`` those with a title are
+    panels of Fig. 3 and Fig. 5.
+    """
+    campaign, judged, facts = reproduction.campaign, reproduction.judged, reproduction.facts
+    count = Counter(one.verdict for one in judged)
+    compared, rigid = reproduction.comparison, reproduction.rigid
+    text = report_environment().get_template("report.html.j2").render(
+        citation=CITATION, rule=RULE, judged=judged, facts=facts, table=campaign.table,
+        counts=[(v, count[v]) for v in Verdict if count[v] or v in _ALWAYS_COUNTED],
+        changed=[one for one in judged if not one.as_expected],
+        picture=lambda name: picture(figures / f"{name}.svg"),
+        panels=[one for one in drawings if one.title],
+        figures_of=partial(scenario_table, campaign),
+        stress=partial(stress_table, campaign.table),
+        barrier_laws=BARRIER_LAWS, paper_times=PAPER_TIMES, readings=load_readings(),
+        scenarios=_scenarios(campaign),
+        guard=GuardSection(compared) if compared else None,
+        rigid=RigidSection(rigid) if rigid.table else None,
+        ledger=load(),
+    )  # fmt: skip
+    with atomic_text(path) as file:
+        file.write(text)
+
+
+def report_environment() -> Environment:
+    """The templates with the report's filters."""
+    environment = page_environment()
+    environment.globals |= {"before": seconds(*BEFORE), "late": seconds(*LATE)}
+    environment.globals |= {"away": AWAY, "farthest": FARTHEST, "e1": E1, "e1_before": E1_BEFORE}
+    environment.filters |= {"headed": headed, "ranged": ranged}
+    environment.filters["thousandths"] = lambda value: shown(value and 1e3 * value, 2)
+    return environment
+
+
+def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:
+    """Name, title, seeds and hash of every scenario, for the record."""
+    table = campaign.table
+    titles = {**preset_titles(), **{one.label: one.title for one in STUDIES if one.title}}
+    first = dict(reversed(table.cases))
+    return [
+        {
+            "name": name,
+            "title": titles.get(name, ""),
+            "seeds": table.case(name, first[name]).rows,
+            "hash": campaign.runs[name, first[name]].provenance.get("scenario_hash", ""),
+        }
+        for name in table.different("case")
+    ]

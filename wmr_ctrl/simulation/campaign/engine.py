@@ -1,0 +1,214 @@
+"""The one engine of many runs: cases are compiled once each, then run for all their seeds."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Protocol, TypeVar, runtime_checkable
+
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields.problems import show
+from wmr_ctrl.results import Run
+from wmr_ctrl.results.figures import FIGURES, values_of
+from wmr_ctrl.results.table import REFUSED, RunTable, table_of_rows
+from wmr_ctrl.simulation.batch import check_jobs
+from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
+from wmr_ctrl.simulation.campaign.plan import PlannedCase, PlannedRun
+from wmr_ctrl.simulation.many import run_each
+from wmr_ctrl.simulation.runnable import RunnableLoop
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A guard's words where it cannot keep its limits under the bounds of a case."""
+
+    text: str
+
+
+@runtime_checkable
+class PhaseProgress(Protocol):
+    """Whatever shows progress; each phase of a job is one ``start``, many ``advance``, ``done``."""
+
+    def start(self, total: int, text: str) -> None:
+        """A phase of ``total`` steps begins; ``text`` says what it does."""
+
+    def advance(self, count: int = 1) -> None:
+        """``count`` further steps of the phase are done."""
+
+    def done(self) -> None:
+        """The phase is over, finished or given up."""
+
+
+@contextmanager
+def phase(progress: PhaseProgress | None, total: int, text: str) -> Iterator[Callable[[int], None]]:
+    """A phase of a job; it gives what is called with the number of further steps that are done."""
+    if progress is None:
+        yield lambda count: None
+        return
+    progress.start(total, text)
+    try:
+        yield progress.advance
+    finally:
+        progress.done()
+
+
+def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
+    """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
+    from wmr_ctrl.simulation.engines import runnable
+
+    return runnable(scenario_of(case), case.law, case.plant, device)
+
+
+def scenario_of(case: PlannedCase) -> Scenario:
+    """The scenario with the case's overrides.  Raises ScenarioError."""
+    switch = {} if case.guard is None else {"guard.enabled": case.guard}
+    base = load_scenario(case.scenario) if isinstance(case.scenario, str) else case.scenario
+    changed = {**case.overrides, **switch}
+    return override(base, changed) if changed else base
+
+
+def built_loops(
+    cases: Iterable[PlannedCase], progress: PhaseProgress | None, text: str, device: str = "cpu"
+) -> list[RunnableLoop | Refusal]:
+    """The loop of each case for a device, in their order, each different one compiled once.
+
+    A guard that refuses gives its Refusal; what cannot be without the guard either is raised, with
+    what tells its case from the others.
+    """
+    known: dict[str, RunnableLoop | Refusal] = {}
+
+    def built(case: PlannedCase) -> RunnableLoop | Refusal:
+        key = case_key(case)
+        if key not in known:
+            try:
+                known[key] = build_loop(case, device)
+            except ScenarioError as error:
+                if not case.guard:
+                    raise ScenarioError(f"{error}{_apart(case, apart.values())}") from error
+                built(replace(case, guard=False))
+                known[key] = Refusal(str(error))
+        return known[key]
+
+    listed = list(cases)
+    apart = {id(case): case for case in listed}
+    keys = {place: case_key(case) for place, case in apart.items()}
+    different = {keys[place]: case for place, case in apart.items()}
+    with phase(progress, len(different), text) as advance:
+        for case in different.values():
+            built(case)
+            advance(1)
+    return [known[keys[id(case)]] for case in listed]
+
+
+def _apart(case: PlannedCase, others: Iterable[PlannedCase]) -> str:
+    """Law and changes by which a case differs from others, as a sentence; empty for none."""
+    apart = [
+        f"{key} = {show(value)}"
+        for key, value in {"law": case.law, **case.overrides}.items()
+        if any({"law": other.law, **other.overrides}.get(key) != value for other in others)
+    ]
+    return f" Refused is the case {', '.join(apart)}." if apart else ""
+
+
+def accepted(
+    loops: Sequence[RunnableLoop | Refusal], seeds: Sequence[int]
+) -> tuple[list[int], list[tuple[RunnableLoop, int]]]:
+    """Places of the runs that are not refused, and their loops and seeds."""
+    pairs = enumerate(zip(loops, seeds, strict=True))
+    ready = {k: (loop, seed) for k, (loop, seed) in pairs if not isinstance(loop, Refusal)}
+    return [*ready], [*ready.values()]
+
+
+def case_key(case: PlannedCase) -> str:
+    """Key of a case's compiled loop."""
+    source = case.scenario if isinstance(case.scenario, str) else hash(case.scenario)
+    return repr((source, case.law, case.guard, case.plant, sorted(case.overrides.items())))
+
+
+def run_cases(
+    runs: Sequence[tuple[PlannedCase, int]],
+    then: Callable[[int, Run], T],
+    jobs: int | None,
+    progress: PhaseProgress | None,
+    texts: tuple[str, str],
+) -> list[T | Refusal]:
+    """``then(place, run)`` of each (case, seed), in their order; or the Refusal.
+
+    All are on the same plant.  Two phases of ``progress``, compiling and running, called ``texts``.
+    Nothing depends on ``jobs``.
+    """
+    loops = built_loops((case for case, _ in runs), progress, texts[0])
+    places, ready = accepted(loops, [seed for _, seed in runs])
+    run, done = run_each, 0
+    if runs and runs[0][0].plant == "mujoco":
+        from wmr_ctrl.simulation.physics.run import run_rigid_each
+
+        run = run_rigid_each
+
+    def advance_to(share: float) -> None:
+        nonlocal done
+        count = round(share * len(ready)) - done
+        done += count
+        advance(count)
+
+    with phase(progress, len(ready), texts[1]) as advance:
+        results = iter(run(ready, lambda k, item: then(places[k], item), jobs, advance_to))
+    return [loop if isinstance(loop, Refusal) else next(results) for loop in loops]
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A finished plan: ``table`` has a row per run, ``runs`` the whole first run of each case.
+
+    ``runs`` maps (scenario, law) to the Run of the lowest seed.  Without rows: not run.
+    """
+
+    table: RunTable = field(default_factory=RunTable)
+    runs: Mapping[tuple[str, str], Run] = field(default_factory=dict)
+
+
+def run_campaign(
+    plan: Sequence[PlannedRun],
+    jobs: int | None = None,
+    progress: PhaseProgress | None = None,
+    figures: Sequence[str] = REPORTED,
+    whole: bool = True,
+    texts: tuple[str, str] = ("Compiling the laws", "Running the simulations"),
+) -> Campaign:
+    """Compile, then run all of ``plan`` on ``jobs`` threads (default: one per core).
+
+    Rows have ``figures`` and those of other packages; ``whole``: keep whole first runs.  A
+    guard's refusal becomes a row; that of an unguarded case is raised.  The result is the same for
+    any ``jobs``.  An exception in a run, or an interrupt, ends the campaign at once: what has not
+    begun is dropped.  Raises ArgumentError for jobs < 1 or an empty plan.
+    """
+    check_jobs(jobs)
+    if not plan:
+        raise ArgumentError("the plan is empty: name at least one law and one seed.")
+    taken = FIGURES.with_others(figures)
+    first: dict[tuple[str, str], int] = {}
+    for case, seed in plan if whole else ():
+        key = case.name, case.law
+        first[key] = min(seed, first.get(key, seed))
+    runs: dict[tuple[str, str], Run] = {}
+
+    def row(place: int, run: Run) -> dict[str, object]:
+        case, seed = plan[place]
+        if first.get((case.name, case.law)) == seed:
+            runs[case.name, case.law] = run
+        return {"outcome": run.outcome.value, "refusal": "", **values_of(run, taken)}
+
+    def refused(item: Refusal) -> dict[str, object]:
+        none = dict.fromkeys(figure.name for figure in taken)
+        return {"outcome": REFUSED, "refusal": item.text, **none}
+
+    results = run_cases(plan, row, jobs, progress, texts)
+    rows = [
+        {**case.labels, "seed": seed, **(refused(item) if isinstance(item, Refusal) else item)}
+        for (case, seed), item in zip(plan, results, strict=True)
+    ]
+    ordered = {key: runs[key] for key in first if key in runs}  # threads end in any order
+    return Campaign(table_of_rows(rows), MappingProxyType(ordered))

@@ -1,0 +1,102 @@
+"""Confidence intervals, and the rule by which a study stops early without fooling itself.
+
+A rule looks at the runs of a case after fixed numbers of seeds only, doubling from ``first``.  Each
+of the J looks that the plan allows takes an interval of confidence 1 - (1 - c)/J (Bonferroni), so
+that all of them together hold with probability c at least, wherever the rule stops: exactly for
+Clopper and Pearson's interval of a share, nearly for Wilson's and for the bootstrap of a mean.
+"""
+
+import math
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
+from wmr_ctrl.results.figures import SHARES
+
+Floats = NDArray[np.float64]
+EXACT, WILSON, BOOTSTRAP = "clopper-pearson", "wilson", "bootstrap"
+RESAMPLES = 2000
+
+
+class StopRule(Section, key="stop"):
+    """Rule to stop a case: its figure's interval is as narrow as asked for.
+
+    ``interval`` "": Clopper-Pearson of a share, the bootstrap of a mean.
+    """
+
+    figure: str = quantity(REQUIRED, "1", "figure whose interval decides", kind="text")
+    half_width: float = quantity(
+        REQUIRED, "1", "half-width of its interval, in the figure's unit", above=0
+    )
+    confidence: float = quantity(0.95, "1", "of the interval", above=0, below=1)
+    first: int = quantity(32, "1", "seeds before the first look", minimum=2)
+    interval: str = quantity("", "1", "kind of interval")
+
+    @property
+    def share(self) -> bool:
+        """True for a figure that is 0 or 1 a run."""
+        return self.figure in SHARES
+
+    def relate(self) -> None:
+        """Raise ArgumentError where the interval is not one of such a figure."""
+        allowed = ("", EXACT, WILSON) if self.share else ("", BOOTSTRAP)
+        if self.interval not in allowed:
+            raise ArgumentError(
+                f"stop.interval = {self.interval!r} does not fit {self.figure}; known: "
+                f"{', '.join(name for name in allowed if name)}."
+            )
+
+    def looks(self, seeds: int) -> list[int]:
+        """Numbers of seeds after which is looked; the last is all of them."""
+        counts = []
+        count = self.first
+        while count < seeds:
+            counts.append(count)
+            count *= 2
+        return [*counts, seeds]
+
+    def reached(self, values: Floats, looks: int, cell: int) -> bool:
+        """True where the runs of a case are enough; never where a value is missing."""
+        if not np.isfinite(values).all():
+            return False
+        low, high = self.bounds(values, 1 - (1 - self.confidence) / max(looks, 1), cell)
+        return (high - low) / 2 <= self.half_width
+
+    def bounds(self, values: Floats, confidence: float, cell: int = 0) -> tuple[float, float]:
+        """The interval of the share or mean of ``values``."""
+        if not self.share:
+            return bootstrap(values, confidence, cell)
+        hits, count = int(np.sum(values > 0)), len(values)
+        return (wilson if self.interval == WILSON else clopper_pearson)(hits, count, confidence)
+
+
+def clopper_pearson(hits: int, count: int, confidence: float) -> tuple[float, float]:
+    """Exact interval of a share: it holds with at least this probability, for every share."""
+    from scipy.stats import beta  # slow to import, and seldom needed
+
+    tail = (1 - confidence) / 2
+    low = 0.0 if hits == 0 else float(beta.ppf(tail, hits, count - hits + 1))
+    high = 1.0 if hits == count else float(beta.ppf(1 - tail, hits + 1, count - hits))
+    return low, high
+
+
+def wilson(hits: int, count: int, confidence: float) -> tuple[float, float]:
+    """Wilson's score interval of a share: shorter than the exact one, and right on average."""
+    z = NormalDist().inv_cdf((1 + confidence) / 2)
+    share, scale = hits / count, 1 + z * z / count
+    middle = (share + z * z / (2 * count)) / scale
+    half = z / scale * math.sqrt(share * (1 - share) / count + z * z / (4 * count**2))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def bootstrap(values: Floats, confidence: float, key: int = 0) -> tuple[float, float]:
+    """Percentile bootstrap of a mean; its draws depend on ``key`` alone."""
+    draw = np.random.Generator(np.random.Philox(key=key))
+    means = np.empty(RESAMPLES)
+    for k in range(RESAMPLES):
+        means[k] = values[draw.integers(0, len(values), len(values))].mean()
+    low, high = np.quantile(means, [(1 - confidence) / 2, (1 + confidence) / 2]).tolist()
+    return low, high

@@ -1,0 +1,186 @@
+"""Chunks of a study: a worker's task and its result, and the executors that run them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, ParamSpec, TypeAlias, TypeVar
+
+import numpy as np
+
+from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.results.figures import SHARES
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.table import REFUSED
+from wmr_ctrl.simulation.batch import cores, deaf_to_interrupts
+from wmr_ctrl.simulation.campaign.engine import (
+    Refusal,
+    accepted,
+    built_loops,
+    case_key,
+    scenario_of,
+)
+from wmr_ctrl.simulation.campaign.plan import CORRIDOR, PlannedCase
+from wmr_ctrl.simulation.many import tabulated
+from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.simulation.runnable import RunnableLoop
+
+THREADS, DASK, SCHEME = "threads", "dask", "dask://"
+PATIENCE = 20.0
+"""Seconds within which a scheduler has to answer."""
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.tick.interval": "5s",
+}
+"""Half of Dask's own work in a process that only computes."""
+RETRIES = 3
+"""Times that a chunk is sent again after its worker was lost."""
+Facts = Mapping[str, str]
+Columns: TypeAlias = dict[str, np.ndarray]
+P = ParamSpec("P")
+T = TypeVar("T")
+MOST_LOOPS = 16
+"""Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
+
+
+@dataclass(frozen=True)
+class StudyChunk:
+    """A worker's task: some runs of a study, and the figures to take of them.
+
+    ``loops``: that of each run, where the worker need not build them; ``device``: as in `study`.
+    """
+
+    runs: tuple[tuple[PlannedCase, int], ...]
+    figures: tuple[str, ...]
+    loops: tuple[RunnableLoop | Refusal, ...] = ()
+    device: str = "cpu"
+
+    def with_loops(self) -> StudyChunk:
+        """The same with its loops; as it is where almost every run has a case of its own."""
+        cases = [case for case, _ in self.runs]
+        if len(set(map(id, cases))) > MOST_LOOPS:
+            return self
+        return replace(self, loops=tuple(built_loops(cases, None, "", self.device)))
+
+
+def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
+    """Outcome, a guard's refusal and figures of each run of a chunk; a refused one has none.
+
+    On ``jobs`` threads, or processes for the rigid body; what an executor's worker calls.
+    """
+    cases = (case for case, _ in chunk.runs)
+    loops = chunk.loops or built_loops(cases, None, "", chunk.device)
+    places, ready = accepted(loops, [seed for _, seed in chunk.runs])
+    rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
+    outcome = np.array([REFUSED] * len(loops), dtype="<U16")
+    refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]
+    if ready:
+        tabulate = tabulated
+        if chunk.runs[0][0].plant == "mujoco":
+            from wmr_ctrl.simulation.physics.run import rigid_table
+
+            tabulate = rigid_table
+        further = [name for name in chunk.figures if name not in (*SHARES, CORRIDOR.name)]
+        table = tabulate([Task(loop, seed) for loop, seed in ready], further, jobs)
+        columns = {"violated": table["violations"] > 0, **table}
+        if CORRIDOR.name in chunk.figures:
+            columns[CORRIDOR.name] = _corridors([chunk.runs[k][0] for k in places])
+        outcome[places] = table["outcome"]
+        for name in chunk.figures:
+            rows[name][places] = columns[name]
+    return {"outcome": outcome, "refusal": np.array(refusal), **rows}
+
+
+def _corridors(cases: Sequence[PlannedCase]) -> np.ndarray:
+    """Corridor [m] of each run's case, NaN without one; MissingExtraError without python-flint."""
+    library("flint", "proofs")
+    from wmr_ctrl.theory.corridor import find_corridor
+
+    different = {case_key(case): case for case in cases}
+    known = {k: find_corridor(scenario_of(case), case.law) for k, case in different.items()}
+    return np.array([known[case_key(case)].position for case in cases], dtype=float)
+
+
+@contextmanager
+def executor_named(
+    name: str | Executor, jobs: int | None, facts: Callable[[], Facts], asked: Callable[[], Facts]
+) -> Iterator[Executor | None]:
+    """The executor of that name, closed at the end; None for threads of this process.
+
+    ``facts`` gives this process's versions; ``asked`` is what each worker is asked to compare.
+    Processes of this machine use its libraries: they are sent loops.
+    Raises UnknownNameError, MissingExtraError without distributed, ArgumentError for a scheduler
+    that does not answer or a worker of another version.
+    """
+    if isinstance(name, Executor):
+        yield name
+    elif name == THREADS:
+        yield None
+    elif name == DASK:
+        with _local(jobs) as executor:
+            yield _SendsLoops(executor)
+    elif name.startswith(SCHEME):
+        distributed: Any = library("distributed", "cluster")
+        with _client(distributed, f"tcp://{name.removeprefix(SCHEME)}", name) as client:
+            _compare(client, facts(), asked)
+            yield client.get_executor(pure=False, retries=RETRIES)
+    else:
+        raise UnknownNameError("executor", name, (THREADS, DASK, f"{SCHEME}HOST:PORT"))
+
+
+class _SendsLoops(Executor):
+    """An executor whose workers get the loops of a chunk, and so need no graphs of their own."""
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Send a call with its chunk."""
+        sent: list[Any] = [
+            item.with_loops() if isinstance(item, StudyChunk) else item for item in args
+        ]
+        return self._executor.submit(fn, *sent, **kwargs)
+
+
+@contextmanager
+def _local(jobs: int | None) -> Iterator[Executor]:
+    """Processes of this machine, without Dask's looks at what they do 100 times a second."""
+    distributed: Any = library("distributed", "cluster")
+    configured: Any = library("dask.config", "cluster")
+    with configured.set(QUIET):
+        with deaf_to_interrupts():
+            cluster = distributed.LocalCluster(
+                n_workers=jobs or cores(), threads_per_worker=1, processes=True,
+                dashboard_address=None, silence_logs=logging.CRITICAL,
+            )  # fmt: skip
+        with cluster, _client(distributed, cluster, DASK) as client:
+            yield client.get_executor(pure=False, retries=RETRIES)
+
+
+@contextmanager
+def _client(distributed: Any, address: object, name: str) -> Iterator[Any]:
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise ArgumentError(
+            f"the scheduler {name!r} does not answer ({type(error).__name__}). Start it with "
+            "`dask scheduler` and workers with `dask worker`, or correct the address."
+        ) from None
+    with client:
+        yield client
+
+
+def _compare(client: Any, facts: Facts, asked: Callable[[], Facts]) -> None:
+    """Raise where a worker's code is not this process's, or there is none."""
+    client.wait_for_workers(1, timeout=PATIENCE)
+    for address, theirs in client.run(asked).items():
+        differ = [key for key in facts if theirs.get(key) != facts[key]]
+        if differ:
+            listed = ", ".join(f"{key} {theirs.get(key)} for {facts[key]}" for key in differ)
+            raise ArgumentError(
+                f"the worker {address} runs other code ({listed}). Install the same version there."
+            )

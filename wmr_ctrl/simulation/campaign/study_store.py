@@ -1,0 +1,255 @@
+"""The folder of a study: plan, provenance, chunks written whole or not at all, and the table.
+
+study.json      the plan, its identity, what made the results
+chunks/*.npz    rows of finished chunks: index, outcome, refusal, figures
+columns.csv     name, unit and meaning of the table's columns
+table.csv       one row a run, in the order of the index; empty where a figure is not finite
+table.parquet   the same by columns, where it is asked for; pyarrow writes it
+"""
+
+import csv
+import heapq
+import json
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from filelock import FileLock, Timeout
+from numpy.typing import NDArray
+
+from wmr_ctrl.core.errors import ResultFileError
+from wmr_ctrl.results import atomic_path, atomic_text
+from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.files import atomic_write
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.simulation.campaign.plan import CORRIDOR, Study
+from wmr_ctrl.world.scenario import Section, quantities
+
+Rows = Mapping[str, NDArray[np.generic]]
+"""``index``, ``outcome``, ``refusal`` and an array a figure, one row a run."""
+HEAD = ("index", "law", "guard", "seed")
+REFUSAL = "refusal"
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+"""A number within the words of a refusal; the one in ``v_u1`` is none."""
+FORMAT = "wmr_ctrl study, version 1"
+TEXTS, COUNTS = ("law", "outcome", "refusal"), ("index", "seed")
+
+
+class StudyFolder:
+    """Folder of a study's results; made by `opened`."""
+
+    def __init__(self, folder: Path, plan: Study) -> None:
+        self.folder, self.plan = folder, plan
+        self.chunks = folder / "chunks"
+        self.members = {"index", "outcome", REFUSAL, *plan.figures}
+
+    def chunk_path(self, look: int, indices: Sequence[int]) -> Path:
+        """File of the rows of some runs; the name tells which they are."""
+        return self.chunks / f"{look:02d}-{indices[0]:012d}-{indices[-1]:012d}-{len(indices)}.npz"
+
+    def rows(self, path: Path) -> Rows | None:
+        """Rows of a finished chunk; None where it is not there, or damaged in any way."""
+        try:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                rows = {name: archive[name] for name in archive.files}
+        except Exception:
+            return None
+        return rows if rows.keys() == self.members else None
+
+    def keep(self, path: Path, rows: Rows) -> None:
+        """Write the rows of a chunk, whole or not at all.  Raises ResultFileError."""
+        with atomic_write(path) as file:
+            np.savez(file, **rows)  # type: ignore[arg-type]
+
+    def refusals(self, looks: Sequence[Sequence[Path]]) -> dict[str, int]:
+        """Number of runs that a guard refused for each reason."""
+        chunks = (self.rows(path) for paths in looks for path in paths)
+        return counted_reasons(text for rows in chunks if rows for text in rows[REFUSAL].tolist())
+
+    def write_table(self, looks: Sequence[Sequence[Path]]) -> Path:
+        """Write table.csv and columns.csv from the chunks of each look.  Raises ResultFileError."""
+        target = self.folder / "table.csv"
+        with atomic_text(self.folder / "columns.csv") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(("name", "unit", "meaning"))
+            writer.writerows(described_columns(self.plan))
+        streams = [self._cells(paths) for paths in looks]
+        with atomic_text(target) as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow((*HEAD, *self.plan.keys, "outcome", *self.plan.figures, REFUSAL))
+            writer.writerows(heapq.merge(*streams))
+        return target
+
+    def _cells(self, paths: Sequence[Path]) -> Iterator[tuple[int | str, ...]]:
+        """The table's row of each run in some chunks, its index first."""
+        plan = self.plan
+        for path in paths:
+            rows = self.rows(path)
+            if rows is None:
+                raise ResultFileError(
+                    f"{str(path)!r} has been deleted or damaged. Run the study again: it makes "
+                    "only what is missing."
+                )
+            columns = [rows[name].tolist() for name in plan.figures]
+            texts = (rows[name].tolist() for name in ("index", "outcome", REFUSAL))
+            last, labels, values = -1, ("", ""), [""]
+            for index, outcome, refusal, *figures in zip(*texts, *columns, strict=True):
+                cell, place = divmod(index, plan.seeds)
+                if cell != last:
+                    last, case = cell, plan.case(cell)
+                    labels = case.law, str(case.guard).lower()
+                    given = plan.values(cell)
+                    values = [v if isinstance(v, str) else json.dumps(v) for v in given]
+                numbers = [repr(x) if math.isfinite(x) else "" for x in figures]
+                seed = plan.first_seed + place
+                yield (index, *labels, seed, *values, outcome, *numbers, refusal)
+
+
+def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
+    """Counts of each reason among texts, the most frequent first; empty texts are none.
+
+    Reasons that differ by numbers alone are one; "..." stands for what differs.
+    """
+    counts: dict[str, int] = {}
+    numbers: dict[str, list[str | None]] = {}
+    for text in filter(None, refusals):
+        words, values = NUMBER.sub("\0", text), NUMBER.findall(text)
+        before = numbers.setdefault(words, values)
+        numbers[words] = [a if a == b else None for a, b in zip(before, values, strict=True)]
+        counts[words] = counts.get(words, 0) + 1
+    ranked = sorted(counts, key=lambda words: -counts[words])
+    return {_filled(words, numbers[words]): counts[words] for words in ranked}
+
+
+def _filled(words: str, numbers: Sequence[str | None]) -> str:
+    shown = ["..." if number is None else number for number in numbers]
+    parts = zip(words.split("\0"), [*shown, ""], strict=True)
+    return "".join(part + number for part, number in parts)
+
+
+def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
+    """Name, unit and meaning of each column of the table."""
+    yield from (
+        ("index", "1", "number of the run in the plan"),
+        ("law", "", "control law"),
+        ("guard", "", "whether the velocity guard is on"),
+        ("seed", "1", "seed of all noise"),
+    )
+    for key in plan.keys:
+        unit, meaning = _field(plan, key)
+        yield key, unit, meaning
+    yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
+    for name in plan.figures:
+        figure = CORRIDOR if name == CORRIDOR.name else FIGURES[name]
+        yield figure.name, figure.unit, figure.meaning
+    yield REFUSAL, "", "why the guard refused the run, else empty"
+
+
+def _field(plan: Study, key: str) -> tuple[str, str]:
+    """Unit and meaning of a field of the scenario; empty for a gain."""
+    table, _, name = key.partition(".")
+    if table in ("gains", "changes"):
+        return "", "field of the scenario"
+    section: Section = plan.loaded.table(table)
+    what = dict(quantities(type(section))).get(name.partition("[")[0])
+    return ("", "field of the scenario") if what is None else (what.unit, what.doc)
+
+
+@contextmanager
+def opened(folder: Path, plan: Study, facts: Mapping[str, str]) -> Iterator[StudyFolder]:
+    """The folder of a study, begun or gone on with, for one process at a time.
+
+    Raises ResultFileError for a folder of another plan or another version, one that another
+    process works on, or one that cannot be written.
+    """
+    try:
+        (folder / "chunks").mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / ".lock").acquire(timeout=0)  # ends with its process in any case
+    except Timeout:
+        raise ResultFileError(
+            f"{str(folder)!r}: another process is working on this study. Wait until it ends, or "
+            "name another folder."
+        ) from None
+    except OSError as error:
+        raise ResultFileError(f"cannot write {str(folder)!r}: {error.strerror}.") from error
+    with lock:
+        _same_study(folder, plan, facts)
+        for scratch in (folder / "chunks").glob(".*.npz"):
+            scratch.unlink(missing_ok=True)  # of a process that was killed
+        yield StudyFolder(folder, plan)
+
+
+def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:
+    file = folder / "study.json"
+    try:
+        begun = json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        begun = None
+    except (OSError, ValueError) as error:
+        raise ResultFileError(f"{str(file)!r} cannot be read: {error}.") from error
+    wanted = {"format": FORMAT, "identity": plan.identity, "provenance": dict(facts)}
+    if begun is None:
+        text = json.dumps({**wanted, "runs": plan.runs, "plan": plan.described()}, indent=1)
+        with atomic_text(file) as stream:
+            stream.write(text + "\n")
+        return
+    if begun.get("identity") != plan.identity:
+        raise ResultFileError(
+            f"{str(folder)!r} holds the results of another plan. Name another folder for this one, "
+            "or give the plan that the folder was started with (study.json)."
+        )
+    before = begun.get("provenance", {})
+    differ = [key for key in facts if before.get(key) != facts[key]]
+    if differ:
+        listed = ", ".join(f"{key} {before.get(key)} then, {facts[key]} now" for key in differ)
+        raise ResultFileError(
+            f"{str(folder)!r} was started with other code ({listed}), whose results may differ. "
+            "Name another folder, or continue with that version."
+        )
+
+
+def write_columns(folder: str | Path) -> Path:
+    """Write table.parquet beside a study's table.csv, whole or not at all; returns its path.
+
+    Numbers are doubles, empty cells null; index and seed whole numbers, guard a Boolean, lists of
+    a grid their JSON text.  Raises ResultFileError where no study is finished or the file cannot be
+    written, MissingExtraError without pyarrow.
+    """
+    where = Path(folder)
+    arrow: Any = library("pyarrow")
+    read, write = library("pyarrow.csv"), library("pyarrow.parquet")
+    named = {"string": arrow.string(), "int64": arrow.int64(), "bool": arrow.bool_(),
+             "double": arrow.float64()}  # fmt: skip
+    kinds = {name: named[kind] for name, kind in _kinds(where).items()}
+    options = read.ConvertOptions(column_types=kinds, strings_can_be_null=False)
+    target = where / "table.parquet"
+    with (
+        atomic_path(target) as scratch,
+        read.open_csv(where / "table.csv", convert_options=options) as blocks,
+        write.ParquetWriter(scratch, blocks.schema) as file,
+    ):
+        for block in blocks:
+            file.write_batch(block)
+    return target
+
+
+def _kinds(folder: Path) -> dict[str, str]:
+    try:
+        plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
+        with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
+            names = next(csv.reader(file))
+    except (OSError, ValueError, KeyError, StopIteration):
+        raise ResultFileError(
+            f"{str(folder)!r} holds no finished study. Name the folder of `wmr-ctrl study --out`, "
+            "once it has its table.csv."
+        ) from None
+    kinds = dict.fromkeys(names, "double") | dict.fromkeys(TEXTS, "string")
+    kinds |= dict.fromkeys(COUNTS, "int64") | {"guard": "bool"}
+    for key, values in plan["grid"].items():
+        numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
+        kinds[key] = "double" if numbers else "string"
+    return kinds

@@ -1,0 +1,178 @@
+"""Runs on the rigid body: the compiled loop on one side of the wheels, MuJoCo on the other."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+
+from wmr_ctrl.core.compiled import elements
+from wmr_ctrl.core.signals import RIGID as RIGID_COLUMNS
+from wmr_ctrl.results import RigidMonitor, Run, split_columns, tracked
+from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
+from wmr_ctrl.results.outcomes import STOP_REASONS
+from wmr_ctrl.results.table import RunTable, table_of_rows
+from wmr_ctrl.simulation.coupled import Coupled
+from wmr_ctrl.simulation.figures import final_state
+from wmr_ctrl.simulation.many import not_summed
+from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.simulation.physics.rigid import RigidBody, mujoco
+from wmr_ctrl.simulation.physics.workers import Progress, make_each
+from wmr_ctrl.simulation.runnable import RunnableLoop, assemble_run
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.sections import Initial
+
+T = TypeVar("T")
+_ROWS_PER_REPORT = 100
+
+
+def run_rigid(loop: RunnableLoop, seed: int, progress: Progress | None = None) -> Run:
+    """One run of a loop from `codegen.build.build_plantless`; it ends where the robot has tipped.
+
+    Raises MissingExtraError, CompilerError, or ScenarioError for what no rigid body can be.
+    """
+    return run_to_end(loop, seed, progress)[0]
+
+
+def run_to_end(
+    loop: RunnableLoop, seed: int, progress: Progress | None = None
+) -> tuple[Run, tuple[float, ...]]:
+    """The Run, and the state in which it ended: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."""
+    scenario, layout = loop.scenario, loop.compiled.layout
+    coupling, rows = Coupling(loop, seed), list[list[float]]()
+    for k in range(scenario.clock.samples):
+        if coupling.ended:
+            break
+        rows.append(coupling.sample())
+        if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
+            progress((k + 1) / scenario.clock.samples)
+    signals = (*layout.columns, *RIGID_COLUMNS)
+    table = np.array(rows).reshape(len(rows), len(elements(signals)))
+    monitor = replace(coupling.loop.monitor(), rigid=coupling.seen)
+    logged = (signals, split_columns(signals, table), monitor)
+    facts = {"kernel_hash": loop.compiled.digest, "mujoco": str(mujoco().__version__)}
+    run = assemble_run(scenario, loop.law, seed, "native", logged, facts, loop.bounds, "mujoco")
+    return run, coupling.body.plane_state[:5]
+
+
+def run_rigid_each(
+    runs: Sequence[tuple[RunnableLoop, int]],
+    then: Callable[[int, Run], T],
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> list[T]:
+    """Results of ``then`` for place and Run of each pair (loop, seed), as of `sim.many.run_each`.
+
+    On ``jobs`` processes (default: cores); the result is the same for any number of them.
+    ``progress`` is called with the share done.  Errors as in `run_rigid`, and ArgumentError for
+    jobs < 1.
+    """
+    finished = make_each(run_rigid, runs, jobs, progress)
+    return [then(place, run) for place, run in enumerate(finished)]
+
+
+class Coupling:
+    """A compiled loop and a rigid body, sample by sample.
+
+    ``ended``: whether the run must end; ``seen``: what the body showed so far.
+    """
+
+    def __init__(self, loop: RunnableLoop, seed: int) -> None:
+        self.scenario, self.clock = loop.scenario, loop.scenario.clock
+        self.body = RigidBody(loop.scenario)
+        self.loop = Coupled(loop.compiled, seed, self.clock.plant)
+        self._changes = dict(zip(loop.compiled.phase_start[1:], loop.scenario.changes, strict=True))
+        self._row = len(elements(loop.compiled.layout.columns))
+        self._reached = 0
+        self._slip = self._wheel = self._tilt = 0.0
+        self._slipped: float | None = None
+        self._tipped: float | None = None
+        self._margin = 1.0
+        self.ended = self._watched() or self.loop.ended
+
+    def sample(self) -> list[float]:
+        """A row of the log; then the steps of its period, to the run's end at most."""
+        body, margin = self.body, self.body.tip_margin
+        self._margin = min(self._margin, margin)
+        shown = self.loop.sampled(body.plane_state)
+        held = shown[: -self._row]
+        row = [*shown[-self._row :], *body.wheels, *body.slip, body.tilt, margin]
+        for _ in range(self.clock.substeps):
+            if self._reached in self._changes:
+                body.change(self._changes[self._reached])
+            body.step(self.loop.acting(held))
+            self._reached += 1
+            beyond = self.loop.ends(body.plane_state, self._reached)
+            if self._watched() or beyond:
+                self.ended = True
+                break
+        return row
+
+    def _watched(self) -> bool:
+        """Take note of the body; True where it has tipped."""
+        body, limits = self.body, self.scenario.body
+        slip = max(abs(body.slip[0]), abs(body.slip[1]))
+        self._slip, self._tilt = max(self._slip, slip), max(self._tilt, body.tilt)
+        self._wheel = max(self._wheel, abs(body.wheels[0]), abs(body.wheels[1]))
+        if slip > limits.slip_max and self._slipped is None:
+            self._slipped = self._reached * self.clock.plant
+        if body.tilt > limits.tilt_max:
+            self._tipped = self._reached * self.clock.plant
+        return self._tipped is not None
+
+    @property
+    def seen(self) -> RigidMonitor:
+        """Monitor of the body so far."""
+        most = self._slip, self._wheel, self._tilt
+        return RigidMonitor(self._tipped, self._slipped, *most, self._margin)
+
+
+# -- figures of many runs ------------------------------------------------------------------------
+
+
+def rigid_table(
+    tasks: Sequence[Task],
+    figures: Sequence[str] = (),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    build: Callable[[Scenario], RunnableLoop] | None = None,
+) -> RunTable:
+    """The table of some runs, each made once for all of its figures; as `sim.many.tabulated`.
+
+    ``jobs``: processes; ``build``: from a scenario to its loop without a plant, for tasks with a
+    start of their own.  Errors as in `run_rigid`.
+    """
+    pairs = []
+    for task in tasks:
+        loop, start = task.loop, task.start
+        if build is not None and start is not None:
+            begin = Initial(pose=(start[0], start[1], start[2]), velocity=(start[3], start[4]))
+            loop = build(replace(loop.scenario, initial=begin))
+        pairs.append((loop, task.seed))
+    rows = make_each(partial(rigid_row, further=not_summed(figures)), pairs, jobs, progress)
+    return table_of_rows(rows)
+
+
+def rigid_row(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> dict[str, object]:
+    """Figures, outcome and ``tracked`` of a run; it counts as stopped where it has tipped.
+
+    ``further``: names of figures of the catalogue that are taken besides.
+    """
+    run, end = run_to_end(loop, seed)
+    asked = values_of(run, map(FIGURES.__getitem__, further))
+    about = {"seed": seed, "outcome": run.outcome.value, "tracked": bool(tracked(run))}
+    return {**about, **figures_from_run(run, end), **asked}
+
+
+def figures_from_run(run: Run, end: tuple[float, ...]) -> dict[str, float | None]:
+    """Every number of `COLUMNS` of one run, and of its body; ``end`` is its last state, (5,).
+
+    They are those of `sim.many.tabulated` but for the rounding of sums.
+    """
+    seen = run.monitor
+    row = values_of(run, (*SUMMED, *(RIGID if seen.rigid else ())))
+    events = {"first": seen.first_violation, "stop": seen.stopped, "bounds": seen.bounds_left}
+    row |= {f"{name}_axis": None if e is None else float(e[1]) for name, e in events.items()}
+    row |= final_state(end, run.settings.frames)
+    return row | {"samples": float(run.rows), "stop": float(STOP_REASONS.index(seen.stop_reason))}

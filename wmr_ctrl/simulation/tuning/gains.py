@@ -1,0 +1,314 @@
+"""Tuning: gains of a law found by CMA-ES on runs, for a robot that is not as heavy as believed.
+
+Objective, to be made small: the root of the mean over all training runs of
+
+    position_rms^2 + (weight torque_change_rms)^2
+
+with the position's RMS over the last quarter and the torques' change over the last half of a run,
+of a path that stops over its drive (`results.measures`); with merit = "corridor" the certified
+corridor stands in the place of position_rms (`Corridor.merit`), and gains that have one stand
+before all that have none.  The runs: every training seed, once with the scenario as it is and once
+for each of `MASSES`, the true mass and inertia over the believed ones, without the scenario's
+changes.  Fewer runs that end early come before a smaller objective of the others.  Gains are
+searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.
+Seeds of the test, and references that were not trained on, judge.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from wmr_ctrl.control.given import scenario_of
+from wmr_ctrl.control.laws.registry import LAWS
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.files import one_command
+from wmr_ctrl.core.fields.section import Section, numbers_in
+from wmr_ctrl.results import atomic_text, check_writable
+from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.simulation.engines import table_of
+from wmr_ctrl.simulation.many import checked_seeds
+from wmr_ctrl.simulation.tuning import search
+from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
+from wmr_ctrl.world.model.kinematics import KinematicGains
+from wmr_ctrl.world.scenario import Scenario, inherited, override
+from wmr_ctrl.world.scenario.toml_io import to_toml
+
+Progress = Callable[[float], None]
+MASSES = (0.6, 1.6)
+"""True over believed mass and inertia, beside the scenario's own robot."""
+REFERENCES = ("lemniscate", "line")
+"""References on which the result is tried besides its own."""
+SEARCH = 0.9
+"""Share of the time that the search takes."""
+_ERRORS = ("tracking_drive_rms", "torque_change_rms")
+"""Figures that are judged, less is better."""
+WORSE = 0.05
+"""Share by which a figure may grow before it is worse: medians of few runs differ by as much."""
+
+
+@dataclass(frozen=True)
+class WorseFigure:
+    """A figure of the test that tuning made worse: its reference, robot, and both values."""
+
+    reference: str
+    mass: float
+    figure: str
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """The scenario with the gains that were found, and both sides of the comparison.
+
+    ``corridor``: certified before and after [m], None where there is none or it was not asked for.
+    """
+
+    plan: search.TuningPlan
+    scenario: Scenario
+    gains: Mapping[str, tuple[float, ...]]
+    objective: tuple[search.Cost, search.Cost]
+    before: RunTable
+    after: RunTable
+    out: Path
+    corridor: tuple[float | None, float | None] = (None, None)
+
+    @property
+    def worse(self) -> tuple[WorseFigure, ...]:
+        """Figures of the test that are worse after than before, in the order of the table."""
+        v1, omega = self.scenario.limits.v_u1
+        allowed = {name: (1 + WORSE) * self.before[name] for name in _ERRORS}
+        allowed |= {
+            "max_abs_v1": np.maximum(self.before["max_abs_v1"], v1),
+            "max_abs_v2": np.maximum(self.before["max_abs_v2"], omega),
+            "lost": self.before["lost"],
+        }
+        both = self.before, self.after
+        names, masses = (self.after[label].tolist() for label in ("reference", "mass"))
+        return tuple(
+            WorseFigure(reference, mass, name, *(float(item[name][k]) for item in both))
+            for k, (reference, mass) in enumerate(zip(names, masses, strict=True))
+            for name, most in allowed.items()
+            if not self.after[name][k] <= most[k]
+        )
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        plan, (first, last) = self.plan, self.objective
+        return {
+            "scenario": plan.scenario.name, "law": plan.law, "out": str(self.out),
+            "seeds": list(plan.seeds), "test_seeds": list(plan.test_seeds),
+            "trials": plan.trials, "weight": plan.weight, "hold": list(plan.hold),
+            "merit": plan.merit,
+            "masses": [1.0, *MASSES],
+            "objective": {"before": first.metres, "after": last.metres},
+            "ended_early": {"before": first.lost, "after": last.lost},
+            "no_corridor": {"before": first.refused, "after": last.refused},
+            "corridor": dict(zip(("before", "after"), self.corridor, strict=True)),
+            "gains": {key: list(value) for key, value in self.gains.items()},
+            "before": self.before.records(),
+            "after": self.after.records(),
+            "worse": [asdict(item) for item in self.worse],
+        }  # fmt: skip
+
+
+@checks_arguments
+@one_command()
+def tune(
+    scenario: str | Path | Scenario,
+    law: str,
+    out: str | Path,
+    *,
+    seeds: Iterable[int] = range(1, 4),
+    test_seeds: Iterable[int] = range(7101, 7106),
+    trials: int = 200,
+    weight: float = 1e-3,
+    hold: Iterable[str] = (),
+    merit: str = search.TRACKING,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> Tuning:
+    """Find gains of ``law`` on ``scenario``, and write that scenario with them to ``out`` (.toml).
+
+    ``weight`` [m/(N m)] is the price of torque change; ``hold`` lists keys of gains to keep;
+    ``merit`` is "tracking", the distance in runs, or "corridor", the certified one (which takes the
+    extra proofs, and a scenario and law that `find_corridor` covers); ``trials`` sets of gains are
+    tried, rounded up to whole generations.  Until the end they are kept in ``out``.trials.json, so
+    that after an interruption the same call continues, with the same result.  Raises
+    MissingExtraError without the extra tune, ArgumentError (that file belongs to another search,
+    say), ScenarioError, UnknownNameError, ResultFileError.
+    """
+    chosen = scenario_of(scenario)
+    if not isinstance(scenario, Scenario):  # the written file states every key
+        silent = tuple(item.key for item in inherited(chosen, str(scenario)))
+        chosen = replace(chosen, assumed=silent)
+    plan = search.TuningPlan(
+        scenario=chosen,
+        law=law,
+        seeds=tuple(checked_seeds(seeds)),
+        test_seeds=tuple(checked_seeds(test_seeds)),
+        trials=trials,
+        weight=weight,
+        hold=tuple(hold),
+        merit=merit,
+    )
+    if merit == search.CORRIDOR:
+        _check_corridor(chosen, law)
+    target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
+    digest = search.digest_of(text, law, plan.seeds, weight, plan.hold, merit, MASSES)
+    tries = search.Trials(target, digest)
+    tell, optimiser = progress or (lambda share: None), search.Search(start)
+    while optimiser.tried < plan.trials:
+        candidates = optimiser.ask()
+        costs = tries.known(optimiser.generation)
+        if costs is None:
+            costs = _costs(plan, [optimiser.gains(item) for item in candidates], jobs)
+            tries.keep(costs)
+        optimiser.tell(candidates, costs)
+        tell(SEARCH * min(1.0, optimiser.tried / plan.trials))
+    best = optimiser.best()
+    first, last = _costs(plan, [start, best], jobs)
+    if last > first:
+        best, last = start, first
+    better = with_gains(chosen, best)
+    before, after = (judged(item, law, plan.test_seeds, jobs) for item in (chosen, better))
+    tubes: tuple[float | None, float | None] = (None, None)
+    if merit == search.CORRIDOR:
+        tubes = certified_corridor(chosen, law).position, certified_corridor(better, law).position
+    tuning = Tuning(plan, better, best, (first, last), before, after, target, tubes)
+    with atomic_text(target) as file:
+        file.write(_document(tuning))
+    tries.forget()
+    tell(1.0)
+    return tuning
+
+
+def with_gains(scenario: Scenario, gains: Mapping[str, Sequence[float]]) -> Scenario:
+    """The scenario with these gains; a gain of one element is a number."""
+    values = {key: list(item) if len(item) > 1 else item[0] for key, item in gains.items()}
+    return override(scenario, values)
+
+
+def _start(plan: search.TuningPlan) -> dict[str, tuple[float, ...]]:
+    law, given = LAWS[plan.law], plan.scenario.gains
+    values = {}
+    for key in plan.searched:
+        section, name = key.split(".")[1:]
+        cls: type[Section] = KinematicGains if section == "kinematics" else law.gains
+        named = given.get(section, {}).get(name)
+        value = numbers_in(cls(), name) if named is None else np.atleast_1d(named).tolist()
+        if min(value) <= 0:
+            raise ScenarioError(
+                f"{key} = {named}: gains are searched as logarithms, and one of these is not above "
+                "zero. Give a positive number to start from."
+            )
+        values[key] = tuple(float(number) for number in value)
+    return values
+
+
+def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
+    """The scenario unguarded, as it is, then with robots that are not as heavy as believed."""
+    free = replace(scenario, guard=replace(scenario.guard, enabled=False))
+    yield 1.0, free
+    believed = scenario.believed
+    model = replace(scenario.model, m=believed.m, I=believed.I, mu=believed.mu)
+    for ratio in MASSES:
+        robot = replace(scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
+        yield ratio, replace(free, robot=robot, model=model, changes=())
+
+
+def _costs(
+    plan: search.TuningPlan, sets: Sequence[Mapping[str, Sequence[float]]], jobs: int | None
+) -> list[search.Cost]:
+    cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
+    table = _table(cases, plan.law, plan.seeds, jobs)
+    reached, change, stop = (
+        table[name].reshape(len(sets), -1)
+        for name in ("tracking_drive_rms", "torque_change_rms", "stop")
+    )
+    completed = (stop == 0) & np.isfinite(reached)
+    squares = (plan.weight * np.nan_to_num(change)) ** 2
+    costs = []
+    for k, gains in enumerate(sets):
+        refused, distance, whole = False, reached[k], completed[k]
+        if plan.merit == search.CORRIDOR:
+            refused, merit = certified_corridor(with_gains(plan.scenario, gains), plan.law).merit
+            distance = np.full(len(whole), merit)
+        runs = (distance**2 + squares[k])[whole]
+        metres = math.sqrt(runs.mean()) if len(runs) else math.inf
+        costs.append(search.Cost(refused, int((~whole).sum()), metres))
+    return costs
+
+
+def _check_corridor(scenario: Scenario, law: str) -> None:
+    """ArgumentError where there is none to be made smaller, MissingExtraError without its extra."""
+    library("flint", "proofs")
+    tube = find_corridor(scenario, law)
+    if tube.linear is None:
+        raise ArgumentError(
+            f"merit = corridor: {scenario.name} with {law} has {tube.sentence}. Tune a scenario "
+            "that `wmr-ctrl check` certifies a corridor for, or use merit = tracking."
+        )
+
+
+def _table(
+    cases: Sequence[Scenario],
+    law: str,
+    seeds: Sequence[int],
+    jobs: int | None,
+    figures: Sequence[str] = (),
+) -> RunTable:
+    """All seeds of each case, a row a run."""
+    listed = [case for case in cases for _ in seeds]
+    return table_of("ode", listed, law, [*seeds] * len(cases), figures=figures, jobs=jobs)
+
+
+def judged(
+    scenario: str | Path | Scenario, law: str, seeds: Iterable[int], jobs: int | None = None
+) -> RunTable:
+    """Test of a law on a scenario as `tune` tells it: a row a reference and robot.
+
+    ``reference``; ``mass``, true over believed; over the seeds the medians of tracking_drive_rms,
+    torque_change_rms and other packages' figures, the greatest max_abs_v1 and max_abs_v2, and
+    ``lost``, the number of runs that ended early.
+    """
+    chosen, listed = scenario_of(scenario), tuple(seeds)
+    own, cases = chosen.reference_kind.name, []
+    for kind in dict.fromkeys((own, *REFERENCES)):
+        on = chosen if kind == own else override(chosen, {"reference.kind": kind})
+        cases += [(kind, ratio, case) for ratio, case in _robots(on)]
+    names = [figure.name for figure in FIGURES.plugins]
+    table = _table([case for _, _, case in cases], law, listed, jobs, names)
+
+    by_case = {name: values.reshape(len(cases), -1) for name, values in table.items()}
+    middle = {name: np.median(by_case[name], axis=1) for name in (*_ERRORS, *names)}
+    return RunTable(
+        {
+            "reference": np.array([kind for kind, _, _ in cases]),
+            "mass": np.array([ratio for _, ratio, _ in cases]),
+            **{name: middle.pop(name) for name in _ERRORS},
+            **{name: by_case[name].max(axis=1) for name in ("max_abs_v1", "max_abs_v2")},
+            "lost": (by_case["stop"] > 0).sum(axis=1),
+            **middle,
+        }
+    )
+
+
+def _document(tuning: Tuning) -> str:
+    """The scenario, headed by how its gains came about."""
+    plan, (first, last) = tuning.plan, tuning.objective
+    head = [
+        f"gains of {plan.law} found by wmr-ctrl tune {plan.scenario.name}, without guard:",
+        *([f"held: {', '.join(plan.hold)};"] if plan.hold else []),
+        f"trials {plan.trials}, training seeds {list(plan.seeds)}, true over believed mass 1, "
+        f"{', '.join(f'{ratio:g}' for ratio in MASSES)};",
+        f"root of the mean of {search.MEASURED[plan.merit]}^2 + ({plan.weight:g} "
+        f"torque_change_rms)^2: {first.sentence} before, {last.sentence} after",
+    ]  # fmt: skip
+    return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)

@@ -1,0 +1,71 @@
+"""Checks before a run: sample time, preconditions, start, network, barrier, bounds.
+
+`warnings_for` answers for one law on one scenario; nothing here simulates more than one control
+period, and nothing is ever refused. A law gets only findings about what it has: about Eq. (7), a
+theorem, of a barrier or of a believed model where its `Traits` state them.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.results.verdicts import Warning as Warning
+from wmr_ctrl.theory.checks.budget import OF_RUN, budget
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.network import network
+from wmr_ctrl.theory.checks.preconditions import (
+    coarse_step,
+    late_drives,
+    noise,
+    preconditions,
+    start,
+    units,
+)
+from wmr_ctrl.theory.checks.sample_time import sample_time
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.theory.checks.stable_ranges import Stability as Stability
+from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period as largest_stable_period
+from wmr_ctrl.theory.checks.stable_ranges import stability as stability
+from wmr_ctrl.theory.checks.torques import first_torques as first_torques
+from wmr_ctrl.theory.checks.torques import grip_warnings as grip_warnings
+from wmr_ctrl.theory.checks.torques import noise_gain, weak_drives
+from wmr_ctrl.theory.checks.torques import reference_torque as reference_torque
+from wmr_ctrl.theory.checks.velocity_base import filter_advice as filter_advice
+from wmr_ctrl.theory.checks.velocity_base import filter_facts as filter_facts
+from wmr_ctrl.theory.checks.velocity_base import velocity_base
+from wmr_ctrl.theory.checks.velocity_guard import contradicted, guard_price, violent_alpha
+from wmr_ctrl.theory.checks.wrong_model import pushed_through, unmodelled, wrong_model
+
+CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
+    units,
+    start,
+    sample_time,
+    preconditions,
+    pushed_through,
+    wrong_model,
+    unmodelled,
+    network,
+    weak_drives,
+    late_drives,
+    noise,
+    noise_gain,
+    guard_price,
+    contradicted,
+    coarse_step,
+    violent_alpha,
+)
+"""In the order in which they are printed: what ends a run first comes first."""
+OF_VELOCITY_BASES = (units, start, sample_time, preconditions, coarse_step, velocity_base)
+"""Those that hold for a base that takes velocities."""
+
+
+@lru_cache(maxsize=256)
+def warnings_for(setup: Setup, work: float = OF_RUN) -> tuple[Warning, ...]:
+    """Warnings from theory for a law on a scenario; empty where it has no objection.
+
+    What takes more than this ``work`` (`wmr_ctrl.theory.checks.budget`) is a warning "not-checked".
+    """
+    loop = loop_of(setup)
+    checks = OF_VELOCITY_BASES if setup.takes_velocity else CHECKS
+    with budget(work):
+        return tuple(warning for check in checks for warning in check(loop))

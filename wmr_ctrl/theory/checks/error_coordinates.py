@@ -1,0 +1,140 @@
+"""The loop's own graphs but for law and reference, with their gradients, seen from the reference.
+
+The robot's pose is seen as tracking error, Eq. (8), a remembered pose in the frame of its sample,
+all else as it is.  So a motion of constant velocity has one matrix.
+"""
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.control.laws.registry import LAWS
+from wmr_ctrl.control.loop import PlantlessGraphs
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.signals import places
+from wmr_ctrl.world.effect import Rate
+from wmr_ctrl.world.model.graph import unrounded
+from wmr_ctrl.world.model.kinematics import error_rotation, pose_rate, tracking_error
+from wmr_ctrl.world.model.system import Port, stack, values
+from wmr_ctrl.world.scenario import Scenario
+
+Floats = NDArray[np.float64]
+POSE, SPEED = "m, m, rad", "m/s, rad/s"
+"""Units by which the memory of a pose and of a velocity is known."""
+ROBOT, COMMAND, HELD = 5, 2, 4
+"""Sizes: tracking error with v1 and omega; a command; what disturbs over a sample."""
+
+
+class World:
+    """A scenario's graphs but for law and reference, their random numbers 0, nothing rounded.
+
+    ``sensed`` (clock, x, m, p, e, T): measured pose and velocity, what disturbs, next slow state,
+    and gradient of all by fast state x and slow state m, whose ports have their ``rows`` and
+    ``slow_rows``.  ``step`` (clock, z, theta, u, p, v_d):
+    the fast state z one plant step later, both with the tracking error in the place of the pose;
+    ``slopes``: its gradient by z and what is held u; ``rates`` and ``rate_slopes``: its change and
+    that of its gradient per time, for steps without length.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Differentiate."""
+        graphs = PlantlessGraphs(settle(scenario, next(iter(LAWS))))
+        moved = _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
+        self.fast, self.slow, self.ports = graphs.fast, graphs.slow, graphs.parameters.ports
+        self.size, self.held = len(names_of(self.fast)), graphs.u.sym.numel()
+        self.rows, self.slow_rows = (
+            places(item.signal for item in part) for part in (self.fast, self.slow)
+        )
+        x, m = (stack(item.sym for item in part) for part in (self.fast, self.slow))
+        u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
+        self._sense(graphs, x, m)
+        z, v_d, theta = ca.SX.sym("z", self.size), ca.SX.sym("v_d", 2), ca.SX.sym("theta")
+        desired, angle = ca.vertcat(0, 0, theta), theta - z[2]
+        pose = desired - error_rotation(angle).T @ z[:3]
+        after = ca.substitute(unrounded(moved, ca.vertcat(x, u)), x, ca.vertcat(pose, z[3:]))
+        desired = carried(desired, v_d, h)
+        step = ca.vertcat(tracking_error(desired, after[:3]), after[3:])
+        slopes = ca.densify(ca.jacobian(step, ca.vertcat(z, u)))
+        given = [graphs.step.clock.sym, z, theta, u, p, v_d]
+        self.step, self.slopes, self.rates, self.rate_slopes = (
+            ca.Function(name, given, [ca.densify(item)])
+            for name, item in (
+                ("step", step), ("slopes", slopes), ("rates", _slope(step, h)),
+                ("rate_slopes", _slope(slopes, h)),
+            )
+        )  # fmt: skip
+
+    def _sense(self, graphs: PlantlessGraphs, x: ca.SX, m: ca.SX) -> None:
+        shown = ca.vertcat(graphs.measured[: ROBOT + HELD], *graphs.sample.following)
+        shown = unrounded(_quiet(shown, graphs.draws(Rate.SAMPLE)), every := ca.vertcat(x, m))
+        e, T = ca.SX.sym("e", 3), graphs.parameters.take("clock.control")
+        slopes, level = ca.jacobian(shown, every), ca.SX.zeros(3)
+        own = _pose_slope(e, x[2])
+        now, later = (_pose_slope(level, theta) for theta in (x[2], x[2] + T * x[4]))
+        before, after = [ca.inv(own), ca.SX.eye(self.size - 3)], [own, ca.SX.eye(ROBOT + HELD - 3)]
+        for item in self.slow:
+            other = ca.SX.eye(item.signal.size)
+            before.append(ca.inv(now) if item.signal.unit == POSE else other)
+            after.append(later if item.signal.unit == POSE else other)
+        slopes = ca.diagcat(*after) @ slopes @ ca.diagcat(*before)
+        given = [graphs.sample.clock.sym, x, m, graphs.p]
+        self.shown = ca.Function("shown", given, [ca.densify(shown)])
+        self.sensed = ca.Function("sensed", [*given, e], [ca.densify(slopes)])
+        self.start, units = np.array(values(self.slow)), (POSE, SPEED)
+        others = stack(item.sym for item in self.slow if item.signal.unit not in units)
+        self.nonlinear = bool(others.numel()) and ca.depends_on(slopes, others)
+
+    @property
+    def names(self) -> list[str]:
+        """Elements of the fast state."""
+        return names_of(self.fast)
+
+    def numbers(self, changed: Mapping[str, float]) -> list[float]:
+        """Values of the parameters, some of them others than the scenario's."""
+        listed = ((changed.get(item.signal.name), item.value) for item in self.ports)
+        return [n for new, own in listed for n in (own if new is None else (new,))]
+
+    def place(self, name: str) -> int:
+        """Place of a parameter's number among all."""
+        names = [item.signal.name for item in self.ports for _ in item.value]
+        return names.index(name)
+
+
+def carried(pose: ca.SX, v: ca.SX, h: ca.SX) -> ca.SX:
+    """Pose (3,) after h [s] at a velocity (2,), by the Runge-Kutta step that moves the plant."""
+    thetas = (pose[2], pose[2] + h / 2 * v[1], pose[2] + h * v[1])
+    first, middle, last = (pose_rate(theta, v) for theta in thetas)
+    return pose + h / 6 * (first + 4 * middle + last)
+
+
+def _pose_slope(e: ca.SX, theta: ca.SX) -> ca.SX:
+    """Gradient (3, 3) of the tracking error by the pose, at error e and orientation theta."""
+    pose, desired = ca.SX.sym("pose", 3), ca.SX.sym("desired", 3)
+    at = ca.vertcat(0, 0, theta)
+    slope = ca.jacobian(tracking_error(desired, pose), pose)
+    placed = ca.vertcat(at, at + error_rotation(theta).T @ e)
+    return ca.substitute(slope, ca.vertcat(pose, desired), placed)
+
+
+def _slope(graph: ca.SX, by: ca.SX) -> ca.SX:
+    """Derivative of a matrix by a number, where that is 0."""
+    slope = ca.jacobian(ca.vec(ca.densify(graph)), by)
+    return ca.reshape(ca.substitute(slope, by, ca.SX(0)), graph.shape)
+
+
+def _quiet(expr: ca.SX, draws: ca.SX) -> ca.SX:
+    return ca.substitute(expr, draws, ca.SX.zeros(draws.shape))
+
+
+def names_of(ports: tuple[Port, ...]) -> list[str]:
+    """Elements of a state."""
+    return [name for item in ports for name in item.signal.elements]
+
+
+@lru_cache(maxsize=256)
+def world_of(scenario: Scenario) -> World:
+    """The World of a scenario, made once."""
+    return World(scenario)

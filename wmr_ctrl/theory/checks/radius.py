@@ -1,0 +1,211 @@
+"""Spectral radius of the linear loop along the whole reference, and where it passes 1."""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.theory.checks.budget import spend
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.sampled_plant import Point
+from wmr_ctrl.theory.checks.surroundings import DriveTimes
+from wmr_ctrl.world.references import reference_bounds, sample
+from wmr_ctrl.world.scenario import Robot, Scenario
+
+POINTS = 9
+INSIDE = 0.99
+SAME = 1e-6
+"""Difference of velocities [m/s, rad/s] that is none."""
+
+SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
+"""Periods that are tried [s], and the factor from one to the next."""
+MARGIN = 1e-9
+"""A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
+RTOL = 1e-7
+"""Relative tolerance of an edge of stability; four digits of it are printed."""
+STRETCHES = 16
+"""Into so many stretches of constant velocity the period of a reference is divided."""
+GRAPH = 12.0
+"""Work of making a loop's graph for another period, in evaluations."""
+
+
+def largest_radius(
+    loop: Loop, period: float, drives: DriveTimes | None = None, robot: Robot | None = None
+) -> float:
+    """Spectral radius, per sample, over a period of the reference; the largest of its points else.
+
+    A reference that does not repeat is looked at as if each of some points went on for ever, and so
+    is the orientation where something acts by it, a slope say.
+    ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.  inf for
+    periods over which no command is held.
+    """
+    if period > loop.longest * (1 + 10 * RTOL):
+        return math.inf
+    own, samples = loop, loop.around.samples_a_pose(period)
+    if (loop := own.at_period(period)) is not own:
+        spend(0, GRAPH)
+    stretches = stretches_of(loop.scenario)
+
+    def of(v_d: Floats, theta: float) -> Floats:
+        at, learning = loop.resting(v_d, theta, period, robot), loop.learns
+        if at is None:
+            return np.full((1, 1), np.inf)
+        return from_pose_to_pose(loop, at, period, drives=drives, robot=robot, learning=learning)
+
+    def at(theta: float) -> float:
+        if stretches is None:
+            return max(radius(of(v_d, theta)) for v_d in operating_points(loop.scenario))
+        each, shares, time = stretches
+        counts = np.maximum(1, np.round(shares * time / (period * samples))).astype(int)
+        return _of_product([of(v_d, theta) for v_d in each], counts)
+
+    return max(at(theta) for theta in loop.around.headings) ** (1 / samples)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # what is not finite is no stable loop
+def from_pose_to_pose(
+    loop: Loop,
+    at: Point,
+    period: float,
+    *,
+    drives: DriveTimes | None = None,
+    robot: Robot | None = None,
+    learning: bool = False,
+) -> Floats:
+    """Matrix of the sampled loop from one pose to the next, near a point.
+
+    Scaled back where it grows beyond doubles: hundreds of powers of ten on, the one pose in between
+    makes no difference.
+    """
+    law = loop.linear(at, period, drives=drives, learning=learning)
+    closed = partial(loop.closed, at, period, drives=drives, robot=robot, law=law)
+    samples, pose = loop.around.samples_a_pose(period), closed()
+    if samples == 1:
+        return pose
+    none = closed(sample=samples + 1)
+    whole = np.linalg.matrix_power(none, samples - 1) @ pose
+    if np.isfinite(whole).all() or not np.isfinite(none).all():
+        return whole
+    return np.eye(len(none)) * min(radius(none) ** samples, np.finfo(float).max)
+
+
+def only_forwards(loop: Loop) -> float:
+    """The least v1_d [m/s] of a reference if errors fade there only forwards; 0.0 if not."""
+    period, slowest = loop.scenario.clock.control, reference_bounds(loop.scenario)[0]
+
+    def fades(v1_d: float) -> bool:
+        there = loop.on_reference(np.array((v1_d, 0.0)))
+        return radius(from_pose_to_pose(loop, there, period)) < 1 - MARGIN
+
+    return slowest if slowest < -SAME and fades(-slowest) and not fades(slowest) else 0.0
+
+
+def radius(matrix: Floats) -> float:
+    """Spectral radius; inf for a law that has no derivative there."""
+    spend(len(matrix))
+    if not np.isfinite(matrix).all():
+        return math.inf
+    return float(np.abs(np.linalg.eigvals(matrix)).max()) if matrix.size else 0.0
+
+
+def _of_product(matrices: Sequence[Floats], counts: NDArray[np.intp]) -> float:
+    """Spectral radius, per factor, of the product of matrices that stand so many times each.
+
+    A product that grows or falls far is scaled on the way.
+    """
+    if not all(np.isfinite(matrix).all() for matrix in matrices):
+        return math.inf
+    total, scale = np.eye(len(matrices[0])), 0.0
+    for matrix, count in zip(matrices, counts, strict=True):
+        size = max(radius(matrix), 1e-3)
+        spend(len(matrix))
+        power = np.linalg.matrix_power(matrix / size, int(count))
+        total = power @ total
+        norm = float(np.linalg.norm(total)) or 1.0
+        total, scale = total / norm, scale + count * math.log(size) + math.log(norm)
+    own = radius(total)
+    return math.exp((math.log(own) + scale) / int(counts.sum())) if own > 0 else 0.0
+
+
+@lru_cache(maxsize=64)
+def stretches_of(scenario: Scenario) -> tuple[list[Floats], Floats, float] | None:
+    """Desired velocities (2) over a period of the reference in time, its shares, the period [s].
+
+    Neighbours that are alike are one; None where the velocities are constant or do not repeat.
+    """
+    cycle = scenario.reference.cycle
+    if not math.isfinite(cycle) or scenario.reference.arrival is not None:
+        return None
+    middles = (np.arange(STRETCHES) + 0.5) * cycle / STRETCHES
+    rows = sample(scenario, np.concatenate((middles, middles + cycle)))[:, 3:5]
+    if np.abs(rows[STRETCHES:] - rows[:STRETCHES]).max() > SAME:
+        return None
+    bound = INSIDE * np.array(scenario.limits.v_u2)
+    speeds = np.clip(rows[:STRETCHES], -bound, bound).round(9)
+    starts = np.flatnonzero((np.diff(speeds, axis=0, prepend=np.inf) != 0).any(axis=1))
+    shares = np.diff(np.append(starts, STRETCHES)) / STRETCHES
+    return [speeds[i] for i in starts], shares, cycle
+
+
+@lru_cache(maxsize=64)
+def operating_points(scenario: Scenario) -> list[Floats]:
+    """Desired velocities (2) of some points of the reference, moved inside v_u2."""
+    end = min(scenario.clock.duration, scenario.reference.cycle)
+    speeds = sample(scenario, np.linspace(0, end, POINTS))[:, 3:5]
+    bound = INSIDE * np.array(scenario.limits.v_u2)
+    return list(np.unique(np.clip(speeds, -bound, bound).round(9), axis=0))
+
+
+def supremum(
+    of: Callable[[float], float], shortest: float = SHORTEST, ratio: float = RATIO
+) -> float:
+    """Largest period up to which the spectral radius ``of(period)`` stays at or below 1."""
+    below, period = 0.0, shortest
+    while of(period) <= 1 + MARGIN:
+        if period >= LONGEST:
+            return math.inf
+        below, period = period, period * ratio
+    return edge(of, below, period) if below else 0.0
+
+
+def edge(of: Callable[[float], float], stable: float, unstable: float) -> float:
+    """The last stable value on the way to an ``unstable`` one, ``of`` being the spectral radius."""
+    return crossing(lambda value: of(value) - 1 - MARGIN, stable, unstable)
+
+
+def crossing(
+    excess: Callable[[float], float], inside: float, outside: float, rtol: float = RTOL
+) -> float:
+    """An x on the way from ``inside`` to ``outside`` with ``excess(x)`` <= 0, beside one above 0.
+
+    The last such x where excess changes its sign once on the way.  It is positive at ``outside``,
+    which may be the smaller of the two.  A guess is on the line
+    through the last two points outside, where there are two: a mode that stays at 1 makes it flat
+    inside.  What is tried lies beyond the guess, so that both ends close in on it, and at least
+    every other step halves what is between them.
+    """
+    span, size = outside - inside, max(abs(inside), abs(outside))
+    tolerance = rtol * size / abs(span)
+    low, high, above = 0.0, 1.0, min(excess(outside), 1.0)
+    other, beyond, halve = low, excess(inside), False
+    while (width := high - low) > tolerance:
+        steep = above != beyond
+        guess = high - above * (high - other) / (above - beyond) if steep else low
+        if halve or not low < guess < high:
+            share = (low + high) / 2
+        else:
+            left, right = guess - low, high - guess
+            shift = max(0.4 * tolerance, min(0.5 * min(left, right), 0.2 * width**2))
+            share = guess + math.copysign(shift, right - left)
+            share = min(max(share, low + tolerance / 4), high - tolerance / 4)
+        value = excess(inside + share * span)
+        if value <= 0:
+            low = share
+            other, beyond = (low, value) if beyond <= 0 else (other, beyond)
+        else:
+            other, beyond, high, above = high, above, share, min(value, 1.0)
+        halve = high - low > width / 2
+    return inside + low * span

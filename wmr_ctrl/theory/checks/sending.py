@@ -1,0 +1,125 @@
+"""Loop of a law on its base: what is sent to a base that takes velocities, where nothing cuts it.
+
+What is sent is the graph that the controller is made from, without its filter, which passes every
+command inside (ledger: corridor.filter).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
+
+import numpy as np
+
+from wmr_ctrl.control.applied import remembered
+from wmr_ctrl.control.controller import law_graph, velocity_sender
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, places
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.rest import rest
+from wmr_ctrl.theory.checks.sampled_plant import Point
+from wmr_ctrl.theory.checks.surroundings import idle_base, surroundings
+from wmr_ctrl.world.model.system import Output, System
+from wmr_ctrl.world.scenario import Robot
+
+LONG = 0.1
+"""A control period in which laws may change their command much [s]."""
+
+
+@dataclass(frozen=True)
+class SendingLoop(Loop):
+    """A law's loop whose output is the velocity that is sent.
+
+    ``sender``: another graph of it than the controller's; ``period`` and ``delay`` of commands that
+    it is made for [s], the scenario's unless given.
+    """
+
+    sender: System | None = None
+    period: float | None = None
+    delay: float | None = None
+
+    @cached_property
+    def core(self) -> System:
+        """Law, adapter and what they remember."""
+        if self.sender is not None:
+            return self.sender
+        period = self.scenario.clock.control if self.period is None else self.period
+        delay = self.scenario.base.delay if self.delay is None else self.delay
+        timed = surroundings(self.scenario).scenario_at(period, delay)
+        plain = replace(self.setup, scenario=timed)
+        sent = velocity_sender(plain, _law_graph(self.setup, self.in_flight))
+        return replace(sent.system(), outputs=(Output(ASKED, sent.asked),), diagnostics=())
+
+    def at_period(self, period: float) -> Loop:
+        """The loop for a control period [s], which remembers the commands that are under way."""
+        own = self.scenario.base.delay if self.delay is None else self.delay
+        same = period == self.scenario.clock.control
+        return self if same or own == 0 or not self._remembers else _made_for(self, period, own)
+
+    @property
+    def longest(self) -> float:
+        """The base's time-out, beyond which it stops between two commands."""
+        return self.scenario.base.timeout
+
+    def with_delay(self, delay: float) -> Loop:
+        """The loop of a law that knows of a delay of its commands [s]."""
+        return _made_for(self, self.period, delay) if self._remembers else self
+
+    @property
+    def _remembers(self) -> bool:
+        return bool(remembered(_law_graph(self.setup, self.in_flight)))
+
+    def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
+        """The robot on the reference, its commands having been those of the reference for long."""
+        key = tuple(map(float, v_d))
+        if key not in self._points:
+            self._points[key] = self._driving(np.array(key))
+        return replace(self._points[key], theta=theta)
+
+    @property
+    def learns(self) -> bool:
+        """Estimates are part of where it rests, so they move."""
+        return self.traits.estimates
+
+    def resting(
+        self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
+    ) -> Point | None:
+        """The point where it really rests, whose commands are all alike, however late they act.
+
+        In a short period a law may change its command little, which hides the rest from Newton's
+        method on its way; that of a long period is near.
+        """
+        own = loop_of(self.setup)
+        find, on = partial(rest, own, own.around), own.on_reference(v_d, theta)
+        at = find(on, period, robot)
+        if at is None and period < LONG and (near := find(on, LONG, robot)):
+            at = find(near, period, robot)
+        if at is None:
+            return None
+        rows = places(item.signal for item in own.core.state)
+        known = [at.memory[rows[name]] if (name := item.signal.name) in rows else at.force
+                 for item in self.core.state]  # fmt: skip
+        return replace(at, memory=np.concatenate((np.zeros(0), *known)))
+
+    def _driving(self, speed: Floats) -> Point:
+        own = [speed if item.signal.name.startswith(SENT_BEFORE.name) else np.array(item.value)
+               for item in self.core.state]  # fmt: skip
+        there = Point(np.zeros(3), speed, speed, np.zeros(2), np.concatenate(own), speed)
+        return replace(self.after_a_sample(self.after_a_sample(there)), force=speed)
+
+
+@lru_cache(maxsize=16)
+def _law_graph(setup: Setup, in_flight: int | None) -> System:
+    return law_graph(replace(setup, scenario=idle_base(setup.scenario)), in_flight)
+
+
+@lru_cache(maxsize=128)
+def _made_for(loop: SendingLoop, period: float | None, delay: float) -> SendingLoop:
+    return replace(loop, period=period, delay=delay)
+
+
+@lru_cache(maxsize=128)
+def loop_of(setup: Setup) -> Loop:
+    """The Loop of a setup, built once."""
+    return SendingLoop(setup) if setup.takes_velocity else Loop(setup)

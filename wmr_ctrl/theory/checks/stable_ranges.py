@@ -1,0 +1,229 @@
+"""Periods, delays and masses with which a law's linear loop is stable around its reference."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from wmr_ctrl.control.filter.filter import passing_commands
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.fields.values import LARGEST
+from wmr_ctrl.theory.checks.budget import counted
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.radius import (
+    MARGIN,
+    RATIO,
+    SHORTEST,
+    edge,
+    largest_radius,
+    operating_points,
+    stretches_of,
+    supremum,
+)
+from wmr_ctrl.theory.checks.sampled_plant import Point
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.theory.checks.surroundings import oldest_shown
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loop import has_loop
+
+MOST_UNDER_WAY = 40
+"""Commands that the shortest period that is tried leaves under way in a delay."""
+MASSES = 20.0
+"""Largest ratio of true to believed mass that is tried, and one over the smallest."""
+
+
+@checks_arguments
+def largest_stable_period(scenario: Scenario, law: str) -> float:
+    """Supremum [s] of the stable periods about the scenario's, or of the next below.
+
+    Over all points of the reference; 0.0 if the scenario's period and all shorter ones that were
+    tried are unstable, inf if all longer ones (up to 10 s) are stable.  Raises UnknownNameError
+    for a law.
+    """
+    return largest_period(loop_of(settle(scenario, law)))
+
+
+@dataclass(frozen=True)
+class Stability:
+    """Around the reference: stable periods, largest delay [s], ratios of true to believed mass.
+
+    Delay and masses are for the scenario's period; see the functions of these names. ``tried`` is
+    the shortest period that was looked at; ``held``: beyond which the base stops between commands;
+    ``least_delay``: from which on it is stable; ``off``: how far from the reference it rests [m],
+    None where it does not; ``any_mass``: the base's own loop makes up for its mass; ``remarks``.
+    """
+
+    shortest: float
+    period: float
+    delay: float | None
+    masses: tuple[float, float] | None
+    tried: float
+    held: float = math.inf
+    least_delay: float = 0.0
+    off: float | None = 0.0
+    any_mass: bool = False
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def delay_words(self) -> str:
+        """Delays at which it is stable, in words."""
+        low = (
+            f"for a delay of {self.least_delay:.3g} to" if self.least_delay else "up to a delay of"
+        )
+        return f"{low} {self.delay:.3g} s"
+
+    @property
+    def mass_words(self) -> str:
+        """The ratios in words; an end of the range that was tried is no limit."""
+        if self.any_mass:
+            return "whatever its mass, which the base's own loop makes up for"
+        low, high = self.masses or (math.nan, math.nan)
+        less, more = " or less" * (low <= 1 / MASSES), " or more" * (high >= MASSES)
+        return f"for a mass of {low:.3g}{less} to {high:.3g}{more} times the believed one"
+
+
+def stability(scenario: Scenario, law: str) -> Stability:
+    """All three for a law on a scenario; raises UnknownNameError for a law."""
+    loop = loop_of(settle(scenario, law))
+    delays, masses = stable_delays(loop), stable_masses(loop)
+    least, most = delays or (0.0, None)
+    return Stability(
+        *stable_periods(loop), most, masses, shortest_tried(loop), loop.longest, least,
+        distance_at_rest(loop), has_loop(scenario, "first-order"), tuple(_remarks(loop)),
+    )  # fmt: skip
+
+
+def distance_at_rest(loop: Loop) -> float | None:
+    """The largest distance [m] from the reference at which the loop rests, of all its points.
+
+    None where it rests at none, or beyond the limits.
+    """
+    points = _rests(loop)
+    inside = (at and (np.abs(at.v) <= loop.scenario.limits.v_u1).all() for at in points)
+    return max(float(np.hypot(*at.e[:2])) for at in points if at) if all(inside) else None
+
+
+@counted
+def _rests(loop: Loop) -> list[Point | None]:
+    period, stretches = loop.scenario.clock.control, stretches_of(loop.scenario)
+    speeds = operating_points(loop.scenario) if stretches is None else stretches[0]
+    return [loop.resting(v_d, theta, period) for theta in loop.around.headings for v_d in speeds]
+
+
+def _remarks(loop: Loop) -> Iterator[str]:
+    """Words on what the linear loop of a base that takes velocities leaves out."""
+    base, robot = loop.scenario.base, loop.scenario.robot
+    if not loop.setup.takes_velocity:
+        return
+    if loop.traits.estimates:
+        yield "its estimates move; what a transient leaves in them may let it settle beyond"
+    sent = np.array([at.force for at in _rests(loop) if at]).reshape(-1, 2)
+    if (np.abs(sent) @ (1.0, robot.l) > robot.r * base.w_max).any():
+        yield "as if base.w_max let the commands pass that its path takes"
+    if loop.scenario.filter.kind in ("clip", "governor") and any(
+        (np.abs(sent @ row) > most).any() for _, row, most in passing_commands(loop.scenario)
+    ):
+        yield "as if the filter let the commands pass that its path takes"
+
+
+def largest_period(loop: Loop) -> float:
+    """The same for a Loop that is at hand."""
+    return stable_periods(loop)[1]
+
+
+@counted
+def stable_periods(loop: Loop) -> tuple[float, float]:
+    """Ends [s] of the stretch of stable periods that holds the scenario's, or of the next below.
+
+    The lower end is 0.0 where all shorter ones that were tried are stable too, which a delay can
+    prevent; (0.0, 0.0) where the scenario's period and all shorter ones that were tried are not.
+    """
+    shortest, inside = shortest_tried(loop), loop.scenario.clock.control
+
+    @cache
+    def of(period: float) -> float:
+        return largest_radius(loop, period)
+
+    outside = math.inf
+    while of(inside) > 1 + MARGIN:
+        outside, inside = inside, inside / RATIO
+        if inside < shortest:
+            return 0.0, 0.0
+    high = edge(of, inside, outside) if outside < math.inf else supremum(of, inside)
+    below = inside
+    while below >= shortest and of(below) <= 1 + MARGIN:
+        below /= RATIO
+    return (edge(of, below * RATIO, below) if below >= shortest else 0.0), high
+
+
+def shortest_tried(loop: Loop) -> float:
+    """The shortest period that is tried [s]: so many commands may be under way, and no more."""
+    late = max(loop.around.drives.delay, loop.setup.prediction)
+    return max(SHORTEST, (late + oldest_shown(loop.setup)) / MOST_UNDER_WAY)
+
+
+def largest_stable_delay(loop: Loop) -> float | None:
+    """The upper end of `stable_delays`."""
+    delays = stable_delays(loop)
+    return None if delays is None else delays[1]
+
+
+def stable_delays(loop: Loop) -> tuple[float, float] | None:
+    """Least and supremum of the drives' delay [s] that are stable at the scenario's period.
+
+    Their lag and sensors are as they are.  The least is 0, or the scenario's delay for a law that
+    predicts and where the loop is unstable without any; None where it is with that, too.  The
+    supremum is inf where all that were tried, up to 40 periods, are stable.
+    """
+    period = loop.scenario.clock.control
+    own = loop.around.drives
+
+    def of(delay: float) -> float:
+        known = max(delay - (own.delay - own.known), 0.0)
+        late = replace(own, delay=delay, known=known)
+        return largest_radius(loop.with_delay(known), period, late)
+
+    for least in (own.delay,) if loop.setup.prediction else dict.fromkeys((0.0, own.delay)):
+        tried = [least + k * period / 8 for k in range(1, 8 * MOST_UNDER_WAY)]
+        if (most := _last(of, least, tried)) is not None:
+            return least, most
+    return None
+
+
+@counted
+def stable_masses(loop: Loop, most: float = MASSES) -> tuple[float, float] | None:
+    """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
+
+    Both are scaled alike, at the scenario's period; tried from 1/``most`` to ``most``, as far as a
+    scenario can state them.  None for a law that believes no mass, and where the loop is unstable
+    with the believed one.
+    """
+    if not loop.traits.model:
+        return None
+    believed = loop.scenario.believed
+
+    def of(ratio: float) -> float:
+        robot = replace(loop.scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
+        return largest_radius(loop, loop.scenario.clock.control, robot=robot)
+
+    steps = [RATIO**k for k in range(1, round(math.log(most) / math.log(RATIO)) + 1)]
+    heavier = [step for step in steps if step * max(believed.m, believed.I) <= LARGEST]
+    up = _last(of, 1.0, heavier) if heavier else math.inf
+    down = _last(of, 1.0, [1 / step for step in steps])
+    return None if up is None or down is None else (max(down, 1 / most), min(up, most))
+
+
+def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) -> float | None:
+    """Stability limit along ``tried``, inf if none is met; None if unstable at ``start``."""
+    of = cache(of)
+    if of(start) > 1 + MARGIN:
+        return None
+    inside = start
+    for value in tried:
+        if of(value) > 1 + MARGIN:
+            return edge(of, inside, value)
+        inside = value
+    return math.inf if inside > start else 0.0

@@ -1,0 +1,261 @@
+"""Bases that take velocities: the command filter's statement that holds, and its price."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.control.filter import CommandFilter
+from wmr_ctrl.control.filter.band import MOST_COMMANDS
+from wmr_ctrl.control.filter.governor import NEAR
+from wmr_ctrl.control.filter.hypotheses import broken_hypotheses
+from wmr_ctrl.control.filter.peak_gain import less_damped, overshoot, peak_gains
+from wmr_ctrl.control.filter.rounding_ranges import unproved_roundings
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.results.verdicts import Warning
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.warning import is_taken
+from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
+from wmr_ctrl.world.velocity_mean import VelocityMean
+
+STATEMENTS = {
+    "clip": "memoryless clip, for every base that never overshoots",
+    "governor": "governor, for a first-order base with nothing hidden",
+    "band": "band, for linear loops whose numbers do not change",
+}
+OF_LINEAR_LOOPS = "memoryless clip, for linear loops with peak gains up to {0:.4g}, {1:.4g}"
+BEHIND_SLEW = (
+    "clip of commands that change by at most {0:.4g} m/s2, {1:.4g} rad/s2, for linear loops"
+)
+MILLISECOND = 1e-3
+PER_CENT = 1e-2
+NEARLY = 0.9
+SETTLED = 40.0
+"""Time constants after which a base is taken to have settled: e^-40 is below rounding."""
+MOST_STEPS = 5000
+
+
+@dataclass(frozen=True)
+class FilterFacts:
+    """Result of a command filter on a scenario.
+
+    ``gain``: largest gain that is counted on, of the clip of linear loops their peak gain, of the
+    axis where it is larger; ``usable_speed`` (linear, angular) [m/s, rad/s]: at rest on the weakest
+    base that is stated, of a command far beyond the limit; ``delay_cost``: what one
+    more millisecond of delay takes of it (of a band of one that is constant: others it refuses);
+    ``gain_cost``: what one more per cent of that gain takes; ``broken``: what of the theorem does
+    not hold.  Of linear loops ``overshoot`` is the largest
+    share by which a step overshoots, and ``overshoot_cost`` what one more per cent of it takes.  Of
+    a band ``rise`` [s] is how long commands far beyond the limit take to come to NEARLY all of it,
+    and ``rise_cost`` what one more per cent of overshoot adds: its speed at rest is hardly less.
+    """
+
+    kind: str
+    statement: str
+    gain: float
+    usable_speed: tuple[float, float]
+    delay_cost: tuple[float, float] | None
+    gain_cost: tuple[float, float] | None
+    broken: tuple[str, ...]
+    overshoot: tuple[float, float] | None = None
+    overshoot_cost: tuple[float, float] | None = None
+    rise: tuple[float, float] | None = None
+    rise_cost: tuple[float, float] | None = None
+
+
+def filter_facts(setup: Setup) -> FilterFacts | None:
+    """The facts of a setup's filter; None where it has none."""
+    scenario, stated = setup.scenario, setup.scenario.filter
+    if not setup.takes_velocity or stated.kind == "none":
+        return None
+    usable, broken = usable_speed(scenario), broken_hypotheses(scenario, setup.bound)
+    (low, high), (first, last) = stated.gain, stated.delay
+    statement = STATEMENTS[stated.kind]
+    if stated.loop != "first-order":  # where a command acts is no matter to a clip, nor to a band
+        late: tuple[float, float] | None = (0.0, 0.0)
+        strong = None
+        if stated.kind == "clip":
+            peaks = [peak.gain for peak in peak_gains(scenario)]
+            statement, high = OF_LINEAR_LOOPS.format(*peaks), max(peaks)
+            sent = [speed + d for speed, d in zip(usable, stated.d, strict=True)]
+            lost = [
+                (u + d * (stated.loop == "pi")) / 101 for u, d in zip(sent, stated.d, strict=True)
+            ]
+            strong = lost[0], lost[1]
+        if stated.slew is not None:  # what varies of a delay is what costs
+            statement, strong = BEHIND_SLEW.format(*stated.slew), None
+            late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
+        swung, rise = _swung(scenario, usable, usable_speed), None
+        slower = None
+        if stated.kind == "band" and (rise := rise_times(scenario)) is not None:
+            more = _swung(scenario, rise, rise_times)
+            slower = None if more is None else (-more[0], -more[1])
+        return FilterFacts(
+            stated.kind, statement, high, usable, late, strong, broken, overshoot(scenario), swung,
+            rise, slower,
+        )  # fmt: skip
+    delayed = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
+    stronger = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
+    return FilterFacts(stated.kind, statement, high, usable, delayed, stronger, broken)
+
+
+def usable_speed(scenario: Scenario) -> tuple[float, float]:
+    """Speeds at rest [m/s, rad/s] of the weakest base that the filter is stated for.
+
+    The filter's own graph drives it, each axis by itself: the smallest gain, pushed back by d, with
+    odometry of the stated age in every step that tells too much by its whole error, or with none
+    where the sensors' is older.  At rest neither time constant nor delay counts.  Of a band what it
+    admits after eight times as many commands as its longest tables hold; of a governor of wheels,
+    whose weakest base is not known, what it admits without odometry, which is less.
+    """
+    filtering, stated = CommandFilter(scenario), scenario.filter
+    alone = stated.channels == "body" and stated.wheel_speed is None
+    ends = [0.0, 0.0]
+    for axis, limit in enumerate(scenario.limits.v_u1):
+        filtering.start()
+        asked = [0.0, 0.0]
+        asked[axis] = 10 * limit
+        if alone and hears(scenario):
+            ends[axis] = _governed(filtering, scenario, asked, axis)
+        else:
+            sent = [filtering.step(asked).command for _ in range(_steps(scenario))][-1]
+            ends[axis] = stated.gain[0] * sent[axis] - stated.d[axis]
+    return ends[0], ends[1]
+
+
+def hears(scenario: Scenario) -> bool:
+    """True where a governor's odometry is young enough for it to use."""
+    stated, age = scenario.filter, scenario.section(VelocityMean).velocity_age
+    young = age <= stated.age + NEAR * scenario.clock.control
+    return stated.kind == "governor" and stated.odometry is not None and young
+
+
+def _governed(
+    filtering: CommandFilter, scenario: Scenario, asked: Sequence[float], axis: int
+) -> float:
+    """Speed at which the weakest base of an axis comes to rest behind a governor."""
+    stated = scenario.filter
+    assert stated.tau is not None
+    assert stated.odometry is not None
+    T, tau, d = scenario.clock.control, stated.tau[1], stated.d[axis]
+    whole, part = divmod(stated.delay[1] / T, 1.0)
+    v, commands, measured = 0.0, [0.0] * (int(whole) + 2), [0.0, 0.0]
+    for _ in range(_steps(scenario)):
+        measured[axis] = v + stated.odometry[axis]
+        sent = filtering.step(asked, measured, age=stated.age).command[axis]
+        commands = [sent, *commands[:-1]]
+        for command, share in ((commands[int(whole) + 1], part), (commands[int(whole)], 1 - part)):
+            v -= math.expm1(-share * T / tau) * (stated.gain[0] * command - d - v)
+    return v
+
+
+def rise_times(scenario: Scenario) -> tuple[float, float] | None:
+    """Times [s] after which a filter sends NEARLY all of its limits; None where it never does.
+
+    Of commands far beyond them, from rest, each axis by itself; between samples on a line.
+    """
+    scenario = override(scenario, {"filter.scale": "axes"})
+    step, limits = CommandFilter(scenario).step, np.array(scenario.limits.v_u1)
+    asked = (10 * limits).tolist()
+    sent = np.array([(0.0, 0.0), *(step(asked).command for _ in range(_steps(scenario)))])
+    times = []
+    for share in (sent / (NEARLY * limits)).T:
+        if share.max() < 1:
+            return None
+        k = int(np.argmax(share >= 1))
+        times.append(scenario.clock.control * (k - (share[k] - 1) / (share[k] - share[k - 1])))
+    return times[0], times[1]
+
+
+def _swung(
+    scenario: Scenario,
+    usable: tuple[float, float],
+    of: Callable[[Scenario], tuple[float, float] | None],
+) -> tuple[float, float] | None:
+    """The loss of ``of`` where steps of v, and of omega, overshoot by one per cent more."""
+    key = "damping" if scenario.filter.loop == "second-order" else "kp"
+    least, most = scenario.filter.interval(key)
+    costs = []
+    for axis in (0, 1):
+        share = less_damped(scenario, axis, PER_CENT)
+        harder = {f"filter.{key}": [share * least, most]}
+        if (loss := _cost(scenario, usable, harder, of)) is None:
+            return None
+        costs.append(loss[axis])
+    return costs[0], costs[1]
+
+
+def _steps(scenario: Scenario) -> int:
+    """Commands after which a filter sends all that it will."""
+    stated, T = scenario.filter, scenario.clock.control
+    if stated.kind == "governor":
+        assert stated.tau is not None
+        return min(MOST_STEPS, int((SETTLED * stated.tau[1] + stated.delay[1]) / T) + 2)
+    if stated.slew is not None:
+        limits = zip(scenario.limits.v_u1, stated.slew, strict=True)
+        return math.ceil(max(V / a for V, a in limits) / T) + 1
+    return 8 * MOST_COMMANDS if stated.kind == "band" else 1  # pushes make it slow to get there
+
+
+def _cost(
+    scenario: Scenario,
+    usable: tuple[float, float],
+    overrides: dict[str, list[float]],
+    of: Callable[[Scenario], tuple[float, float] | None] | None = None,
+) -> tuple[float, float] | None:
+    """Loss of usable speed by a harder statement; None where the filter does not take that."""
+    try:
+        less = (of or usable_speed)(override(scenario, overrides))
+    except ScenarioError:
+        return None
+    return None if less is None else (usable[0] - less[0], usable[1] - less[1])
+
+
+def filter_advice(setup: Setup) -> str:
+    """Which filter to set, of those that hold with what the scenario states for it."""
+    tried = (({"filter.kind": kind, "filter.trust": False}, kind) for kind in ("clip", "governor"))
+    kinds = [f'"{kind}"' for keys, kind in tried if is_taken(setup.scenario, keys, None)]
+    if kinds:
+        return f"Set filter.kind = {' or '.join(kinds)}."
+    return 'Set filter.kind = "clip"; what [filter] has to state for it is then named.'
+
+
+def velocity_base(loop: Loop) -> Iterator[Warning]:
+    """Yield what is not promised of a base that takes velocities."""
+    scenario = loop.scenario
+    if not loop.setup.takes_velocity:
+        return
+    if scenario.filter.kind == "none":
+        yield Warning(
+            "filter.kind",
+            'filter.kind = "none": nothing guarantees that the base keeps limits.v_u1. '
+            f"{filter_advice(loop.setup)}",
+            "docs/filter.md",
+            objects=False,
+        )
+    stated, sensed = scenario.filter, scenario.section(VelocityMean).velocity_age
+    if stated.kind == "governor" and stated.odometry is not None and not hears(scenario):
+        yield Warning(
+            "filter.age",
+            f"filter.age = {stated.age:g} s: the velocity that sensors tell is {sensed:g} s old, "
+            "so the governor uses none of it and leaves no more than a clip. Raise filter.age to "
+            f"{sensed:g} s, or leave out filter.odometry.",
+            "docs/filter.md",
+            objects=False,
+        )
+    if stated.kind != "none" and unbounded(scenario):
+        yield Warning(
+            "disturbance.truncate",
+            f"disturbance.truncate = inf: the torque noise has no bound, and {SIGMAS:g} std of it "
+            "count as pushes, so the filter keeps the limit with that probability only. Set it to "
+            f"{SIGMAS:g}.",
+            "docs/filter.md",
+            objects=False,
+        )
+    for key, sentence in unproved_roundings(scenario):
+        yield Warning(key, sentence, "docs/filter.md", objects=False)
+    for sentence in broken_hypotheses(scenario, loop.setup.bound):
+        yield Warning("filter.trust", f"The filter has no guarantee: {sentence}", "docs/filter.md")

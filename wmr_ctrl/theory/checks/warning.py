@@ -1,0 +1,53 @@
+"""Warning: one thing that theory has to say against a run; and words that several checks share."""
+
+from collections.abc import Callable, Iterable, Mapping
+
+from wmr_ctrl.control.laws.prox import ProxGains, guide
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.world.references import reference_bounds
+from wmr_ctrl.world.scenario import Scenario, override
+
+SPEEDS = ("v1", "omega")
+UNITS = ("m/s", "rad/s")
+FORCE_UNITS = ("N", "N m")
+
+
+def joined(parts: Iterable[str]) -> str:
+    """The parts as in "a", "a and b" or "a, b and c"."""
+    *head, last = parts
+    return f"{', '.join(head)} and {last}" if head else last
+
+
+def is_taken(scenario: Scenario, changes: Mapping[str, object], law: str | None) -> bool:
+    """Whether a scenario with these keys changed is valid for a law, or for any."""
+    try:
+        settle(override(scenario, changes), law)
+    except ScenarioError:
+        return False
+    return True
+
+
+def gains_that_fit(loop: Loop, cured: Callable[[Loop], bool]) -> str:
+    """Source of gains that fit the control period, as the end of a sentence.
+
+    Those of `guide` are named where the loop that they make is ``cured`` of the finding.
+    """
+    tuned = ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""
+    if not isinstance(loop.setup.gains, ProxGains):
+        return tuned
+    period, speed = loop.scenario.clock.control, max(map(abs, reference_bounds(loop.scenario)[:2]))
+    fit = guide(period, loop.around.drives.delay, speed, loop.setup.predicted > 0)
+    k, rho = (", ".join(f"{value:.3g}" for value in values) for values in (fit.k, fit.rho))
+    own = {"gains.prox.rho": f"[{rho}]", "gains.prox.wo": f"{fit.wo:.3g}"}
+    gains = {loop.setup.kinematic_key: f"[{k}]", **own}
+    changed = override(loop.scenario, gains)
+    if not cured(loop_of(settle(changed, loop.law))):
+        return tuned
+    first, second, third = (f"{key} = {text}" for key, text in gains.items())
+    return (
+        f": wmr_ctrl.control.laws.prox.guide gives {first}, {second} and {third}, `wmr-ctrl tune` "
+        "searches for better ones"
+    )

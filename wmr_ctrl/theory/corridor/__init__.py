@@ -1,0 +1,168 @@
+"""The certified corridor: how far from its path a robot can be pushed, with a proof.
+
+Start with `find_corridor`; docs/corridor.md has the theorem, and what it does not cover.
+"""
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from functools import lru_cache
+from importlib.util import find_spec
+from threading import RLock
+
+import numpy as np
+
+from wmr_ctrl.control.laws.registry import LAWS
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.results import Run
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.verdicts import CorridorLeft as CorridorLeft
+from wmr_ctrl.theory.checks.outlook import scenario_of_run
+from wmr_ctrl.theory.corridor.answer import Corridor as Corridor
+from wmr_ctrl.theory.corridor.clearance import Clearance as Clearance
+from wmr_ctrl.theory.corridor.clearance import find_clearance
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Scenario
+
+NOT_CHECKED = (
+    "NOT_CHECKED: the certificate takes ball arithmetic; install wmr-ctrl[proofs], which has "
+    "python-flint"
+)
+BITS = 53
+"""Python-flint's precision where a certificate asks for none of its own."""
+_ONE = RLock()
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """For one thread: python-flint has one precision for all, which others may have left as any."""
+    with _ONE, ExitStack() as stack:
+        if find_spec("flint") is not None:
+            from flint import ctx
+
+            stack.enter_context(ctx.workprec(BITS))
+        yield
+
+
+@checks_arguments
+def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corridor:
+    """The Corridor of ``law`` on ``scenario``; raises what `settle` raises.
+
+    On a circle or a line it holds for good, or until the robot changes.  ``whole``: also of the
+    scenario's whole run, along any path, with all changes and with drives and commands as a run
+    finds them, which takes some seconds.  Without
+    python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
+    """
+    with _alone():
+        return _of(settle(scenario, law), whole)
+
+
+def certified_corridor(scenario: Scenario, law: str) -> Corridor:
+    """The corridor for good, without a search for smaller inputs that would have one."""
+    from wmr_proofs.corridor.masses import certified
+
+    with _alone():
+        return certified(settle(scenario, law), closing=False)
+
+
+def run_corridor(scenario: Scenario, law: str) -> Corridor:
+    """The Corridor of the scenario's whole run, with its ``course``; where there is none, at once.
+
+    That takes some seconds.
+    """
+    setup = settle(scenario, law)
+    if find_spec("flint") is None:
+        return Corridor(law, refused=NOT_CHECKED)
+    with _alone():
+        return _of_run(setup)
+
+
+def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corridor | None:
+    """The Corridor that runs of the scenario are in, with its ``course``; None without one.
+
+    The course (2, n) has one column that holds ``until`` the robot changes, or for good; or, where
+    one corridor does not hold for all of a run that begins on its path, one a sample of that run,
+    which takes some seconds, and is left out without ``whole``.
+    """
+    setup = settle(scenario, law)
+    with _alone():
+        return None if find_spec("flint") is None else _course_of(setup, whole)
+
+
+def corridor_monitor(scenario: Scenario, law: str) -> System:
+    """The monitor of a law's corridor, for what a robot measures; to be stepped at every sample.
+
+    Raises ScenarioError where there is no corridor, or none that can be watched,
+    MissingExtraError without the extra proofs.
+    """
+    library("flint", "proofs")
+    from wmr_proofs.corridor.latch import monitor_of
+
+    with _alone():
+        return monitor_of(scenario, law)
+
+
+def is_covered(run: Run) -> bool:
+    """True if the plane model moved the robot, with torques as late as the scenario says."""
+    return run.settings.plant_kind == "ode" and run.provenance.get("master") != "jacobi"
+
+
+def left_corridor(run: Run) -> CorridorLeft | None:
+    """The first leaving of the corridor by a run that was settled in it, None without one.
+
+    Asked of runs on the rigid body, on somebody else's plant, under a master that delays torques,
+    and with effects of other packages: nothing proves those; None without python-flint.
+    """
+    scenario = scenario_of_run(run)
+    if scenario is None or run.law not in LAWS or LAWS[run.law].inside is None:
+        return None
+    foreign = any(item.present(scenario) for item in EFFECTS.plugins)
+    if find_spec("flint") is None or (is_covered(run) and not foreign):
+        return None
+    from wmr_proofs.corridor.latch import left_by
+
+    with _alone():
+        return left_by(run, scenario)
+
+
+@lru_cache(maxsize=16)
+def _of_run(setup: Setup) -> Corridor:
+    from wmr_proofs.corridor.whole import certified_run
+
+    return certified_run(setup, closing=False)
+
+
+@lru_cache(maxsize=16)
+def _course_of(setup: Setup, whole: bool) -> Corridor | None:
+    from wmr_proofs.corridor.masses import certified
+
+    tube = certified(setup, closing=False)
+    begun = tube.position is not None and not tube.late  # no run begins with what is late
+    if whole and (not begun or tube.until is not None):
+        run = _of_run(setup)
+        if run.course is not None:
+            return run
+    if not begun:
+        return None
+    return replace(tube, course=np.array([[tube.position], [tube.heading]], dtype=float))
+
+
+@lru_cache(maxsize=256)
+def _of(setup: Setup, whole: bool) -> Corridor:
+    tube = Corridor(setup.name, refused=NOT_CHECKED)
+    if find_spec("flint") is not None:
+        from wmr_proofs.corridor.inputs import is_steady
+        from wmr_proofs.corridor.masses import certified
+        from wmr_proofs.corridor.whole import certified_run
+
+        steady = is_steady(setup)
+        tube = certified(setup) if steady or not whole else certified_run(setup)
+        ends = tube.until is not None or bool(tube.late)
+        if whole and steady and tube.position is not None and ends:
+            tube = replace(tube, whole=certified_run(setup))
+    of_run = None if tube.whole is None else tube.whole.position
+    position = None if tube.late and tube.run is None else tube.position  # no run begins like that
+    width = position if of_run is None else of_run
+    return replace(tube, clearance=find_clearance(setup.scenario, width))

@@ -1,0 +1,260 @@
+"""Exact linearisation of a System: gradients of its graph by CasADi, as a named StateSpace.
+
+The points to linearise at are on the reference, or where the loop really settles.  Beside them the
+names of what is linearised, and numerical helpers that the other files share.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+import casadi as ca
+import control as ct
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import minimize_scalar
+
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.core.signals import (
+    COMMAND,
+    FORCE,
+    GUARD_DIAGNOSTICS,
+    TRACKING_ERROR,
+    VELOCITY,
+    Signal,
+)
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.rest import rest
+from wmr_ctrl.theory.checks.sampled_plant import Point as Point
+from wmr_ctrl.theory.checks.sending import loop_of
+from wmr_ctrl.theory.checks.surroundings import surroundings
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+MARGINAL = 1e-7
+"""Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
+
+
+def element_names(signals: Iterable[Signal]) -> list[str]:
+    """Names of all elements in order: ``e[1]``, ``e[2]``, ``e[3]``, ``v1``, ``omega``, ..."""
+    return [name for signal in signals for name in signal.elements]
+
+
+DISTURBANCE = Signal(
+    "disturbance", "N, N.m", "disturbing generalised force (thrust, turning moment)", 2
+)
+V_D = Signal("v_d", "m/s, rad/s", "desired velocity", 2)
+FORCES = element_names((FORCE,))
+DISTURBANCES = element_names((DISTURBANCE,))
+STATES = element_names((TRACKING_ERROR, *VELOCITY))
+"""e (3), v1, omega: the robot seen from its reference."""
+
+
+def column(value: ArrayLike) -> Floats:
+    """A CasADi column as a flat array."""
+    return np.asarray(value, dtype=float).ravel()
+
+
+def check_axis(axis: int) -> None:
+    """Raise ArgumentError for an axis that is none."""
+    if axis not in (0, 1):
+        raise ArgumentError(f"axis = {axis} must be 0, the thrust, or 1, the moment.")
+
+
+def check_period(period: float | None, remedy: str = "Leave it out for a continuous loop.") -> None:
+    """Raise ArgumentError for a period that is no time [s]; None: continuous."""
+    if period is not None and not 0.0 < period < np.inf:
+        raise ArgumentError(f"period = {period!r} s must be finite and above 0. {remedy}")
+
+
+def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
+    """True if no pole is outside the stable region; marginal ones count as stable."""
+    values = np.asarray(poles, dtype=complex)
+    inside = np.abs(values) <= 1 + MARGINAL if sampled else values.real <= MARGINAL
+    return bool(inside.all())
+
+
+def lowest(of: Callable[[Floats], Floats], grid: Floats, xatol: float) -> tuple[float, float]:
+    """Place and value of the smallest ``of`` (N) -> (N) on a ``grid`` (N), then near its best."""
+    values = np.asarray(of(grid))
+    best = int(values.argmin())
+    near = minimize_scalar(
+        lambda x: float(np.squeeze(of(x))), method="bounded", options={"xatol": xatol},
+        bounds=(grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]),
+    )  # fmt: skip
+    place, least = (near.x, near.fun) if near.fun < values[best] else (grid[best], values[best])
+    return float(place), float(least)
+
+
+def linearise(
+    system: System, u: Sequence[float] | Floats, x: Sequence[float] | Floats | None = None
+) -> ct.StateSpace:
+    """The System near inputs ``u`` and state ``x``, as deviations from that point.
+
+    Continuous for a continuous System, with ``dt`` for a sampled one.  States, inputs and outputs
+    have the names of the System's ports.  ``x`` defaults to the ports' own values.
+    """
+    start = system.x0 if x is None else x
+    a, b, c, d = (np.asarray(part) for part in gradients(system)(u, start, system.p0))
+    return ct.ss(
+        a, b, c, d, 0 if system.period is None else system.period, name=system.name,
+        states=element_names(port.signal for port in system.state) or None,
+        inputs=element_names(port.signal for port in system.inputs),
+        outputs=element_names(item.signal for item in system.outputs),
+        remove_useless_states=False,
+    )  # fmt: skip
+
+
+def gradients(system: System) -> ca.Function:
+    """(u, x, p) -> A, B, C, D, exactly."""
+    u, x, update, y = system.u, system.x, system.update, system.y
+    parts = [ca.jacobian(graph, symbol) for graph in (update, y) for symbol in (x, u)]
+    return system.function("gradients", [ca.densify(part) for part in parts])
+
+
+INSTANTS = 257
+"""Times of a reference among which the fastest is looked for."""
+CLIP_ACTIVE = GUARD_DIAGNOSTICS[0]
+SAMPLES = 200
+"""Samples after which what guard and law remember of a point is taken as settled."""
+
+
+def law_loop(scenario: Scenario, law: str) -> Loop:
+    """``law`` on ``scenario`` as the checks see it, built once."""
+    return loop_of(settle(scenario, law))
+
+
+def sent_names(scenario: Scenario) -> list[str]:
+    """Names of what a law sends: a generalised force, or a velocity."""
+    return element_names(COMMAND) if takes_velocity(scenario) else FORCES
+
+
+def check_reading(scenario: Scenario, period: float | None) -> None:
+    """Raise ArgumentError for a period that is none, or for none where a base needs one."""
+    check_period(period)
+    if period is None and takes_velocity(scenario):
+        raise ArgumentError(
+            'base.kind = "velocity": what is sent depends on the period, so there is no continuous '
+            "loop. State period=, such as scenario.clock.control."
+        )
+
+
+def unguarded(scenario: Scenario) -> Scenario:
+    """The scenario with its guard off."""
+    return replace(scenario, guard=replace(scenario.guard, enabled=False))
+
+
+def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
+    """Desired velocity (2) and its rate (2) at time ``t`` [s]."""
+    desired = sample(scenario, np.array([t]))[0]
+    return desired[3:5], desired[5:7]
+
+
+def instant(scenario: Scenario, at: float | None) -> float:
+    """A time [s] of the reference: the one asked for, else that at which it drives fastest.
+
+    ArgumentError for one outside the run.
+    """
+    duration = scenario.clock.duration
+    if at is None:
+        times = np.linspace(0.0, min(duration, scenario.reference.cycle), INSTANTS)
+        return float(times[np.abs(sample(scenario, times)[:, 3].round(9)).argmax()])
+    if not 0 <= at <= duration:
+        raise ArgumentError(
+            f"the loop cannot be linearised at {at:g} s: the run lasts from 0 to {duration:g} s "
+            "(clock.duration). Choose a time within it."
+        )
+    return at
+
+
+@checks_arguments
+def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
+    """The robot exactly on its reference at time ``t`` [s]: e = 0, v = v_d.
+
+    Estimates and weights have their start values; a remembered sample is that of the reference.  Of
+    a base that takes velocities it is where the loop rests, estimates settled; ArgumentError where
+    it does not.
+    """
+    if not 0.0 <= t < np.inf:
+        raise ArgumentError(f"t = {t:g} s must be a time of the reference, from 0 s on.")
+    v_d, v_d_dot = reference_velocity(scenario, t)
+    if takes_velocity(scenario):
+        return _driving(scenario, law, v_d, float(sample(scenario, np.array([t]))[0][2]))
+    loop = law_loop(scenario, law).over(0)
+    start = Point(np.zeros(3), v_d, v_d, v_d_dot, np.array(loop.core.x0), np.zeros(2))
+    there = loop.after_a_sample(start)
+    return replace(there, force=loop.after_a_sample(there).force)
+
+
+@checks_arguments
+def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
+    """The loop's true resting point around its reference, desired velocities held: Newton's method.
+
+    Friction, a wrong model and the leak of the weights are in it.  Memory that has no rest there is
+    an error (ArgumentError).
+    """
+    start, around = on_reference(scenario, law, t), surroundings(alone(scenario))
+    if takes_velocity(scenario):
+        return start
+    point = rest(law_loop(scenario, law).over(0), around, start, scenario.clock.control)
+    if point is None:
+        raise ArgumentError(
+            f"the loop has no resting point near its reference ({FORCE.name} and friction cannot "
+            "balance there); linearise on the reference instead."
+        )
+    return point
+
+
+def _driving(scenario: Scenario, law: str, v_d: Floats, theta: float) -> Point:
+    point = law_loop(scenario, law).resting(v_d, theta, scenario.clock.control)
+    if point is None:
+        raise ArgumentError(
+            f"{law} on {scenario.name} has no resting point near its reference at v_d = "
+            f"{v_d[0]:.3g} m/s, {v_d[1]:.3g} rad/s: `wmr-ctrl check --only stability` says why."
+        )
+    return point
+
+
+def alone(scenario: Scenario) -> Scenario:
+    """The robot by itself: drives and sensors ideal, nothing on its way."""
+    drives = replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max)
+    return replace(scenario, actuator=drives, sensor=type(scenario.sensor)(), effects={})
+
+
+def learned_point(scenario: Scenario, law: str, t: float = 0.0) -> Point | None:
+    """Equilibrium of an adaptive law, learning settled; None if it does not adapt."""
+    if not law_loop(scenario, law).traits.estimates:
+        return None
+    try:
+        return resting_point(scenario, law, t)
+    except ArgumentError:
+        return on_reference(scenario, law, t)
+
+
+def check_inactive(scenario: Scenario, law: str, t: float) -> None:
+    """Raise ArgumentError where the guard changes the force on the reference at time ``t`` [s].
+
+    The guard's own graph is asked, with the robot held there: its own refusals are raised too.
+    """
+    on = replace(scenario, guard=replace(scenario.guard, enabled=True))
+    system = controller(settle(on, law))
+    clipped = next(item.expr for item in system.diagnostics if item.signal == CLIP_ACTIVE)
+    graph = system.function("guarded", [system.update, clipped])
+    desired = sample(scenario, np.array([t]))[0]
+    given, state = np.concatenate((desired, desired[:5])), np.array(system.x0)
+    for _ in range(SAMPLES):
+        state, acts = (item.full().ravel() for item in graph(given, state, system.p0))
+    if acts.any():
+        axes = " and ".join(
+            name for name, act in zip(("thrust", "moment"), acts, strict=True) if act
+        )
+        raise ArgumentError(
+            f"the guard holds back the {axes} on the reference at {t:g} s: while it acts, the loop "
+            "is not that of the law. Choose another time (--at) or a slower reference, or drop "
+            "--guard."
+        )

@@ -1,0 +1,173 @@
+"""Sampled data: spectral radius against the control period, and the largest period that is safe.
+
+The limits without learning are those of the warnings before a run (`wmr_ctrl.theory.checks`); this
+module adds the loops whose weights move, and one-step safety at the barrier: the longest hold that
+cannot jump across either limit.
+"""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from wmr_ctrl.control.outside import check_takes_torques
+from wmr_ctrl.core.fields.arguments import checks_arguments
+from wmr_ctrl.theory.checks.loop import PERIOD, Loop
+from wmr_ctrl.theory.checks.radius import from_pose_to_pose, radius, supremum
+from wmr_ctrl.theory.checks.sample_time import kink_limits
+from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period as largest_stable_period
+from wmr_ctrl.theory.checks.stable_ranges import shortest_tried
+from wmr_ctrl.theory.linear.linearise import (
+    Floats,
+    Point,
+    check_axis,
+    check_period,
+    law_loop,
+    lowest,
+    on_reference,
+)
+from wmr_ctrl.theory.linear.state_space import is_learning
+from wmr_ctrl.world.phases import drag
+from wmr_ctrl.world.scenario import Scenario
+
+SPEEDS = 400
+
+
+@checks_arguments
+def spectral_radius(
+    scenario: Scenario,
+    law: str,
+    periods: Iterable[float],
+    point: Point | None = None,
+    memory: str = "frozen",
+) -> Floats:
+    """Spectral radius of the sampled closed loop for each control period [s]: stable below 1."""
+    of = radius_of(scenario, law, point, memory)
+    return np.array([of(float(period)) for period in periods])
+
+
+def radius_of(
+    scenario: Scenario, law: str, point: Point | None = None, memory: str = "frozen"
+) -> Callable[[float], float]:
+    """Spectral radius, per sample, by the period [s], at ``point`` (default: on the reference)."""
+    at = on_reference(scenario, law) if point is None else point
+
+    loop, learning = law_loop(scenario, law), is_learning(memory)
+
+    def of(period: float) -> float:
+        check_period(period, "A loop is sampled with each of the periods.")
+        matrix = from_pose_to_pose(loop, at, period, learning=learning)
+        return float(radius(matrix) ** (1 / loop.around.samples_a_pose(period)))
+
+    return of
+
+
+@checks_arguments
+def largest_learning_period(scenario: Scenario, law: str, point: Point | None = None) -> float:
+    """Supremum of the stable periods [s] with weights and estimates moving; 0.0 if there is none.
+
+    Linearised at ``point`` (default: on the reference with the start's weights); inf if every
+    period up to 10 s is stable.
+    """
+    loop = law_loop(scenario, law)
+    return supremum(radius_of(scenario, law, point, "learning"), shortest_tried(loop))
+
+
+@checks_arguments
+def kink_periods(scenario: Scenario, law: str) -> Floats | None:
+    """Longest stable period (2) [s] where v sits at v_u2 with v_c0 beyond; None without a barrier.
+
+    At the kink the rate of the velocity loop is rho instead of rho/2: 2/rho for mb.  inf where a
+    law adapts its gains to its period such that no period is too long.
+    """
+    loop = law_loop(scenario, law)
+    if not loop.has_barrier or loop.setup.takes_velocity:
+        return None
+    return _for_own_period(loop, lambda period: kink_limits(loop, period))
+
+
+def _for_own_period(loop: Loop, limit: Callable[[float], Floats]) -> Floats:
+    """Limits (2) [s] of the period that hold when the law itself runs at that period.
+
+    Where the law's force does not depend on the period that is ``limit`` of any.
+    """
+    if not loop.uses(PERIOD):
+        return limit(loop.scenario.clock.control)
+
+    def share(axis: int) -> Callable[[float], float]:
+        return lambda period: period / float(limit(period)[axis])
+
+    return np.array([supremum(share(axis), shortest=1e-3, ratio=2.0) for axis in (0, 1)])
+
+
+@checks_arguments
+def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) -> Floats | None:
+    """Longest period (2) [s] after which no |v| < v_u1 has left the limit, v_c0 (2) held still.
+
+    The worst v of each axis; v_c0 defaults to the start's.  Friction is taken as compensated.  None
+    for a law without a barrier, inf where no hold is too long.
+    """
+    loop = law_loop(scenario, law)
+    if not loop.has_barrier or loop.setup.takes_velocity:
+        return None
+    asked = loop.start.v_c0 if v_c0 is None else np.asarray(v_c0, dtype=float)
+
+    def limit(period: float) -> Floats:
+        return np.array([_shortest(scenario, law, axis, asked, period) for axis in range(2)])
+
+    return _for_own_period(loop, limit)
+
+
+def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats, period: float) -> float:
+    pull, u1 = pull_of(scenario, law, axis, v_c0, period), scenario.limits.v_u1[axis]
+    mass = (scenario.robot.m, scenario.robot.I)[axis]
+
+    def crossing(v: Floats) -> Floats:
+        """Time to reach the limit that the force points to, at the acceleration it has now."""
+        acceleration = pull(v) / mass
+        room: Floats = u1 - np.copysign(1.0, acceleration) * v
+        return room / np.maximum(np.abs(acceleration), 1e-300)
+
+    return smallest(crossing, u1, scenario.limits.v_u2[axis])
+
+
+def smallest(of: Callable[[Floats], Floats], u1: float, u2: float) -> float:
+    """Smallest value of ``of(v)`` (N) over |v| < u1, with the kinks at +-u2 taken from both sides.
+
+    ``of`` takes velocities (N).
+    """
+    inside = u1 * (1 - 1e-6)
+    sides = [sign * u2 + side * 1e-12 * u1 for sign in (-1, 1) for side in (-1, 0, 1)]
+    grid = np.unique(np.concatenate((np.linspace(-inside, inside, SPEEDS), sides)))
+    return lowest(of, grid, 1e-10)[1]
+
+
+def pull_of(
+    scenario: Scenario, law: str, axis: int, v_c0: Floats, period: float | None = None
+) -> Callable[[float | Floats], Floats]:
+    """Force [N] or moment [N m] of ``axis`` (0, 1) at its velocity, friction compensation aside.
+
+    ``v_c0`` (2) stays; the other axis rests at its own v_c0.  The friction that the law believes
+    in is taken off, so that with a correct model the barrier's own pull is left.  The law runs at
+    ``period`` [s], by default the scenario's.
+    """
+    check_takes_torques(scenario, "forces of a barrier are computed")
+    loop = law_loop(scenario, law)
+    compensated = 1.0 if loop.uses("model.mu") else 0.0
+
+    def pull(v: float | Floats) -> Floats:
+        speeds = np.tile(np.asarray(v_c0, float)[:, None], (1, np.size(v)))
+        speeds[axis] = v
+        own = loop.force_towards(speeds, v_c0, period)[axis]
+        own = own - compensated * drag(scenario.believed, speeds)[axis]
+        return own if np.ndim(v) else own[0]
+
+    return pull
+
+
+@checks_arguments
+def pull_curve(scenario: Scenario, law: str, axis: int, v_c0: float, speeds: Floats) -> Floats:
+    """Force [N] or moment [N m] of the law over ``speeds`` (N,), its friction term taken off."""
+    check_axis(axis)
+    asked = np.zeros(2)
+    asked[axis] = v_c0
+    return np.asarray(pull_of(scenario, law, axis, asked)(speeds))

@@ -1,0 +1,205 @@
+"""The section of the command filter: the base that it counts on, and how commands are limited."""
+
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import Section, quantity
+from wmr_ctrl.world.scenario.sections import check_intervals
+
+FILTERS = ("none", "clip", "governor", "band")
+LOOPS = ("first-order", "second-order", "pi")
+CHANNELS = ("body", "wheels")
+SCALES = ("curvature", "axes", "turn", "drive")
+MOST_PERIODS = 64
+"""Most control periods of delay, age and losses that the governor counts through."""
+
+
+class Filter(Section, key="filter"):
+    """Filter of commanded velocities that keeps |v1|, |omega| within limits.v_u1.
+
+    The base follows its command by a first-order lag: tau v' = K u + d - v, whose time constant,
+    gain and push are anywhere within their intervals and may vary.  Samples are clock.control
+    apart.  ``clip`` needs the upper end of ``gain`` and ``d`` alone, and holds for every base that
+    never overshoots; ``governor`` needs all of them, and uses odometry to allow more speed.
+    """
+
+    kind: str = quantity("none", "1", "how commands are limited", options=FILTERS)
+    loop: str = quantity("first-order", "1", "how the base follows its command", options=LOOPS)
+    tau: tuple[float, float] | None = quantity(
+        None, "s", "bounds of the speed loop's time constant", above=0, size=2,
+        usual=(1e-3, 20),
+    )  # fmt: skip
+    gain: tuple[float, float] = quantity(
+        (1.0, 1.0), "1", "bounds of the steady-state speed divided by the command", above=0,
+        usual=(0.1, 10),
+    )  # fmt: skip
+    d: tuple[float, float] = quantity(
+        (0.0, 0.0), "m/s, rad/s",
+        "steady speed that a push, or an error of the command, alone would cause", minimum=0,
+    )  # fmt: skip
+    odometry: tuple[float, float] | None = quantity(
+        None, "m/s, rad/s", "bound of the odometry's error; left out: no odometry is used",
+        minimum=0, size=2,
+    )  # fmt: skip
+    age: float = quantity(0.0, "s", "largest age of odometry", minimum=0, usual=(0, 1))
+    delay: tuple[float, float] = quantity(
+        (0.0, 0.0), "s", "bounds of a command's delay, which may vary", minimum=0,
+        usual=(0, 1),
+    )  # fmt: skip
+    losses: int = quantity(0, "1", "largest number of consecutive lost commands", minimum=0)
+    jitter: float = quantity(
+        0.0, "s",
+        "largest deviation of a sample from the clock's period; of a band's from its beat",
+        minimum=0, usual=(0, 1),
+    )  # fmt: skip
+    hold: float = quantity(
+        0.0, "s", "time for which the base keeps its last command before it stops",
+        minimum=0, usual=(0, 10),
+    )  # fmt: skip
+    scale: str = quantity(
+        "curvature", "1",
+        "scale both axes by one factor, each by its own, or turning or driving first",
+        options=SCALES,
+    )  # fmt: skip
+    channels: str = quantity(
+        "body", "1", "speeds with a loop of their own: v and omega, or each wheel", options=CHANNELS
+    )
+    wheel_speed: float | None = quantity(
+        None, "m/s",
+        "limit of each wheel's speed over the ground, for wheels whose loops are alike", above=0,
+    )  # fmt: skip
+    damping: tuple[float, float] | None = quantity(
+        None, "1", "bounds of a second-order loop's damping ratio", above=0, size=2
+    )
+    frequency: tuple[float, float] | None = quantity(
+        None, "rad/s", "bounds of a second-order loop's natural frequency", above=0, size=2
+    )
+    mass: tuple[float, float] | None = quantity(
+        None, "kg", "bounds of the mass, for PI loops", above=0, size=2
+    )
+    inertia: tuple[float, float] | None = quantity(
+        None, "kg.m2", "bounds of the inertia, for PI loops", above=0, size=2
+    )
+    kp: tuple[float, float] | None = quantity(
+        None, "N.s/m", "bounds of a PI loop's gain, both wheels together, at the rim", above=0,
+        size=2,
+    )  # fmt: skip
+    ki: tuple[float, float] | None = quantity(
+        None, "N/m", "bounds of its integral gain, both wheels together, at the rim", above=0,
+        size=2,
+    )  # fmt: skip
+    friction: tuple[float, float] = quantity(
+        (0.0, 0.0), "N.s/m", "bounds of the viscous friction", minimum=0
+    )
+    push: tuple[float, float] = quantity(
+        (0.0, 0.0), "N, N.m", "largest push on a base with PI loops", minimum=0
+    )
+    slew: tuple[float, float] | None = quantity(
+        None, "m/s2, rad/s2", "fastest change of commands that a linear loop's clip allows",
+        size=2, above=0,
+    )  # fmt: skip
+    trust: bool = quantity(False, "1", "allow runs in which a hypothesis does not hold")
+
+    def relate(self) -> None:
+        """Intervals are the right way round, and a filter has what it counts on."""
+        linear = ("tau", "gain", "delay", "damping", "frequency")
+        of_wheels = ("mass", "inertia", "kp", "ki", "friction")
+        check_intervals(self, dict.fromkeys((*linear, *of_wheels), "it"))
+        self._relate_loop()
+        if self.kind == "band":
+            self._relate_band()
+        if self.slew is not None:
+            self._relate_slew()
+        if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
+            raise ScenarioError(
+                'filter.scale = "axes" limits v and omega separately, which does not fit wheels '
+                'that are limited individually. Use "curvature", "turn" or "drive".'
+            )
+        if self.kind == "governor" and self.tau is None:
+            raise ScenarioError(
+                "filter.tau is missing: the governor relies on bounds of the time constant with "
+                "which the base follows its command. Give tau = [low, high] [s], or use "
+                'filter.kind = "clip", which holds for every base that never overshoots.'
+            )
+        if self.tau is not None and self.tau[1] > 1e6 * self.tau[0]:
+            raise ScenarioError(
+                f"filter.tau = [{self.tau[0]!r}, {self.tau[1]!r}] spans more than a factor of "
+                "1e6, too wide for any guarantee. Narrow the interval."
+            )
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """Bounds called ``name``, which the loop counts on and `relate` has seen."""
+        low, high = getattr(self, name)
+        return low, high
+
+    def _relate_loop(self) -> None:
+        """Raise ScenarioError where a loop lacks its numbers, or the kind does not hold for it."""
+        needed = {"second-order": ("damping",), "pi": ("mass", "inertia", "kp", "ki")}
+        for name in needed.get(self.loop, ()):
+            if getattr(self, name) is None:
+                raise ScenarioError(
+                    f'filter.{name} is missing: filter.loop = "{self.loop}" relies on its bounds. '
+                    f"Give {name} = [low, high]."
+                )
+        if self.loop != "first-order" and self.kind == "governor":
+            raise ScenarioError(
+                f'filter.kind = "governor" does not hold for filter.loop = "{self.loop}": it '
+                "relies on a speed that responds at once, which a loop with an internal state does "
+                'not. Set filter.kind = "clip" or "band".'
+            )
+        if self.loop == "pi" and self.gain != (1.0, 1.0):
+            raise ScenarioError(
+                'filter.loop = "pi" reaches its command at rest: state filter.gain = [1, 1], the '
+                "largest push as push = [N, N.m], and as filter.d the largest error of the command "
+                "that acts, such as half a quantum."
+            )
+        if self.loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
+            raise ScenarioError(
+                'filter.loop = "pi" has different masses for v and omega, so that a wheel\'s '
+                "speed does not depend on that wheel's command alone: leave out filter.channels "
+                "and filter.wheel_speed."
+            )
+
+    def _relate_slew(self) -> None:
+        """Raise ScenarioError where a limit on how fast commands change is worth nothing."""
+        if self.kind != "clip" or self.loop == "first-order":
+            raise ScenarioError(
+                'filter.slew is for filter.kind = "clip" with loops that overshoot, less so when '
+                "commands change slowly. Other filters do not need it. Leave it out."
+            )
+        if self.loop == "second-order" and self.frequency is None:
+            raise ScenarioError(
+                "filter.frequency is missing: with filter.slew the clip relies on how fast the "
+                "loop is. Give frequency = [low, high] [rad/s], or leave out filter.slew."
+            )
+        if self.hold > 0 or self.channels == "wheels" or self.wheel_speed:
+            raise ScenarioError(
+                "filter.slew limits how fast v and omega change. It covers neither a base that "
+                "stops on its own nor single wheels: leave out filter.hold, filter.channels and "
+                "filter.wheel_speed."
+            )
+
+    def _relate_band(self) -> None:
+        """Raise ScenarioError for what the band does not count with: it knows its own commands."""
+        if self.loop == "first-order":
+            raise ScenarioError(
+                'filter.kind = "band" is for loops that overshoot: state filter.loop = "pi" or '
+                '"second-order" with its numbers, or use filter.kind = "governor".'
+            )
+        if self.loop == "second-order" and self.frequency is None:
+            raise ScenarioError(
+                "filter.frequency is missing: the band relies on bounds of the natural frequency. "
+                'Give frequency = [low, high] [rad/s], or use filter.kind = "clip".'
+            )
+        late = {"losses": self.losses, "hold": self.hold, "delay": self.delay[1] - self.delay[0]}
+        for name, size in late.items():
+            if size > 0:
+                raise ScenarioError(
+                    f'filter.{name}: filter.kind = "band" relies on each command taking effect, a '
+                    "constant delay after it was sent. Use "
+                    'filter.kind = "clip", which holds for losses, hold and varying delays.'
+                )
+        if self.odometry is not None or self.channels == "wheels" or self.wheel_speed:
+            raise ScenarioError(
+                'filter.kind = "band" limits v and omega from its own commands: leave out '
+                "filter.odometry, filter.channels and filter.wheel_speed. A preset that states "
+                "them cannot be extended: begin with a copy (wmr-ctrl scenarios NAME --toml)."
+            )

@@ -1,0 +1,288 @@
+"""Tables of a scenario that belong to no effect and no reference, a Section each."""
+
+import math
+from collections.abc import Mapping
+
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
+from wmr_ctrl.core.fields.values import check_multiple
+
+MOST_SAMPLES, MOST_SUBSTEPS = 10_000_000, 100_000
+
+
+class Robot(Section, key="robot"):
+    """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle."""
+
+    m: float = quantity(50.0, "kg", "mass", above=0, usual=(0.02, 5000))
+    I: float = quantity(5.4, "kg.m2", "moment of inertia about the vertical", above=0)
+    mu: float = quantity(0.08, "1", "coefficient of Coulomb friction", minimum=0, usual=(0, 1))
+    r: float = quantity(0.1, "m", "radius of the driving wheels", above=0, usual=(0.003, 1))
+    l: float = quantity(
+        0.25, "m", "half the track: axle's midpoint to wheel", above=0, usual=(0.005, 3)
+    )
+    g: float = quantity(9.81, "m/s2", "gravity", above=0)
+    v_s: float = quantity(0.01, "m/s", "speed that smooths friction, mu m g tanh(v1/v_s)", above=0)
+
+
+class Model(Section, key="model"):
+    """Model of the laws; a field that is left out is the robot's, before any change."""
+
+    m: float | None = quantity(None, "kg", "mass that the laws assume; default: robot.m", above=0)
+    I: float | None = quantity(
+        None, "kg.m2", "inertia that the laws assume; default: robot.I", above=0
+    )
+    mu: float | None = quantity(
+        None, "1", "friction that the laws assume; default: robot.mu", minimum=0
+    )
+
+
+class Body(Section, key="body"):
+    """Rigid-body parameters beside mass, inertia, friction, wheels and track of [robot].
+
+    The plane model does not read it.  Casters slide without friction.
+    """
+
+    tyre: float = quantity(0.8, "1", "friction between tyre and ground", above=0)
+    grip: float = quantity(0.02, "s", "time in which a sliding tread is stopped", minimum=0.005)
+    height: float = quantity(0.12, "m", "centre of mass above the ground", above=0)
+    caster: float = quantity(0.3, "m", "axle to the casters in front and behind", above=0)
+    caster_gap: float = quantity(5e-4, "m", "casters above the ground", minimum=0)
+    flatness: float = quantity(
+        0.55, "1", "ratio of the inertia in pitch and roll to that in yaw", minimum=0.5
+    )
+    wheel: str = quantity(
+        "sphere", "1", "tyre: point contact, or line contact that scrubs in turns",
+        options=("sphere", "cylinder"),
+    )  # fmt: skip
+    wheel_width: float = quantity(0.04, "m", "width of a cylinder's tread", above=0)
+    radius: float | None = quantity(
+        None, "m", "distance from the axle's midpoint to the body's farthest point, for keep_out",
+        above=0,
+    )  # fmt: skip
+    wheel_mass: float = quantity(1.5, "kg", "mass of each wheel, part of robot.m", above=0)
+    slope: float = quantity(
+        0.0, "rad", "rise of the ground; the plane model has slope.angle", minimum=0,
+        maximum=math.pi / 4,
+    )  # fmt: skip
+    uphill: float = quantity(0.0, "rad", "uphill direction, 0 along +Y", orientation=1)
+    slip_max: float = quantity(
+        0.1, "m/s", "speed of the tread over the ground above which the robot has slipped", above=0
+    )
+    tilt_max: float = quantity(
+        0.5, "rad", "tilt of the axis above which the robot has tipped", above=0,
+        maximum=math.pi / 2,
+    )  # fmt: skip
+
+
+class Limits(Section, key="limits"):
+    """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
+
+    v_u1: tuple[float, float] = quantity(
+        (1.0, 1.5), "m/s, rad/s", "limits of |v1| and |omega|", above=0
+    )
+    v_u2: tuple[float, float] = quantity(
+        (0.8, 1.3), "m/s, rad/s", "thresholds above which the barrier acts", above=0
+    )
+    clip: float = quantity(
+        1e-6, "m/s, rad/s", "barrier terms see |v| clipped to v_u1 - clip", above=0
+    )
+
+    def relate(self) -> None:
+        """Each axis needs v_u2 < v_u1 and clip < v_u1 - v_u2."""
+        rows = zip(self.v_u1, self.v_u2, ("m/s", "rad/s"), strict=True)
+        for axis, (high, low, unit) in enumerate(rows, 1):
+            if not low < high:
+                raise ScenarioError(
+                    f"limits.v_u2[{axis}] = {low!r} must be below limits.v_u1[{axis}] = {high!r} "
+                    f"{unit}: the barrier acts between the two. Lower v_u2 or raise v_u1."
+                )
+            if not self.clip < high - low:
+                raise ScenarioError(
+                    f"limits.clip = {self.clip!r} must be below v_u1[{axis}] - v_u2[{axis}] = "
+                    f"{high - low:g} {unit}, or the barrier never acts. The default is 1e-06."
+                )
+
+
+class Initial(Section, key="initial"):
+    """Pose and velocity at t = 0; the velocity may lie outside the limits."""
+
+    pose: tuple[float, float, float] = quantity(
+        (-0.5, -0.5, -0.7), "m, m, rad", "x, y, theta (theta is 0 along +Y)", orientation=3
+    )
+    velocity: tuple[float, float] = quantity((0.0, 0.0), "m/s, rad/s", "v1, omega")
+
+
+class Clock(Section, key="clock"):
+    """Control period (zero-order hold), plant step (RK4) and duration of a run."""
+
+    control: float = quantity(0.01, "s", "period of the control law", minimum=1e-9, usual=(1e-4, 1))
+    plant: float = quantity(
+        0.001, "s", "step of the plant's integration", minimum=1e-9, usual=(1e-6, 0.1)
+    )
+    duration: float = quantity(80.0, "s", "length of a run", minimum=1e-9)
+
+    @property
+    def substeps(self) -> int:
+        """Plant steps in one control period."""
+        return round(self.control / self.plant)
+
+    @property
+    def samples(self) -> int:
+        """Control periods in a run."""
+        return round(self.duration / self.control)
+
+    def relate(self) -> None:
+        """The control period is a whole number of plant steps, the run one of control periods."""
+        period, last = self.control, self.duration
+        check_multiple("clock.control", period, "clock.plant", self.plant, MOST_SUBSTEPS, 1)
+        check_multiple("clock.duration", last, "clock.control", period, MOST_SAMPLES, 1)
+
+
+class Metrics(Section, key="metrics"):
+    """Split of a run into before and after, start of the torque's RMS, tolerance of tracking.
+
+    The default tolerance is a tenth of the paper's robot's track, 0.5 m: what a wheel's width or a
+    doorway leaves.  It is ten times what a good law leaves, and less than a law that lost its
+    reference leaves.
+    """
+
+    split: float | None = quantity(
+        None, "s", "time that separates before and after; default: half the duration", above=0
+    )
+    rms_from: float = quantity(2.0, "s", "start of the torque's RMS", minimum=0)
+    tolerance: float = quantity(
+        0.05, "m",
+        "largest RMS position error, in the drive and at the end, that counts as tracked", above=0,
+    )  # fmt: skip
+
+
+class CorridorSettings(Section, key="corridor"):
+    """Settings of the certified corridor, which no run reads."""
+
+    start: tuple[float, float, float] = quantity(
+        (0.0, 0.0, 0.0), "m, m, rad", "largest initial error e", minimum=0
+    )
+    cells: int = quantity(
+        0, "1",
+        "parts of the guard's intervals of mass and of inertia, one certificate for each pair; "
+        "0: robot.m and robot.I alone",
+        minimum=0, maximum=32,
+    )  # fmt: skip
+    losses: int = quantity(
+        0, "1",
+        "poses lost in a row at most, where sensor.pose_dropout loses some by chance; 0: not said",
+        minimum=0, maximum=1000,
+    )  # fmt: skip
+
+
+class Change(Section, key="changes"):
+    """New parameters from the first plant step that starts at or after ``t``; others stay."""
+
+    t: float = quantity(REQUIRED, "s", "time of the change", minimum=0)
+    m: float | None = quantity(None, "kg", "mass from then on", above=0)
+    I: float | None = quantity(None, "kg.m2", "inertia from then on", above=0)
+    mu: float | None = quantity(None, "1", "friction from then on", minimum=0)
+
+    def values(self) -> dict[str, float]:
+        """New values by the robot's field."""
+        given = {"m": self.m, "I": self.I, "mu": self.mu}
+        return {key: value for key, value in given.items() if value is not None}
+
+    @property
+    def sentence(self) -> str:
+        """What the robot is from then on, in plain words."""
+        words = {
+            "m": "weighs {:g} kg",
+            "I": "has an inertia of {:g} kg m2",
+            "mu": "has a friction coefficient of {:g}",
+        }
+        *others, last = (words[key].format(value) for key, value in self.values().items())
+        listed = f"{', '.join(others)} and {last}" if others else last
+        return f"From {self.t:g} s on the robot {listed}."
+
+
+class Guard(Section, key="guard"):
+    """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
+
+    What is left out follows from the rest of the scenario: masses from what the laws believe of the
+    robot, dbar from the noise, nbar from the sensor, delay and lag from the drives, alpha from the
+    control period, brake from the torque limit.  Whether the settings can be met is checked where
+    the guard is built, and there a stated bound that the scenario itself breaks is refused, unless
+    ``trust`` says that it is meant.  A robot that is not what is believed is run, without promise.
+    """
+
+    enabled: bool = quantity(False, "1", "switch the guard on")
+    trust: bool = quantity(False, "1", "accept stated bounds although the scenario breaks them")
+    map: str = quantity(
+        "linear-first", "1", "axis that gets the wheel torques first",
+        options=("linear-first", "rotation-first"),
+    )  # fmt: skip
+    mass_margin: float = quantity(
+        0.1, "1", "share by which M_min and M_max extend beyond the model's mass", minimum=0,
+        below=1,
+    )  # fmt: skip
+    M_min: tuple[float, float] | None = quantity(
+        None, "kg, kg.m2", "smallest possible mass and inertia", above=0, size=2
+    )
+    M_max: tuple[float, float] | None = quantity(
+        None, "kg, kg.m2", "largest possible mass and inertia", above=0, size=2
+    )
+    dbar: tuple[float, float] | None = quantity(
+        None, "N, N.m", "bound of the disturbance force", minimum=0, size=2
+    )
+    d_model: tuple[float, float] = quantity(
+        (0.0, 0.0), "N, N.m", "added to a dbar that is derived from the noise", minimum=0
+    )
+    nbar: tuple[float, float] | None = quantity(
+        None, "m/s, rad/s", "bound of the velocity's error", minimum=0, size=2
+    )
+    delay: tuple[float, float] | None = quantity(
+        None, "s", "bounds of a command's delay, which may vary", minimum=0, maximum=10, size=2,
+        usual=(0, 2),
+    )  # fmt: skip
+    lag: tuple[float, float] | None = quantity(
+        None, "s", "bounds of the drives' time constant, which may vary; equal bounds: constant",
+        minimum=0, size=2, usual=(0, 2),
+    )  # fmt: skip
+    alpha: float | None = quantity(
+        None, "1/s", "fastest rate of approach to the limit, at most 1/T", above=0
+    )
+    brake: tuple[float, float] | None = quantity(
+        None, "N, N.m", "largest force with which the guard brakes", minimum=0, size=2
+    )
+    brake_share: float = quantity(
+        0.5, "1", "share of spare wheel torque for linear braking", minimum=0, maximum=1
+    )
+    f_min: tuple[float, float] = quantity(
+        (0.0, 0.0), "N, N.m", "friction that certainly acts above f_speed", minimum=0
+    )
+    f_speed: tuple[float, float] = quantity(
+        (0.0, 0.0), "m/s, rad/s", "speed above which f_min acts", minimum=0
+    )
+
+    def masses(self, m: float, inertia: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Smallest, largest mass and inertia [kg, kg m2]: stated, or of a model by mass_margin."""
+        low, high = 1.0 - self.mass_margin, 1.0 + self.mass_margin
+        return self.M_min or (low * m, low * inertia), self.M_max or (high * m, high * inertia)
+
+    def relate(self) -> None:
+        """Bounds are the right way round: M_min <= M_max where both are there, delay and lag."""
+        check_intervals(self, {"delay": "a command's delay", "lag": "the time constant"})
+        pairs = zip(self.M_min or (), self.M_max or (), strict=False)
+        for axis, (low, high) in enumerate(pairs, 1):
+            if low > high:
+                raise ScenarioError(
+                    f"guard.M_min[{axis}] = {low!r} must be at most guard.M_max[{axis}] = "
+                    f"{high!r}: they bound the same mass. Give both, or leave both out."
+                )
+
+
+def check_intervals(section: Section, names: Mapping[str, str]) -> None:
+    """Raise ScenarioError where an interval is the wrong way round; ``names``: what lies in it."""
+    for name, what in names.items():
+        first, second = getattr(section, name) or (0.0, 0.0)
+        if first > second:
+            raise ScenarioError(
+                f"{section.KEY}.{name} = [{first!r}, {second!r}] is the wrong way round: {what} "
+                f"lies between the first and the second. Write [{second!r}, {first!r}]."
+            )

@@ -1,0 +1,56 @@
+"""Values of a scenario that look like a slip of units, each as a question."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.section import Section, put_behind, questions
+from wmr_ctrl.core.fields.units import USUAL, meant
+from wmr_ctrl.world.references import Waypoints
+from wmr_ctrl.world.scenario.scenario import Scenario, sections
+
+LONGEST_WAY = 3600.0
+"""Time [s] that the way to a goal usually takes at most."""
+
+
+def unit_questions(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Yield key and question of each value that is unusual in its unit, first those of sections."""
+    for path, part in _parts(scenario):
+        yield from questions(part, path)
+    if isinstance(scenario.reference, Waypoints):
+        yield from _way(scenario.reference)
+
+
+def _parts(scenario: Scenario) -> Iterator[tuple[str, Section]]:
+    for name in sections():
+        yield name, scenario.model if name == "model" else scenario.table(name)
+    yield "reference", scenario.reference
+    for i, change in enumerate(scenario.changes, start=1):
+        yield f"changes[{i}]", change
+
+
+def _way(reference: Waypoints) -> Iterator[tuple[str, str]]:
+    """Ask about the points of a path that is very long, or that takes very long."""
+    length, time = sum(math.dist(a, b) for a, b in pairwise(reference.points)), reference.arrival
+    if length > USUAL["m"][1]:
+        asked = meant(float(f"{length:.4g}"), "m", USUAL["m"])
+        sentence = f"The path of reference.points is {length / 1e3:.3g} km long. {asked}"
+        yield "reference.points", sentence
+    elif time is not None and time > LONGEST_WAY:
+        sentence = (
+            f"The desired motion takes {time / 3600:.3g} h for {length:.4g} m. Are its points in "
+            "m, and speed, omega_max and a_max in m/s, rad/s and m/s2?"
+        )
+        yield "reference.speed", sentence
+
+
+@contextmanager
+def asking_about_units(scenario: Scenario) -> Iterator[None]:
+    """Put the questions behind a refusal of the scenario: a slip of units may be its cause."""
+    try:
+        yield
+    except ScenarioError as error:
+        put_behind(error, (sentence for _, sentence in unit_questions(scenario)))
+        raise

@@ -1,0 +1,12 @@
+"""Claims about the product's own graphs, methods that check them, and the ledger of verdicts.
+
+>>> from wmr_proofs import prove
+>>> ledger = prove(only=["eq25"])  # doctest: +SKIP
+>>> ledger.tally()  # doctest: +SKIP
+{'PROVED': 1, 'REFUTED': 1}
+"""
+
+from wmr_ctrl.results.ledger import Entry as Entry
+from wmr_ctrl.results.ledger import Ledger as Ledger
+from wmr_ctrl.results.ledger import load as load
+from wmr_proofs.runner import prove as prove

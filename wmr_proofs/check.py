@@ -1,0 +1,143 @@
+"""One claim to one entry: the statement, its mutation, and whether its hypotheses can be met."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
+from hashlib import sha256
+from importlib.util import find_spec
+from time import process_time
+from typing import Any
+
+from wmr_ctrl.results.ledger import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Entry
+from wmr_proofs.alterations import functions_of
+from wmr_proofs.claim import CLAIMED, MUTATED, Claim
+from wmr_proofs.methods import spec
+from wmr_proofs.methods.spec import Z3, Both, Finding, Method, Ring
+from wmr_proofs.statement import Statement
+
+ENGINES, ENGINES_ALTERED = "engines", "engines of the altered claim"
+"""Keys of an entry's evidence: engines of z3 that closed the questions of its statements."""
+
+
+def missing(method: Method | None) -> tuple[str, ...]:
+    """Packages that the method needs and that are not installed."""
+    return tuple(name for name in spec.needs(method) if find_spec(name) is None) if method else ()
+
+
+def check(claim: Claim, known: Entry | None = None) -> Entry:
+    """The claim's entry; NOT_CHECKED where a package is missing.
+
+    The verdict is found and the product's functions are searched anew in any case; an earlier
+    entry, ``known``, says what to try first.  Three things are taken from it where graphs, method
+    and versions are the same: other solvers' word; that what CasADi cancels is defined; what
+    altering functions did, where the functions are the same, too.
+    """
+    if claim.statement is None or claim.method is None:
+        return _entry(claim, claim.verdict)
+    absent = missing(claim.method)
+    if absent:
+        return _entry(claim, NOT_CHECKED, method=f"needs {', '.join(absent)}")
+    started, before = process_time(), known.evidence if known else {}
+    claimed, altered = (claim.statement(way) for way in (CLAIMED, MUTATED))
+    finding = _quickest(claim.method, before, ENGINES).decide(claimed)
+    told, mutated = dict(finding.evidence), None
+    if finding.verdict == PROVED:
+        other = _quick(_quickest(claim.method, before, ENGINES_ALTERED)).decide(altered)
+        mutated = other.verdict == REFUTED
+        if ENGINES in other.evidence:
+            told[ENGINES_ALTERED] = other.evidence[ENGINES]
+    seconds = round(process_time() - started, 2)
+    entered, now = _hash(claimed, altered, claim.method), spec.versions(claim.method)
+    same = known if known and known.is_about(entered, now) else None
+    functions = functions_of(claim, tuple(known.altered) if known else ())
+    then = same.altered if same and set(same.altered) == set(functions) else {}
+    verdict, reason = _guarded(finding, mutated, functions)
+    asked = {**now, **(spec.versions(Z3()) if find_spec("z3") else {})}
+    cancelled = same.cancelled if same else None
+    if cancelled and not (known and known.is_about(entered, asked)):
+        cancelled = None
+    if cancelled is None and verdict in (PROVED, LEMMA):
+        verdict, reason, cancelled = _defined(claim, verdict)
+    counted = [pair for pair in (("case", "cases"), ("box", "boxes")) if pair[1] in told]
+    counts = [f"{told[many]} {one if told[many] == 1 else many}" for one, many in counted]
+    return _entry(
+        claim,
+        verdict,
+        method=", ".join([spec.named(claim.method), *counts]),
+        trusted=spec.trusted(claim.method),
+        mutation_refuted=mutated,
+        counterexample=_text(finding.point) if verdict == REFUTED else None,
+        satisfied_at=_text(finding.point) if verdict in (PROVED, LEMMA) else None,
+        seconds=seconds,
+        graph_hash=entered,
+        versions=asked if cancelled else now,
+        altered={name: then.get(name, "") for name in functions},
+        confirmed_by=same.confirmed_by if same else (),
+        cancelled=cancelled,
+        evidence={**told, **reason},
+    )
+
+
+def graph_hash(claim: Claim) -> str:
+    """Hash of what is claimed and altered on which graph now, and by which method; see `Entry`."""
+    if claim.statement is None:
+        return ""
+    assert claim.method is not None
+    return _hash(claim.statement(CLAIMED), claim.statement(MUTATED), claim.method)
+
+
+def _hash(claimed: Statement, altered: Statement, method: Method) -> str:
+    text = json.dumps([claimed.digest, altered.digest, spec.described(method)])
+    return sha256(text.encode()).hexdigest()
+
+
+def _quickest(method: Method, evidence: Mapping[str, Any], key: str) -> Method:
+    """The method, with what closed each question before asked first: that saves time alone."""
+    first = tuple(evidence.get(key, ()))
+    return replace(method, first=first) if isinstance(method, Z3) else method
+
+
+def _quick(method: Method) -> Method:
+    """Method for the altered claim: the first case that fails is enough; of two methods each must
+    refute.
+    """
+    if isinstance(method, Both):
+        return Both(_quick(method.first), _quick(method.second), all_refute=True)
+    return replace(method, quick=True) if isinstance(method, Ring) else method
+
+
+def _guarded(
+    finding: Finding, mutated: bool | None, functions: tuple[str, ...]
+) -> tuple[str, dict[str, str]]:
+    """PROVED only of functions of the product, with a refuted mutation and possible hypotheses."""
+    if finding.verdict != PROVED:
+        return finding.verdict, {}
+    if not mutated:
+        return OPEN, {"held back": "the altered claim was not refuted"}
+    if finding.point is None:
+        return OPEN, {"held back": "no point was found that satisfies the hypotheses"}
+    return (PROVED if functions else LEMMA), {}
+
+
+def _defined(claim: Claim, verdict: str) -> tuple[str, dict[str, str], int | None]:
+    """The verdict, unless CasADi has cancelled what may be undefined; how much it has cancelled."""
+    if find_spec("z3") is None:
+        return NOT_CHECKED, {"held back": "what CasADi cancels is asked of z3"}, None
+    from wmr_proofs.cancelled import undefined
+
+    number, left = undefined(claim)
+    if left:
+        return OPEN, {"held back": f"what CasADi cancels may be undefined: {left}"}, None
+    return verdict, {}, number
+
+
+def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:
+    """A point as exact text: ``p/q``, or ``1 pi``."""
+    if point is None:
+        return None
+    return {name: v if isinstance(v, str) else str(Fraction(v)) for name, v in point.items()}
+
+
+def _entry(claim: Claim, verdict: str, **found: Any) -> Entry:
+    return Entry(id=claim.id, verdict=verdict, **claim.words(), **found)

@@ -1,0 +1,149 @@
+"""Claim: one line of the ledger before it is checked; a file writes its claims as functions.
+
+The function builds the relations; the first paragraph of its docstring is the claim's wording (but
+for the period that ends it), the second what it means for a robot:
+
+    claim = Claims(by=Z3(effort=150))
+
+    @claim("guard.anchor", given="2 nbar <= u1")
+    def anchor(mutation: Mutation) -> Statement:
+        '''|clip(0, lo, hi)| <= FB.
+
+        The force of least effort is within the brake cap.
+        '''
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from inspect import signature
+from typing import Any, TypeVar
+
+from wmr_proofs.methods.spec import Method
+from wmr_proofs.statement import Statement
+
+PRINTED, CORRECTED, OURS = "printed", "corrected", "ours"
+Written = TypeVar("Written", bound=Callable[..., Statement | None])
+
+
+class Mutation(float):
+    """The sign 1 of a statement as it is claimed; -1 of the same with one sign or constant altered.
+
+    The method that proves a claim must refute its mutation.
+    """
+
+    def __call__(self, claimed: Any, mutated: Any) -> Any:
+        """The claimed value, or the mutated one."""
+        return claimed if self > 0 else mutated
+
+    def __neg__(self) -> Mutation:
+        """The other one: for a claim that is another's mutation."""
+        return Mutation(-float(self))
+
+
+CLAIMED, MUTATED = Mutation(1.0), Mutation(-1.0)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim, its meaning for a robot, and its method of proof.
+
+    ``statement(mutation)`` builds the claim's relations from the product's graphs.
+    A claim without statement has its verdict given (HAND, OPEN or DEFINITION).  ``premises`` names
+    the entries that it rests on.
+    """
+
+    id: str
+    equations: tuple[int, ...]
+    form: str
+    claim: str
+    meaning: str
+    hypotheses: str = ""
+    statement: Callable[[Mutation], Statement] | None = None
+    method: Method | None = None
+    verdict: str = ""
+    premises: tuple[str, ...] = ()
+    theme: str = ""
+
+    def words(self) -> dict[str, Any]:
+        """The claim's own part of its ledger entry."""
+        names = ("equations", "form", "claim", "meaning", "hypotheses", "premises", "theme")
+        return {name: vars(self)[name] for name in names}
+
+
+@dataclass
+class Claims:
+    """The claims of one file in their order, and their defaults."""
+
+    by: Method | str | Callable[..., Method] | None = None
+    form: str = OURS
+    given: str = ""
+    meaning: str = ""
+    premises: str = ""
+    listed: list[Claim] = field(default_factory=list)
+
+    def __call__(
+        self,
+        id: str,
+        equations: tuple[int, ...] = (),
+        *,
+        given: str | None = None,
+        by: Method | str | Callable[..., Method] | None = None,
+        form: str = "",
+        premises: str | None = None,
+        wording: str = "",
+        over: Iterable[Mapping[str, Any]] = (),
+        **values: Any,
+    ) -> Callable[[Written], Written]:
+        """Enter the function below as the claim ``id`` about these equations of the paper.
+
+        ``given`` are the hypotheses in words, ``by`` a method or a verdict that is given,
+        ``premises`` ids, ``wording`` the claim where the docstring's is another one's.
+        ``values`` stand in every text, and in each other, where their name is in braces, and are
+        handed to the function (and to ``by``) where it asks for them; ``over``: one claim for each
+        of these tables, which may have ``equations`` of their own.
+        """
+        way = by or self.by
+
+        def enter(function: Written) -> Written:
+            for table in over or (values,):
+                text = partial(_filled, values=table)
+                claimed, _, meaning = (function.__doc__ or "").partition("\n\n")
+                method = _asked(way, table)() if callable(way) else way
+                engine = method if isinstance(method, Method) else None
+                self.listed.append(
+                    Claim(
+                        text(id), table.get("equations", equations), form or self.form,
+                        text(wording or claimed).removesuffix("."), text(meaning or self.meaning),
+                        text(self.given if given is None else given),
+                        _asked(function, table) if engine else None,
+                        engine, "" if engine else str(method),
+                        tuple(text(self.premises if premises is None else premises).split()),
+                    )
+                )  # fmt: skip
+            return function
+
+        return enter
+
+
+def rows(**columns: Sequence[Any]) -> tuple[dict[str, Any], ...]:
+    """Tables for ``over``, one for each place of the columns: both axes, say, or both ways."""
+    places = zip(*columns.values(), strict=True)
+    return tuple(dict(zip(columns, values, strict=True)) for values in places)
+
+
+def _filled(text: str, values: Mapping[str, Any]) -> str:
+    """The text in one line, with the values that it names, and those that they name."""
+    line = " ".join(text.split())
+    while values and "{" in line:
+        line = line.format(**values)
+    return line
+
+
+def _asked(function: Callable[..., Any], values: Mapping[str, Any]) -> Callable[..., Any]:
+    """The function with those of the values that it asks for."""
+    named = signature(function).parameters
+    kept = {name: value for name, value in values.items() if name in named}
+    return partial(function, **kept) if kept else function

@@ -1,0 +1,210 @@
+"""The barrier function and its minimiser: Eqs. (10)-(20), (74)-(81)."""
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier import printed as barrier
+from wmr_ctrl.control.barrier.lyapunov import total_barrier
+from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
+from wmr_proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
+from wmr_proofs.methods.spec import Z3, Both, Refute, Ring
+from wmr_proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
+from wmr_proofs.relation import above, at_least, equal
+from wmr_proofs.statement import Statement
+
+PAIRS = paired_cases()
+SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)
+FAR = tuple(c for c in target_cases(edges=False) if "far" in c.label)
+NEAR = tuple(c for c in all_cases() if c.label.startswith(("v_c0 near", "v_c0 zero")))
+IN_R2 = (at(c=3, u1=1, u2="4/5"),)
+claim = Claims(by=Ring(open_cases()), form=PRINTED, given=ALL_LIMITS)
+
+
+@claim("eq12", (12, 13, 14, 15, 16), by=Ring(all_cases()))
+def parts(mutation: Mutation) -> Statement:
+    """V1i = z^2/2 + f(v) + g(v_c0) with z = v - v_c0.
+
+    The function that the laws decrease is the paper's.
+    """
+    a, v, c, u1, u2 = barrier_axis()
+    z = v - c
+    written = 0.5 * z * z + barrier.f(v, u1, u2) + mutation * barrier.g(c, u1, u2)
+    return a.states(equal(a.V, written))
+
+
+@claim("eq19", (19,), given=OFF_EDGES, by=Ring(PAIRS, spare=12))
+def two_axes(mutation: Mutation) -> Statement:
+    """V1 = V11 + V12.
+
+    Each axis can be treated separately.
+    """
+    one, two = BarrierAxis("1"), BarrierAxis("2")
+    columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
+    goal = equal(total_barrier(*columns), one.V + mutation * two.V)
+    return one.states(goal, more=two.symbols)
+
+
+@claim("eq20", (20,), by=Ring(all_cases()))
+def spelt_out(mutation: Mutation) -> Statement:
+    """V1i = (v - v_c0)^2/2 + f(v) - (v_c1 - v_c0)^2/2 - f(v_c1).
+
+    The barrier function measures how much worse the present velocity is than the best allowed one.
+    """
+    a = BarrierAxis()
+    return a.states(equal(a.V, a.cost(a.all[0]) - mutation * a.cost(a.x)))
+
+
+@claim("eq17-18", (17, 18), by=Ring(all_cases(), log_lemma=True), premises="lemma.log")
+def minimum(mutation: Mutation) -> Statement:
+    """v_c1 of (18) is the one and only minimiser of (v - v_c0)^2/2 + f(v): the cost exceeds its
+    value there by at least (v - v_c1)^2/2.
+
+    The target velocity is the best one that the limit allows, and there is no second best.
+    """
+    a, v, _, _, _ = barrier_axis()
+    least = mutation(mutation * 0.5 * a.w**2, 0.6 * a.w**2)
+    return a.states(at_least(a.cost(v) - a.cost(a.x), least))
+
+
+@claim("eq17-18.slope", (10, 18), form=OURS, by=Both(Ring(all_cases()), Z3()))
+def slope_sign(mutation: Mutation) -> Statement:
+    """(A - (v - v_c1)) (v - v_c1) >= 0: the cost falls towards v_c1 from either side, at least as
+    fast as the distance.
+
+    There is no valley in which the velocity could get stuck.
+    """
+    a = BarrierAxis()
+    return a.states(at_least((a.A - mutation(1, 1.25) * a.w) * a.w), given=a.inside)
+
+
+@claim("eq18.inside", (18,), form=OURS, by=Both(Ring(target_cases()), Z3()))
+def inside(mutation: Mutation) -> Statement:
+    """|v_c1| < v_u1 for every v_c0.
+
+    However far away the robot is, it never aims beyond its speed limit.
+    """
+    a, _, _, u1, u2 = barrier_axis()
+    limit = mutation(u1, u2)
+    return a.states(above(limit, a.x), above(a.x, -limit), given=a.inside)
+
+
+@claim(
+    "eq18.stationary",
+    (18,),
+    given="every 0 < v_u2 < v_u1, |v_c0| beyond v_u2 + 1/(v_u1 - v_u2)",
+    by=Ring(FAR),
+)
+def stationary(mutation: Mutation) -> Statement:
+    """beyond v_u2 + 1/(v_u1 - v_u2) the root of (18) solves |v_c1| + 1/(v_u1 - |v_c1|) = |v_c0|.
+
+    The formula with the root is right.
+    """
+    a, _, c, u1, _ = barrier_axis()
+    size = ca.fabs(a.x)
+    return a.states(equal(size + mutation / (u1 - size), ca.fabs(c)))
+
+
+@claim("eq74", (10, 74), given=OFF_EDGES)
+def slope(mutation: Mutation) -> Statement:
+    """dV1i/dv = A_i.
+
+    A is the slope of the barrier function.
+    """
+    a = BarrierAxis()
+    return a.states(equal(ca.gradient(a.V, a.all[0]), mutation * a.A))
+
+
+@claim("eq75", (11, 75), given=OFF_EDGES)
+def curvature(mutation: Mutation) -> Statement:
+    """d2V1i/dv2 = 1 + h/(v_u1 - |v|)^2 >= 1 (the printed indices mix the axes).
+
+    The barrier function is at least as curved as a plain square.
+    """
+    a, v, _, u1, u2 = barrier_axis()
+    second = ca.hessian(a.V, v)[0]
+    bend = ca.if_else(barrier.h(v, u2), mutation / (u1 - ca.fabs(v)) ** 2, 0)
+    return a.states(equal(second, 1 + bend), at_least(second, 1))
+
+
+@claim("eq76-77", (76, 77))
+def half_square(mutation: Mutation) -> Statement:
+    """d/dv (v - v_c1)^2/2 = v - v_c1, and its second derivative is 1.
+
+    Reference curve for the comparison with the barrier.
+    """
+    a, v, _, _, _ = barrier_axis()
+    square = 0.5 * a.w**2
+    second = ca.hessian(square, v)[0]
+    return a.states(equal(ca.gradient(square, v), mutation * a.w), equal(second, 1))
+
+
+@claim("eq78", (78,), by=Ring(target_cases()))
+def zero_at_target(mutation: Mutation) -> Statement:
+    """V1i = 0 at v = v_c1.
+
+    The target velocity has the value 0.
+    """
+    a, _, c, u1, u2 = barrier_axis()
+    return a.states(equal(barrier.lyapunov(mutation * a.x, c, u1, u2)))
+
+
+@claim("eq79.printed", (79,), given="every v_c0", by=Refute(IN_R2))
+def flat_at_target(mutation: Mutation) -> Statement:
+    """dV1i/dv = 0 at v = v_c1.
+
+    False in the middle region: there the barrier function has a corner at the target, like |v -
+    v_u2|.
+    """
+    a, _, c, u1, u2 = barrier_axis()
+    return a.states(equal(barrier.a_term(a.x, mutation * c, u1, u2)))
+
+
+@claim(
+    "eq79",
+    (79,),
+    form=CORRECTED,
+    given="|v_c0| < v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2)",
+    by=Ring(SMOOTH),
+)
+def eq79(mutation: Mutation) -> Statement:
+    """dV1i/dv = 0 at v = v_c1 for |v_c0| < v_u2 and beyond v_u2 + 1/(v_u1 - v_u2).
+
+    Outside the middle region the barrier function is smooth at the target.
+    """
+    return flat_at_target(mutation)
+
+
+@claim("eq80", (80,), given=OFF_EDGES)
+def curvatures_compared(mutation: Mutation) -> Statement:
+    """d2V1i/dv2 >= d2/dv2 (v - v_c1)^2/2 > 0.
+
+    The barrier function is convex.
+    """
+    a, v, _, _, _ = barrier_axis()
+    second, plain = ca.hessian(a.V, v)[0], ca.hessian(0.5 * a.w**2, v)[0]
+    return a.states(at_least(second, mutation(1, 1.5) * plain), above(plain))
+
+
+@claim("eq81", (81,), by=Ring(all_cases(), log_lemma=True), premises="lemma.log")
+def lower_bound(mutation: Mutation) -> Statement:
+    """V1i >= (v - v_c1)^2/2, in spite of (79), on which the paper's own argument rests.
+
+    If the barrier function is small, the velocity is near its target.
+    """
+    a = BarrierAxis()
+    return a.states(at_least(a.V, mutation(0.5, 0.6) * a.w**2))
+
+
+@claim(
+    "thm1.velocity",
+    (30,),
+    given=f"{ALL_LIMITS}; |v_c0| < v_u2",
+    by=Ring(NEAR, log_lemma=True),
+    premises="eq30 eq81",
+)
+def near_target(mutation: Mutation) -> Statement:
+    """(Theorem 1) z -> 0 where |v_c0i| < v_u2i: z^2 <= 2 V1i, and V1i falls by exp(-rho t) (eq30).
+
+    True under the same hypotheses.
+    """
+    a, v, c, _, _ = barrier_axis()
+    return a.states(at_least(2 * a.V, mutation(1, 1.2) * (v - c) ** 2))

@@ -1,0 +1,201 @@
+"""The command filter: its limit on bases with a first-order speed loop, and what it never refuses.
+
+One axis, all numbers symbols.  tau, K and d may vary while a command acts, so the speed is v(t) =
+E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.filter import governor
+from wmr_ctrl.control.filter.governor import FirstOrder, drive, drive_back, largest_command
+from wmr_ctrl.results.ledger import HAND
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Named, symbols
+
+NUMBERS = "V dbar nbar K_min K_max kappa"
+INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
+COMMANDS = (
+    "every command of real numbers (what is no number counts as 0, which "
+    "tests/filter/test_package.py tries)"
+)
+claim = Claims(by=Z3(effort=60))
+
+
+def sound(b: FirstOrder) -> tuple[Relation, ...]:
+    """0 < K_min <= K_max, 0 <= dbar < V."""
+    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), above(b.V, b.dbar)
+
+
+class FilterAxis(Named):
+    """Symbols of one axis: the filter's numbers, a command, and what the base makes of it.
+
+    e is exp(-H/tau_min), E the share of the old speed that is left.
+    """
+
+    def __init__(self) -> None:
+        self.symbols = symbols(f"{NUMBERS} u v v_bar K d mean E e", NUMBERS)
+        self.bounds = FirstOrder(**{name: self[name] for name in NUMBERS.split()})
+
+    @property
+    def hi(self) -> ca.SX:
+        """Largest command that is safe."""
+        return largest_command(self.v_bar, self.bounds)
+
+    @property
+    def relaxing(self) -> tuple[Relation, ...]:
+        """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
+        e, E = self.e, self.E
+        ratio = equal(self.kappa * (1 - e), e)
+        return above(e), above(ca.SX(1), e), *between(e, E, 1), ratio
+
+
+@claim("filter.drive", given=INTERVALS)
+def driven(mutation: Mutation) -> Statement:
+    """K u + d <= drive(u) <= max(K_max u, 0) + dbar, and the same of -u and drive_back(u), for
+    every u.
+
+    The speed towards which a command can drive the base, gain and push at their worst.
+    """
+    a = FilterAxis()
+    inside = between(a.K_min, a.K, a.K_max)
+    given = (*sound(a.bounds), *inside, at_least(a.dbar, mutation(1, 0.9) * a.d))
+    u, b, reached = a.u, a.bounds, a.K * a.u
+    ahead, back = drive(u, b), drive_back(u, b)
+    least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
+    most = at_least(highest(u, b), ahead), at_least(highest(-u, b), back)
+    return Statement(a.symbols, (*least, *most), given)
+
+
+def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
+    """Bound of drive(u)."""
+    return ca.fmax(b.K_max * u, 0) + b.dbar
+
+
+@claim(
+    "filter.inside",
+    given=f"{INTERVALS}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with "
+    "e = exp(-H/tau_min), kappa = e/(1 - e)",
+)
+def inside(mutation: Mutation) -> Statement:
+    """E v + (1 - E) mean <= V.
+
+    A command that takes over at a speed of at most v_bar never drives the base past its limit, for
+    as long as it may act.
+    """
+    a = FilterAxis()
+    b, E = a.bounds, a.E
+    known = at_least(a.v_bar, a.v), at_least(b.V, mutation(1, 0.99) * a.v_bar)
+    sent = at_least(a.hi, a.u), at_least(drive(a.u, b), a.mean)
+    goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
+    return Statement(a.symbols, (goal,), (*sound(a.bounds), *a.relaxing, *known, *sent))
+
+
+@claim(
+    "filter.clip", given=f"{INTERVALS}; v <= V; kappa = 0, u <= hi; mean <= drive(u), 0 <= E <= 1"
+)
+def clip(mutation: Mutation) -> Statement:
+    """E v + (1 - E) mean <= V, whatever share E of the way is left.
+
+    The memoryless clip (V - dbar)/K_max keeps the limit without odometry and time constants.
+    """
+    a = FilterAxis()
+    b, E = a.bounds, a.E
+    share = *between(0, E, 1), equal(a.kappa), at_least(b.V, a.v)
+    sent = at_least(mutation(1, 1.01) * a.hi, a.u), at_least(drive(a.u, b), a.mean)
+    goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
+    return Statement(a.symbols, (goal,), (*sound(a.bounds), *share, *sent))
+
+
+@claim("filter.contains-clip", given=f"{INTERVALS}; v_bar <= V, kappa >= 0")
+def contains_clip(mutation: Mutation) -> Statement:
+    """hi(v_bar) >= (V - dbar)/K_max > 0.
+
+    The governor is never stricter than the clip, and never refuses to stop: 0 is always safe.
+    """
+    a = FilterAxis()
+    b = a.bounds
+    smallest = (b.V - b.dbar) / b.K_max
+    given = (*sound(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa))
+    return Statement(a.symbols, (at_least(a.hi, smallest), above(smallest)), given)
+
+
+@claim(
+    "filter.necessary",
+    given=f"{INTERVALS}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min), kappa = e/(1 - e)",
+)
+def necessary(mutation: Mutation) -> Statement:
+    """e v_bar + (1 - e)(K_max u + dbar) > V.
+
+    No larger command is safe for the base with the largest gain, the smallest time constant and the
+    largest push.
+    """
+    a = FilterAxis()
+    b, e = a.bounds, a.e
+    given = (*sound(a.bounds), *a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u))
+    end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
+    return Statement(a.symbols, (above(end, b.V),), given)
+
+
+@claim(
+    "filter.estimate",
+    given="v <= w, mean <= target, 0 <= least <= share <= most <= 1 (least = 1 - exp(-t/tau_max), "
+    "most = 1 - exp(-t/tau_min))",
+)
+def estimate(mutation: Mutation) -> Statement:
+    """v + share (mean - v) <= relaxed(w, target).
+
+    The bound on the speed that is carried from sample to sample remains a bound.
+    """
+    t = symbols("v w mean target least share most")
+    bounds = at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least)
+    shares = *between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(1, t.most)
+    end = governor.relaxed(t.w, t.target, t.most, t.least)
+    goal = at_least(end, t.v + t.share * (t.mean - t.v))
+    return Statement(t, (goal,), (*bounds, *shares))
+
+
+@claim("filter.curvature", given="lo_i < 0 < hi_i; both axes' commands r_i of any size")
+def curvature(mutation: Mutation) -> Statement:
+    """0 < eta <= 1 and lo_i <= eta r_i <= hi_i with eta the smaller of both axes' shares.
+
+    One factor scales both axes, so omega/v stays as asked for.
+    """
+    t = symbols("r1 lo1 hi1 r2 lo2 hi2")
+    r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
+    eta = mutation(1, 1.01) * ca.fmin(*governor.admitted(r, lo, hi))
+    goals = [above(eta), at_least(ca.SX(1), eta)]
+    goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
+    goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]
+    return Statement(t, tuple(goals), positive(*hi, *(-item for item in lo)))
+
+
+@claim(
+    "filter.mean",
+    given="tau v' = K u + d - v, tau in [tau_min, tau_max] and K, d in their intervals, all "
+    "measurable functions of time; u constant",
+    by=HAND,
+)
+def mean() -> None:
+    """v(t) = E v(0) + (1 - E) m with E = exp(-int_0^t ds/tau) between e^(-t/tau_min) and
+    e^(-t/tau_max), and m a weighted mean of K u + d.
+
+    Variation of constants: what the base does while one command acts.
+    """
+
+
+@claim(
+    "filter.induction",
+    given="|v| <= V at the start; commands take over in order, no later and no sooner than stated, "
+    "at most L in a row are lost; odometry is within nbar and no older than stated",
+    by=HAND,
+    premises="filter.mean filter.drive filter.inside filter.estimate",
+)
+def induction() -> None:
+    """|v| <= V at every instant: every command takes over at a speed that v_bar bounds, for v_bar
+    is carried through every command that may act until then, and acts for at most H.
+
+    The limit holds from sample to sample for as long as the bounds do.
+    """

@@ -1,0 +1,225 @@
+"""Compiled forms of the barriers: the paper's functions, truncation of the series, the smooth one.
+
+Of the smooth barrier: where it aims, that A is the slope of V1, how far A/w goes.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier import stable
+from wmr_ctrl.control.barrier.lyapunov import smooth_f, smooth_lyapunov
+from wmr_ctrl.control.barrier.proximal import resolvent
+from wmr_ctrl.control.barrier.stable import Barrier, smooth_barrier
+from wmr_proofs import regions
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import (
+    ALL_LIMITS,
+    CLOSED_FORM,
+    FINITE,
+    NO_SERIES,
+    BarrierAxis,
+    barrier_axis,
+)
+from wmr_proofs.methods.spec import Ring
+from wmr_proofs.regions import POSITIVE, Case
+from wmr_proofs.relation import at_least, equal
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+
+def _within(sign: int) -> Case:
+    """0 < |y| < 0.05: y = n/(20 n + m)."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        return {"y": sign * n["n"] / (20 * n["n"] + n["m"])}
+
+    label = "0 < y < 0.05" if sign > 0 else "-0.05 < y < 0"
+    return Case(label, {"n": POSITIVE, "m": POSITIVE}, values)
+
+
+BEYOND = (
+    Case("0.05 < y < 1", {"n": POSITIVE}, lambda n: {"y": (n["n"] + 1) / (n["n"] + 20)}),
+    Case("y < -0.05", {"n": POSITIVE}, lambda n: {"y": -n["n"] - 1}),
+    Case("-1 < y < -0.05", {"n": POSITIVE}, lambda n: {"y": -(n["n"] + 1) / (n["n"] + 20)}),
+)
+EVERYWHERE = Ring(regions.all_cases(), CLOSED_FORM)
+claim = Claims(by=EVERYWHERE)
+
+
+@claim("forms.v_c1", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(regions.target_cases()))
+def target(mutation: Mutation) -> Statement:
+    """the compiled v_c1 equals (18).
+
+    The generated code aims where the paper aims.
+    """
+    a, _, c, u1, u2 = barrier_axis()
+    return a.states(equal(stable.stable_minimiser(c, u1, u2), mutation * a.x))
+
+
+@claim("forms.w", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(regions.all_cases()))
+def distance(mutation: Mutation) -> Statement:
+    """the compiled v - v_c1 is the difference of v and (18).
+
+    The distance to the target is right even where it is computed in another way.
+    """
+    a = BarrierAxis()
+    return a.states(equal(a.stable.w, a.all[0] - mutation * a.x), equal(a.stable.v_c1, a.x))
+
+
+@claim("forms.V1", (12, 20), given=ALL_LIMITS + NO_SERIES)
+def value(mutation: Mutation) -> Statement:
+    """the compiled V1i, a sum of non-negative terms, equals (20).
+
+    No cancellation of large numbers, and still the same function.
+    """
+    a = BarrierAxis()
+    return a.states(equal(a.stable.V1, mutation * a.V))
+
+
+@claim("forms.quotient", (9, 20), given=ALL_LIMITS + NO_SERIES)
+def quotient(mutation: Mutation) -> Statement:
+    """the compiled V1i/A_i times A_i equals V1i.
+
+    The feedback term is the paper's, without a division by A = 0.
+    """
+    a = BarrierAxis()
+    return a.states(equal(a.stable.V1_over_A * a.A, mutation * a.V))
+
+
+@claim("forms.q", (9, 10), given=ALL_LIMITS + FINITE)
+def q(mutation: Mutation) -> Statement:
+    """the compiled q times A_i equals v - v_c1.
+
+    The feed-forward factor is the paper's, with its limit at A = 0.
+    """
+    a = BarrierAxis()
+    return a.states(equal(a.stable.q * a.A, mutation * a.w))
+
+
+@claim("forms.closed", (15,), given="0.05 <= |y|, y < 1", by=Ring(BEYOND, CLOSED_FORM))
+def closed_slope(mutation: Mutation) -> Statement:
+    """for |y| >= 0.05 the derivative of the compiled y chi(y) is that of phi(y) = -ln(1 - y) - y.
+
+    The closed form is the logarithm of the paper.
+    """
+    t = symbols("y")
+    y = t.y
+    return Statement(t, (equal(ca.gradient(y * stable._chi(y, 1 - y), y), 1 / (1 - y) - mutation),))
+
+
+@claim(
+    "forms.series",
+    (15,),
+    given="0 < |y| < 0.05, coefficients as the doubles that they are",
+    by=Ring((_within(1), _within(-1))),
+    premises="lemma.integration",
+)
+def series_slope(mutation: Mutation) -> Statement:
+    """for |y| < 0.05 the compiled series has a derivative within 2^-51 |y| of phi'(y); integrated
+    from 0, it is within 2^-52 y^2 of phi(y), about one part in 2^51.
+
+    Where the logarithm would lose digits a series replaces it; the two cannot be told apart in
+    double precision.
+    """
+    t = symbols("y")
+    y = t.y
+    chi = stable._chi(y, 1 - y)
+    slope = (1 / (1 - y) - 1) - ca.gradient(y * chi, y)
+    bound = mutation(2.0**-51, 2.0**-56) * ca.fabs(y)
+    return Statement(t, (at_least(bound, slope), at_least(bound, -slope)))
+
+
+def _compiled(a: BarrierAxis) -> Barrier:
+    v, c, u1, u2 = a.all
+    return smooth_barrier(c, v, u1, u2)
+
+
+EVERY = regions.smooth_cases()
+CORNERS = "v_c0 zero, v zero", "corner", "kink"
+OFF_CORNERS = tuple(case for case in EVERY if not any(at in case.label for at in CORNERS))
+ANYWHERE = (*regions.SIDES, *regions.SIDE_EDGES)
+TANGENTS = tuple(regions.tangent_case(y, v) for y in ANYWHERE for v in regions.SIDES)
+"""v off the corner, where the slope is 0 from both sides."""
+COVERED = "cover.smooth-targets cover.beyond"
+smooth_claim = Claims(by=Ring(EVERY, CLOSED_FORM), given=ALL_LIMITS + FINITE, premises=COVERED)
+
+
+@smooth_claim("smooth.V1", given=ALL_LIMITS + NO_SERIES)
+def smooth_value(mutation: Mutation) -> Statement:
+    """smooth barrier: the compiled V1i equals (20) with f(v) = -ln((v_u1 - |v|)/(v_u1 - v_u2)) -
+    (|v| - v_u2)/(v_u1 - v_u2) beyond v_u2, else 0.
+
+    The sum of non-negative terms is the same function.
+    """
+    a = BarrierAxis()
+    return a.states(equal(_compiled(a).V1, mutation * smooth_lyapunov(*a.all)))
+
+
+@smooth_claim(
+    "smooth.convex",
+    given="every 0 < v_u2 < v_u1, |v| and |y| < v_u1; |v| = v_u2 left out",
+    by=Ring(TANGENTS, log_lemma=True),
+    premises="lemma.log",
+)
+def above_tangent(mutation: Mutation) -> Statement:
+    """smooth barrier: f(y) >= f(v) + f'(v) (y - v).
+
+    The smooth barrier function lies above each of its tangents.
+    """
+    t = symbols("y v u1 u2", "u1 u2")
+    y, v, u1, u2 = t.values()
+    line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
+    return Statement(t, (at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)),))
+
+
+@smooth_claim("smooth.v_c1", by=Ring(EVERY), premises=f"prox.optimal-smooth {COVERED}")
+def smooth_target(mutation: Mutation) -> Statement:
+    """smooth barrier: the compiled v_c1 is X_1(v_c0), and w = v - v_c1.
+
+    The generated code aims at the nearest velocity inside the limit.
+    """
+    a, v, c, u1, u2 = barrier_axis()
+    found, nearest = _compiled(a), resolvent(c, ca.SX(1), u1, u2, smooth=True)
+    return a.states(equal(found.v_c1, mutation * nearest), equal(found.w, v - nearest))
+
+
+@smooth_claim(
+    "smooth.slope",
+    given="every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, "
+    "and v = v_c0 = 0 left out" + NO_SERIES,
+    by=Ring(OFF_CORNERS, CLOSED_FORM),
+)
+def slope(mutation: Mutation) -> Statement:
+    """smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i.
+
+    What the laws divide by is the slope of the barrier function.
+    """
+    a = BarrierAxis()
+    found = _compiled(a)
+    return a.states(equal(found.q * ca.gradient(found.V1, a.all[0]), mutation * found.w))
+
+
+@smooth_claim("smooth.quotient", given=ALL_LIMITS + NO_SERIES)
+def smooth_quotient(mutation: Mutation) -> Statement:
+    """smooth barrier: the compiled V1i/A times A = (v - v_c1)/q equals V1i.
+
+    The feedback term is the quotient of the two.
+    """
+    a = BarrierAxis()
+    found = _compiled(a)
+    return a.states(equal(found.V1_over_A * found.w, mutation * found.q * found.V1))
+
+
+@smooth_claim("prox.smooth-ratio", by=Ring(EVERY), premises=f"smooth.slope {COVERED}")
+def ratio(mutation: Mutation) -> Statement:
+    """smooth barrier: 1 <= A/(v - v_c1) <= 1 + 1/(v_u1 - max(|v|, |v_c1|))^2, as compiled (1/q).
+
+    The network's regressor is bounded where V1 is.
+    """
+    a, v, _, u1, _ = barrier_axis()
+    found = _compiled(a)
+    m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
+    top = (1 + mutation(1, 0.9) / (u1 - m) ** 2) * found.q
+    return a.states(at_least(1, found.q), at_least(top, 1))

@@ -1,0 +1,273 @@
+"""Parts put together, and arguments by hand in pieces.
+
+Put together are desired motions, dead reckoning, prediction to when a command acts.  The pieces are
+steps of sums, motions, logarithm, sine by derivatives; the integrals, means and inductions
+themselves are in docs/lemmas.md.  Of the functions the solver knows (sin t)^2 + (cos t)^2 = 1 at
+most; from a derivative's sign to the inequality leads `lemma.integration`.
+"""
+
+from functools import reduce
+from itertools import pairwise
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier.lyapunov import target_rate
+from wmr_ctrl.control.guard.delay import Tails, delayed_push, push
+from wmr_ctrl.control.guard.lateness import Times, lateness
+from wmr_ctrl.control.laws.prediction import acts_for, slowed
+from wmr_ctrl.world.pose_sensor import corrected, reckoned
+from wmr_ctrl.world.references import curves
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import OFF_EDGES, LawGraph, barrier_axis
+from wmr_proofs.claims.guard_axis import DELAYED, GuardAxis
+from wmr_proofs.claims.guard_sent import only
+from wmr_proofs.methods.spec import Z3, Ring
+from wmr_proofs.regions import POSITIVE, Case, target_cases
+from wmr_proofs.relation import Relation, above, at_least, between, equal, every, when, within
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+HARD = Z3(effort=150)
+DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
+POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
+DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
+MOTIONS = ({"kind": "circle", "more": DIRECTION}, {"kind": "line", "more": ""})
+claim = Claims(by=HARD)
+
+
+@claim("law.mass", (4,), given="any values", by=Ring())
+def believed(mutation: Mutation) -> Statement:
+    """the inertia that a law believes in is diag(model.m, model.I).
+
+    This is the M of the entries about laws.
+    """
+    law = LawGraph("mb")
+    mass, t = law.own(law.context.mass), law.symbols
+    return Statement(t, (equal(mass[0], mutation * t["model.m"]), equal(mass[1], t["model.I"])))
+
+
+@claim("eq18.rate", (18, 23), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+def eq18_rate(mutation: Mutation) -> Statement:
+    """v_c1' = (d v_c1/d v_c0) v_c0'.
+
+    How fast the target of the velocity moves.
+    """
+    a, _, c, u1, u2 = barrier_axis()
+    t = a.symbols | symbols("cdot")
+    rate = target_rate(c, t.cdot, u1, u2)
+    return Statement(t, (equal(rate, mutation * ca.gradient(a.x, c) * t.cdot),))
+
+
+@claim("reference.{kind}", given="rates and radius > 0{more}", by=POSITIVE_RATES, over=MOTIONS)
+def motion(mutation: Mutation, kind: str) -> Statement:
+    """{kind}: x_d'^2 + y_d'^2 = v1d^2, x_d' y_d'' - y_d' x_d'' = v1d^2 v2d, theta_d' = v2d, and the
+    published rates are the derivatives of v1d and v2d.
+
+    The desired motion is one that the robot could make.
+    """
+    names = {"circle": "t ref_radius ref_rate", "line": "t ref_speed ref_heading x0 y0"}[kind]
+    t = symbols(names, names.removeprefix("t "))
+    given = {**t, "ref_origin": ca.vertcat(t.x0, t.y0)} if kind == "line" else t
+    y = {"circle": curves.circle, "line": curves.line}[kind](t.t, given)
+    first = ca.jacobian(y, t.t)
+    second = ca.jacobian(first, t.t)
+    turned = first[0] * second[1] - first[1] * second[0]
+    fast = equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation))
+    goals = (fast, equal(turned, y[3] ** 2 * y[4]), *every(first[2:5], y[4:7]))
+    if kind == "line":
+        ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
+        goals = (*goals, *ahead, equal(y[3], t.ref_speed))
+    return Statement(t, goals)
+
+
+@claim("estimator.pose", given="any values", by=Ring())
+def estimator_pose(mutation: Mutation) -> Statement:
+    """estimate = gain measured + (1 - gain) (old estimate moved by the old velocity).
+
+    Dead reckoning: a whole correction takes the sensor's pose, none keeps moving.
+    """
+    names = "x y theta v omega x_m y_m theta_m period gain"
+    t = symbols(names, names)
+    pose, old = (ca.vertcat(*(t[n] for n in part.split())) for part in ("x y theta", "v omega"))
+    measured, period, gain = ca.vertcat(t.x_m, t.y_m, t.theta_m), t.period, t.gain
+    theta = pose[2] + period * old[1]
+    moved = pose + period * ca.vertcat(-old[0] * ca.sin(theta), old[0] * ca.cos(theta), old[1])
+    estimate = corrected(reckoned(pose, old, period), measured, gain)
+    return Statement(t, every(estimate, gain * mutation * measured + (1 - gain) * moved))
+
+
+MOST = 5
+prediction_claim = Claims(by=Z3())
+
+
+@prediction_claim("prediction.times", given=f"0 <= delay <= {MOST} T; up to {MOST} commands")
+def prediction_times(mutation: Mutation) -> Statement:
+    """tau_1 + ... + tau_n = delay, 0 <= tau_j <= T, n = 5.
+
+    Over its delay the law counts on each command under way for as long as it acts.
+    """
+    t = symbols("delay period")
+    delay, period = t.delay, t.period
+    times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
+    total = reduce(ca.SX.__add__, times)
+    each = (part for time in times for part in between(0, time, period))
+    return Statement(t, (equal(total, mutation * delay), *each), between(0, delay, MOST * period))
+
+
+@prediction_claim("prediction.order", given=f"delay >= 0, T > 0; j = 1 to {MOST - 1}")
+def oldest_first(mutation: Mutation) -> Statement:
+    """tau_j = T wherever tau_(j+1) is not 0.
+
+    Only the oldest command under way acts for less than a period.
+    """
+    t = symbols("delay period")
+    delay, period = t.delay, t.period
+    times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
+    goals = (equal(older * (newer - mutation * period)) for newer, older in pairwise(times))
+    return Statement(t, tuple(goals), (at_least(delay), above(period)))
+
+
+@prediction_claim("prediction.friction", given="F1(u) u >= 0")
+def friction(mutation: Mutation) -> Statement:
+    """v+ has the sign of u, |v+| <= |u|, and v+ = u - t F1(u)/M while that is smaller than u.
+
+    In the prediction friction slows the robot down and never turns it round.
+    """
+    t = symbols("free taken")
+    free, taken = t.free, t.taken
+    after = slowed(free, taken)
+    slows = at_least(after * free), at_least(mutation * ca.fabs(free), ca.fabs(after))
+    less = ca.fmax(ca.fabs(free) - ca.fabs(taken), 0)
+    goals = (*slows, equal(less * (after - free + taken)))
+    return Statement(t, goals, (at_least(taken * free),))
+
+
+piece_claim = Claims(by=Z3(effort=150))
+
+
+@piece_claim(
+    "guard.lemma.piece",
+    given="v linear over the piece: friction f, push d and F constant; v on one side of f_speed, f "
+    ">= f_min above it, |d| <= dbar, M >= M_min",
+)
+def lemma_piece(mutation: Mutation) -> Statement:
+    """max(v, f_speed) rises by at most t max(F + dbar - f_min, 0)/M_min over a piece of time t.
+
+    guard.lemma for motions in pieces; its integrals are the limit of these.
+    """
+    a, t = GuardAxis(), symbols("end drag push")
+    v, end, edge = a.v, t.end, a.f_speed
+    above_edge = ca.logic_or(v > edge, end > edge)
+    sizes = at_least(a.mass, a.M_min), at_least(a.t), *within(t.push, a.dbar)
+    sides = at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min))
+    moves = equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push))
+    given = (*a.sound(), *sizes, *sides, moves)
+    most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
+    return Statement(a.symbols | t, (at_least(most, ca.fmax(end, edge)),), given)
+
+
+@piece_claim(
+    "guard.delay.step", given="guard.lemma over the piece; it acts for s <= tau, M >= M_min"
+)
+def delay_step(mutation: Mutation) -> Statement:
+    """v+ is at most y + nbar or f_speed, and what the commands before have added: after the next
+    one it is at most that and tau max(F + net, 0)/M_min more, as the guard sums it; so is -v.
+
+    One step of the sum over commands under way, for whatever was summed before.
+    """
+    a = GuardAxis(DELAYED)
+    more, goals = only(a), []
+    for way, sum_of in ((1, more.ahead), (-1, more.back)):
+        most = ca.fmax(way * a.y + a.nbar, a.f_speed) + a("", way)
+        gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
+        reached = ca.fmin(a.arrived, most) + gained
+        goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
+    given = (*a.sound(), at_least(a.mass, a.M_min), *between(0, a.since, a.periods * a.period))
+    return Statement(a.symbols, tuple(goals), given)
+
+
+@piece_claim(
+    "guard.late.mean-piece",
+    given="a window of two periods, v linear in each: y is (v_0 + 2 v_1 + v_2)/4 to within nbar; "
+    "guard.lemma over each period",
+)
+def mean_piece(mutation: Mutation) -> Statement:
+    """v+ now is at most what the guard counts from y with the commands of both periods, in the mean
+    and from rest; so is -v.
+
+    guard.late.mean for motions in pieces; its integrals are the limit of these.
+    """
+    a, t = GuardAxis(DELAYED), symbols("v0 v1 v2")
+    b, v = a.bounds, [*t.values()]
+    late = lateness(Times(period=1.0, step=1.0, window=2.0))
+    sent = [ca.vertcat(a[name], 0) for name in ("sent", "other")]
+    coming = delayed_push(sent, late, 0, b, Tails("tail", (late, late)))
+    assert coming is not None
+    mean = (v[0] + mutation(2, 1.5) * v[1] + v[2]) / 4
+    goals, given = [], [*a.sound(), *within(a.y - mean, b.nbar)]
+    for way, seen in ((1, coming), (-1, coming.mirrored)):
+        speeds = [ca.fmax(way * item, b.f_speed) for item in v]
+        for k, name in enumerate(("other", "sent")):
+            gain = b.period * ca.fmax(way * a[name] + a.net, 0) / b.M_min
+            given.append(at_least(speeds[k] + gain, speeds[k + 1]))
+        reached = seen.reached(ca.fmax(way * a.y + b.nbar, b.f_speed), b)
+        goals.append(at_least(reached, speeds[2]))
+    return Statement(a.symbols | t, tuple(goals), tuple(given))
+
+
+@piece_claim("guard.late.convex", given="0 <= w <= 1; any two forces, any dbar - f_min")
+def convex(mutation: Mutation) -> Statement:
+    """p(w F + (1 - w) F') <= w p(F) + (1 - w) p(F'), p what the guard counts of a force; either
+    way.
+
+    Jensen's inequality of two forces, and so of any weights on finitely many.
+    """
+    a, w = GuardAxis(DELAYED), ca.SX.sym("w")
+    forces, goals = (a.sent, a.other), []
+    for way in (1, -1):
+        mixed, first, second = (
+            push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)
+        )
+        goals.append(at_least(w * first + mutation(1 - w, w) * second, mixed))
+    return Statement(a.symbols | {"w": w}, tuple(goals), between(0, w, 1))
+
+
+def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relation:
+    """The value is 0 at one point."""
+    return equal(ca.substitute(value, t, ca.SX(where)))
+
+
+@piece_claim("lemma.log", (15,), given="t > 0", by=Z3(), premises="lemma.integration")
+def logarithm(mutation: Mutation) -> Statement:
+    """ln t <= t - 1: the difference is 0 at t = 1, and its derivative has the sign of t - 1.
+
+    The one fact about the logarithm that the exact algebra uses.
+    """
+    t = ca.SX.sym("t")
+    gap = t - 1 - mutation(1, 2) * ca.log(t)
+    goals = vanishes(gap, t, 1), at_least(ca.gradient(gap, t) * (t - 1))
+    return Statement({"t": t}, goals, (above(t),))
+
+
+@piece_claim(
+    "lemma.sine",
+    (40, 46, 55),
+    given="sin t >= 0 for 0 <= t <= pi",
+    by=Z3(),
+    premises="lemma.integration",
+)
+def sine(mutation: Mutation) -> Statement:
+    """|sin t| <= |t|, 1 - cos t <= t^2/2, and |sin t| >= (2/pi) |t| for |t| <= pi/2: t - sin t is
+    odd and does not fall; t^2/2 - 1 + cos t has the derivative t - sin t; (sin t)/t has the
+    derivative n/t^2, n = t cos t - sin t, and n does not rise from 0 on; each is 0 at 0.
+
+    What the window argument uses about the angle.
+    """
+    names = symbols("t")
+    t = names.t
+    gap, rise = t - ca.sin(t), t**2 / 2 - 1 + ca.cos(t)
+    slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
+    at_0 = (vanishes(value, t, 0) for value in (gap, rise, slope))
+    rates = equal(ca.gradient(rise, t), gap), equal(t**2 * ca.gradient(share, t), mutation * slope)
+    goals = (*at_0, at_least(ca.gradient(gap, t)), *rates, at_least(-ca.gradient(slope, t)))
+    return Statement(names, goals, (above(t), at_least(ca.sin(t))))

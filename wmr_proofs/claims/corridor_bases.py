@@ -1,0 +1,248 @@
+"""Assumptions of the certified corridor about what is sent: to bases that take velocities, or late.
+
+Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.theory.corridor` reads
+it.
+"""
+
+from dataclasses import replace
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.channels import WAYS, Channel, scaled
+from wmr_ctrl.control.filter.governor import FirstOrder
+from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
+from wmr_ctrl.control.guard.guard import Bounds, clipped
+from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loop_pi, wheel_speed_limit
+from wmr_ctrl.world.pose_sensor import reckoned
+from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claims.drive_bounds import Jittering
+from wmr_proofs.claims.guard_axis import NUMBERS
+from wmr_proofs.claims.wheels_and_encoders import EffectGraph
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+claim = Claims(by=Z3(effort=150))
+
+NOTHING = FirstOrder(*(ca.SX(0) for _ in range(6)))
+SCALES = (
+    {"key": "curvature", "words": "one factor", "scale": "curvature", "kinds": "axes wheels"},
+    {"key": "axes", "words": "each axis its own factor", "scale": "axes", "kinds": "axes"},
+    {"key": "turn", "words": "turning first", "scale": "turn", "kinds": "axes wheels"},
+    {"key": "drive", "words": "driving first", "scale": "drive", "kinds": "axes wheels"},
+    {"key": "wheels-curvature", "words": "wheels, one factor", "scale": "curvature",
+     "kinds": "wheels"},
+    {"key": "wheels-turn", "words": "wheels, turning first", "scale": "turn", "kinds": "wheels"},
+    {"key": "wheels-drive", "words": "wheels, driving first", "scale": "drive", "kinds": "wheels"},
+)  # fmt: skip
+"""How a filter brings a command within its limits, and the speeds that it limits."""
+
+
+@claim("corridor.filter-{key}", given="limits and l > 1e-29", over=SCALES)
+def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
+    """A command of which no limited speed is beyond its limit is sent as it is ({words}).
+
+    On this condition the base gets what the law asks for.
+    """
+    t = symbols("v omega l A B C", "l A B C")
+    axes = [Channel((1 - i, i), ca.SX(1), NOTHING, 0.0) for i in (0, 1)] * ("axes" in kinds)
+    wheels = [Channel((1, way), t.l, NOTHING, 0.0) for way in WAYS] * ("wheels" in kinds)
+    most = [t.A, t.B] * ("axes" in kinds) + [t.C, t.C] * ("wheels" in kinds)
+    channels, asked = [*axes, *wheels], (t.v, t.omega)
+    sent = scaled(asked, channels, [-item for item in most], most, scale)
+    given = [above(item, 1e-29) for item in (t.l, t.A, t.B, t.C)]
+    for channel, size in zip(channels, most, strict=True):
+        given.append(at_least(mutation(1, 2) * size, ca.fabs(channel.of(asked))))
+    return Statement(t, every(sent, ca.vertcat(*asked)), tuple(given))
+
+
+@claim("corridor.dead-band", given="any size")
+def dead_band(mutation: Mutation) -> Statement:
+    """a command behind the dead band is off by at most its size, and by nothing where it is larger.
+
+    What the dead band does counts as an error of the command.
+    """
+    g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, (("base.deadband", [0.01, 0.01]),))
+    goals = list[Relation]()
+    for i in (0, 1):
+        size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
+        beyond = ca.fabs(g.system.u[i]) > size
+        goals.append(at_least(mutation(1, 0.9) * ca.fabs(size), ca.fabs(off)))
+        goals.append(at_least(0, ca.if_else(beyond, ca.fabs(off), 0)))
+    return g.states(*goals, given=map(at_least, ca.vertsplit(g.column("base.deadband"))))
+
+
+@claim("corridor.wheel-speed", given="r, l, w_max > 0")
+def wheel_speed(mutation: Mutation) -> Statement:
+    """|v + l omega|, |v - l omega| <= r w_max imply that the firmware leaves the command as it is.
+
+    On this condition no wheel's speed is clipped.
+    """
+    g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, (("base.w_max", 10.0),))
+    r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
+    speeds = (ca.fabs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
+    slow = (at_least(mutation(1, 2) * r * most, speed) for speed in speeds)
+    given = (*positive(r, l, most), *slow)
+    return g.states(*every(g.system.y, g.system.u), given=given)
+
+
+@claim("corridor.pi-loop", given="r, l, tau_max > 0; no wheel is at its torque limit")
+def pi_loop(mutation: Mutation) -> Statement:
+    """the PI loop whose integral may rest does what the one does whose integral never rests.
+
+    Without a torque limit that acts, the certificate may take the loop for a linear one.
+    """
+    loops = ((("base.antiwindup", resting),) for resting in (True, False))
+    g, plain = (EffectGraph(speed_loop_pi.PI, numbers) for numbers in loops)
+    own = g.system
+    graph = plain.system.function("plain", [plain.system.update, plain.system.y])
+    following, torque = graph(own.u, own.x, own.p)
+    most = g["actuator.tau_max"]
+    weak = (above(mutation(1, 2) * most, ca.fabs(torque[i])) for i in (0, 1))
+    given = (*g.above_zero("robot.r", "robot.l", "actuator.tau_max"), *weak)
+    return g.states(*every(own.update, following), *every(own.y, torque), given=given)
+
+
+LATE = "a constant delay", "with jitter"
+
+
+@claim(
+    "corridor.guard-late-{key}",
+    given="S = M_min alpha > 0, brake >= 0, net >= 0; ahead, back, and what the last command adds "
+    "to them until the new one is sure to act: a, 0 without jitter; c = 1 + alpha J",
+    over=rows(jitters=(False, True), key=("constant", "jitter"), words=LATE),
+)
+def late_guard(mutation: Mutation, jitters: bool) -> Statement:
+    """F + S (w + ahead + a) <= S u1 - net and c F + S (w + ahead) <= S u1 - c net for w = y + nbar
+    and for w = f_speed, the same with 0 for F, all of it backwards too, and |F| at most the largest
+    force, imply that the guard leaves F as it is, and that 0 is safe ({words}).
+
+    On these conditions the law drives as if there were no guard, though commands are late.
+    """
+    t = symbols(f"{NUMBERS} y force J delay mixed ahead back a_ahead a_back slope stretch braking "
+                "largest", f"{NUMBERS} J delay mixed slope stretch braking largest")  # fmt: skip
+    b = Bounds(**{name: t[name] for name in NUMBERS.split()}, delay=t.delay)
+    coming = InFlight(t.ahead, t.back)
+    if jitters:
+        b = replace(b, jitter=t.J, mixed=t.mixed)
+        coming = replace(coming, again=InFlight(t.a_ahead, t.a_back))
+    S, c = t.slope, t.stretch if jitters else ca.SX(1)
+    cuts = {"slope": b.M_min * b.alpha, "braking": b.braking, "largest": largest_force(b)}
+    if jitters:
+        cuts["stretch"] = 1 + b.alpha * t.J
+    sizes = list[Relation]()
+    for way, side in ((1, "ahead"), (-1, "back")):
+        for w in (way * t.y + t.nbar, t.f_speed):
+            for F in (way * t.force, ca.SX(0)):
+                room = S * (t.u1 - w - t[side])
+                again = t[f"a_{side}"] if jitters else ca.SX(0)
+                sizes.append(at_least(room - S * again, F + b.net))
+                if jitters:
+                    sizes.append(at_least(room, c * mutation(1, 0.5) * (F + b.net)))
+    if not jitters:
+        sizes[0] = at_least(mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead), t.force + b.net)
+    given = (
+        *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1", "delay")),
+        above(S), *([at_least(c, 1)] * jitters), at_least(b.net), at_least(t.a_ahead),
+        at_least(t.a_back), at_least(t.largest, ca.fabs(t.force)), *sizes,
+    )  # fmt: skip
+    goals = tuple(equal(clipped(asked, t.y, b, coming), asked) for asked in (t.force, ca.SX(0)))
+    return Statement(t, goals, given, cuts)
+
+
+@claim("corridor.guard-sums", given="M_min, T > 0, tau_j >= 0; |F_j| <= N, N >= net")
+def late_sums(mutation: Mutation) -> Statement:
+    """what two commands that may act for tau_j count for is at most sum tau_j (F_j + N)/M_min ahead
+    and sum tau_j (N - F_j)/M_min back; of a piece in which either may act, with one of the two.
+
+    So what the guard counts is linear in the commands, and an output of the loop.
+    """
+    t = symbols(f"{NUMBERS} F1 F2 N t1 t2", f"{NUMBERS} t1 t2")
+    b = Bounds(**{name: t[name] for name in NUMBERS.split()})
+    first, second = (ca.vertcat(t[name], 0) for name in ("F1", "F2"))
+    sums = in_flight([(first, t.t1), (ca.horzcat(second, first), t.t2)], 0, b)
+    scale, size = t.period / t.M_min, mutation(1, 0.5) * t.N
+    goals = list[Relation]()
+    for way, side in ((1, sums.ahead), (-1, sums.back)):
+        worst = ca.fmax(way * t.F1, way * t.F2)
+        most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
+        goals.append(at_least(scale * most, side))
+    largest = at_least(t.N, b.net), at_least(t.N, ca.fabs(t.F1)), at_least(t.N, ca.fabs(t.F2))
+    given = (*positive(t.M_min, t.period), at_least(t.t1), at_least(t.t2), *largest)
+    return Statement(t, tuple(goals), given)
+
+
+@claim(
+    "corridor.jitter",
+    given="jitter a multiple of h, h > 0; each time drawn within it; what waits is the command "
+    "that arrived last, and what acts is it or the one before, it from the time drawn for it on",
+)
+def overtaken(mutation: Mutation) -> Statement:
+    """what acts is the command that arrived last or the one before it, and what is given is so
+    again in the next plant step.
+
+    Drives with jitter let one of the last two commands act, never an older one.
+    """
+    g = Jittering()
+    h, width, t = g["clock.plant"], g["actuator.jitter"], g.free | symbols("older")
+    now, waiting, wait = (part[0] for part in ca.vertsplit(g.system.update, [0, 2, 4, 5]))
+    acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
+                         for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
+    arrived = g["tau_right"]
+    before = ca.if_else(t.phase <= 0, last, t.older)
+    given = (
+        above(h), equal(width, t.most * h), at_least(t.drawn), at_least(t.most, t.drawn),
+        at_least(t.phase), at_least(t.steps, 1), at_least(t.steps, t.phase + 1),
+        at_least(t.steps, due), at_least(due), when(t.phase > 0, equal(last, arrived)),
+        equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
+        when(ca.logic_and(t.phase <= 0, due < t.steps), equal(acting, last)),
+    )  # fmt: skip
+    one_of = equal((now - arrived) * (now - before))
+    goals = one_of, equal(waiting, arrived), when(t.phase >= wait, equal(now, arrived))
+    return g.states(*goals, given=given, cuts=g.cuts, more=t)
+
+
+@claim("corridor.ramp", given="h, accel, decel > 0; a at most accel and decel")
+def ramped(mutation: Mutation) -> Statement:
+    """a ramp leads towards its goal and not past it, in a plant step by a h or all that is left,
+    or as far as 0 where it has to turn round.
+
+    On the way from one command to the next what acts lies between them, and is there in time.
+    """
+    g = EffectGraph(command_ramp.COMMAND_RAMP, (("base.accel", [1.0, 1.0]),))
+    a, goals = symbols("a", "a"), list[Relation]()
+    h, given = g["clock.plant"], list[Relation]()
+    for i in (0, 1):
+        now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
+        after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]
+        given += [at_least(rate, a["a"]) for rate in rates]
+        left, was = ca.fabs(wanted - after), ca.fabs(wanted - now)
+        goals.append(at_least((after - now) * (wanted - after)))
+        taken = at_least(ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0), left)
+        goals.append(when(now * wanted >= 0, taken))
+        goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
+    goals += every(g.system.update, g.system.y)
+    return g.states(*goals, given=(*positive(h, a["a"]), *given), more=a)
+
+
+@claim("corridor.reckoning", given="two poses, the second off by (dx, dy, b); one velocity")
+def reckoning(mutation: Mutation) -> Statement:
+    """after a period of dead reckoning the second is off by b as before, and in its position by
+    what it was and T v times the difference of both directions.
+
+    A reckoned pose that began off the true one goes on being off so, and turns no further away.
+    """
+    t = symbols("x y theta dx dy b v omega T s c s_off c_off")
+    there, off = ca.vertcat(t.x, t.y, t.theta), ca.vertcat(t.dx, t.dy, t.b)
+    v = ca.vertcat(t.v, t.omega)
+    first, second = (reckoned(pose, v, t.T) for pose in (there, there + off))
+    turned = t.T * t.omega
+    cuts = {
+        "s": ca.sin(t.theta + turned), "c": ca.cos(t.theta + turned),
+        "s_off": ca.sin(t.theta + t.b + turned),
+        "c_off": ca.cos(t.theta + t.b + turned),
+    }  # fmt: skip
+    way = mutation(1, 2) * t.T * t.v
+    apart = ca.vertcat(-way * (t.s_off - t.s), way * (t.c_off - t.c), 0)
+    return Statement(t, every(second - first, off + apart), (), cuts)

@@ -1,0 +1,122 @@
+"""Assumptions of the certified corridor about laws, guard and wheels off their limits.
+
+Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.theory.corridor` reads
+it.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, guarded
+from wmr_ctrl.control.laws.prox import carried_plainly, mixture
+from wmr_ctrl.control.laws.velocity_loop import cut
+from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import BARRIERS
+from wmr_proofs.claims.guard_axis import NUMBERS
+from wmr_proofs.claims.prox import Step
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import above, at_least, equal, every, nonnegative, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+claim = Claims(by=Z3(effort=150))
+
+
+@claim(
+    "corridor.prox{key}",
+    given="0 < v_u2 < v_u1, 0 < E < 1; v* = v + c_m - c",
+    premises="transport.plain{key} prox.linear{key}",
+    over=BARRIERS,
+)
+def prox(mutation: Mutation, smooth: bool) -> Statement:
+    """|v+| <= v_u2 implies that the law's step is the one that its corridor assumes ({words}).
+
+    Away from the limits the step is a mixture of where the velocity is carried and the target.
+    """
+    s = Step(smooth)
+    t, carried = s.inputs, s.free.carried
+    plainly = carried_plainly(t.v, t.c, t.followed)
+    after = mixture(plainly, t.target, s.shares)
+    near = (at_least(t.u2, way * after) for way in (1, -1))
+    given = (equal(carried, plainly), above(1e100, t.u2), *near)
+    return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
+
+
+@claim("corridor.mb{key}", given="0 < v_u2 < v_u1", over=BARRIERS)
+def mb(mutation: Mutation, smooth: bool) -> Statement:
+    """|v|, |v_c0| <= v_u2 imply that V1/A = (v - v_c0)/2 and q = 1 ({words}).
+
+    Away from the limits the barrier adds nothing to the model-based law.
+    """
+    t = symbols("v c u1 u2", "u1 u2")
+    barrier = (smooth_barrier if smooth else stable_barrier)(t.c, t.v, t.u1, t.u2)
+    near = (at_least(mutation(1, 2) * t.u2, ca.fabs(item)) for item in (t.v, t.c))
+    given = (above(t.u2), above(t.u1, t.u2), above(1e100, t.u2), *near)
+    goals = equal(2 * barrier.V1_over_A, t.v - t.c), equal(barrier.q, ca.SX(1))
+    return Statement(t, goals, given)
+
+
+@claim("corridor.kanayama", given="every limit >= 0")
+def kanayama(mutation: Mutation) -> Statement:
+    """|value| <= limit on both axes implies that the clip leaves the value as it is.
+
+    Within its limits the command is not clipped.
+    """
+    t = symbols("a b A B", "A B")
+    values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
+    left = cut(values, most)
+    inside = (at_least(mutation(1, 2) * most[i], ca.fabs(values[i])) for i in (0, 1))
+    return Statement(t, every(left, values), (*nonnegative(t.A, t.B), *inside))
+
+
+@claim("corridor.guard", given="no late command; M_min alpha > 0, brake >= 0, dbar >= f_min")
+def guard(mutation: Mutation) -> Statement:
+    """With S = M_min alpha: |F + S y|, |S y| <= S (u1 - nbar) - net, |F| <= S (u1 - f_speed) - net
+    imply that the guard leaves F as it is, and that its safe point is 0.
+
+    On these conditions the law drives as if there were no guard.
+    """
+    t = symbols(f"{NUMBERS} y force", NUMBERS)
+    bounds = Bounds(**{name: t[name] for name in NUMBERS.split()})
+    slope, net = t.M_min * t.alpha, bounds.net
+    near, far = (slope * (t.u1 - t[name]) - net for name in ("nbar", "f_speed"))
+    sizes = ((t.force + slope * t.y, near), (slope * t.y, near), (t.force, far))
+    held = guarded(ca.vertcat(t.force, 0), ca.vertcat(t.y, 0), bounds)
+    free = (at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes)
+    signs = *positive(t.M_min, t.M_max, t.alpha, t.period, t.u1), *nonnegative(t.nbar, t.f_speed)
+    given = (*signs, *nonnegative(t.brake, net), *free)
+    return Statement(t, (equal(held.force[0], t.force), equal(held.safe[0])), given)
+
+
+@claim(
+    "corridor.wheels-{key}",
+    given="r, l, tau_max > 0; the guard's safe point is 0, as it is without a guard",
+    over=({"key": "linear-first"}, {"key": "rotation-first"}),
+)
+def wheels(mutation: Mutation, key: str) -> Statement:
+    """Torques within tau_max on both wheels imply that the map ({key}) leaves the force as it is.
+
+    On this condition the wheels' limit does not act.
+    """
+    t = symbols("force moment r half tau", "r half tau")
+    force = ca.vertcat(t.force, t.moment)
+    torque = force_to_wheel(t.r, t.half, force)
+    phi = full_thrust(t.r, t.tau)
+    mapped = MAPS[key](force, phi, t.half, ca.SX.zeros(2))
+    weak = (at_least(mutation(1, 2) * t.tau, ca.fabs(torque[i])) for i in (0, 1))
+    return Statement(t, every(mapped, force), (*positive(t.r, t.half, t.tau), *weak))
+
+
+@claim("corridor.product", given="ratio > 0")
+def product(mutation: Mutation) -> Statement:
+    """|a + ratio b| <= P and |a - ratio b| <= Q imply 4 ratio |a b| <= max(P^2, Q^2).
+
+    The largest product of two errors follows from how large sums of them get.
+    """
+    t = symbols("a b P Q ratio", "P Q ratio")
+    sums = (t.a + t.ratio * t.b, t.a - t.ratio * t.b)
+    given = (above(t.ratio), at_least(t.P, ca.fabs(sums[0])), at_least(t.Q, ca.fabs(sums[1])))
+    largest = ca.fmax(t.P * t.P, t.Q * t.Q)
+    size = mutation(4, 5) * t.ratio * ca.fabs(t.a * t.b)
+    return Statement(t, (at_least(largest, size),), given)

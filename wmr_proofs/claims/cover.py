@@ -1,0 +1,126 @@
+"""The regions of `proofs.regions` cover everything, and each chart reaches all of its region."""
+
+from functools import reduce
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier import printed as barrier
+from wmr_ctrl.control.barrier.stable import SmoothAxis
+from wmr_proofs import regions
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import barrier_axis
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+
+def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX, ca.SX | None]]:
+    """Open interval of each region's size; None: no bound."""
+    edge = u2 + 1 / b
+    return {
+        "near": (ca.SX(0), u2), "middle": (u2, edge), "far": (edge, None), "beyond": (u2, None),
+        "in": (ca.SX(0), u2), "out": (u2, u2 + b),
+    }  # fmt: skip
+
+
+def _inside(size: ca.SX, region: str, u2: ca.SX, b: ca.SX) -> ca.SX:
+    points = {"zero": ca.SX(0), "corner": u2, "edge": u2 + 1 / b, "kink": u2}
+    if region in points:
+        return ca.eq(size, points[region])
+    low, high = _bounds(u2, b)[region]
+    return size > low if high is None else ca.logic_and(size > low, size < high)
+
+
+def _member(value: ca.SX, name: str, u2: ca.SX, b: ca.SX) -> ca.SX:
+    """True if ``value`` lies in a signed region such as ``middle-``."""
+    if name == "zero":
+        return ca.eq(value, 0)
+    size = -value if name.endswith("-") else value
+    return _inside(size, name[:-1], u2, b)
+
+
+LISTS = (
+    {"key": "targets", "equations": (18,), "index": 1, "number": 11, "of": "v_c0",
+     "all": "the real line", "names": (*regions.TARGETS, *regions.TARGET_EDGES)},
+    {"key": "sides", "equations": (15,), "index": 0, "number": 7, "of": "v", "all": "|v| < v_u1",
+     "names": (*regions.SIDES, *regions.SIDE_EDGES)},
+    {"key": "smooth-targets", "index": 1, "number": 7, "of": "v_c0 for the smooth barrier",
+     "all": "the real line", "names": regions.SMOOTH_TARGETS},
+)  # fmt: skip
+WHY = "The claims are shown region by region, and no region is left out."
+claim = Claims(by=Z3(), meaning=WHY)
+
+
+@claim("cover.{key}", given="0 < v_u2 < v_u1", over=LISTS)
+def covered(mutation: Mutation, names: tuple[str, ...], index: int) -> Statement:
+    """the {number} regions and boundaries of {of} together cover {all}."""
+    a, _, _, u1, u2 = barrier_axis()
+    hits = (_member(a.all[index], name, u2, u1 - u2) for name in mutation(names, names[1:]))
+    return a.states(above(ca.if_else(reduce(ca.logic_or, hits), 1, 0)), given=a.inside)
+
+
+@claim("cover.charts", (15, 18), given="v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y)")
+def charted(mutation: Mutation) -> Statement:
+    """each chart of a bounded region covers all of it."""
+    t = symbols("y u2 b")
+    y, u2, b = t.values()
+    n = y / (1 - y)
+    goals: list[Relation] = []
+    for name in ("near", "middle", "in", "out"):
+        value = regions.side_value if name in ("in", "out") else regions.target_value
+        low, high = _bounds(u2, b)[name]
+        assert high is not None
+        goals.append(equal(value(f"{name}+", u2, b, n), low + mutation * y * (high - low)))
+    return Statement(t, tuple(goals), (above(y), above(1, y), *positive(u2, b)))
+
+
+@claim("cover.numbers", (15, 18))
+def reached(mutation: Mutation) -> Statement:
+    """n/(1 + n) takes every value between 0 and 1 at a positive n."""
+    t = symbols("y")
+    y = t.y
+    n = y / (1 - y)
+    return Statement(t, (above(n), equal(n / (1 + n), mutation * y)), (above(y), above(1, y)))
+
+
+@claim(
+    "cover.far",
+    (18,),
+    given="0 < v_u2 < v_u1, v_c0 > v_u2 + 1/(v_u1 - v_u2); mirrored for v_c0 < 0",
+)
+def far_reached(mutation: Mutation) -> Statement:
+    """beyond v_u2 + 1/b every v_c0 is u1 - d + 1/d at a gap d between 0 and b."""
+    # For |v_c0| > v_u2 + 1/b the gap d of the compiled formula lies in (0, b), and the chart at it
+    # gives v_c0 back: target_value("far+") with d = b/(1 + j).
+    a, _, c, u1, u2 = barrier_axis()
+    b = u1 - u2
+    d = u1 - barrier.minimiser(c, u1, u2)
+    goals = (above(d), above(b, d), equal(u1 - d + mutation / d, c))
+    return a.states(*goals, given=(*a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
+
+
+@claim(
+    "cover.beyond", given="0 < v_u2 < v_u1 = v_u2 + b, v_u2 < v_c0 < 1e100; mirrored for v_c0 < 0"
+)
+def beyond_reached(mutation: Mutation) -> Statement:
+    """smooth barrier: beyond v_u2 every v_c0 is u1 - d + 1/d - 1/b at a gap d between 0 and b."""
+    # The same beyond v_u2 for the smooth barrier: target_value("beyond+") with d = b/(1 + j).
+    a, v, c, u1, u2 = barrier_axis()
+    b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
+    goals = (above(d), above(b, d), equal(u1 - d + mutation / d - 1 / b, c))
+    return a.states(*goals, given=(*a.inside, above(c, u2), above(1e100, c)))
+
+
+@claim("cover.order", (15, 18), given="i, j > 0")
+def ordered(mutation: Mutation) -> Statement:
+    """where |v| and |v_c1| share an interval, one of the three orders holds, and each has its
+    chart.
+    """
+    t = symbols("i j")
+    i, j = t.values()
+    more, less = i - j, i / (j - i)
+    below = ca.if_else(i < j, ca.fabs(j * less / (1 + less) - mutation * i), 0)
+    rest = ca.if_else(i > j, ca.fabs(j + more - i), below)
+    sign = ca.if_else(i > j, more, ca.if_else(i < j, less, 1))
+    return Statement(t, (equal(rest), above(sign)), positive(i, j))

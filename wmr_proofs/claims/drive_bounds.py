@@ -1,0 +1,279 @@
+"""Drives: what lag, delay, jitter and motors add to the guard's assumptions, on their graphs."""
+
+import casadi as ca
+
+from wmr_ctrl.control.applied import followed
+from wmr_ctrl.control.guard.delay import integral, moved
+from wmr_ctrl.world import delay, jitter, lag, motor
+from wmr_ctrl.world.model.dynamics import wheel_to_force
+from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claims.wheels_and_encoders import EffectGraph
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import above, at_least, between, equal, every, positive, when, within
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+claim = Claims(by=Z3(effort=150))
+
+
+@claim(
+    "world.lag.stepped",
+    given="e = exp(-h/tau_min); tau_min <= tau <= b, exponentials as symbols with exp(-h/a) <= "
+    "exp(-h/tau_min) <= exp(-h/tau) <= exp(-h/b) < 1 and h <= b (exp(h/b) - 1)",
+)
+def held(mutation: Mutation) -> Statement:
+    """a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises with a
+    = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b].
+
+    A lag computed in plant steps counts as one with a slightly smaller time constant.
+    """
+    # One plant step of the lag that holds its value, and Z that the guard follows.
+    t = symbols("z p step share growth b between least falls rises")
+    z, p, h, s, growth, b, e, least, falls, rises = t.values()
+    a, after = lag.equivalent_lag(h, growth), lag.followed(p, e, z)
+    guarded = integral(z, p, (h, b * (1 - falls), a * (1 - rises)))
+    end = moved(z, p, (falls, rises))
+    adds = at_least(guarded + s * end, (mutation(1, 1.01) * h + s) * after)
+    goals = adds, at_least(end, after)
+    given = (
+        at_least(z), at_least(p), *positive(h, growth), *between(a, s, b),
+        equal(least * (1 + growth), 1), *between(0, rises, least), *between(least, e, falls),
+        above(1, falls), at_least(b * (1 - falls), h * falls),
+    )  # fmt: skip
+    return Statement(t, goals, given)
+
+
+@claim(
+    "world.lag.applied",
+    given="0 < e < 1 for e = exp(-h/lag); four plant steps in a period, delay of one period "
+    "and three steps",
+)
+def applied(mutation: Mutation) -> Statement:
+    """the torque that laws are told was applied is the mean of what acted in the plant steps of the
+    sample behind delay and lag, and what acts at its end is the drives' own.
+
+    The observer and the monitor use the torque that the simulated drives produced.
+    """
+    t, steps, part = symbols("newest older oldest acting e"), 4, 3
+    newest, older, oldest, acting, e = t.values()
+    told = followed([newest, older, oldest], (1, part, steps), acting, e)
+    total = ca.SX(0)
+    for step in range(steps):
+        acting = lag.followed(oldest if step < part else older, e, acting)
+        total = total + acting
+    goals = (equal(told[0], mutation * total / steps), equal(told[1], acting))
+    return Statement(t, goals, (above(e), above(1, e)))
+
+
+TIMES = (
+    "lag, h > 0, 0 < spread < 1, h <= 500 lag (1 - spread); exp(h/(lag (1 - spread))) and "
+    "exp(h/lag') as symbols"
+)
+
+
+@claim("world.lag.bound", given=f"{TIMES}: larger where lag' is smaller, exp(x) - 1 >= x")
+def lag_bound(mutation: Mutation) -> Statement:
+    """on the drives' own graph a share exp(-h/tau) of the acting torque is left after a step, tau =
+    lag (1 + spread x), |x| <= 1, which is at most the upper time constant in their bound, and
+    h/(exp(h/tau) - 1) of it at least the lower one.
+
+    What drives of a lag that varies add to the guard's numbers (world.lag.stepped has the rest).
+    """
+    numbers = (("actuator.lag", 0.02), ("actuator.lag_spread", 0.2))
+    g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth decay")
+    h, time = g["clock.plant"], g["actuator.lag"]
+    x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
+    fast, slow = ca.vertsplit(g.bound("lag"))
+    tau = time * (1 + spread * x)
+    sizes = *g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread)
+    steps = (at_least(most * time * (1 - spread), h) for most in (t.most_growth, 500))
+    given = (*sizes, *steps, *within(x, 1), above(t.growth), at_least(t.most_growth, t.growth))
+    least = lag.equivalent_lag(h, t.growth)
+    wanted = ca.vertcat(g["tau_right"], g["tau_left"])
+    acting = g.column(lag.ACTING.name)
+    left = every(g.system.update, wanted + t.decay * (acting - wanted))
+    goals = at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast), *left
+    cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
+    return g.states(*goals, given=given, cuts=cuts, more=t)
+
+
+@claim("world.lag.constant", given="lag > 0, spread = 0")
+def constant_lag(mutation: Mutation) -> Statement:
+    """both time constants that the bound of a lag without spread tells are the lag of the drives'
+    own graph, of which exp(-h/lag) is left in a step.
+
+    What drives of one time constant add to the guard's numbers.
+    """
+    g = EffectGraph(lag.LAG, (("actuator.lag", 0.02),), "clock")
+    time = g["actuator.lag"]
+    wanted = ca.vertcat(g["tau_right"], g["tau_left"])
+    acting = g.column(lag.ACTING.name)
+    t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
+    both = (equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag")))
+    goals = (*both, *every(g.system.update, wanted + t.decay * (acting - wanted)))
+    return g.states(*goals, given=(above(time), equal(g["actuator.lag_spread"])), cuts=cuts, more=t)
+
+
+@claim("world.delay.bound", given="any delay and unmodelled delay")
+def delay_bound(mutation: Mutation) -> Statement:
+    """the bound of the delay is what the drives' own graph holds a command back by: delay +
+    unmodelled delay.
+
+    What the guard counts as the latest takeover.
+    """
+    g = EffectGraph(delay.DELAY, (("actuator.delay", 0.02), ("actuator.unmodelled_delay", 0.01)))
+    assert g.system.transport is not None
+    return g.states(equal(g.bound("delay")[0], mutation * g.system.transport))
+
+
+class Jittering(EffectGraph):
+    """Drives with jitter: a period's steps, its most, what is drawn and the phase are ``free``."""
+
+    def __init__(self) -> None:
+        super().__init__(jitter.JITTER, (("actuator.jitter", 0.01),))
+        self.free, h = symbols("steps most drawn phase"), self["clock.plant"]
+        times = self["clock.control"], self["actuator.jitter"]
+        steps, most = (jitter.whole(time / h) for time in times)
+        number = self[f"{jitter.NUMBERS.name}[1]"]
+        late = self["actuator.delay"] + self["actuator.unmodelled_delay"]
+        since = self["step"] - jitter.whole(late / h)
+        self.cuts = {
+            "steps": steps, "most": most, "phase": since - steps * ca.floor(since / steps),
+            "drawn": ca.floor((number + 1) / 2 * (most + 1)),
+        }  # fmt: skip
+
+
+@claim(
+    "world.jitter.bound",
+    given="jitter a multiple of h, h > 0; drawn, a whole number from 0 on, below jitter/h + 1, so "
+    "at most jitter/h; what waits was drawn like that",
+)
+def jitter_bound(mutation: Mutation) -> Statement:
+    """in the drives' own graph a command that arrived at phase 0 acts from phase jitter/h on at the
+    latest, and what is drawn for the next steps is at most that; this jitter is the one in the
+    bound.
+
+    What the guard counts as the earliest and the latest takeover.
+    """
+    g = Jittering()
+    h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
+    now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
+    widths = above(h), equal(width, t.most * h), at_least(width), *between(0, t.drawn, t.most)
+    waits = at_least(t.most, g[jitter.DUE.name]), at_least(t.phase), at_least(t.steps)
+    given = (*widths, *waits)
+    arrived = ca.vertcat(g["tau_right"], g["tau_left"])
+    acts = t.phase >= mutation(t.most, t.most - 1)
+    told = (equal(g.bound(name)[0], width) for name in ("delay", "jitter"))
+    goals = (*(when(acts, goal) for goal in every(now, arrived)), at_least(t.most, wait), *told)
+    return g.states(*goals, given=given, cuts=g.cuts, more=t)
+
+
+@claim("world.motor.step", given="step > 0")
+def stepped(mutation: Mutation) -> Statement:
+    """torque in steps is off by at most half a step.
+
+    What a motor's resolution adds to dbar.
+    """
+    g = EffectGraph(motor.MOTOR, (("motor.step", 0.1),))
+    told, step = g["tau_right"], g["motor.step"]
+    x = told / step + 0.5
+    number = ca.floor(x)
+    given = (above(step), at_least(x, number), above(1, x - number))
+    most = motor.rounded_by(step) * mutation(1, 0.8)
+    lost = within(g.system.outputs[0].expr - told, most)
+    return g.states(*lost, given=given, cuts={"number": number})
+
+
+@claim("world.motor.dead-zone", given="zone > 0")
+def world_motor_dead_zone(mutation: Mutation) -> Statement:
+    """a dead zone takes at most its width, in the torque's direction.
+
+    What it adds to dbar.
+    """
+    g = EffectGraph(motor.MOTOR, (("motor.dead_zone", 0.1),))
+    told, zone = g["tau_right"], g["motor.dead_zone"]
+    lost = told - g.system.outputs[0].expr
+    goals = (*within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
+    return g.states(*goals, given=(above(zone),))
+
+
+@claim("world.motor.line", given="stall > 0, 1/free >= 0, |torque| <= tau")
+def line(mutation: Mutation) -> Statement:
+    """on the torque-speed line a torque up to tau misses at most the smaller of tau and d(s) =
+    max(tau - stall (1 - s/free), 0), s the speed in its direction, if positive.
+
+    What a motor misses at a speed.
+    """
+    t = symbols("torque speed stall slowing most", "stall slowing")
+    made = motor.on_line(t.torque, t.speed, t.stall, t.slowing)
+    share = t.slowing * t.speed
+    ahead, back = (motor.missing(t.most, t.stall, way * share) for way in (1, -1))
+    ahead, back = ca.fmin(ahead, t.most), ca.fmin(back, t.most)
+    part = mutation(1, 0.9)
+    sides = at_least(part * ahead, t.torque - made), at_least(part * back, made - t.torque)
+    goals = (*sides, at_least((t.torque - made) * t.torque))
+    given = (above(t.stall), at_least(t.slowing), *within(t.torque, t.most))
+    return Statement(t, goals, given)
+
+
+@claim(
+    "world.motor.{name}",
+    given="|v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0",
+    over=rows(way=(1, -1), name=("thrust", "moment"), drive=("one way", "opposite ways")),
+)
+def pair_ahead(mutation: Mutation, way: int) -> Statement:
+    """d(s) of both wheels together is largest at v1 = u1, |omega| = u2 where they drive {drive}.
+
+    What motors add to dbar, {name}.
+    """
+    t = symbols("v turn u1 edge stall slowing most", "stall slowing")
+
+    def both(v: ca.SX, turn: ca.SX) -> ca.SX:
+        speeds = (v + turn, v - turn) if way > 0 else (turn + v, turn - v)
+        first, second = (motor.missing(t.most, t.stall, t.slowing * s) for s in speeds)
+        return first + second
+
+    limited = *positive(t.u1, t.edge), *within(t.v, t.u1), *within(t.turn, t.edge)
+    given = (above(t.stall), at_least(t.slowing), *limited)
+    end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
+    return Statement(t, (at_least(end, both(t.v, t.turn)),), given)
+
+
+@claim(
+    "world.motor.bound-{name}",
+    given="step, zone, stall, free, tau_max, r, l, u1, u2 > 0; |tau_i| <= tau_max; |v1| <= u1, "
+    "|omega| <= u2; each wheel misses at most half a step, the zone, and the smaller of d of its "
+    "speed and tau_max + step/2; d of both wheels as world.motor.{name} has it",
+    premises="world.motor.step world.motor.dead-zone world.motor.line world.motor.{name}",
+    over=rows(axis=(0, 1), name=("thrust", "moment")),
+)
+def motor_bound(mutation: Mutation, axis: int) -> Statement:
+    """the torque that motors fail to give makes no more {name} than their bound says, for steps,
+    dead zone and line at once.
+
+    The guard's bound for motors covers the sum of their parts.
+    """
+    numbers = (("motor.step", 0.1), ("motor.dead_zone", 0.1), ("motor.stall", 3.0),
+               ("motor.free", 9.0), ("actuator.tau_max", 4.0))  # fmt: skip
+    g = EffectGraph(motor.MOTOR, numbers, "robot limits actuator")
+    t, bound = symbols("right left"), g.bound("dbar")[axis]
+    r, half, stall, step = (g[n] for n in ("robot.r", "robot.l", "motor.stall", "motor.step"))
+    most, slowing = g["actuator.tau_max"] + step / 2, 1 / g["motor.free"]
+
+    def short(v: ca.SX, turn: ca.SX, sides: tuple[int, int]) -> list[ca.SX]:
+        return [motor.missing(most, stall, side * (v + way * turn) / r * slowing)
+                for side, way in zip(sides, (1, -1), strict=True)]  # fmt: skip
+
+    signs = ("motor.dead_zone", "actuator.tau_max", "limits.v_u1[1]", "limits.v_u1[2]")
+    given = [*g.above_zero("robot.r", "robot.l", "motor.free", "motor.stall", "motor.step", *signs)]
+    ends = (g["limits.v_u1[1]"], half * g["limits.v_u1[2]"])
+    opposite = 1 if axis == 0 else -1
+    for side in (1, -1):
+        each = short(g["v1"], half * g["omega"], (side, side * opposite))
+        whole = short(*ends, (1, opposite))
+        given.append(at_least(sum(whole), sum(each)))
+        for name, d, way in zip(t, each, (side, side * opposite), strict=True):
+            lost = motor.rounded_by(step) + g["motor.dead_zone"] + ca.fmin(d, most)
+            given.append(at_least(lost, way * t[name]))
+    made = wheel_to_force(r, half, ca.vertcat(t.right, t.left))[axis]
+    return g.states(*within(made, bound * mutation(1, 0.9)), given=given, more=t)

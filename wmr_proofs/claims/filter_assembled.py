@@ -1,0 +1,207 @@
+"""The command filter's own graph, from odometry to command, as it is compiled and exported.
+
+One axis and direction at a time, without delay and losses.
+"""
+
+from fractions import Fraction
+from itertools import product
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.channels import WAYS
+from wmr_ctrl.control.filter.governor import NEAR, drive, drive_back
+from wmr_ctrl.control.filter.governor_step import Governor
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.command_filter import COMMANDS, INTERVALS, highest
+from wmr_proofs.claims.common import elements_of
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, equal, positive, when
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+claim = Claims(by=Z3(effort=60))
+STATED = {
+    "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
+    "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02),
+}  # fmt: skip
+"""Settings for the assembled graph's structure; its numbers are symbols all the same."""
+SIDES = tuple(
+    {"side": side, "axis": axis, "id": f"{name}-{way}", "words": f"{name} axis, {way}"}
+    for axis, name in enumerate(("linear", "angular"))
+    for side, way in enumerate(("forwards", "backwards"))
+)
+ASSEMBLED = (
+    f"{COMMANDS}, odometry within nbar or none, any time since the last sample; "
+    "-v_below <= v <= v_above if that is a period, |v| <= V; no delay and no losses, H = T; "
+    "T > 0, 0 < tau_min <= tau_max; " + INTERVALS
+)
+
+
+class AssembledStep:
+    """One axis and direction of the filter's own graph, as it is compiled and exported.
+
+    Its exponentials are free numbers between 0 and 1.  ``limit``: the largest command that it
+    admits; ``slow``: 0 < tau_min <= tau_max.
+    """
+
+    def __init__(self, side: int, axis: int) -> None:
+        """Read the graph of the step."""
+        self.graph = Governor(load_scenario("paper-simulation", STATED))
+        self.side, self.axis, self.way = side, axis, WAYS[side]
+        self.free = symbols("v u E mean share kappa gone")
+        system = self.graph.system
+        ports = (*system.inputs, *system.state, *system.params)
+        self.symbols = self.free | elements_of(*ports)
+        self.limit = self.graph.limits[side][axis]
+        T, (low, high) = self.graph.T, self.graph.motions[axis].tau
+        self.slow = above(low), at_least(high, low)
+        self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / low)}
+        self.cuts |= {"-most": ca.expm1(-T / low), "-least": ca.expm1(-T / high)}
+
+    def given(self, mutation: Mutation, target: ca.SX) -> tuple[Relation, ...]:
+        """Hypotheses on base, speed, odometry and exponentials; the mean under a command.
+
+        Odometry is as stated where it is there, and what was kept where the sample came in time.
+        """
+        graph, axis, f = self.graph, self.axis, self.free
+        b, v, y = graph.bounds[axis], f.v, graph.odometry.sym[axis]
+        kappa, most, least = self.cuts.values()
+        up, down = (known.sym[axis] for known in graph.known)
+        error = mutation(1, 1.01) * b.nbar
+        there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
+        timely = ca.logic_or(elapsed == 0, ca.fabs(elapsed - graph.T) <= NEAR * graph.T)
+        return (
+            above(b.V, b.dbar), at_least(b.dbar), at_least(b.V, v), at_least(b.V, -v),
+            at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min), equal(f.kappa, kappa),
+            equal(f.gone, most), above(f.kappa), equal(-f.kappa * f.gone, 1 + f.gone),
+            above(-least), at_least(least, most), above(1 + most), when(timely, at_least(up, v)),
+            when(timely, at_least(down, -v)), when(there, at_least(error, y - v)),
+            when(there, at_least(error, v - y)), *between(1 + most, f.E, 1),
+            above(graph.T), at_least(target, f.mean),
+        )  # fmt: skip
+
+
+@claim(
+    "filter.limits",
+    given="0 < K_min <= K_max, 0 <= dbar < V of both axes, T > 0, 0 < tau_min <= tau_max; any "
+    "odometry, any time since the last sample; no delay and no losses, H = T",
+)
+def limits(mutation: Mutation) -> Statement:
+    """the largest command that the whole filter admits is above 0, on either axis, either way.
+
+    Stopping is always allowed, and so is driving.
+    """
+    graph, cuts = Governor(load_scenario("paper-simulation", STATED)), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for axis, (b, motion) in enumerate(zip(graph.bounds, graph.motions, strict=True)):
+        (low, high), name = motion.tau, ("linear", "angular")[axis]
+        growth = ca.expm1(graph.T / low)
+        kappa = 1 / growth
+        cuts |= {f"kappa {name}": kappa, f"-most {name}": ca.expm1(-graph.T / low)}
+        cuts[f"-least {name}"] = ca.expm1(-graph.T / high)
+        given += [above(b.V, b.dbar), at_least(b.dbar), above(b.K_min), at_least(b.K_max, b.K_min)]
+        given += [*positive(low, high, growth), above(kappa)]
+        goals += [above(side[axis], mutation(0, b.V)) for side in graph.limits]
+    table = elements_of(*graph.system.inputs, *graph.system.state, *graph.system.params)
+    return Statement(table, tuple(goals), tuple(given), cuts)
+
+
+@claim(
+    "filter.sent-{id}",
+    given=f"{ASSEMBLED}; the four limits above 0 (filter.limits)",
+    premises="filter.limits",
+    over=SIDES,
+)
+def sent(mutation: Mutation, side: int, axis: int) -> Statement:
+    """{words}: the command that the whole filter sends is at most the step's limit, whatever both
+    axes are asked for.
+
+    Nothing bypasses the filter: no command and no scaling of the other axis.
+    """
+    step = AssembledStep(side, axis)
+    every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
+    given = tuple(above(limit) for limit in every.values())
+    every["numbers are sound"] = step.graph.sound
+    most, commands = mutation(1, 0.99) * step.limit, (step.graph.sent, step.graph.safe)
+    goals = tuple(at_least(most, step.way * command[axis]) for command in commands)
+    return Statement(step.symbols, goals, given, every)
+
+
+@claim(
+    "filter.assembled-{id}",
+    given=f"{ASSEMBLED}; u at most the step's limit (filter.sent)",
+    premises="filter.sent-{id}",
+    over=SIDES,
+)
+def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
+    """{words}: E v + (1 - E) mean <= V behind every command u that the whole filter admits.
+
+    The limit of the filter as it is exported, from odometry to command, keeps the base within V.
+    """
+    step = AssembledStep(side, axis)
+    u, E = step.free.u, step.free.E
+    given = (*step.given(mutation, drive(u, step.graph.bounds[axis])), at_least(step.limit, u))
+    end = E * step.way * step.free.v + (1 - E) * step.free.mean
+    return Statement(step.symbols, (at_least(step.graph.bounds[axis].V, end),), given, step.cuts)
+
+
+def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
+    """Points at which what is kept as next bound is as low as it may be.
+
+    By turns: driven up and down from a bound that was kept, from odometry, from the limit where
+    the sample was late, and from a bound that was kept while odometry is not there.
+    """
+    own, other, way = axis + 1, 2 - axis, WAYS[side]
+    names = ("v_above", "v_below") if side == 0 else ("v_below", "v_above")
+    V = 1 - Fraction(2) ** -26
+    rows = (  # speed, its bounds on both sides, odometry and its age, target, share, elapsed
+        ("1/2", "1/2", "-1/2", "1/2", -1, 1, "1/2", 0),
+        ("1/2", "1/2", "-1/2", "1/2", -1, 0, "1/4", 0),
+        ("1/2", "3/4", 1, "2/5", 0, 1, "1/2", 1),
+        (V, 0, 0, V, -1, "1/4", "1/4", 8),
+        ("1/2", "1/2", 1, -1, -1, 1, "1/2", 0),
+    )
+    known = {
+        "clock.control.1": 1, "limits.v_u1.1": 1, "limits.v_u1.2": 1, "filter.odometry.1": "1/10",
+        "filter.odometry.2": "1/10", "filter.d.1": "1/8", "filter.d.2": "1/8", "filter.tau.1": 1,
+        "filter.gain.1": 1, "filter.gain.2": 1, "filter.tau.2": 1, f"v_asked.{other}": 0,
+        "kappa": 1, "1/(exp(T/tau_min) - 1)": 1, "gone": "-1/2", "-most": "-1/2", "-least": "-1/4",
+        "E": "1/2", f"v_odometry.{other}": 0, f"v_above.{other}": 1, f"v_below.{other}": 1,
+    }  # fmt: skip
+    return tuple(
+        {name: Fraction(str(value)) for name, value in (known | {
+            "v": way * Fraction(str(v)), f"{names[0]}.{own}": up, f"{names[1]}.{own}": down,
+            f"v_odometry.{own}": way * Fraction(str(y)), "odometry_age.1": age,
+            "elapsed.1": elapsed, "mean": target, "driven towards": target, "share": share,
+            **dict.fromkeys(
+                (f"v_asked.{own}", "sent command"), way * (Fraction(str(target)) - Fraction(1, 8))
+            ), "other command": 0,
+        }).items()}
+        for v, up, down, y, age, target, share, elapsed in rows
+    )  # fmt: skip
+
+
+@claim(
+    "filter.carried-{id}",
+    given=f"{ASSEMBLED}; sent at most the step's limit (filter.sent)",
+    premises="filter.sent-{id} filter.drive",
+    by=lambda side, axis: Z3(effort=60, points=tight(side, axis)),
+    over=SIDES,
+)
+def carried(mutation: Mutation, side: int, axis: int) -> Statement:
+    """{words}: v + share (mean - v) <= what the whole filter keeps as next bound, for least <=
+    share <= most.
+
+    The memory of the filter as it is exported bounds the speed at the next sample.
+    """
+    step = AssembledStep(side, axis)
+    v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
+    sent, b = step.way * step.graph.safe[axis], step.graph.bounds[axis]
+    target = (drive, drive_back)[side](step.graph.safe[axis], b)
+    within = at_least(step.limit, sent), *between(-least, share, -most)
+    given = (*step.given(mutation, target), *within, *step.slow, at_least(highest(sent, b), target))
+    end = v + share * (step.free.mean - v)
+    commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
+    cuts = step.cuts | commands | {"driven towards": target}
+    return Statement(step.symbols, (at_least(step.graph.following[side][axis], end),), given, cuts)

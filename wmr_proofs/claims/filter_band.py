@@ -1,0 +1,273 @@
+"""The band of the command filter: what its forecasts bound, and what it admits.
+
+Tables of a few pieces and the tail: every piece of longer ones is reckoned alike.
+"""
+
+from itertools import product
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.forecast import (
+    FLATTEST,
+    HELD,
+    PIECES,
+    Forecast,
+    ResponseTable,
+    inverse_slopes,
+)
+from wmr_ctrl.results.ledger import HAND
+from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Named, stacked, symbols
+
+TABLES = "0 <= low <= high on every piece, left, fading in [0, 1]"
+claim = Claims(by=Z3(effort=100))
+WAYS = rows(way=(1, -1), word=("over", "under"), sign=("", "-"))
+
+
+class BandAxis(Named):
+    """Symbols of one axis: tables, forecast, the new command ``to`` and the base's own response.
+
+    ``table`` and ``forecast`` at the sample are as the filter's graph reads them.
+    """
+
+    def __init__(self, size: int = 1) -> None:
+        self.size, numbers, parts = size, range(1, size + 1), ("above", "below", "over", "under")
+        names = " ".join(f"{part}{i}" for part in parts for i in numbers)
+        names += "".join(f" after{i}" for i in range(1, size + 2 - PIECES))
+        self.symbols = s = symbols(f"{names} left fading tail past_over past_under u to c v S")
+        high, low, over, under = (stacked(s, part, size) for part in parts)
+        after = stacked(s, "after", size + 1 - PIECES)
+        self.table = ResponseTable(high, low, after, s.left, s.fading)
+        self.forecast = Forecast(over, under, s.tail, s.u, s.past_over, s.past_under)
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """0 <= low <= high, and `faded`."""
+        low, high = self.table.low, self.table.high
+        order = (part for i in range(self.size) for part in between(0, low[i], high[i]))
+        return (*order, *self.faded)
+
+    @property
+    def faded(self) -> tuple[Relation, ...]:
+        """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
+        shares = *between(0, self.left, 1), *between(0, self.fading, 1)
+        return (*shares, at_least(self.tail), above(self.c))
+
+
+def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
+    """Bound of v - u (way 1) or of u - v on one part: a piece, or -1 for the tail."""
+    pieces = forecast.over if way > 0 else forecast.under
+    past = forecast.past_over if way > 0 else forecast.past_under
+    return past + (forecast.tail if part < 0 else pieces[part])
+
+
+@claim(
+    "filter.band.{word}",
+    given=f"{TABLES}; {{sign}}v <= {{sign}}u + {{word}}; low <= S <= high, the base's response",
+    over=WAYS,
+)
+def forecast(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(v + (to - u) S) <= {sign}to + {word} of the changed forecast.
+
+    After a change of the command the forecast still bounds every member of the family.
+    """
+    a = BandAxis()
+    s, changed = a.symbols, a.forecast.changed(a.to, a.table)
+    given = [*a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
+    given += [*between(mutation(1, 0.9) * a.table.low[0], s.S, a.table.high[0])]
+    most = way * s.to + bound_of(changed, way)
+    return Statement(s, (at_least(most, way * (s.v + (s.to - s.u) * s.S)),), given=tuple(given))
+
+
+@claim("filter.band.mirrored", given=f"{TABLES}")
+def mirrored(mutation: Mutation) -> Statement:
+    """the changed forecast of -v is that of v with over and under exchanged.
+
+    Backwards the band does what it does forwards.
+    """
+    a = BandAxis()
+    s = a.symbols
+    there = a.forecast.mirrored(ca.SX(-1)).changed(-mutation(1, 1.1) * s.to, a.table)
+    here = a.forecast.changed(s.to, a.table).mirrored(ca.SX(-1))
+    goals = [at_least(bound_of(x, way) - bound_of(y, way))
+             for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
+    return Statement(s, tuple(goals), a.stated)
+
+
+PARTS = rows(part=("piece", "tail"), told=("a piece of the tables", "behind the tables"))
+EACH = tuple(way | part for way in WAYS for part in PARTS)
+WITHIN = "u + over, -u + under <= c'', c'' = c (1 + 2^-30 + 2^-46)"
+INSIDE = f"before it {WITHIN}, and under <= c' = c (1 + 2^-30) once 0 is sent"
+
+
+class BandStep(BandAxis):
+    """A step of the band on tables of a period and one piece, and the conditions it is held to.
+
+    ``everywhere``: all pieces and what is behind them; ``inverse``: 1 over the slopes of all
+    conditions, for a command held, and where 0 follows; ``steps``: the largest rise and fall of a
+    command that is held; ``stopped``: the largest change of each condition where 0 follows.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(PIECES + 1)
+        self.everywhere = (*range(self.size), -1)
+        self.inverse = inverse_slopes(self.table)
+        self.steps = self.forecast.steps(self.most(True), self.inverse[0])
+        self.stopped = self.forecast.stopped(self.c, self.table, self.inverse[1:])
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """The same; ``after`` bounds what is a period younger, and is high at most, or steep."""
+        own, high = self.table.after, self.table.high
+        over = [own[i] - high[PIECES + i] for i in range(own.numel())]
+        last = [high[k] for k in range(own.numel() - 1, high.numel())]
+        younger = [at_least(own[i], high[i]) for i in range(own.numel() - 1)]
+        younger += [at_least(own[-1], item) for item in last]
+        steep = [at_least(item * (item - FLATTEST)) for item in over]
+        return (*super().stated, *younger, *steep)
+
+    def most(self, held: bool) -> ca.SX:
+        """c'' where a command is held, c' where 0 follows."""
+        return self.c * (HELD if held else 1 + FLATTEST)
+
+    def within(self, forecast: Forecast, part: int, way: int, *, held: bool = True) -> Relation:
+        """The forecast keeps v (or -v) within `most` on one part: a piece, or -1 for the tail."""
+        return at_least(self.most(held), way * forecast.u + bound_of(forecast, way, part))
+
+    def held(self, *parts: int) -> tuple[Relation, ...]:
+        """Bounds of these parts before the step, with the command held."""
+        return tuple(self.within(self.forecast, part, way) for part in parts for way in (1, -1))
+
+    def inside(self, *parts: int) -> tuple[Relation, ...]:
+        """The same, and that of -v with 0 sent."""
+        stop = self.forecast.changed(ca.SX(0), self.table)
+        return (*self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts))
+
+
+@claim("filter.band.least", given="any tables, forecast and command")
+def least(mutation: Mutation) -> Statement:
+    """the largest command is 0, or at most what each of the conditions admits where 0 follows.
+
+    None of the conditions is left out.
+    """
+    a = BandStep()
+    lines = a.stopped
+    cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
+    largest = a.forecast.largest(a.c, a.table, a.inverse[1:])
+    most = mutation(1, 1.1) * largest
+    goals = (at_least(ca.fmax(a.u + line, 0), most) for line in cuts.values())
+    return a.states(*goals, cuts=cuts)
+
+
+@claim(
+    "filter.band.held-{turn}",
+    given=f"{TABLES}; {WITHIN}, on every piece and behind; {{how}}",
+    over=(
+        {"turn": "rise", "rises": True, "how": "u <= to <= u + rise, what a rise is admitted"},
+        {"turn": "fall", "rises": False, "how": "u - fall <= to <= u, what a fall is admitted"},
+    ),
+)
+def held(mutation: Mutation, rises: bool) -> Statement:
+    """to + over, -to + under of the changed forecast <= c'', on every piece and behind.
+
+    A command that is admitted and held keeps the forecast within the limit, for ever.
+    """
+    a = BandStep()
+    s, (rise, fall) = a.symbols, a.steps
+    to, u = s.to, s.u
+    if rises:
+        turn = between(u, to, u + mutation(1, 1.2) * rise)
+    else:
+        turn = at_least(u, to), at_least(to, u - mutation(1, 1.2) * fall)
+    after = a.forecast.changed(to, a.table)
+    goals = tuple(a.within(after, part, way) for part in a.everywhere for way in (1, -1))
+    return Statement(s, goals, (*a.stated, *a.held(*a.everywhere), *turn))
+
+
+@claim(
+    "filter.band.stop-{word}-{part}",
+    given=f"{TABLES}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted",
+    over=tuple(item | {"most": "c''" if item["way"] == 1 else "c'"} for item in EACH),
+)
+def stopped(mutation: Mutation, word: str, way: int, part: str) -> Statement:
+    """{word} of the forecast <= {most} if 0 follows a period behind what is admitted, from {told}.
+
+    A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
+    """
+    a = BandStep()
+    line, to = (-1 if part == "tail" else 0), a.to
+    known = a.forecast.changed(to, a.table)
+    behind = -1 if part == "tail" else PIECES
+    admitted = (a.within(known, behind, 1),) if way > 0 else (at_least(a.u + a.stopped[line], to),)
+    after = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
+    after = after.changed(ca.SX(0), a.table)
+    parts = (*range(1, a.size), -1) if part == "tail" else (0,)
+    goals = tuple(a.within(after, k, way, held=way > 0) for k in parts)
+    return Statement(a.symbols, goals, (*a.stated, *a.inside(behind), at_least(to), *admitted))
+
+
+@claim("filter.band.zero", given=f"{TABLES}; u >= 0; {INSIDE}")
+def zero(mutation: Mutation) -> Statement:
+    """0 keeps over <= c'' and under <= c' of the forecast, held or sent again a period later.
+
+    A stop is always admitted, whatever the conditions say.
+    """
+    a = BandStep()
+    now = a.forecast.changed(ca.SX(0), a.table)
+    after = now.later(a.table).changed(mutation(0, 1) * a.c, a.table)
+    every = product((now, after), a.everywhere, (1, -1))
+    goals = (a.within(f, part, way, held=way > 0) for f, part, way in every)
+    return a.states(*goals, given=(*a.stated, at_least(a.u), *a.inside(*a.everywhere)))
+
+
+@claim(
+    "filter.band.zero-held",
+    given=f"{TABLES}; 2^-30 <= high on every piece; u >= 0; {INSIDE}, on every piece and behind",
+)
+def zero_held(mutation: Mutation) -> Statement:
+    """u - fall <= 0 <= u + rise.
+
+    While steps come in time, the band never holds back a stop.
+    """
+    a = BandStep()
+    s, (rise, fall) = a.symbols, a.steps
+    known = tuple(at_least(a.table.high[i], ca.SX(FLATTEST)) for i in range(a.size))
+    goals = at_least(mutation(1, 0.9) * fall, s.u), at_least(s.u + rise)
+    return Statement(s, goals, (*a.stated, *known, at_least(s.u), *a.inside(*a.everywhere)))
+
+
+@claim(
+    "filter.band.superposition",
+    given="a linear loop of the family that reaches its command at rest, its numbers constant, at "
+    "rest at the start; commands take over when they are sent or later by a constant delay, each "
+    "within its jitter of a beat; |d| <= dbar",
+    by=HAND,
+    premises="filter.band.over filter.band.under filter.peak-gain",
+)
+def superposition() -> None:
+    """v(t) = sum of Delta_j S(age_j) + the response to pushes, which is at most delta; each |S - 1|
+    <= reach exp(-rate age).
+
+    Forecasts that bound the sum bound the speed, at every instant of every member of the family.
+    """
+
+
+@claim(
+    "filter.band.induction",
+    given="as in filter.band.superposition; 2^-30 <= high on every piece",
+    by=HAND,
+    premises="filter.band.superposition filter.band.least filter.band.held-rise "
+    "filter.band.held-fall filter.band.stop-over-piece filter.band.stop-over-tail "
+    "filter.band.stop-under-piece filter.band.stop-under-tail filter.band.zero "
+    "filter.band.zero-held filter.band.mirrored filter.band.sent-linear filter.band.sent-angular "
+    "filter.band.sent-stop-linear filter.band.sent-stop-angular",
+)
+def induction() -> None:
+    """|v| <= K_max c'' + delta <= V at every instant, and 0 is admitted at every sample: forecasts
+    that are within c'' stay so from sample to sample, whatever is asked for.
+
+    The band keeps a loop that overshoots within its limit.
+    """

@@ -1,0 +1,263 @@
+"""Rounding of the command filter's band: forecasts and limits as the compiled text computes them.
+
+A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`).
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
+from wmr_ctrl.results.ledger import HAND
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.filter_band import TABLES, WAYS, BandAxis, BandStep, bound_of
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, nonnegative, within
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+STEP = 2.0**-46
+"""Share of c by which a change of the command may leave a computed forecast too low."""
+WIDER = 2.0**-44
+"""Share of c by which a computed limit may be that of a larger c."""
+LEVEL = PAST - 2.0**-47
+"""Share of c within which a command that is held keeps the speed, whatever was rounded."""
+SIZES = f"{TABLES}, high <= 5; |u|, |to| <= 2 c, |over|, |under|, |past| <= 4 c"
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+
+
+def _sizes(a: BandAxis) -> tuple[Relation, ...]:
+    """Bounds of what is known, and of both commands, in sizes of c."""
+    s, c, numbers = a.symbols, a.c, range(a.size)
+    columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
+    sizes = (*columns, s.past_over, s.past_under)
+    high = (at_least(5, a.table.high[i]) for i in numbers)
+    known = (part for item in sizes for part in within(item, 4 * c))
+    return (*high, *within(s.u, 2 * c), *within(s.to, 2 * c), *known)
+
+
+@claim(
+    "filter.rounding.band-{word}",
+    given=f"{SIZES}; {{sign}}v <= {{sign}}u + {{word}} + e; low <= S <= high, the base's response",
+    over=WAYS,
+)
+def forecast(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(v + (to - u) S) <= {sign}to + {word} + e + 2^-46 c, {word} as the text computes it for
+    the changed command.
+
+    A change of the command leaves a computed forecast too low by at most 2^-46 of c.
+    """
+    a = BandAxis()
+    s, changed = a.symbols | symbols("e made"), a.forecast.changed(a.to, a.table)
+    known = bound_of(a.forecast, way)
+    bounded = at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S)
+    given = (*a.stated, *_sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), *bounded)
+    past = s[f"past_{word}"]
+    most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
+    goal = at_least(most, way * (s.v + (s.to - s.u) * s.S))
+    made = {"over": changed.over, "under": changed.under}[word]
+    return Statement(s, (goal,), given, computed={"made": made})
+
+
+@claim(
+    "filter.rounding.band-tail",
+    given="left, tail >= 0; f > 0, the share that stays in a period; fading >= f (1 + 2^-41)",
+)
+def tail(mutation: Mutation) -> Statement:
+    """(tail + |to - u| left) f <= the tail that the text computes for the next sample.
+
+    Behind the tables the computed forecast is never too low.
+    """
+    a = BandAxis()
+    s = a.symbols | symbols("f made")
+    after = a.forecast.changed(s.to, a.table).later(a.table)
+    fades = at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f)
+    given = (above(s.f), fades, *nonnegative(s.left, s.tail))
+    stays = s.f * (s.tail + ca.fabs(s.to - s.u) * s.left)
+    return Statement(s, (at_least(s.made, stays),), given, computed={"made": after.tail})
+
+
+LINES = (
+    {"id": "rise", "stops": False, "way": 1, "told": "to >= u; inverse slope <= 1"},
+    {"id": "fall", "stops": False, "way": -1, "told": "to <= u; inverse slope <= 1"},
+    {"id": "stop-rise", "stops": True, "way": 1, "told": "to >= u; inverse slope <= 1"},
+    {"id": "stop-fall", "stops": True, "way": -1,
+     "told": "to <= u; slope > 0, inverse slope >= 1"},
+)  # fmt: skip
+
+
+@claim(
+    "filter.rounding.band-{id}",
+    given=f"{SIZES}; {{told}}; 0 <= slope <= 10, inverse >= 1/16; to within what this condition "
+    "admits, as the text computes it",
+    over=LINES,
+)
+def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
+    """slope (to - u) <= what is left of c'' (1 + 2^-44), or c' (1 + 2^-44) where 0 follows, there.
+
+    A command that is admitted by roundings is admitted without them for a hardly larger limit.
+    """
+    a = BandStep()
+    s, table = a.symbols | symbols("limit wider inverse slope"), a.table
+    wider, u, slope, inverse = s.wider, s.u, s.slope, s.inverse
+    up = way > 0 or stops  # a fall that is held is a change the other way
+    rooms = (a.forecast.rooms(c) for c in (a.most(not stops), wider))
+    if stops:
+        room, left = (both[1][PIECES] - u * table.after[0] for both in rooms)
+    else:
+        room, left = (both[0 if up else 1][0] for both in rooms)
+    change, product = s.to - u, inverse * slope
+    text = u + room * inverse if up else u - room * inverse
+    own = {item.name() for item in ca.symvar(ca.vertcat(text, left, s.to))}
+    known = (*a.stated, *_sizes(a), *within(table.after[0], ca.SX(5)))
+    given = (
+        *(part for part in known if {item.name() for item in ca.symvar(part.expr)} <= own),
+        at_least(way * change), above(s.c), at_least(16 * inverse, ca.SX(1)),
+        above(slope) if stops else at_least(slope),
+        at_least(product, ca.SX(1)) if stops and way < 0 else at_least(ca.SX(1), product),
+        at_least(ca.SX(10), slope), at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
+        at_least(wider, a.most(not stops) * (1 + mutation(1, -1) * WIDER)),
+    )  # fmt: skip
+    goal = at_least(left, slope * change * (1 if up else -1))
+    return Statement(s, (goal,), given, computed={"limit": text})
+
+
+@claim(
+    "filter.rounding.band-beat",
+    given="-before - e <= p <= behind + e, the time at which a sample came, less whole periods, "
+    "after the last one; 0 <= before, behind <= T; the next one comes 0 to 2 T after that; "
+    "operations rounded by at most 2^-53",
+)
+def beat(mutation: Mutation) -> Statement:
+    """-before' - e - 2^-51 T <= p' <= behind' + e + 2^-51 T, the same after the next, as the text
+    computes it.
+
+    What roundings add to a beat in the periods that tables reach back is far below what they allow.
+    """
+    s = symbols("before behind since T e p made_before made_behind")
+    T, off = s.T, s.since - s.T
+    after = spread_of(ca.vertcat(s.before, s.behind), off)
+    most, p = s.e + mutation(1, 2.0**-4) * 2.0**-51 * T, s.p - off
+    given = (
+        above(T), *between(0, s.since, 2 * T), at_least(s.e), *between(0, s.before, T),
+        *between(0, s.behind, T), at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p),
+    )  # fmt: skip
+    goals = at_least(p + most, -s.made_before), at_least(s.made_behind + most, p)
+    computed = {"made_before": after[0], "made_behind": after[1]}
+    return Statement(s, goals, given, computed=computed)
+
+
+@claim(
+    "filter.rounding.band-stays",
+    given="g >= 0, g (1 + x + x^2/2) <= 1, x the rate times the time since the last sample; "
+    "operations rounded by at most 2^-53",
+)
+def stays(mutation: Mutation) -> Statement:
+    """g (1 + 2^-41) <= the share that stays, as the text computes it.
+
+    However short the time since the last sample is, not too little is kept of what is past.
+    """
+    s = symbols("rate time g made")
+    x = s.rate * s.time
+    given = (*nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x)))
+    goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
+    return Statement(s, (goal,), given, computed={"made": stays_of(s.rate, s.time)})
+
+
+@claim(
+    "filter.rounding.band-fading",
+    given="0 <= r <= reach, 0 <= p <= past; what stays of both is g >= 0, g (1 + 2^-41) <= the "
+    "computed share, or the one of the shortest period where the sample came on its beat; "
+    "operations rounded by at most 2^-53",
+    premises="assumption.libm filter.rounding.band-stays",
+)
+def fading(mutation: Mutation) -> Statement:
+    """r g (1 + 2^-42) and p g, or r g alone where the sample is untimely, <= what the text keeps.
+
+    What the text remembers of the past is never too little, so that nothing adds up.
+    """
+    s = symbols("reach past held u came stays soonest r p g made_reach made_past")
+    came = s.came
+    after = Fading(s.reach, s.past, s.held).aged(came, s.u, s.stays, s.soonest)
+    kept = s.g * (1 + mutation(2.0**-41, 0))
+    signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.r, s.p)
+    shares = at_least(s.soonest, came * kept), at_least(s.stays, (1 - came) * kept)
+    given = (*signs, at_least(s.reach, s.r), at_least(s.past, s.p), *shares)
+    left = came * s.p + (1 - came) * s.r
+    goals = (at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g))
+    computed = {"made_reach": after.reach, "made_past": after.past}
+    return Statement(s, goals, given, computed=computed)
+
+
+@claim(
+    "filter.rounding.band-reached",
+    given="r >= 0, r (1 + 2^-42) <= reach; reached >= 0, reached (1 + 2^-41) <= the number in the "
+    "tables; operations rounded by at most 2^-53",
+)
+def reached(mutation: Mutation) -> Statement:
+    """r + |to - u| reached <= how far the base is from its command, as the text computes it.
+
+    A change of the command adds enough to what fades.
+    """
+    s = symbols("reach furthest r reached u to made")
+    change = s.to - s.u
+    none = ca.SX(0)
+    after = Fading(s.reach, none, none).changed(change, s.furthest)
+    listed = at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41))
+    given = (*nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed)
+    goal = at_least(s.made, s.r + ca.fabs(change) * s.reached)
+    return Statement(s, (goal,), given, computed={"made": after.reach})
+
+
+@claim(
+    "filter.rounding.band-past-{word}",
+    given="c > 0, |held| <= 2 c; {sign}v <= c (1 + 2^-29 - 2^-47) and {sign}(v - held) <= past, as "
+    "long as the command stays held; operations rounded by at most 2^-53",
+    over=WAYS,
+)
+def past(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(v - held) <= what the text takes for the bound of what is past.
+
+    Behind an untimely sample the text counts on no less than what is certain.
+    """
+    s = symbols("c past held v made")
+    bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c)
+    v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
+    given = (above(s.c), *within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v))
+    goal = at_least(s.made, v)
+    return Statement(s, (goal,), given, computed={"made": bounds[0 if way > 0 else 1]})
+
+
+@claim(
+    "filter.rounding.band",
+    given="the hypotheses of filter.band.induction; high <= 5, left <= 1/5, fading <= 1 - 2^-40; "
+    "tables of at most 128 periods; no overflow, and no underflow but of the tail",
+    by=HAND,
+    premises="filter.band.induction filter.rounding.band-over filter.rounding.band-under "
+    "filter.rounding.band-tail filter.rounding.band-rise filter.rounding.band-fall "
+    "filter.rounding.band-stop-rise filter.rounding.band-stop-fall filter.rounding.clip",
+)
+def band() -> None:
+    """|v| <= V, V the stated limit, behind what the band's text computes: a piece of time is
+    carried through at most 128 periods, of which each adds 2^-45 of c.
+
+    The margin that is kept back covers the band's roundings, for ever.
+    """
+
+
+@claim(
+    "filter.rounding.band-untimely",
+    given="the hypotheses of filter.band.untimely, times told to within 2^-52 of what has passed; "
+    "tables as in filter.rounding.band; no overflow but of a long time's square, and no underflow "
+    "but of what fades",
+    by=HAND,
+    premises="filter.band.untimely filter.rounding.band filter.rounding.band-beat "
+    "filter.rounding.band-stays filter.rounding.band-fading filter.rounding.band-reached "
+    "filter.rounding.band-past-over filter.rounding.band-past-under",
+)
+def untimely() -> None:
+    """|v| <= V, V the stated limit, behind what the band's text computes, whenever it is called:
+    a command that is held keeps v_u within K c (1 + 2^-29 - 2^-47), and each that is admitted
+    within K c (1 + 2^-30 + 2^-38).
+
+    The margin that is kept back covers the band's roundings at any time, for ever: nothing adds up
+    from one untimely sample to the next.
+    """

@@ -1,0 +1,150 @@
+"""The band of the command filter as a whole: what it sends, in time and at any time."""
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.band import BandGovernor
+from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
+from wmr_ctrl.results.ledger import HAND
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.command_filter import COMMANDS
+from wmr_proofs.claims.common import AXES, elements_of
+from wmr_proofs.claims.filter_band import WAYS
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import at_least, between, equal, nonnegative, within
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+claim = Claims(by=Z3(effort=100))
+BANDED = {
+    "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+    "filter.frequency": (4.0, 5.0), "clock.control": 0.1,
+}  # fmt: skip
+"""Settings for the structure of the band's graph; its numbers are symbols."""
+
+
+def _whole(axis: int) -> tuple[BandGovernor, Symbols, dict[str, ca.SX]]:
+    """The band's graph, its inputs by name, and its ends and what a stop leaves as cuts."""
+    graph = BandGovernor(load_scenario("paper-simulation", BANDED))
+    cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
+    cuts |= {f"stop {i}": most for i, most in enumerate(graph.stopping)} | {"sound": graph.sound}
+    return graph, elements_of(*graph.system.inputs, graph.last), cuts
+
+
+@claim(
+    "filter.band.sent-{id}",
+    given=f"{COMMANDS}, at any time, parameters that are sound; 0 <= what a fall and a rise are "
+    "admitted, and 0 <= the largest command behind which 0 may follow",
+    over=AXES,
+)
+def sent(mutation: Mutation, axis: int) -> Statement:
+    """u_before - fall <= u <= u_before + rise, u what the whole band sends on the {id} axis.
+
+    Nothing bypasses the filter: no command and no scaling of the other axis.
+    """
+    graph, named, cuts = _whole(axis)
+    (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
+    ordered = tuple(at_least(most, least) for least, most in graph.ends)
+    stops = tuple(at_least(most) for most in graph.stopping)
+    given = (*ordered, *stops, equal(graph.sound, 1))
+    return Statement(named, (at_least(high, u), at_least(u, low)), given, cuts)
+
+
+@claim(
+    "filter.band.sent-stop-{id}",
+    given=f"{COMMANDS}, any parameters; 0 is between what a fall and a rise are admitted, and 0 "
+    "<= the largest command behind which 0 may follow",
+    over=AXES,
+)
+def sent_stop(mutation: Mutation, axis: int) -> Statement:
+    """|u| <= the largest command behind which 0 may follow, u what the whole band sends on the {id}
+    axis, and u never turns against what was asked for.
+
+    Behind every command that is sent in time 0 may follow.
+    """
+    graph, named, cuts = _whole(axis)
+    u = mutation(1, 1.1) * graph.sent[axis]
+    around = tuple(part for low, high in graph.ends for part in nonnegative(high, -low))
+    stops = tuple(at_least(most) for most in graph.stopping)
+    goals = (*within(u, graph.stopping[axis]), at_least(u * graph.command[axis]))
+    return Statement(named, goals, (*around, *stops), cuts)
+
+
+@claim(
+    "filter.band.beat",
+    given="-before <= p, q <= behind, the times at which two samples came, less whole periods, "
+    "after the last one; before, behind >= 0; the next one comes a period and ``off`` after that",
+)
+def beat(mutation: Mutation) -> Statement:
+    """-before' <= p', q', 0 <= behind' and p' - q' <= before' + behind', the same after the next.
+
+    Samples whose spread is within twice the jitter have one beat in common, whichever it is.
+    """
+    s = symbols("before behind off p q")
+    after = spread_of(ca.vertcat(s.before, s.behind), s.off)
+    p, q = (s[name] - mutation(1, 0.9) * s.off for name in ("p", "q"))
+    given = [*nonnegative(s.before, s.behind)]
+    goals = [*nonnegative(after[0], after[1]), at_least(ca.sum1(after), p - q)]
+    for name, own in (("p", p), ("q", q)):
+        given += [*between(-s.before, s[name], s.behind)]
+        goals += [*between(-after[0], own, after[1])]
+    return Statement(s, tuple(goals), tuple(given))
+
+
+@claim(
+    "filter.band.fading",
+    given="r <= reach, p <= past; what stays of both is g >= 0, with g (1 + x + x^2/2) <= 1, x the "
+    "rate times the time since the last sample, and g <= soonest where that came on its beat",
+)
+def fading(mutation: Mutation) -> Statement:
+    """r g and p g, or r g alone where the sample is untimely, <= what is kept of them.
+
+    How far the base is from its command is known whenever the next command comes.
+    """
+    s = symbols("reach past held u came rate time soonest r p g")
+    came, x = s.came, s.rate * s.time
+    known = Fading(s.reach, s.past, s.held)
+    after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
+    stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
+    signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time, s.r, s.p)
+    given = (*stays, *signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p))
+    left = came * s.p + (1 - came) * s.r
+    goals = (at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g))
+    return Statement(s, goals, given)
+
+
+@claim(
+    "filter.band.past-{word}",
+    given="c >= 0; {sign}(v - held) <= past; {sign}v <= c (1 + 2^-29), as long as the command "
+    "stays held",
+    over=WAYS,
+)
+def past(mutation: Mutation, word: str, way: int) -> Statement:
+    """{sign}(v - held) <= what is known of what was sent before, {word} its command.
+
+    Behind an untimely sample nothing is lost of what is certain in any case.
+    """
+    s = symbols("past held c v")
+    bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]
+    v = way * (s.v - s.held)
+    known = at_least(s.past, mutation(1, 0.9) * v), at_least(PAST * s.c, way * s.v)
+    return Statement(s, (at_least(bound, v),), (*known, *nonnegative(s.c, v)))
+
+
+@claim(
+    "filter.band.untimely",
+    given="as in filter.band.superposition, but commands are sent at any time, late, early, at "
+    "once or by a clock that is set back, and the filter is told the time since the last one as it "
+    "is, or a negative one or no number, or, once a time was told, 0",
+    by=HAND,
+    premises="filter.band.superposition filter.band.held-rise filter.band.held-fall "
+    "filter.band.beat filter.band.fading filter.band.past-over filter.band.past-under "
+    "filter.band.sent-linear filter.band.sent-angular",
+)
+def untimely() -> None:
+    """|v| <= K_max c'' + delta <= V at every instant: the command before may be held for ever, and
+    one that takes its place may, too; at an untimely sample the beat begins anew, and what was sent
+    before is bounded by what it would lead to if held, and by what has not faded yet.
+
+    The band keeps its limit whenever it is called and told when; a stop may take a ramp then.
+    """

@@ -1,0 +1,275 @@
+"""Rounding of the command filter: commands brought inside all limits, at once or slowly.
+
+A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`).
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.channels import (
+    AXES,
+    FIRST,
+    ROUNDING,
+    Channel,
+    one_first,
+    scaled,
+    stretched,
+)
+from wmr_ctrl.control.filter.channels import WAYS as SIDES
+from wmr_ctrl.control.filter.clip import moved, ramp_shares
+from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
+from wmr_ctrl.results.ledger import HAND
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, nonnegative, within
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+BEYOND = 2.0**-50
+"""Share of its limit by which roundings may carry v or omega beyond it."""
+RIM = 2.0**-48
+"""Share of the wheels' largest limit by which they may carry a wheel's speed beyond its own."""
+OVER = 2.0**-29
+"""Share of its limit by which rounding may carry a command that changes slowly beyond it."""
+SLOWEST = 2.0**-20
+"""Least change in a period of a command that changes slowly, as a share of its limit."""
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+
+
+class Limited:
+    """Symbols of v, omega and both wheels with their limits; ``on`` names those that are limited.
+
+    ``body``: v and omega; ``wheels``; ``both``.  M is the largest limit of a wheel, in size;
+    ``asked`` is the command of both axes, ``sent`` what is computed of it, ``ends`` are lo and hi
+    of all channels.
+    """
+
+    def __init__(self, on: str) -> None:
+        arm, ones = ca.SX.sym("p.l"), FirstOrder(*[ca.SX(1)] * 6)
+        axes = [Channel((1 - i, i), ca.SX(1), ones, 1.0) for i in AXES]
+        sides = [Channel((1, way), arm, ones, 1.0) for way in SIDES]
+        self.channels = {"body": axes, "wheels": sides, "both": [*axes, *sides]}[on]
+        numbers = range(1, len(self.channels) + 1)
+        limits = " ".join(f"hi{i} lo{i}" for i in numbers)
+        self.symbols = s = {"l": arm} | symbols(f"r0 r1 M v omega {limits}")
+        self.ends = [s[f"lo{i}"] for i in numbers], [s[f"hi{i}"] for i in numbers]
+        self.asked, self.sent = [s.r0, s.r1], [s.v, s.omega]
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """l > 0; the limits on their sides of 0, those of the wheels of at most M in size."""
+        given = [above(self.symbols.l)]
+        for channel, low, high in zip(self.channels, *self.ends, strict=True):
+            for size in (high, -low):
+                given.append(above(size))
+                given += [] if self.is_axis(channel) else [at_least(self.symbols.M, size)]
+        return tuple(given)
+
+    def is_axis(self, channel: Channel) -> bool:
+        """True for v and omega."""
+        return not all(channel.ways)
+
+    def kept(self, command: list[ca.SX], spare: float, axes: bool) -> tuple[Relation, ...]:
+        """v and omega (``axes``), or the wheels, within their limits but for ``spare``."""
+        kept = list[Relation]()
+        for channel, low, high in zip(self.channels, *self.ends, strict=True):
+            if self.is_axis(channel) == axes:
+                up, down = (high, -low) if axes else [self.symbols.M] * 2
+                speed = channel.of(command)
+                kept += [at_least(high + spare * up, speed), at_least(speed, low - spare * down)]
+        return tuple(kept)
+
+    def computed(self, command: ca.SX) -> dict[str, ca.SX]:
+        """Expressions of v and omega."""
+        return {"v": command[0], "omega": command[1]}
+
+
+GIVEN = "every command; l > 0; limits lo < 0 < hi"
+ROUNDED = "operations rounded by at most 2^-53"
+ORDER = ({"scale": "turn", "how": "omega"}, {"scale": "drive", "how": "v"})
+
+
+@claim(
+    "filter.rounding.wheels",
+    given=f"{GIVEN} of the wheels, of at most M in size; both axes scaled by one factor; {ROUNDED}",
+)
+def wheels(mutation: Mutation) -> Statement:
+    """lo - 2^-49 M <= v + l omega, v - l omega <= hi + 2^-49 M, of the command that is computed.
+
+    Wheels that are limited by themselves keep their limits, however v and l omega cancel.
+    """
+    return _kept("wheels", "curvature", mutation(1, 2.0**-6) * 2.0**-49, axes=False)
+
+
+def _kept(on: str, scale: str, spare: float, axes: bool) -> Statement:
+    """What is computed is within its limits: v and omega (``axes``), or the wheels."""
+    a = Limited(on)
+    if on == "both":  # before v and omega are cut
+        sent = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
+    else:
+        sent = scaled(a.asked, a.channels, *a.ends, scale)
+    goals = a.kept(a.sent, spare, axes=axes)
+    return Statement(a.symbols, goals, a.stated, computed=a.computed(sent))
+
+
+@claim(
+    "filter.rounding.wheels-{scale}",
+    given=f"{GIVEN} of the wheels, of at most M in size; {{how}} first; {ROUNDED}",
+    over=ORDER,
+)
+def wheels_first(mutation: Mutation, scale: str) -> Statement:
+    """lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the command that is computed.
+
+    Wheels keep their limits, too, where one axis takes what it wants and the other what is left.
+    """
+    return _kept("wheels", scale, mutation(1, 2.0**-6) * RIM, axes=False)
+
+
+@claim(
+    "filter.rounding.axes-{scale}",
+    given=f"every command; limits lo < 0 < hi of v and omega; {{how}} first; {ROUNDED}",
+    over=ORDER,
+)
+def axes_first(mutation: Mutation, scale: str) -> Statement:
+    """lo <= v, omega <= hi, of the command that is computed.
+
+    v and omega keep their limits to the last bit, whichever goes first.
+    """
+    return _kept("body", scale, mutation(0, -BEYOND), axes=True)
+
+
+BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
+
+
+@claim("filter.rounding.beside", given=f"{BESIDE}; both axes scaled by one factor; {ROUNDED}")
+def beside(mutation: Mutation) -> Statement:
+    """v and omega before they are cut are within (1 + 2^-50) of their limits, the wheels' speeds
+    within 2^-49 M of theirs.
+
+    One factor keeps v, omega and both wheels within their limits.
+    """
+    a = Limited("both")
+    made = stretched(a.asked, a.channels, *a.ends, "curvature")
+    spare = mutation(1, 2.0**-6)
+    goals = *a.kept(a.sent, spare * BEYOND, axes=True), *a.kept(a.sent, spare * RIM / 2, axes=False)
+    return Statement(a.symbols, goals, a.stated, computed=a.computed(made))
+
+
+@claim(
+    "filter.rounding.beside-cut",
+    given=f"{BESIDE}; v and omega before they are cut as in filter.rounding.beside",
+    premises="filter.rounding.beside",
+)
+def beside_cut(mutation: Mutation) -> Statement:
+    """lo <= v, omega <= hi; lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the
+    command that is sent.
+
+    v and omega that are cut at their limits take the wheels no further beyond theirs than
+    roundings.
+    """
+    a = Limited("both")
+    made = stretched(a.asked, a.channels, *a.ends, "curvature")
+    sent = ca.vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
+    known = *a.kept(a.sent, BEYOND, axes=True), *a.kept(a.sent, RIM / 2, axes=False)
+    spare = mutation(RIM, RIM / 2)
+    goals = *a.kept(sent, 0, axes=True), *a.kept(sent, spare, axes=False)
+    return Statement(a.symbols, goals, (*a.stated, *known), a.computed(made))
+
+
+@claim(
+    "filter.rounding.beside-axes-{scale}", given=f"{BESIDE}; {{how}} first; {ROUNDED}", over=ORDER
+)
+def beside_axes(mutation: Mutation, scale: str) -> Statement:
+    """lo <= v, omega <= hi, of the command that is computed.
+
+    v and omega keep their limits beside those of the wheels to the last bit.
+    """
+    return _kept("both", scale, mutation(0, -BEYOND), axes=True)
+
+
+@claim("filter.rounding.beside-{scale}", given=f"{BESIDE}; {{how}} first; {ROUNDED}", over=ORDER)
+def beside_first(mutation: Mutation, scale: str) -> Statement:
+    """lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the command that is computed.
+
+    The wheels keep their limits beside those of v and omega.
+    """
+    return _kept("both", scale, mutation(1, 2.0**-6) * RIM, axes=False)
+
+
+@claim(
+    "filter.rounding.slew-limit",
+    given="K > 0, delta, a, reach >= 0; V the stated limit; operations rounded by at most 2^-53",
+)
+def slew_limit(mutation: Mutation) -> Statement:
+    """K hi (1 + 2^-29) + delta + a (1 + 2^-30) reach <= V for the hi that the text of the clip of
+    slow commands computes, by a quotient or by 1/K.
+
+    The margin covers what rounding adds to commands and to how fast they change.
+    """
+    s = symbols("V K delta slew reach direct inverse", "V K delta slew reach")
+    V, K, dbar = s.V, s.K, s.delta + s.slew * s.reach
+    aimed = V * (1 - mutation(ROUNDING, -ROUNDING))
+    top = largest_command(aimed, FirstOrder(aimed, dbar, ca.SX(0), K, K, ca.SX(0)))
+    computed = {"direct": top, "inverse": (aimed - dbar) * (1 / K)}
+    added = s.delta + s.slew * (1 + 2.0**-30) * s.reach
+    goals = tuple(at_least(V, K * s[name] * (1 + OVER) + added) for name in computed)
+    signs = above(K), *nonnegative(s.delta, s.slew, s.reach)
+    return Statement(s, goals, (*signs, above(aimed, dbar)), computed=computed)
+
+
+def _slow(s: Symbols) -> tuple[Relation, ...]:
+    """The command before and the one that is wanted are within the limit but for roundings."""
+    hi = s.hi
+    wanted = within(s.wanted, hi * (1 + BEYOND))
+    return (above(hi), *within(s.last, hi * (1 + OVER)), *wanted)
+
+
+@claim(
+    "filter.rounding.slew-kept",
+    given="|wanted| <= hi (1 + 2^-50); the command before within hi (1 + 2^-29); 2^-22 <= share "
+    "<= 1; operations rounded by at most 2^-53",
+)
+def slew_kept(mutation: Mutation) -> Statement:
+    """|u| <= hi (1 + 2^-29), u as the text computes it.
+
+    Rounding carries commands that change slowly no further beyond their limit with time.
+    """
+    s = symbols("hi last wanted share sent")
+    shares = between(mutation(2.0**-22, 0.0), s.share, 1)
+    goals = within(s.sent, s.hi * (1 + OVER))
+    computed = {"sent": moved(s.last, s.wanted, s.share)}
+    return Statement(s, goals, (*_slow(s), *shares), computed=computed)
+
+
+@claim(
+    "filter.rounding.slew-step",
+    given="as in filter.rounding.slew-kept; a T >= 2^-20 hi; 0 <= share <= the axis' own share",
+)
+def slew_step(mutation: Mutation) -> Statement:
+    """|u - u_before| <= a T (1 + 2^-30), the axis' own share >= 2^-22, as the text computes them.
+
+    Commands change no faster than the clip of slow commands counts on.
+    """
+    s = symbols("hi last wanted share sent own slew T", "slew T")
+    most = s.slew * s.T
+    (own,) = ramp_shares(s.last, s.wanted, most)
+    quick = at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share)
+    given = (*_slow(s), above(s.slew), above(s.T), at_least(s.share), *quick)
+    goals = (*within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22))
+    computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
+    return Statement(s, goals, given, computed=computed)
+
+
+@claim(
+    "filter.rounding.slew",
+    given="the hypotheses of filter.slew; a t = 0 or >= 2^-20 of the largest command on each axis, "
+    "t the time since the sample before, T at most; "
+    "no overflow and no underflow",
+    by=HAND,
+    premises="filter.slew filter.rounding.slew-limit filter.rounding.slew-kept "
+    "filter.rounding.slew-step filter.rounding.axes-turn filter.rounding.axes-drive",
+)
+def slew() -> None:
+    """|v| <= V, V the stated limit, behind what the text of the clip of slow commands computes.
+
+    The margin that is kept back covers its roundings, for ever.
+    """

@@ -1,0 +1,287 @@
+"""Rims of a run's own base, whose loop makes up for friction once a plant step."""
+
+from collections.abc import Iterable, Iterator
+from itertools import combinations, product
+
+import casadi as ca
+
+from wmr_ctrl.control.filter import held_loop
+from wmr_ctrl.control.filter.channels import WAYS
+from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
+from wmr_ctrl.results.ledger import HAND
+from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.model.dynamics import KEYS, friction, plant, rk4_step, wheel_to_force
+from wmr_ctrl.world.phases import slope_at_rest
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import AXES, PRESET, scalars
+from wmr_proofs.claims.wheels_and_encoders import EffectGraph
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import (
+    Relation,
+    above,
+    at_least,
+    between,
+    equal,
+    nonnegative,
+    positive,
+    when,
+    within,
+)
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
+from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
+
+claim = Claims(by=Z3(effort=60))
+STAGES = ("half", "again", "end")
+BASE = {"base.kind": "velocity", "changes": ()}
+
+
+def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
+    """Both axes' `push_speeds` of a graph's base, for symbols of pushes and errors."""
+    scenario, trace = traced(g.scenario, ("base", "robot", "clock"))
+    told = symbols("push1 push2 error1 error2")
+    push, error = ([Traced(1.0, told[f"{name}{i}"], trace) for i in (1, 2)]
+                   for name in ("push", "error"))  # fmt: skip
+    with functions_for_traced("wmr_ctrl.control.filter", but="wmr_ctrl.control.filter.hypotheses"):
+        off = Bound(dbar=(push[0], push[1]), command=(error[0], error[1]))
+        speeds = held_loop.push_speeds(scenario, off)
+    return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g.symbols), told
+
+
+@claim(
+    "filter.held-push-{id}",
+    given="m, I, r, l, v_s, h, tau > 0, e = exp(-h/tau) < 1; no wheel at its torque limit",
+    over=AXES,
+)
+def held_push(mutation: Mutation, axis: int) -> Statement:
+    """h (F + push - F1(v))/M = (1 - e)(K u + d - v) on the {id} axis, F the force that the graph of
+    the first-order loop gives for the command u + error, d the speed that counts for push and
+    error.
+
+    What filter.d has to cover: the speed at which pushes and errors of the command alone end.
+    """
+    g = EffectGraph(FIRST_ORDER, BASE.items(), "robot clock")
+    d, t = pushed(g)
+    m, inertia, mu, r, l, gravity, v_s = (g[key] for key in KEYS)
+    h, most, v = g["clock.plant"], g["actuator.tau_max"], ca.vertcat(g["v1"], g["omega"])
+    force = wheel_to_force(r, l, g.system.y) - friction(mu, m, gravity, v_s, v)
+    tau = ca.vertsplit(g.column("base.tau"))
+    fades = [ca.expm1(-h / time) for time in tau]
+    asked = g.system.u[axis] - t[f"error{axis + 1}"]
+    goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
+    way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
+    weak = (above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1))
+    given = (*positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), *weak)
+    cuts = {"left1": fades[0], "left2": fades[1]}
+    return g.states(equal(goes, way), given=given, cuts=cuts, more=t)
+
+
+class HeldStep:
+    """A Runge-Kutta step h of the plant: v1 behind it, its way if friction stayed, and at stages.
+
+    ``at`` are these speeds; friction's tanh at each is a symbol of the same name.
+    """
+
+    def __init__(self, behind: bool) -> None:
+        """Of ``behind`` also the speed behind the step is one of them."""
+        self.robot = robot = plant(load_scenario(PRESET))
+        t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
+        self.m, _, self.mu, r, l, self.g, self.v_s = (t[key] for key in KEYS)
+        tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
+        force, self.v, self.h = wheel_to_force(r, l, tau)[0] + t.thrust, t.v1, t.step
+        self.after = rk4_step(robot, self.h)[3]
+        self.way = self.h * (force - self.friction(self.v)) / self.m
+        self.at = {"start": self.v} | dict(zip(STAGES, self.stages(), strict=True))
+        self.at |= {"after": self.after} if behind else {}
+        self.t = t | symbols(" ".join(self.at))
+        self.cuts = {name: ca.tanh(v / self.v_s) for name, v in self.at.items()} | {"force": force}
+        self.given = *positive(self.m, self.g, self.v_s, self.h), *nonnegative(self.mu, self.way)
+
+    def changes(self, pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[ca.SX, ca.SX]]:
+        """Change of friction's tanh from one speed to another, and that of its argument."""
+        for one, other in pairs:
+            yield self.t[other] - self.t[one], (self.at[other] - self.at[one]) / self.v_s
+
+    @property
+    def x(self) -> ca.SX:
+        """Friction's pace."""
+        slope = slope_at_rest(self.mu, self.m, self.g, self.v_s)
+        return held_loop.pace_of_friction(self.h, slope, self.m)
+
+    def friction(self, v: ca.SX) -> ca.SX:
+        """F1 at a speed."""
+        return friction(self.mu, self.m, self.g, self.v_s, ca.vertcat(v, 0))[0]
+
+    def stages(self) -> Iterator[ca.SX]:
+        """v1 at each further stage."""
+        robot, h = self.robot, self.h
+        rate, x = robot.function("rate", [robot.update]), robot.x
+        for part in (h / 2, h / 2, h):
+            x = robot.x + part * rate(robot.u, x, robot.p)
+            yield x[3]
+
+
+TANH = (
+    "m, g, v_s, h > 0, mu >= 0; x <= {}; F the force of loop and pushes, with h (F - F1(v1))/m >= "
+    "0; tanh changes as its argument, by no more, from {} "
+)
+
+
+@claim(
+    "filter.held-friction",
+    given=TANH.format("2.785", "the step's start to each stage"),
+    premises="filter.held-push-linear",
+)
+def held_friction(mutation: Mutation) -> Statement:
+    """v1 goes in a Runge-Kutta step h of the plant by at least a share 1 - x/2 of h (F -
+    F1(v1))/m, by at least none and at most all of it, x = h times F1's slope at rest over m.
+
+    Friction that changes within a plant step makes v slower, no slower than a time constant tau'
+    with exp(-h/tau') = 1 - (1 - exp(-h/tau))(1 - x/2), and throws it nowhere. Backwards by
+    symmetry.
+    """
+    s = HeldStep(behind=False)
+    moved, least = s.after - s.v, mutation(1, 1.01) * (1 - s.x / 2) * s.way
+    changes = s.changes(product(("start",), STAGES))
+    alike = [at_least(rise * (change - rise)) for rise, change in changes]
+    goals = at_least(moved, least), *between(0, moved, s.way)
+    return Statement(s.t, goals, (*s.given, *alike, at_least(held_loop.STABLE, s.x)), s.cuts)
+
+
+@claim("filter.held-kick", given=TANH.format("2", "each of stages and v1 behind to each other"))
+def held_kick(mutation: Mutation) -> Statement:
+    """v1 goes in a Runge-Kutta step h of the plant less far than h (F - F1(v1))/m, by at most h/m
+    times the rise of F1 from the step's start to its end.
+
+    Friction held over steps takes v off its loop's way by no more, in all, than h times its range
+    while v nears a command from one side. Backwards by symmetry.
+    """
+    s = HeldStep(behind=True)
+    most = mutation(1, 0.9) * s.h * (s.friction(s.after) - s.friction(s.v)) / s.m
+    alike = list[Relation]()
+    for rise, change in s.changes(combinations(s.at, 2)):
+        for side, on in ((1, change >= 0), (-1, change < 0)):
+            alike += [when(on, item) for item in between(0, side * rise, side * change)]
+    missed = between(0, s.way - (s.after - s.v), most)
+    return Statement(s.t, missed, (*s.given, *alike, at_least(2, s.x)), s.cuts)
+
+
+class Command(Named):
+    """A rim of a first-order base while one command acts, as far as friction lets it go.
+
+    ``gone`` is the share of its way that the loop went; of the ``kick`` that friction leads to at
+    most, it may still lead to ``credit`` at the start and to what is ``left`` now.
+    """
+
+    def __init__(self, mutation: Mutation) -> None:
+        """Name the numbers; what counts as a push leads to the kick in the shortest while."""
+        fixed = "gone_least gone_most V d K_max kick"
+        self.symbols = t = symbols(f"start bound asked gone credit left {fixed}", fixed)
+        self.push = held_loop.push_of_kick(mutation(1, 0.9) * t.kick, t.gone_least)
+        kappa = 1 / t.gone_most - 1
+        unused, d = ca.SX(0), t.d + self.push
+        limits = FirstOrder(t.V, d, unused, unused, t.K_max, kappa)
+        self.given: tuple[Relation, ...] = (
+            *positive(t.V, t.K_max, t.gone_least), *between(0, t.left, t.credit),
+            at_least(t.kick, t.credit), at_least(t.d), above(t.V, d), at_least(1, t.gone_most),
+            at_least(t.gone_most, t.gone_least), *between(0, t.gone, t.gone_most),
+            at_least(largest_command(t.bound, limits), t.asked), *between(t.start, t.bound, t.V),
+            at_least(t.V, t.start + t.credit),
+        )  # fmt: skip
+
+    def reached(self, start: ca.SX, push: ca.SX, gone: ca.SX) -> ca.SX:
+        """Speed behind a while."""
+        return (1 - gone) * start + gone * (self.K_max * self.asked + push)
+
+
+HELD_RIM = (
+    "a command within the governor's, with kappa = 0 the clip's, whose push is d and what is for "
+    "friction; it acts while the loop goes at most what kappa counts on{}; the speed at the start "
+    "within the bound that the governor counts on and, by what friction may still lead to, within V"
+)
+
+
+@claim("filter.held-rim-falls", given=HELD_RIM.format(""), premises="filter.held-kick")
+def held_rim_falls(mutation: Mutation) -> Statement:
+    """where v falls towards the command, the rim stays within V by what friction may still lead to.
+
+    What friction took from v's way at a rim it cannot take again before v has risen.
+    """
+    t = Command(mutation)
+    rim = t.reached(t.start, t.d, t.gone) + t.credit - t.left
+    return t.states(at_least(t.V, rim + t.left), given=t.given)
+
+
+@claim("filter.held-rim-rises", given=HELD_RIM.format(""), premises="filter.held-kick")
+def held_rim_rises(mutation: Mutation) -> Statement:
+    """where v does not fall towards the command, the rim stays within V, and from the shortest time
+    of a command on within V by all that friction may lead to.
+
+    There friction only holds the rim back, and the next fall has its whole range.
+    """
+    t = Command(mutation)
+    behind = ca.if_else(t.gone >= t.gone_least, t.kick, 0)
+    return t.states(at_least(t.V, t.reached(t.start, t.d, t.gone) + behind), given=t.given)
+
+
+@claim(
+    "filter.held-rim-bound",
+    given=HELD_RIM.format(", at least the shortest while"),
+    premises="filter.held-kick",
+)
+def held_rim_bound(mutation: Mutation) -> Statement:
+    """what the governor carries from one takeover, or from V or odometry in between, to the next
+    bounds the rim's speed there, of odometry that may be off by what friction leads to, too.
+
+    The governor's bound is right wherever it counts, though not within the time of a command.
+    """
+    t = Command(mutation)
+    carried, true = t.reached(t.bound, t.d + t.push, t.gone), t.reached(t.start, t.d, t.gone)
+    whole = ca.if_else(t.gone >= t.gone_least, carried - (true + t.kick), 0)
+    seen = t.reached(ca.fmin(t.start + t.kick, t.V), t.d + t.push, t.gone)
+    return t.states(at_least(whole), at_least(seen, true + t.credit), given=t.given)
+
+
+@claim(
+    "filter.held-kicks",
+    given="commands that change at plant steps; pushes of at most d_v on v; x <= 2; 2 x d_v beside "
+    "them counts as pushes, and what leads to h/m times F1's range while the shortest command acts",
+    by=HAND,
+    premises="filter.held-kick filter.held-rim-falls filter.held-rim-rises filter.held-rim-bound "
+    "filter.mean filter.induction",
+)
+def held_kicks() -> None:
+    """while one command acts, what friction adds to a rim's speed is at most h/m times the fall of
+    F1(v) so far where v started above K u + d_v, and nothing where it did not.
+
+    Behind clip and governor every wheel keeps its limit in every plant step, friction and all.
+    """
+
+
+@claim(
+    "filter.held-share",
+    given="l, V, W > 0; 0 <= x <= 2, 0 <= q <= 1; |v| <= V and |v + l omega|, |v - l omega| <= W, "
+    "and the same, less d, of the speeds to which command and pushes lead; of q times its way v "
+    "goes a share from 1 - x/2 to 1, and omega all",
+    premises="filter.held-friction filter.held-push-linear filter.held-push-angular filter.clip",
+)
+def held_share(mutation: Mutation) -> Statement:
+    """|v|, |v + l omega| and |v - l omega| keep V and W behind the step, d the push that counts for
+    x and V.
+
+    Behind a clip a wheel that stops for a turn keeps its limit although friction holds back v.
+    """
+    t = symbols("v omega to turn_to share held q V W l", "held V W l")
+    d = held_loop.push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held
+    after = t.v + t.share * t.q * (t.to - t.v), t.omega + t.q * (t.turn_to - t.omega)
+
+    def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> tuple[Relation, ...]:
+        rims = (v + way * t.l * omega for way in WAYS)
+        return (*within(v, t.V - less), *(r for rim in rims for r in within(rim, t.W - less)))
+
+    shares = *between(0, t.held, 1), *between(1 - t.held, t.share, 1), *between(0, t.q, 1)
+    given = (*positive(t.l, t.V, t.W), *shares)
+    given += inside(t.v, t.omega, ca.SX(0)) + inside(t.to, t.turn_to, d)
+    return Statement(t, inside(*after, ca.SX(0)), given)

@@ -1,0 +1,218 @@
+"""The command filter on bases that overshoot, and on bases whose wheels are not alike."""
+
+from collections.abc import Iterator
+
+import casadi as ca
+
+from wmr_ctrl.control.filter.channels import WAYS
+from wmr_ctrl.control.filter.clip import Clip
+from wmr_ctrl.control.filter.governor_step import Governor
+from wmr_ctrl.results.ledger import HAND
+from wmr_ctrl.world.command_ramp import moved
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.command_filter import COMMANDS
+from wmr_proofs.claims.common import AXES, elements_of
+from wmr_proofs.claims.filter_assembled import STATED
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, within
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+claim = Claims(by=Z3(effort=60))
+LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0)}
+"""Settings for the structure of the clip of linear loops; its numbers are symbols."""
+
+
+@claim("filter.wheel-box", given="l > 0; |v + l omega|, |v - l omega| <= min(V, l Omega)")
+def wheel_box(mutation: Mutation) -> Statement:
+    """|v| <= V and |omega| <= Omega.
+
+    Limits on each wheel alone keep the body's limits, however different the two wheels are.
+    """
+    t = symbols("v omega V Omega l", "V Omega l")
+    top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
+    rims = [t.v + way * t.l * t.omega for way in WAYS]
+    given = [above(t.l), *(part for rim in rims for part in within(rim, top))]
+    goals = (*within(t.v, t.V), *within(t.omega, t.Omega))
+    return Statement(t, goals, tuple(given))
+
+
+COUNTING: dict[str, object] = {**STATED, "filter.delay": (0.0, 0.13), "clock.control": 0.05}
+"""A governor whose commands may act for several periods."""
+
+
+@claim(
+    "filter.in-time",
+    given="samples have come in time since one that did not, and the filter's count is that many, "
+    "at most the commands that may act; the next comes in time or not",
+)
+def in_time(mutation: Mutation) -> Statement:
+    """behind that one the count is as right, and the governor trusts its bounds where it is as many
+    as the commands that may act.
+
+    Behind a late sample the clip acts until every command that may still act was sent in time.
+    """
+    graph = Governor(load_scenario("paper-simulation", COUNTING))
+    (count,) = list(graph.counted)
+    most, came = graph.plan.oldest, graph.came
+    named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
+    since = named["since"]
+    either = nonnegative(came * (came - 1), came * (1 - came))
+    given = (at_least(since), equal(count.sym, ca.fmin(since, most)), *either)
+    then = mutation(1, 2) * came * (since + 1)
+    goals = (equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most))
+    return Statement(named, goals, given, {"came": came})
+
+
+SLOW = LINEAR | {"filter.frequency": (4.0, 5.0), "filter.slew": (0.1, 0.1), "filter.scale": "axes"}
+
+
+def inside(clip: Clip) -> Iterator[Relation]:
+    """0 < K_max and 0 <= dbar < V on both axes."""
+    for channel in clip.channels:
+        b = channel.bounds
+        yield from (above(b.K_max), at_least(b.dbar), above(b.V, b.dbar))
+
+
+@claim(
+    "filter.slew-sent-{id}",
+    given=f"{COMMANDS}, at any time; parameters that are sound, K_max > 0, 0 <= delta + a reach < "
+    "V, a > 0, T > 0; the command before within the same limit",
+    over=AXES,
+)
+def slew_sent(mutation: Mutation, axis: int) -> Statement:
+    """K_max |u| + delta + a reach <= V (1 - 2^-26) and |u - u_before| <= a t, 0 <= t <= T the time
+    since the sample before, u what the whole clip sends on the {id} axis.
+
+    Commands stay within their limit and change no faster than stated, whatever is asked for.
+    """
+    clip = Clip(load_scenario("paper-simulation", SLOW))
+    named = elements_of(clip.asked, clip.elapsed, *clip.last, *clip.p.ports)
+    (before,), slew = clip.last, clip.p.take("filter.slew")
+    steps = slew * clip.time
+    given = [*(above(slew[i]) for i in (0, 1)), above(clip.T), *inside(clip)]
+    given += within(before.sym[axis], clip.limits[axis])
+    b, u, sound = clip.channels[axis].bounds, clip.sent[axis], equal(clip.sound, 1)
+    inside_V = at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar)
+    slow = within(u - before.sym[axis], steps[axis])
+    goals = (inside_V, *slow, *between(0, clip.time, clip.T))
+    return Statement(named, goals, (*given, sound), {"numbers are sound": clip.sound})
+
+
+@claim(
+    "filter.sent-clip-{id}",
+    given=f"{COMMANDS}; 0 < N, 0 <= delta < V: the parameters of the clip of linear loops",
+    over=AXES,
+)
+def sent_clip(mutation: Mutation, axis: int) -> Statement:
+    """N |u| + delta <= V (1 - 2^-26), u what the whole clip sends on the {id} axis.
+
+    Whatever both axes are asked for, commands stay within what the loop's peak gain admits.
+    """
+    clip = Clip(load_scenario("paper-simulation", LINEAR))
+    named = elements_of(clip.asked, *clip.p.ports)
+    b, u = clip.channels[axis].bounds, clip.sent[axis]
+    goal = at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar)
+    return Statement(named, (goal,), tuple(inside(clip)), {"numbers are sound": clip.sound})
+
+
+@claim(
+    "filter.ramp-rim",
+    given="l > 0; changes in a step away from 0 and towards it: 0 <= grow <= l turn_back, 0 <= l "
+    "turn <= shrink, of v grow and shrink, of omega turn and turn_back; |v + l omega|, |v - l "
+    "omega| <= W of the ramped command and of the one that it nears",
+)
+def ramp_rim(mutation: Mutation) -> Statement:
+    """The ramped command has |v + l omega|, |v - l omega| <= W after the step, too.
+
+    Ramps on which each axis stops no slower than the other starts keep a limit of wheels.
+    """
+    t = symbols("v omega u w W l grow shrink turn turn_back", "W l grow shrink turn turn_back")
+    l, pairs = t.l, ((t.v, t.omega), (t.u, t.w))
+    v = moved(t.v, t.u, t.grow, t.shrink)
+    omega = moved(t.omega, t.w, mutation(1, 1.5) * t.turn, t.turn_back)
+    slower = at_least(l * t.turn_back, t.grow), at_least(t.shrink, l * t.turn)
+    given = [above(l), *nonnegative(t.grow, t.turn), *slower]
+    given += [r for x, y in pairs for way in WAYS for r in within(x + way * l * y, t.W)]
+    goals = tuple(r for way in WAYS for r in within(v + way * l * omega, t.W))
+    return Statement(t, goals, tuple(given))
+
+
+@claim(
+    "filter.peak-worst",
+    given="K in (0, K_max], z >= z_min > 0; 0 < M, kp, ki and c >= 0 in their intervals",
+    by=HAND,
+)
+def peak_worst() -> None:
+    """N of second-order loops is largest at K_max and z_min, that of PI loops where kp is least, ki
+    and M largest and c = 0, what a push leads to where kp, c, ki and M are least.
+
+    The peak gain of a whole family is that of one corner, which is known beforehand.
+    """
+
+
+@claim(
+    "filter.peak-gain",
+    given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= (V - "
+    "delta)/N and |d| <= dbar, measurable functions of time",
+    by=HAND,
+    premises="filter.sent-clip-linear filter.sent-clip-angular",
+)
+def peak_gain() -> None:
+    """|v| <= N max|u| + delta <= V at every instant, N = int |g|, delta = int |g_d| dbar, for g and
+    g_d the responses to an impulse of u and d.
+
+    A clip at (V - delta)/N keeps a loop that overshoots within its limit, and no larger one does.
+    """
+
+
+@claim(
+    "filter.command-error",
+    given="as in filter.peak-gain, but what acts is off what was sent by at most d, a measurable "
+    "function of time; delta + N d in place of delta",
+    by=HAND,
+    premises="filter.peak-gain",
+)
+def command_error() -> None:
+    """|v| <= V at every instant, behind a clip, a clip of slow commands and a band alike: the loop
+    is linear, so that the error adds a response of at most N d to that of what was sent.
+
+    A base that rounds its commands keeps its limit for the price of N times half a step.
+    """
+
+
+@claim(
+    "filter.slew",
+    given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= c; u "
+    "changes by at most a times the time since the sample before, a T at most, or, where that is "
+    "not told, by a T at samples T - jitter apart or more; commands take over in order, delays "
+    "differ by at most s, at most n are lost in a row, H = (1 + n) (T + jitter) + s; |d| <= dbar; "
+    "L as `swing` encloses it",
+    by=HAND,
+    premises="filter.peak-gain filter.slew-sent-linear filter.slew-sent-angular",
+)
+def slew() -> None:
+    """|v| <= K c + a' (K L + N H/2) + delta <= V, a' = a T/(T - jitter), L the integral of |1 - S|
+    from when S first reaches 1 on: what acts at two instants differs by at most a' (the time from
+    one to the other + H), late or not, so that there is r with |r| <= c, |r'| <= a' and |u - r| <=
+    a' H/2; before that instant r leads to at most K c, since S only rises there; after it, by
+    parts, to at most K L a'.
+
+    When commands change slowly, a linear loop overshoots by less than its peak gain allows for.
+    """
+
+
+@claim(
+    "filter.held-loop",
+    given="a PI loop of constant numbers whose force is held over steps h, friction too, at rest "
+    "at the start; commands change at steps; h a < 2, h b < a, |w| h < 1 - h a/2 where w^2 < 0",
+    by=HAND,
+    premises="filter.peak-gain filter.slew filter.band.superposition",
+)
+def held_loop() -> None:
+    """what is left of its steps, at each instant k h, is that of the loop with a', b', gamma'
+    (`held_loop`), and the sum of h |1 - S| over instants at most its integral and h (N - 1).
+
+    A filter that counts this loop beside its family keeps its limits in every step of a run.
+    """

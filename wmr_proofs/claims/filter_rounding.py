@@ -1,0 +1,270 @@
+"""Rounding of the command filter: clip and governor as the compiled text computes them.
+
+A computed number is whatever roundings of at most 2^-53 of each operation give (`rounded`), an
+exponential within 2^-49 of its own.  V is the limit that the text aims at, the stated one less
+2^-26: the speed stays within V (1 + 2^-28).
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.filter import governor
+from wmr_ctrl.control.filter.channels import ROUNDING, Channel
+from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command, relaxed
+from wmr_ctrl.control.filter.governor_step import contradiction
+from wmr_ctrl.results.ledger import HAND
+from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claims.command_filter import INTERVALS, NUMBERS, sound
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, when, within
+from wmr_proofs.statement import UNIT, Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+SLACK = 2.0**-28
+"""Share of V by which the speed may be above its computed bound."""
+LIBM = 2.0**-49
+"""Largest relative error of a computed exponential, or of what is made of one."""
+MARGIN = 32 * UNIT
+PIECE = 2.0**-44
+"""Share of V by which the speed may gain on its computed bound in a piece of time."""
+OFF, AIMED_OFF = 64 * UNIT, 208 * UNIT
+"""By what share of its way the base may go more or less than computed, in a piece that older
+odometry divides, and by what share of V this may move it."""
+A_PIECE = 2.0**-14
+"""Least share of the way that the base goes while a command may act, for each piece of the time."""
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+
+
+def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
+    s = symbols(f"{NUMBERS} {further}", f"{NUMBERS} {fixed}".strip())
+    return s, FirstOrder(**{name: s[name] for name in NUMBERS.split()})
+
+
+def _computed(value: ca.SX, exact: ca.SX, off: ca.SX | float = 0.0) -> tuple[Relation, Relation]:
+    """A computed exponential, of a time that is off by so much of it."""
+    return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
+
+
+@claim(
+    "filter.rounding.clip",
+    given=f"{INTERVALS}; V the stated limit; operations rounded by at most 2^-53",
+)
+def clip(mutation: Mutation) -> Statement:
+    """(K_max hi + dbar) (1 + 2^-46) <= V for the hi that the clip's text computes, by a quotient
+    or by 1/K_max.
+
+    What the clip sends keeps the stated limit to the last bit.
+    """
+    s, b = _numbers("direct inverse")
+    aimed = b.V * (1 - mutation(ROUNDING, -ROUNDING))
+    top = largest_command(aimed, FirstOrder(aimed, b.dbar, b.nbar, b.K_min, b.K_max, ca.SX(0)))
+    computed = {"direct": top, "inverse": (aimed - b.dbar) * (1 / b.K_max)}
+    goals = tuple(at_least(b.V, (b.K_max * s[name] + b.dbar) * (1 + 2.0**-46)) for name in computed)
+    return Statement(s, goals, (*sound(b), above(aimed, b.dbar)), computed=computed)
+
+
+@claim("filter.rounding.target", given=f"{INTERVALS}; operations rounded by at most 2^-53")
+def target(mutation: Mutation) -> Statement:
+    """the computed drive(u) misses K u + dbar by at most 2^-51 (|drive(u) - dbar| + dbar).
+
+    The speed towards which a command drives the base is computed well enough.
+    """
+    s, b = _numbers("u target")
+    exact = drive(s.u, b)
+    most = mutation(4, 0.5) * UNIT * (ca.fabs(exact - b.dbar) + b.dbar)
+    computed = {"target": exact}
+    return Statement(s, within(s.target - exact, most), sound(b), computed=computed)
+
+
+@claim(
+    "filter.rounding.relaxed",
+    given="|w| <= 2 V, 0 <= share <= 2, |share (target - w)| <= 8 V; operations rounded by at "
+    "most 2^-53",
+)
+def carried_on(mutation: Mutation) -> Statement:
+    """the computed relaxed(w, target) misses w + share (target - w) by at most 2^-48 V.
+
+    What is carried from sample to sample is computed well enough.
+    """
+    s = symbols("V w target share next", "V")
+    V, way = s.V, s.share * (s.target - s.w)
+    made = relaxed(s.w, s.target, s.share, s.share)
+    given = (above(V), *between(0, s.share, 2), *within(s.w, 2 * V), *within(way, 8 * V))
+    most = mutation(1, 2.0**-6) * MARGIN * V
+    goals = within(s.next - (s.w + way), most)
+    return Statement(s, goals, given, computed={"next": made})
+
+
+TOLD = "target >= w", "target <= w"
+WAYS = rows(sign=(1, -1), word=("rising", "falling"), told=TOLD, goes=("most_as", "least_as"))
+
+
+@claim(
+    "filter.rounding.piece-{word}",
+    given="w + e >= v, the speed; w, the computed bound; mean <= target + d, most d <= 2^-48 V, "
+    "most |target| <= 4 V; 0 <= least <= share <= most <= 1, the computed shares within 2^-49 of "
+    "least and most, and off beyond; off <= 2^-47, off |target| <= 1.625 2^-46 V; {told}",
+    premises="filter.rounding.target filter.rounding.rim filter.rounding.relaxed",
+    over=WAYS,
+)
+def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
+    """v + share (mean - v) <= relaxed(w, target) - 2^-48 V + (1 - least) e + 2^-44 V.
+
+    However short a piece of time is, the speed gains on its computed bound by at most 2^-44 of V.
+    """
+    s = symbols("V w v d target mean share most least most_as least_as e off", "V")
+    V, e, most, share = s.V, s.e, s.most, s.share
+    following = relaxed(s.w, s.target, s.most_as, s.least_as)
+    least = relaxed(s.w, s.target, s[goes], s[goes])
+    given = (
+        above(V), *between(0, s.least, most), at_least(ca.SX(1), most),
+        *_computed(s.most_as, most, s.off), *_computed(s.least_as, s.least, s.off),
+        *between(0, s.off, OFF), *within(s.off * s.target, AIMED_OFF * V),
+        *between(s.least, share, most), at_least(e), at_least(s.w + e, s.v), *within(s.w, 2 * V),
+        at_least(s.d), at_least(MARGIN * V, most * s.d), *within(most * s.target, 4 * V),
+        at_least(s.target + s.d, s.mean), at_least(sign * (s.target - s.w)),
+    )  # fmt: skip
+    gained = (1 - s.least) * e + mutation(1, 2.0**-7) * PIECE * V
+    reached = s.v + share * (s.mean - s.v)
+    goals = at_least(following, least), at_least(least - MARGIN * V + gained, reached)
+    return Statement(s, goals, given)
+
+
+@claim(
+    "filter.rounding.takeover",
+    given=f"{INTERVALS}; w + (2^-28 + 2 n 2^-44) V >= v, the speed; w, the computed bound, from "
+    "-2 V to V; mean = K_max hi + dbar + d at most, (1 - e) d <= 2^-45 V; 1 <= n; "
+    "e = exp(-H/tau_min) <= 1 - n 2^-14, kappa within 2^-49 of e/(1 - e); operations rounded "
+    "by at most 2^-53",
+)
+def takeover(mutation: Mutation) -> Statement:
+    """e v + (1 - e) mean <= V (1 + 2^-28) for the hi that the governor's text computes, by
+    quotients or by 1/K_max.
+
+    From a bound that was carried through n pieces of time, too, the computed limit keeps the speed.
+    """
+    s, b = _numbers("w direct inverse v e d n")
+    V, e, n = b.V, s.e, s.n
+    known = s.w + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
+    given = (
+        *sound(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, ca.SX(1)),
+        *_computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v), at_least(V, s.w),
+        at_least(s.w, -2 * V), at_least(s.d), at_least(2.0**-45 * V, (1 - e) * s.d),
+    )  # fmt: skip
+    each = 1 / b.K_max
+    by_it = (V - b.dbar) * each + b.kappa * each * (V - s.w)
+    computed = {"direct": largest_command(s.w, b), "inverse": by_it}
+    means = (b.K_max * s[name] + b.dbar + s.d for name in computed)
+    goals = tuple(at_least(V * (1 + SLACK), e * s.v + (1 - e) * mean) for mean in means)
+    return Statement(s, goals, given, computed=computed)
+
+
+@claim("filter.rounding.rim", given=f"{INTERVALS}; l > 0; operations rounded by at most 2^-53")
+def rim(mutation: Mutation) -> Statement:
+    """the computed drive(v + l omega) misses its own by at most 2^-50 (K_max (|v| + l |omega|) +
+    dbar).
+
+    The speed towards which a command drives a wheel is computed well enough.
+    """
+    s, b = _numbers("v omega l target", "l")
+    exact = drive(Channel((1, 1), s.l, b, 1.0).of((s.v, s.omega)), b)
+    size = ca.fabs(s.v) + s.l * ca.fabs(s.omega)
+    most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
+    goals = within(s.target - exact, most)
+    return Statement(s, goals, (*sound(b), above(s.l)), computed={"target": exact})
+
+
+LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
+"""Times for the structure of the pieces that odometry looks back through; others count alike."""
+
+
+@claim(
+    "filter.rounding.rest",
+    given="T > 0; 0 <= age <= 1.2 T, odometry's age; pieces of an example's schedule; operations "
+    "rounded by at most 2^-53",
+)
+def rest(mutation: Mutation) -> Statement:
+    """of a piece from start to end, what is left at -age misses end + age by at most 2^-52 age, as
+    computed; where it is taken as over or as whole, it is to within 2^-52 age.
+
+    Older odometry divides a piece of time at the right instant but for roundings.
+    """
+    s = symbols("age T rest", "T")
+    age, T = s.age, s.T
+    pieces = LOOKED_BACK.pieces(-LOOKED_BACK.age, 0.0, 1)
+    ends = {f"end{k}": piece.end * T for k, piece in enumerate(pieces)}
+    starts = {"start": pieces[0].start * T}
+    s |= symbols(" ".join((*ends, *starts)))
+    left = governor.SpeedBound(LOOKED_BACK, FirstOrder(*[ca.SX(1)] * 6), (ca.SX(1), ca.SX(1)), T)
+    spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, list[Relation]()
+    for k, piece in enumerate(pieces):
+        start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
+        over, whole = -age >= end, -age <= start
+        part = ca.logic_not(ca.logic_or(over, whole))
+        off = within(s.rest - (piece.end * T + age), spare)
+        goals += [when(part, item) for item in off]
+        goals.append(when(over, at_least(spare, piece.end * T + age)))
+        goals.append(when(whole, at_least(piece.start * T + age, -spare)))
+    given = above(T), *between(0, age, LOOKED_BACK.age * T)
+    computed = ends | starts | {"rest": left.rest(age, pieces)}
+    return Statement(s, tuple(goals), given, computed=computed)
+
+
+@claim(
+    "filter.rounding.odometry",
+    given="v <= y + nbar, |v| <= V (1 + 2^-28); operations rounded by at most 2^-53",
+)
+def odometry(mutation: Mutation) -> Statement:
+    """v <= min(y + nbar, V) + 2^-28 V, the sum as computed.
+
+    A bound from odometry is too low by no more than a carried one.
+    """
+    s, b = _numbers("v y sum")
+    V, slack = b.V, SLACK * b.V
+    given = (above(V), at_least(b.nbar), *within(s.v, V + slack))
+    known = at_least(s.y + b.nbar, s.v)
+    goal = at_least(ca.fmin(s.sum, V) + mutation(1, -1) * slack, s.v)
+    return Statement(s, (goal,), (*given, known), computed={"sum": s.y + b.nbar})
+
+
+@claim(
+    "filter.rounding.agrees",
+    given="v <= above + (2^-28 + n 2^-44) V, -v <= below + (2^-28 + n 2^-44) V, above and below as "
+    "computed and at most V; n <= 2^16; operations rounded by at most 2^-53",
+)
+def agrees(mutation: Mutation) -> Statement:
+    """above + below >= -2^-15 V, as computed.
+
+    Roundings alone never make odometry contradict the stated bounds, even where all of them are met
+    to the last bit.
+    """
+    s = symbols("V v above below n sum least", "V")
+    V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
+    sizes = at_least(2.0**16, s.n), at_least(s.n), at_least(V, s.above), at_least(V, s.below)
+    bounds = at_least(s.above + off, s.v), at_least(s.below + off, -s.v)
+    given = (above(V), *sizes, *bounds)
+    computed = {"sum": s.above + s.below, "least": -contradiction(V)}
+    return Statement(s, (at_least(s.sum, s.least),), given, computed=computed)
+
+
+@claim(
+    "filter.rounding.governor",
+    given="the hypotheses of filter.induction; jitter of at most T/2; odometry at most 60 tau_min "
+    "old; at most n pieces of time from a sample to the next, to the latest takeover, and in any "
+    "period that odometry looks back through; T >= n 2^-13 tau_max; pieces as the schedule cuts "
+    "them; no overflow and no underflow",
+    by=HAND,
+    premises="filter.induction filter.rounding.takeover filter.rounding.target filter.rounding.rim "
+    "filter.rounding.relaxed filter.rounding.piece-rising filter.rounding.piece-falling "
+    "filter.rounding.odometry filter.rounding.rest filter.rounding.wheels "
+    "filter.rounding.wheels-turn filter.rounding.wheels-drive filter.rounding.axes-turn "
+    "filter.rounding.axes-drive filter.rounding.beside-cut filter.rounding.beside-axes-turn "
+    "filter.rounding.beside-axes-drive filter.rounding.beside-turn filter.rounding.beside-drive",
+)
+def governed() -> None:
+    """|v| <= V (1 - 2^-26) (1 + 2^-28) (1 + 2^-52) < V, V the stated limit, behind what the text
+    computes: the speed is at most 2^-28 V + n 2^-44 V above its computed bound at samples, since
+    the base goes at least n 2^-14 of its way in a period, and n 2^-44 V more at a takeover.
+
+    The margin that is kept back covers the governor's roundings, with delays, losses, jitter and
+    late odometry, for v, omega and wheels, scaled in any way.
+    """

@@ -1,0 +1,282 @@
+"""Ours: near the limit law (9) resists nothing, so its velocity error has no gain of a disturbance.
+
+For every bound D > 0 of the disturbing force there is a velocity v* < v_u1 from which a constant D
+drives the robot over its limit, v_c0 held and the model exact:
+
+    v* = v_u1 - delta g^2,    1/g = 3 + 2 delta B + (rho M/D) (8 delta + B),
+    delta = v_u1 - v_u2,      B = v_u1 + |v_c0|
+
+because V1/A falls to 0 there like the square root of the distance to the limit, or faster.  The
+altered claims have the gradient law v' = -(rho/2) A + d/M in place of (9): they are refuted.
+"""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier.stable import Axis, SmoothAxis, smooth_barrier
+from wmr_ctrl.results.ledger import HAND
+from wmr_ctrl.world.model.dynamics import acceleration
+from wmr_proofs import regions
+from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claims.authority_table import AXES, Numbers
+from wmr_proofs.claims.common import (
+    ALL_LIMITS,
+    CLOSED_FORM,
+    NO_SERIES,
+    BarrierAxis,
+    LawGraph,
+    barrier_axis,
+)
+from wmr_proofs.claims.sampled import SETTINGS
+from wmr_proofs.methods.spec import Z3, Point, Ring, Table
+from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
+from wmr_proofs.relation import Relation, above, at_least, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+
+def reach(delta: Any, B: Any) -> Any:
+    """8 delta + B, in front of rho M/D."""
+    return 8 * delta + B
+
+
+def level(c: ca.SX, u1: ca.SX, u2: ca.SX, k: ca.SX) -> ca.SX:
+    """v* for k = rho M/D."""
+    delta, B = u1 - u2, u1 + ca.fabs(c)
+    return u1 - delta / (3 + 2 * delta * B + k * reach(delta, B)) ** 2
+
+
+def smaller_slope(a: BarrierAxis) -> ca.SX:
+    """A - 1/delta: the slope of the smooth barrier for v > v_u2, below that of the paper's."""
+    return a.A - 1 / (a.all[2] - a.all[3])
+
+
+def near_limit(sign: int) -> Case:
+    """v_c0 = sign m; 1/g = 3 + 2 b B + e; rho M/D = e/((8 b + B)(1 + i)), up to what v* allows."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b, B = n["u2"], n["b"], n["u2"] + n["b"] + n["m"]
+        k = n["e"] / (reach(b, B) * (1 + n["i"]))
+        v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
+        rho = k * n["D"] / n["M"]
+        put = {"u1": u2 + b, "u2": u2, "c": sign * n["m"], "v": v, "rho": rho}
+        return put | {name: n[name] for name in ("M", "D")}
+
+    numbers = dict.fromkeys(("u2", "b", "e", "D", "M"), POSITIVE)
+    ends = dict.fromkeys(("m", "i"), NONNEGATIVE)
+    return Case(f"v_c0 {'>=' if sign > 0 else '<='} 0, v >= v*", {**numbers, **ends}, values)
+
+
+def charted(target: str) -> Case:
+    """The same near the limit with v_c0 in one of its regions, whatever rho M/D is."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b = n["u2"], n["b"]
+        c = regions.target_value(target, u2, b, n.get("j", 0))
+        B = u2 + b + (-c if target.endswith("-") else c)
+        v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
+        return {"u1": u2 + b, "u2": u2, "c": c, "v": v}
+
+    names = ("u2", "b", "e", *(("j",) if target[:-1] in regions.CHARTED else ()))
+    return Case(f"v_c0 {target}, v >= v*", dict.fromkeys(names, POSITIVE), values)
+
+
+INNER = "quotient q w cdot"
+
+
+def held_back() -> list[Point]:
+    """d_max and where it is met, at v_c0 = 0 to 20; the sampled settings at 0 and the largest."""
+    found = []
+    for n in AXES:
+        for c in map(float, range(21)):
+            v, low = n.best(c)
+            found.append(_point(n, v=v, c=c, low=low))
+    for s in SETTINGS:
+        for farthest in ("0", s.target):
+            found.append(_point(AXES[s.axis], v=s.level, c=farthest, low=s.disturbance))
+    return found
+
+
+def _point(n: Numbers, **values: float | str) -> Point:
+    return {name: Fraction(x) for name, x in {**values, **vars(n)}.items()}
+
+
+STAR = (
+    "v* = v_u1 - delta g^2, 1/g = 3 + 2 delta B + (rho M/D) (8 delta + B), delta = v_u1 - v_u2, "
+    "B = v_u1 + |v_c0|"
+)
+AHEAD = regions.smooth_cases(sides=("out+",))
+claim = Claims(by=Z3(), given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
+
+
+@claim(
+    "gain.ceiling",
+    (12, 16),
+    given=ALL_LIMITS,
+    by=Ring(regions.all_cases(), log_lemma=True),
+    premises="lemma.log",
+)
+def ceiling(mutation: Mutation) -> Statement:
+    """V1i <= (v - v_c0)^2/2 + f(v).
+
+    The barrier function grows no faster than its logarithm.
+    """
+    a, v, c, _, _ = barrier_axis()
+    J = a.cost(v)
+    return a.states(at_least(mutation(J, J - 0.1 * (v - c) ** 2), a.V))
+
+
+@claim(
+    "gain.ceiling-smooth",
+    given="every 0 < v_u2 < v < v_u1, any v_c0" + NO_SERIES,
+    by=Ring(AHEAD, CLOSED_FORM, log_lemma=True),
+    premises="lemma.log",
+)
+def ceiling_smooth(mutation: Mutation) -> Statement:
+    """the same for the smooth barrier as compiled, and its A is the paper's less 1/(v_u1 - v_u2),
+    for v > v_u2.
+
+    The same for the smooth barrier.
+    """
+    # For v > v_u2, as compiled; (v - v_c1)/q is the slope.
+    a, v, c, u1, u2 = barrier_axis()
+    found = smooth_barrier(c, v, u1, u2)
+    slope = equal(found.w, mutation * found.q * smaller_slope(a))
+    return a.states(at_least(a.cost(v), found.V1), slope)
+
+
+@claim(
+    "gain.fades",
+    (9, 10, 15),
+    given=f"every 0 < v_u2 < v_u1, rho, M, D > 0, any v_c0; {STAR}",
+    by=Ring((near_limit(1), near_limit(-1)), log_lemma=True),
+    premises="gain.cover lemma.log",
+)
+def fades(mutation: Mutation) -> Statement:
+    """rho M ((v - v_c0)^2/2 + f(v)) <= (D/2) (A - 1/(v_u1 - v_u2)) and A > 1/(v_u1 - v_u2) for
+    every v in [v*, v_u1).
+
+    However small a disturbing force is, close enough to the limit the barrier's share of the law
+    resists less than half of it.
+    """
+    a, v, c, u1, u2 = barrier_axis()
+    t = symbols("rho M D", "rho M")
+    A = smaller_slope(a)
+    pull = mutation(a.cost(v), 0.5 * A**2)
+    goals = above(A), at_least(0.5 * t.D * A, t.rho * t.M * pull)
+    given = above(u1, v), at_least(v, level(c, u1, u2, t.rho * t.M / t.D))
+    return a.states(*goals, given=given, more=t)
+
+
+@claim(
+    "gain.closed{key}",
+    by=lambda targets: Ring(tuple(map(charted, targets))),
+    premises="gain.cover",
+    over=rows(
+        key=("", "-smooth"), equations=((15,), ()), words=("paper's", "smooth"),
+        form=(Axis, SmoothAxis),
+        targets=(regions.TARGETS + regions.TARGET_EDGES, regions.SMOOTH_TARGETS),
+    ),
+)  # fmt: skip
+def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:
+    """on [v*, v_u1) the {words} barrier as compiled evaluates phi at Y > 1/2, in closed form.
+
+    There the logarithm itself is evaluated, not its series.
+    """
+    a, v, c, u1, u2 = barrier_axis()
+    s = ca.if_else(c >= 0, 1, -1)
+    return a.states(above(form(s * c, s * v, u1, u2).y, mutation(0.5, 1)))
+
+
+@claim("gain.cover", given="every 0 < v_u2 < v_u1, k = rho M/D > 0, any v_c0")
+def covered(mutation: Mutation) -> Statement:
+    """the chart of gain.fades and gain.closed runs through all of [v*, v_u1).
+
+    Nothing was left out.
+    """
+    # The numbers e and i that give a point of [v*, v_u1) back.
+    a, v, c, u1, u2 = barrier_axis()
+    k = ca.SX.sym("k")
+    b, B = u1 - u2, u1 + ca.fabs(c)
+    root = ca.sqrt(b / (u1 - v))
+    e = root - 3 - mutation(2, 5) * b * B
+    goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))
+    given = (above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k)))
+    return Statement(a.symbols | {"k": k}, goals, given)
+
+
+@claim(
+    "gain.none{key}",
+    given=f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
+    premises="gain.fades {parts}",
+    over=(
+        {"key": "", "equations": (9,), "words": "paper's", "form": "paper",
+         "parts": "gain.ceiling gain.closed forms.quotient"},
+        {"key": "-smooth", "equations": (), "words": "smooth", "form": "smooth",
+         "parts": "gain.ceiling-smooth gain.closed-smooth smooth.quotient"},
+    ),
+)  # fmt: skip
+def gain_none(mutation: Mutation, form: str) -> Statement:
+    """on the graph of the model-based law with the {words} barrier v' >= D/(2 M) for every v in
+    [v*, v_u1), both axes.
+
+    From v* on, law (9) lets a constant force D > 0 drive the robot outwards all the way, however
+    small D is. The gradient law in its place does not (the altered claim).
+    """
+    law = LawGraph("mb", ("gains.mb.barrier", form))
+    mass, friction = law.own(law.context.mass), law.own(law.context.friction)
+    every, cuts = dict(law.symbols), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for axis in (0, 1):
+        t = symbols(" ".join(f"{name}{axis + 1}" for name in f"A J D {INNER}".split()))
+        A, J, D, quotient, _, _, c_dot = t.values()
+        rho = law.symbols[f"gains.mb.rho[{axis + 1}]"]
+        cuts |= {f"{name}{axis + 1}": part for name, part in law.parts(axis, INNER).items()}
+        cuts[f"friction{axis + 1}"] = friction[axis]
+        nominal = acceleration(mass[axis], law.force[axis], friction[axis])
+        rate = mutation(nominal, -0.5 * rho * A)
+        goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
+        # A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held.
+        given += [above(A), at_least(J, A * quotient), at_least(0.5 * D * A, rho * mass[axis] * J)]
+        given += [above(D), equal(c_dot), *positive(mass[axis], rho)]
+        every |= t
+    return Statement(every, tuple(goals), tuple(given), cuts)
+
+
+@claim(
+    "gain.levels",
+    (9,),
+    given="paper limits and gains",
+    by=Table(points=held_back),
+    premises="authority.lower-linear authority.lower-angular",
+)
+def levels(mutation: Mutation) -> Statement:
+    """v* of D/M = d_max lies beyond the velocity at which d_max is held back, for v_c0 = 0, 1, ...,
+    20 on both axes, and v* of each sampled setting (sampled.*) beyond its level.
+
+    What the barrier withstands from below and what it gives way to from v* on do not contradict
+    each other.
+    """
+    # v* of a disturbance that is held back at v lies beyond v; low = D/M.
+    t = symbols("v c u1 u2 rho low", "u1 u2 rho")
+    star = level(t.c, t.u1, t.u2, t.rho / t.low)
+    return Statement(t, (above(mutation * (star - t.v)),))
+
+
+@claim(
+    "gain.meaning",
+    (9,),
+    given="v_c0 held, model exact",
+    by=HAND,
+    premises="gain.none gain.none-smooth lemma.comparison",
+)
+def gain_meaning() -> None:
+    """under law (9) the velocity error has no input-to-state stability on |v| < v_u1: for every D >
+    0 a constant force D carries v from v* to v_u1 within 2 M (v_u1 - v*)/D.
+
+    No bound of the disturbance, however small, keeps V1 bounded from every start inside the limits;
+    the gradient law has such a bound (prox.gain).
+    """

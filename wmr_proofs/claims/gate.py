@@ -1,0 +1,135 @@
+"""The gate before a clip of first-order loops, on the graph that is compiled.
+
+Times and ramps are the defaults of `GateSettings`; any numbers come in.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.filter import gate
+from wmr_ctrl.control.filter.channels import AXES, WAYS, usable_time
+from wmr_ctrl.control.filter.clip import Clip
+from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import elements_of, named_ports
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, equal
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import exchanged
+
+STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
+SOUND = (
+    "a gate with its default times and ramps before a clip of first-order loops; 0 < K_min <= "
+    "K_max, 0 <= dbar < V; every input of any size, any time since the last step"
+)
+GONE = (
+    "t is the time since the last step, T at most: T where it is told as 0 (nobody knows it), 0 "
+    "where it is negative"
+)
+SETTINGS = gate.GateSettings()
+claim = Claims(by=Z3(effort=60))
+
+
+class GateStep:
+    """Symbols of a step of the gate before a clip, and the command that leaves it (``sent``).
+
+    ``gone``: the time in which a command may change [s]; ``timed`` says which one that is.
+    """
+
+    def __init__(self) -> None:
+        """Read the graph."""
+        scenario = load_scenario("paper-simulation", STATED)
+        self.system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
+        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        self.ports = {item.signal: item.sym for item in ports}
+        self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
+        T, elapsed = ca.SX(scenario.clock.control), self[gate.ELAPSED]
+        self.gone = usable_time(elapsed, T)
+        self.timed = equal(self.gone, ca.if_else(elapsed == 0, T, ca.fmax(ca.fmin(elapsed, T), 0)))
+        clip = Clip(scenario)
+        each = (channel.bounds for channel in clip.channels)
+        bounds = ca.vertcat(*(x for b in each for x in (b.V, b.dbar, b.K_min, b.K_max)))
+        own = named_ports(*clip.p.ports), named_ports(*self.system.params)
+        *numbers, hi1, hi2 = ca.vertsplit(exchanged(ca.vertcat(bounds, *clip.limits), *own))
+        self.limits, self.bounds = (hi1, hi2), [numbers[:4], numbers[4:]]
+
+    def __getitem__(self, signal: Signal) -> ca.SX:
+        """The symbol of a port."""
+        return self.ports[signal]
+
+    @property
+    def sound(self) -> tuple[Relation, ...]:
+        """Parameters that leave a command which is safe."""
+        given = list[Relation]()
+        for V, dbar, low, high in self.bounds:
+            given += [above(V, dbar), at_least(dbar), above(low), at_least(high, low)]
+        return tuple(given)
+
+    def below(self, tops: list[ca.SX]) -> tuple[Relation, ...]:
+        """|sent_i| <= top_i for both axes."""
+        return tuple(at_least(tops[i], way * self.sent[i]) for i in AXES for way in WAYS)
+
+    def falling(self, mutation: Mutation) -> tuple[Relation, ...]:
+        """|sent_i| <= max(|last_i| - fall_i t, 0) for both axes."""
+        last = self[gate.LAST]
+        step = [mutation(1, 1.1) * SETTINGS.fall[i] * self.gone for i in AXES]
+        tops = [ca.fmax(ca.fabs(last[i]) - step[i], 0) for i in AXES]
+        return self.timed, *self.below(tops)
+
+
+@claim("gate.inside", given=SOUND)
+def inside(mutation: Mutation) -> Statement:
+    """|sent_i| <= (V_i - dbar_i)/K_max_i.
+
+    Whatever arrives, in any order and however late, the gate sends a command that the clip could
+    have sent, so the clip's theorem (filter.clip) covers the base.
+    """
+    g = GateStep()
+    return Statement(g.symbols, g.below([mutation(1, 0.99) * top for top in g.limits]), g.sound)
+
+
+@claim("gate.stop", given=f"{SOUND}; stop > 0")
+def stop(mutation: Mutation) -> Statement:
+    """sent_i = 0.
+
+    A stop sends 0 at once, not a ramp.
+    """
+    g = GateStep()
+    goals = tuple(equal(g.sent[i], mutation(0, 1e-3) * g[gate.LAST][i]) for i in AXES)
+    return Statement(g.symbols, goals, (*g.sound, above(g[gate.STOP])))
+
+
+@claim("gate.stale", given=f"{SOUND}; {GONE}; age of the command > timeout")
+def stale(mutation: Mutation) -> Statement:
+    """|sent_i| <= max(|last_i| - fall_i t, 0).
+
+    Without a recent command the base is brought to rest.
+    """
+    g = GateStep()
+    old = above(g[gate.COMMAND_AGE], ca.SX(SETTINGS.command_timeout))
+    return Statement(g.symbols, g.falling(mutation), (*g.sound, old))
+
+
+@claim("gate.latched", given=f"{SOUND}; {GONE}; latched > 0, reset <= 0")
+def latched(mutation: Mutation) -> Statement:
+    """|sent_i| <= max(|last_i| - fall_i t, 0), and the step after is latched as well.
+
+    What was stopped stays stopped until a reset.
+    """
+    g = GateStep()
+    after = g.system.update[-3]
+    given = (*g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET]))
+    return Statement(g.symbols, (*g.falling(mutation), equal(after, ca.SX(1))), given)
+
+
+@claim("gate.rise", given=f"{SOUND}; {GONE}; whatever command the ramp leads to")
+def rise(mutation: Mutation) -> Statement:
+    """|sent_i| <= |last_i| + rise_i t.
+
+    No command speeds the base up faster than is stated.
+    """
+    g = GateStep()
+    step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.gone for i in AXES]
+    most = [ca.fabs(g[gate.LAST][i]) + step[i] for i in AXES]
+    goals = g.timed, *g.below(most)
+    return Statement(g.symbols, goals, g.sound, {f"goal{i}": g.goal[i] for i in AXES})

@@ -1,0 +1,285 @@
+"""The guard's parts in controller and simulator: axes, flag, monitor, maps onto the wheels."""
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, feasible, guarded
+from wmr_ctrl.control.guard.lateness import AT_ONCE, Since
+from wmr_ctrl.control.guard.monitor import LateMotion, least_push
+from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, plant, rk4_step, wheel_to_force
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import PRESET, scalars
+from wmr_proofs.claims.guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
+from wmr_proofs.claims.guard_sample import NUMBERS_FREE, solver
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Named, symbols
+
+claim = Claims(by=solver)
+
+
+@claim("guard.axes", given="T > 0")
+def axes(mutation: Mutation) -> Statement:
+    """guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point likewise,
+    i = 1, 2.
+
+    What is proved for one axis holds for both.
+    """
+    one, two = GuardAxis(), GuardAxis()
+    table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
+    both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
+    result = guarded(ca.vertcat(one.asked, two.asked), ca.vertcat(one.y, two.y), both)
+    goals = list[Relation]()
+    for i, a in enumerate((one, two)):
+        goals.append(equal(result.force[i], clipped(mutation * a.asked, a.y, a.bounds)))
+        goals.append(equal(result.safe[i], clipped(ca.SX(0), a.y, a.bounds)))
+    return Statement(table, tuple(goals), positive(one.period, two.period))
+
+
+@claim(
+    "guard.{name}",
+    given="{which}",
+    over=(
+        {"name": "promise", "a": GuardAxis(), "which": "without delay (delay = 0 in the claim)"},
+        {"name": "promise-late", "a": GuardAxis(DELAYED), "which": "behind a delay"},
+        {"name": "late.promise", "a": GuardAxis(LATE), "effort": 400,
+         "which": "with jitter; and 2 net mixed <= M_min (u1 - 2 nbar)"},
+    ),
+)  # fmt: skip
+def promise(mutation: Mutation, a: GuardAxis) -> Statement:
+    """feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1,
+    brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1.
+
+    The published flag implies the theorem's hypotheses, apart from signs.
+    """
+    b = a.bounds
+    need = mutation(2, 2.01) * a.net * (1 + b.alpha * a.late)
+    spread = [a.spread] if a.lateness == LATE else []
+    room = at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need)
+    brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, a.net), at_least(1, b.alpha * b.period)
+    order = at_least(b.M_max, b.M_min), above(b.u1, b.f_speed)
+    return a.states(room, *spread, *brakes, *order, given=(above(feasible(b)),))
+
+
+@claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
+def simulated(mutation: Mutation) -> Statement:
+    """one Runge-Kutta step h of the plant ends at v1 <= max(v1 + h max(F, 0)/m, h (|F| + 2 mu m
+    g)/m), F the sum of all pushes; omega ends at omega + h N/I.
+
+    The simulated robot does not outrun the comparison that the guard relies on, except at speeds
+    that friction alone reverses within a step. This is over the real numbers: the step's own
+    rounding, some units in the last place of v a step, is not counted, so the simulated v may pass
+    u1 by that much.
+    """
+    robot = plant(load_scenario(PRESET))
+    t = scalars((*robot.inputs, *robot.state, *robot.params)) | symbols("step", "step")
+    m, inertia, mu, r, half, g, v_s = (t[key] for key in KEYS)
+    tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
+    push = wheel_to_force(r, half, tau) + ca.vertcat(t.thrust, t.moment)
+    after = rk4_step(robot, t.step)[3:5]
+    friction = mu * m * g
+    driven = t.v1 + t.step * ca.fmax(push[0], 0) / m
+    slow = t.step * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
+    turned = equal(after[1], t.omega + t.step * push[1] / inertia)
+    goals = at_least(ca.fmax(driven, slow), after[0]), turned
+    given = (*positive(m, inertia, r, half, g, v_s, t.step), at_least(mu))
+    return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
+
+
+@claim(
+    "guard.monitor",
+    given=f"{NUMBERS_FREE}; push of either sign; both measured velocities beyond nbar on the "
+    "same side, friction against the motion",
+)
+def not_blamed(mutation: Mutation) -> Statement:
+    """d_least is at most the mean disturbance of the sample in the direction of motion, or 0,
+    driving forwards or backwards.
+
+    The monitor reports bounds as broken only where they are.
+    """
+    a = GuardAxis()
+    b, t = a.bounds, symbols("old push drag e_new e_old way")
+    way = ca.if_else(t.way > 0, 1, -1)
+    mean = (a.asked + way * (t.push - mutation * t.drag)) / a.mass
+    new = t.old + b.period * mean
+    y, before = new + t.e_new, t.old + t.e_old
+    errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
+    ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t.drag))
+    least = least_push(y, before, a.asked, b)
+    given = (*a.feasible(), *a.during(), *errors, *ahead)
+    return Statement(a.symbols | t, (at_least(ca.fmax(t.push, 0), least),), given)
+
+
+@claim("guard.monitor-quiet", given="any bounds, T > 0")
+def quiet(mutation: Mutation) -> Statement:
+    """d_least = 0 where the measured velocities are not both beyond nbar on the same side.
+
+    At rest and at a change of direction it reports nothing.
+    """
+    a = GuardAxis()
+    b, old = a.bounds, ca.SX.sym("old")
+    least = least_push(a.y, old, a.asked, b)
+    same = ca.fmax(ca.fmin(a.y, old), -ca.fmax(a.y, old)) - mutation(0, 1)
+    given = (*positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same))
+    return Statement(a.symbols | {"old": old}, (equal(least),), given)
+
+
+@claim(
+    "guard.monitor-sharp",
+    given="nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
+)
+def sharp(mutation: Mutation) -> Statement:
+    """d_least is the push of the sample, forwards and backwards.
+
+    Where nothing is uncertain the monitor measures the disturbance.
+    """
+    a = GuardAxis()
+    b, t = a.bounds, symbols("old push way")
+    way = ca.if_else(t.way > 0, 1, -1)
+    y = t.old + b.period * (a.asked + way * t.push) / b.M_min
+    least = least_push(y, t.old, a.asked, b)
+    exact = (equal(b.nbar), equal(b.M_max, b.M_min), *positive(b.M_min, b.period))
+    ahead = (above(ca.fmin(way * y, way * t.old)), at_least(t.push))
+    return Statement(a.symbols | t, (equal(least, mutation * t.push),), (*exact, *ahead))
+
+
+SINCE = Since(
+    mean=(((1, 2), 0.5), ((2,), 0.25)),
+    rest=(((1,), 0.5), ((1, 2), 0.75)),
+    mean_time=0.75, rest_time=1.25, older=AT_ONCE,
+)  # fmt: skip
+"""Commands that may have acted: of mean either of two, then the older one; likewise of rest."""
+
+
+@claim(
+    "guard.monitor-late",
+    given="mean: either of two commands for T/2, the older for T/4; rest: the newer for T/2, "
+    "either for 3 T/4; no lag; M_min, T > 0, nbar, D >= 0; either axis",
+)
+def late(mutation: Mutation) -> Statement:
+    """late velocities: d_least <= D where the velocity changed since the previous sample, either
+    way, by no more than a push D and the commands that may have acted explain, in the mean or from
+    rest.
+
+    The monitor never reports bounds that explain the motion, not even behind a delay with jitter.
+    """
+    a = GuardAxis()
+    b, t = a.bounds, symbols("old D F1 F2 N1 N2")
+    sent = [ca.vertcat(t[f"F{j}"], t[f"N{j}"]) for j in (1, 2)]
+    motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t.old, t.D
+    goals, given = [], [*positive(b.M_min, b.period), *nonnegative(b.nbar, D)]
+    for axis, name in enumerate("FN"):
+        least = motion.least_push(axis, a.y, old, b)
+        goals.append(at_least(D, mutation(1, 1.01) * least))
+        for way in (1, -1):
+            newer, older = (ca.fmax(way * t[f"{name}{j}"], 0) for j in (1, 2))
+            either = ca.fmax(newer, older)
+            mean = 0.5 * either + 0.25 * older + 0.75 * D
+            rest = 0.5 * newer + 0.75 * either + 1.25 * D
+            moved = b.M_min * (way * (a.y - old) - 2 * b.nbar) / b.period
+            begun = b.M_min * (way * a.y - b.nbar) / b.period
+            given.append(at_least(ca.fmax(mean - moved, rest - begun)))
+    return Statement(a.symbols | t, tuple(goals), tuple(given))
+
+
+BOX = (
+    "every box lo <= hi of both axes, every force in it, |F0| + |N0|/l <= phi for the safe point "
+    "(F0, N0)"
+)
+
+
+class MappedWheels(Named):
+    """A guard's box, a force in it, the ``safe`` one of least effort; wheels with reach phi [N].
+
+    half is l, r the radius [m].
+    """
+
+    def __init__(self) -> None:
+        self.symbols = symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r", "phi half r")
+        self.safe = ca.fmin(ca.fmax(0, self.pair("lo")), self.pair("hi"))
+
+    def pair(self, name: str) -> ca.SX:
+        """Both axes of one quantity."""
+        return ca.vertcat(self.symbols[f"{name}1"], self.symbols[f"{name}2"])
+
+    def within(self, force: ca.SX) -> tuple[Relation, ...]:
+        """``force`` is in the box."""
+        lo, hi = self.pair("lo"), self.pair("hi")
+        return tuple(part for i in (0, 1) for part in between(lo[i], force[i], hi[i]))
+
+    def reached(self, force: ca.SX) -> Relation:
+        """``force`` is within the wheels' reach."""
+        t = self.symbols
+        return at_least(t.phi, ca.fabs(force[0]) + ca.fabs(force[1]) / t.half)
+
+    @property
+    def given(self) -> tuple[Relation, ...]:
+        """The hypotheses."""
+        t = self.symbols
+        sides = positive(t.half, t.phi, t.r)
+        return (*sides, *self.within(self.pair("force")), self.reached(self.safe))
+
+    def mapped(self, name: str, safe: ca.SX) -> ca.SX:
+        """Output of a map for the force."""
+        return MAPS[name](self.pair("force"), self.symbols.phi, self.symbols.half, safe)
+
+
+map_claim = Claims(by=Z3(effort=150))
+
+
+@map_claim("wheels.reach", (4,), given="r, l > 0")
+def torques(mutation: Mutation) -> Statement:
+    """max |tau| = (r/2) (|F| + |N|/l).
+
+    The torque limit is a diamond of forces.
+    """
+    w = MappedWheels()
+    t = w.symbols
+    torque = force_to_wheel(t.r, t.half, w.pair("force"))
+    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
+    size = ca.fabs(t.force1) + mutation * ca.fabs(t.force2) / t.half
+    return Statement(t, (equal(largest, t.r / 2 * size),), positive(t.half, t.r))
+
+
+@map_claim("wheels.necessary", given="F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0")
+def necessary(mutation: Mutation) -> Statement:
+    """dbar1 + dbar2/l > phi = 2 tau_max/r: a force that holds both velocities at their limits needs
+    a torque above tau_max.
+
+    Motors weaker than the disturbances cannot keep both limits, whatever the guard does.
+    """
+    # At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger.
+    w = MappedWheels()
+    t = w.symbols | symbols("dbar1 dbar2")
+    torque = force_to_wheel(t.r, t.half, w.pair("force"))
+    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
+    tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
+    held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
+    signs = (*nonnegative(t.dbar1, t.dbar2), *positive(t.half, t.r))
+    return Statement(t, (above(largest, t.phi * t.r / 2),), (*signs, *held, tight))
+
+
+@map_claim("wheels.{name}", given=BOX, over=tuple({"name": name} for name in MAPS))
+def mapped(mutation: Mutation, name: str) -> Statement:
+    """{name} ends in the guard's box and within reach.
+
+    The torque limit does not undo the guard.
+    """
+    w = MappedWheels()
+    found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
+    return Statement(w.symbols, (*w.within(found), w.reached(found)), w.given)
+
+
+@map_claim("wheels.per-wheel", given=BOX)
+def clip_per_wheel(mutation: Mutation) -> Statement:
+    """a clip of each wheel's torque ends in the guard's box.
+
+    False: clipping one wheel changes thrust and moment at once, and can turn braking into driving.
+    """
+    w = MappedWheels()
+    t = w.symbols
+    most = t.phi * t.r / 2
+    torque = force_to_wheel(t.r, t.half, w.pair("force"))
+    found = wheel_to_force(t.r, t.half, ca.fmax(-most, ca.fmin(most, torque)))
+    return Statement(t, w.within(mutation * found), w.given)

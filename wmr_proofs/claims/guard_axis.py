@@ -1,0 +1,319 @@
+"""One axis of the guard in one sample: its symbols and hypotheses, however late things may be.
+
+Lateness changes what is known of v where the new command takes over, and what the guard's graph
+reads; what it makes of the room to the limit is one function.  What commands under way count for
+are free sums, so that a statement holds for any number of them; exponentials are symbols.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.delay import InFlight, Lagging, in_flight, largest_force
+from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor, room
+from wmr_proofs.relation import Relation, above, at_least, between
+from wmr_proofs.symbols import Named, symbols
+
+AT_ONCE, DELAYED, LATE, LAGGING = range(4)
+NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
+PARAMETERS = (
+    f"{NUMBERS} delay jitter mixed usual fast slow falls rises_by rise_J rise rise_late most share"
+)
+FREE = (
+    "v y asked mass t ahead back rest_ahead rest_back arrived sent other periods since extra "
+    "z_ahead z_back after_ahead after_back again_ahead again_back room_ahead room_back room "
+    "beyond brakes largest hat more lo chosen arrived_ahead arrived_back"
+)
+
+
+@dataclass(eq=False)
+class GuardAxis(Named):
+    """The guard's numbers, and what happens in one sample.
+
+    ``lateness``: velocities and drives are at once; behind a delay, ``arrived`` bounding v+ where
+    the new command takes over; late in any way, ``sent`` being the last command; the same behind
+    a lag in [fast, slow].  ``varies``: with jitter, or J = mixed = 0 and the graph of that.
+    ``way`` is 1 forwards and -1 backwards.  What the guard's graph makes of the numbers is asked of
+    it anew each time.
+
+    ``net`` is dbar - f_min, written down here: what the guard subtracts is to be compared with it.
+    Times: all that counts of what was sent (``late``), the delay's range J, and how long either of
+    two commands may act (``both_act``).
+    """
+
+    lateness: int = AT_ONCE
+    varies: bool = True
+
+    def __post_init__(self) -> None:
+        self.symbols = symbols(f"{PARAMETERS} {FREE}", PARAMETERS)
+        self.net = self.dbar - self.f_min
+        self.late = self.delay if self.lateness else ca.SX(0)
+        self.J = self.jitter if self.varies else ca.SX(0)
+        varies = self.lateness >= LATE and self.varies
+        mixed = varies or self.lateness == LAGGING
+        self.both_act = self.mixed if mixed else ca.SX(0)
+        late = ["delay"] * (self.lateness >= DELAYED) + ["jitter"] * varies + ["mixed"] * mixed
+        self.bounds = Bounds(**{name: self[name] for name in (*NUMBERS.split(), *late)})
+
+    def __call__(self, name: str, way: int) -> ca.SX:
+        """The symbol of one direction."""
+        return self.symbols[name + ("ahead" if way > 0 else "back")]
+
+    @property
+    def again(self) -> InFlight:
+        """Push of the last command where the new one comes late."""
+        if self.lateness == LAGGING:
+            return InFlight(self.again_ahead, self.again_back)
+        pair = ca.vertcat(self.sent, self.other)
+        return in_flight([(pair, self.J / self.period)], 0, self.bounds)
+
+    @property
+    def coming(self) -> InFlight | None:
+        """Push in flight; None where nothing is late."""
+        return self.sums if self.lateness else None
+
+    @property
+    def sums(self) -> InFlight:
+        """Sums of the push in flight, and its part felt then and later."""
+        if self.lateness < LATE:
+            return InFlight(self.ahead, self.back)
+        rest = InFlight(self.rest_ahead, self.rest_back)
+        felt = None
+        if self.lateness == LAGGING:
+            now, after = ((self[f"{z}_ahead"], self[f"{z}_back"]) for z in ("z", "after"))
+            felt = Lagging(now, after if self.varies else now, self.rise, self.rise_late)
+        again = self.again if self.varies else None
+        return InFlight(self.ahead, self.back, rest, again, felt)
+
+    @property
+    def largest(self) -> ca.SX:
+        """Largest command."""
+        return largest_force(self.bounds)
+
+    @property
+    def S(self) -> ca.SX:
+        """Most that any command pushes."""
+        return self.largest + self.net
+
+    @property
+    def left(self) -> tuple[ca.SX, ca.SX]:
+        """Room to the limit ahead, and behind."""
+        b, coming = self.bounds, self.coming
+        return room(self.y, b, coming), room(-self.y, b, coming and coming.mirrored)
+
+    @property
+    def cuts(self) -> dict[str, ca.SX]:
+        """Caps that stand for any numbers with what `capped` says of them."""
+        return {"brakes": self.bounds.braking, "largest": self.largest} if self.lateness else {}
+
+    @property
+    def rooms(self) -> dict[str, ca.SX]:
+        """Caps and, where the room has several lines, rooms that stand for any numbers."""
+        rooms = dict(zip(("room_ahead", "room_back"), self.left, strict=True))
+        return self.cuts if self.lateness < LATE else self.cuts | rooms
+
+    def force(self, asked: ca.SX) -> ca.SX:
+        """Force after the guard."""
+        return clipped(asked, self.y, self.bounds, self.coming)
+
+    @property
+    def hi(self) -> ca.SX:
+        """Largest safe force."""
+        return ceiling(self.y, self.bounds, self.coming)
+
+    @property
+    def lo(self) -> ca.SX:
+        """Smallest safe force."""
+        return floor(self.y, self.bounds, self.coming)
+
+    def push(self, way: int) -> ca.SX:
+        """Most that pushes while the new command acts."""
+        return way * self.force(self.asked) + self.net
+
+    @property
+    def _signs(self) -> tuple[Relation, ...]:
+        b, late = self.bounds, [self.delay] if self.lateness else []
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, *late)]
+        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
+        return (*positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed))
+
+    @property
+    def _times(self) -> tuple[Relation, ...]:
+        if self.lateness < LATE:
+            return ()
+        late, J, mixed = at_least(self.delay, self.usual), self.J, self.both_act
+        jitter = (above(J), at_least(self.period, J), at_least(mixed, J))
+        return (*jitter, at_least(self.usual, mixed), late) if self.varies else (late,)
+
+    def sound(self, faster: float = 1) -> tuple[Relation, ...]:
+        """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; not a word of dbar."""
+        b = self.bounds
+        quick = at_least(ca.SX(faster), b.alpha * b.period)
+        return (*self._signs, quick, at_least(b.u1, 2 * b.nbar), *self._times)
+
+    def feasible(self, pushed: float = 1, faster: float = 1) -> tuple[Relation, ...]:
+        """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
+        b = self.bounds
+        have = b.M_min * b.alpha * (b.u1 - b.f_speed)
+        need = 2 * self.net * (1 + b.alpha * self.late)
+        known = at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * have, need)
+        brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net)
+        spread = [] if self.both_act.is_zero() else [self.spread]
+        return (*self._signs, *known, *brakes, *self._times, *spread)
+
+    @property
+    def spread(self) -> Relation:
+        """The inequality that jitter brings: 2 net mixed <= M_min (u1 - 2 nbar)."""
+        b = self.bounds
+        return at_least(b.M_min * (b.u1 - 2 * b.nbar), 2 * self.net * self.both_act)
+
+    @property
+    def capped(self) -> tuple[Relation, ...]:
+        """Facts of guard.delay.caps on the caps, but for their sum."""
+        brakes = self.bounds.braking
+        return at_least(brakes), *between(self.net, brakes, self.largest)
+
+    def shared(self, more: float = 1) -> Relation:
+        """The caps' sum: both directions together keep what braking needs."""
+        b = self.bounds
+        needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
+        return at_least(b.u1 - b.f_speed, self.late * self.S / b.M_min + more * needed)
+
+    def apart(self, more: float = 1) -> Relation:
+        """mixed (largest + net) <= M_min (u1 - 2 nbar), a cap's share."""
+        b = self.bounds
+        return at_least(more * b.M_min * (b.u1 - 2 * b.nbar), self.both_act * self.S)
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """Hypotheses on numbers and caps."""
+        return (*self.sound(), *self.capped) if self.lateness else self.feasible()
+
+    def enough(self, rooms: tuple[ca.SX, ca.SX], more: float = 1) -> Relation:
+        """Room for braking beside the push in flight, ahead or behind or both together."""
+        b = self.bounds
+        need = ca.fmax(b.braking + self.net, 0)
+        if self.lateness < LATE:
+            left = more * (b.u1 - b.f_speed) - self.ahead - self.back
+            return at_least(b.M_min * b.alpha * left, need)
+        most = ca.fmax(ca.fmax(*rooms), rooms[0] + rooms[1])
+        return at_least(more * b.M_min * b.alpha * most, need)
+
+    def can_brake(self, more: float = 1) -> tuple[Relation, ...]:
+        """Why there is a safe force; a factor above 1 relaxes it."""
+        if not self.lateness:
+            return self.feasible(more)
+        sums = self.moving if self.lateness < LATE else ()
+        return (*self.stated, *sums, self.enough((self.room_ahead, self.room_back), more))
+
+    @property
+    def measured(self) -> tuple[Relation, ...]:
+        """|y - v| <= nbar."""
+        gap = self.y - self.v
+        return at_least(self.nbar, gap), at_least(self.nbar, -gap)
+
+    @property
+    def inside(self) -> tuple[Relation, ...]:
+        """|v| <= u1."""
+        return at_least(self.u1, self.v), at_least(self.v, -self.u1)
+
+    @property
+    def moving(self) -> tuple[Relation, ...]:
+        """No sum is negative."""
+        names = ("ahead", "back", "rest_ahead", "rest_back")
+        return tuple(at_least(self[name]) for name in names[: 2 if self.lateness < LATE else 4])
+
+    def during(self, longer: float = 1) -> tuple[Relation, ...]:
+        """0 <= t <= T, M_min <= M <= M_max; of what is late 0 <= since <= J, t <= T + J - since."""
+        b, mass, since, t = self.bounds, self.mass, self.since, self.t
+        masses = between(b.M_min, mass, b.M_max)
+        if self.lateness < LATE:
+            return *between(0, t, b.period), *masses
+        end = at_least(longer * (b.period + self.J) - since, t)
+        return *between(0, since, self.J), at_least(t), end, *masses
+
+    def reached(self, way: int) -> ca.SX:
+        """v+ when the new command may first take over; ``v`` is measured, or its mean."""
+        speed = self.f_speed
+        mean = ca.fmax(way * self.v, speed) + self("", way)
+        return mean if self.lateness < LATE else ca.fmax(mean, speed + self("rest_", way))
+
+    def seen(self, way: int, more: ca.SX | float = 0, *during: Relation) -> tuple[Relation, ...]:
+        """Hypotheses on `start`; ``more`` is what a broken bound adds until then."""
+        if not self.lateness:
+            return (*self.measured, *during)
+        most, arrived = self.reached(way) + more, self.arrived
+        arrives = (at_least(most, arrived), at_least(arrived, self.f_speed))
+        return (*self.measured, *during, *self.moving, *arrives)
+
+    def start(self, way: int, more: ca.SX | float = 0) -> ca.SX:
+        """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
+        if self.lateness < LATE:
+            return self.arrived if self.lateness else way * self.v
+        push = ca.fmax(way * self.sent + self.net + more, 0)
+        return self.arrived + self.since * push / self.mass
+
+    def then(self, way: int, more: ca.SX | float = 0) -> ca.SX:
+        """Comparison bound of v+ t after the new command has taken over."""
+        start, push = self.start(way, more), ca.fmax(self.push(way) + more, 0)
+        start = start if self.lateness else ca.fmax(start, self.f_speed)
+        return start + self.t * push / self.mass
+
+    def kept(self, way: int, longer: float) -> tuple[Relation, ...]:
+        """Why inside stays inside; a factor above 1 lets alpha T, or what acts, be larger."""
+        if not self.lateness:
+            return (*self.feasible(1, longer), *self.measured, *self.inside, *self.during())
+        u1, arrived, brakes = self.u1, self.arrived, at_least(self.bounds.braking, self.net)
+        limits = (at_least(u1, self.start(way)), at_least(self.hi, self.lo))
+        if self.lateness < LATE:
+            return (*self.sound(longer), brakes, *self.seen(way, 0, *self.during()), *limits)
+        lines = self.lines(way, self("room_", way), u1 - arrived)
+        known = (*self.during(longer), at_least(arrived, self.f_speed), *lines)
+        return (*self.sound(), brakes, *known, *limits)
+
+    def beyond(self, way: int) -> ca.SX:
+        """Excess of v+ where the new command takes over."""
+        return self["beyond"] if self.lateness == LAGGING else self.start(way) - self.u1
+
+    def outside(self, way: int, *during: Relation) -> tuple[Relation, ...]:
+        """Hypotheses past u1."""
+        beyond, ordered = self.beyond(way), self.ordered(way)
+        if self.lateness < LATE:
+            return (*self.stated, *self.seen(way, 0, *during), above(beyond), *ordered)
+        if self.lateness < LAGGING:
+            return (*self.stated, *self.seen(way), *self.during(), above(beyond), *ordered)
+        u1, most, again = self.u1, self.arrived, self.lasts(way)[2] / self.M_min
+        past = above(beyond), at_least(most + again - u1, beyond)
+        left = at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo)
+        return (*self.stated, *past, *left)
+
+    def ordered(self, way: int) -> tuple[Relation, ...]:
+        """lo <= hi, of which forwards nothing hangs: the clip to hi is the last."""
+        return (at_least(self.hi, self.lo),) if self.lateness and way < 0 else ()
+
+    def withstands(self, extra: ca.SX) -> Relation:
+        """The brakes do, a push that is ``extra`` too large."""
+        b, spare = self.bounds, self.bounds.braking - self.net
+        lightest, heaviest = (1, 1) if self.lateness else (b.M_min, b.M_max)
+        return at_least(spare * lightest, heaviest * extra)
+
+    def lasts(self, way: int) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Z now and later, and M_min times what the last command adds, of one direction."""
+        z = self("z_", way)
+        if not self.varies:
+            return z, z, ca.SX(0)
+        return z, self("after_", way), self("again_", way) * self.bounds.M_min
+
+    def lines(self, way: int, left: ca.SX, spare: ca.SX) -> list[Relation]:
+        """Each line of the room left; ``spare`` is u1 less what is reached."""
+        b, J, rise, late = self.bounds, self.J, self.rise, self.rise_late
+        whole = at_least(spare, (1 + b.alpha * J) * left)
+        if self.lateness < LAGGING:
+            again = self.again.ahead if way > 0 else self.again.back
+            return [at_least(spare, left + again), whole]
+        z, after, again = (item / b.M_min for item in self.lasts(way))
+        return [
+            at_least(spare - again, left), whole,
+            at_least(spare - again + rise * after, (1 + b.alpha * rise) * left),
+            at_least(spare + late * z, (1 + b.alpha * (J + late)) * left),
+        ]  # fmt: skip

@@ -1,0 +1,295 @@
+"""The guard's rounding behind a constant delay, with any number of commands under way.
+
+As `guard_rounding`, but the speed that is counted is what v can have reached when the new command
+starts to act.  The share ``kept`` of u1 that is kept back, (1 + n) 2^-44 with n commands, is
+a symbol: every error is bounded by a part of it.  The sums over the commands are computed one
+command after the other; what one of them adds is shown for any sum before it.
+"""
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.delay import largest_force
+from wmr_ctrl.control.guard.guard import floor
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims import guard_delay_sums as sums
+from wmr_proofs.claims.guard_axis import DELAYED
+from wmr_proofs.claims.guard_delay_sums import ROUNDS
+from wmr_proofs.claims.guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, at_least, between, nonnegative, positive
+from wmr_proofs.statement import UNIT, Statement
+
+SPREAD = 16
+"""Largest (G1 + G2/l)/K1 max(1, alpha delay), and the same for the second axis: the range."""
+WHEELS = ON_WHEELS * SPREAD
+READ = 5 * SPREAD
+"""Units of K that the wheels' rounding takes, and that reading a command back from torques does."""
+FAR = 15 / 32
+"""Share of ``kept`` by which both sums together may be more than the caps allow."""
+
+
+@dataclass(eq=False)
+class QueuedAxis(RoundedAxis):
+    """One axis; ``arrived`` bounds v (or -v) where the new command starts to act.
+
+    ``share`` is what is left of u1, ``brakes`` and ``largest`` the computed caps.  ``waits`` is
+    alpha delay, ``aim`` M_min alpha (u1 (1 - kept) - f_speed), ``over`` the error of the computed
+    brakes' part of the sum, times 1 + alpha delay.
+    """
+
+    lateness: int = DELAYED
+    widest: int = SPREAD
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.held_back, self.waits = 1 - self.share, self.alpha * self.delay
+        self.aimed = replace(self.bounds, u1=self.u1 * self.share)
+        self.aim = self.slope * (self.u1 * self.share - self.f_speed)
+        self.over = (16 + 8 * (1 + self.waits)) * UNIT * self.reach
+
+    @property
+    def caps(self) -> dict[str, ca.SX]:
+        """The computed caps, which stand for any numbers with what `bounded` says of them."""
+        return {"brakes": self.aimed.braking, "largest": largest_force(self.aimed)}
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """The theorem's hypotheses with room for the rounding, but for those of the caps."""
+        b, less = self.bounds, self.u1 * (1 - 4 * self.held_back)
+        counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self.ahead, self.back)
+        return (
+            *positive(b.u1, b.period, b.M_min, b.alpha, self.delay), *nonnegative(*counted),
+            at_least(b.M_max, b.M_min),
+            at_least(1 + DOUBLE.quicker, b.alpha * b.period), *self.sized,
+            at_least(less, 2 * b.nbar), at_least(less, b.f_speed), at_least(self.reach, self.net),
+            at_least(self.reach, -self.net),
+        )  # fmt: skip
+
+    @property
+    def sized(self) -> tuple[Relation, Relation]:
+        """kept is that of one command or more, and small."""
+        return between(1024 * UNIT, self.held_back, 2.0**-20)
+
+    @property
+    def counts(self) -> Relation:
+        """kept = (1 + n) 2^-44 with alpha delay <= n, n commands."""
+        return at_least(self.held_back * (1 + 2.0**-40), 512 * UNIT * (1 + self.waits))
+
+    @property
+    def met(self) -> tuple[Relation, ...]:
+        """The conditions of the caps."""
+        room = self.held_back * self.reach
+        need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
+        have = self.slope * (self.u1 - self.f_speed)
+        brakes = at_least(self.brake, ca.fabs(self.net) + 5 * room)
+        return (at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts)
+
+    @property
+    def bounded(self) -> tuple[Relation, ...]:
+        """Bounds on the brakes and the largest command."""
+        room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
+        least = at_least(brakes), at_least(brakes, ca.fabs(self.net) + room)
+        return (*least, at_least(largest), at_least(largest, self.net + room))
+
+    def arrives(self, way: int) -> tuple[Relation, ...]:
+        """arrived <= max(way v, f_speed) + what was computed to be under way, and <= u1."""
+        fastest = ca.fmax(way * self.v, self.f_speed)
+        most = fastest + self("", way) * (1 + self.held_back / 64) + self.u1 * self.held_back / 8
+        return at_least(most, self.arrived), at_least(self.u1, self.arrived)
+
+    def leaves(self, brakes: ca.SX) -> Relation:
+        """Braking room beside both sums."""
+        u1 = self.u1 * (1 - self.held_back * (1 - FAR))
+        left = self.slope * (u1 - self.f_speed - self.ahead - self.back)
+        return at_least(left, ca.fmax(brakes + self.net, 0))
+
+
+def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
+    """Sum of braking and the largest command, and the rounding in it."""
+    both = a.waits * (a["largest"] + a.net) + ca.fmax(a.brakes + a.net, 0)
+    return both, (8 + 4 * a.waits) * UNIT * a.reach
+
+
+RANGE = (
+    "kept = (1 + n) 2^-44 with n >= 1 commands under way, at most 2^-20; alpha T <= 1 + 2^-50; "
+    "|net| <= K = M_min alpha u1; 2 nbar, f_speed <= u1 (1 - 4 kept); M_min <= M_max"
+)
+MET = (
+    "2^-6 <= alpha delay <= n; (2 max(net, 0) + 8 kept K) (1 + alpha delay) <= M_min alpha (u1 - "
+    "f_speed); brake >= |net| + 5 kept K"
+)
+CAPS = "brakes >= |net| + 2 kept K, largest >= max(net, -2 kept K) + 2 kept K"
+SPARE = f"{WHEELS} 2^-53 K"
+AIM = "M_min alpha (u1 (1 - kept) - f_speed)"
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+
+
+@claim("guard.delay.rounding.brakes", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
+def brakes(mutation: Mutation) -> Statement:
+    """computed brakes >= |net| + 5 kept K, (brakes + net) (1 + alpha delay) <= {aim} + (24 + 8
+    alpha delay) 2^-53 K.
+
+    The computed braking force is right to within a few roundings.
+    """
+    a = QueuedAxis()
+    least = ca.fabs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
+    share = (a.brakes + a.net) * (1 + a.waits)
+    goals = (at_least(a.brakes, least), at_least(a.aim + a.over, share))
+    computed = {"brakes": a.aimed.braking}
+    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
+
+
+@claim("guard.delay.rounding.largest", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
+def largest(mutation: Mutation) -> Statement:
+    """alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {aim} to (8 + 4
+    alpha delay) 2^-53 K.
+
+    The computed largest command is right to within a few roundings.
+    """
+    a = QueuedAxis()
+    both, off = _sum(a)
+    off = mutation(1, 0.1) * off
+    computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
+    goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
+    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
+
+
+@claim(
+    "guard.delay.rounding.caps",
+    given=f"{RANGE}; {MET}",
+    premises="guard.delay.rounding.brakes guard.delay.rounding.largest",
+    caps=CAPS,
+)
+def caps(mutation: Mutation) -> Statement:
+    """{caps}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
+
+    The computed caps keep their order.
+    """
+    a = QueuedAxis()
+    both, off = _sum(a)
+    braked = at_least(a.brakes, ca.fabs(a.net) + 5 * a.held_back * a.reach)
+    part = at_least(a.aim + a.over, (a.brakes + a.net) * (1 + a.waits))
+    more = (a.over + off) * mutation(1, 0.1)
+    goals = (*a.bounded, at_least(more, a.waits * (a.brakes - a["largest"])))
+    given = (*a.stated, *a.met, braked, part, at_least(both, a.aim - off))
+    return Statement(a.symbols, goals, given)
+
+
+@claim(
+    "guard.delay.rounding.room",
+    given=f"{RANGE}; {CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net + more), "
+    f"alpha delay more <= ({WHEELS + READ + 32} + 20 alpha delay) 2^-53 K",
+    premises="guard.delay.rounding.largest guard.delay.rounding.caps guard.delay.rounding.both "
+    "guard.delay.rounding.both-angular",
+)
+def room(mutation: Mutation) -> Statement:
+    """M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0).
+
+    Commands under way never take the room that braking needs, as computed.
+    """
+    a = QueuedAxis()
+    both, off = _sum(a)
+    extra = (WHEELS + READ + 32 + 20 * a.waits) * UNIT * a.reach
+    counted = a.delay * (a["largest"] + a.net + a.more)
+    more = at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more)
+    sums = at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back))
+    given = (*a.stated, a.counts, *a.bounded, at_least(a.aim + off, both), *more, sums)
+    return Statement(a.symbols, (a.leaves(a.brakes),), given)
+
+
+@claim(
+    "guard.delay.rounding.size",
+    given=f"{RANGE}; {CAPS}; brakes <= (K + max(-net, 0)) (1 + 2^-50){ROUNDS}",
+    premises="assumption.libm guard.delay.rounding.caps",
+)
+def size(mutation: Mutation) -> Statement:
+    """|F^| <= (K + max(-net, 0)) (1 + 2^-50), and |F^| <= max(largest, brakes).
+
+    No computed force is large enough to make its rounding matter.
+    """
+    a = QueuedAxis()
+    reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
+    caps = ca.fmax(a["largest"], a.brakes)
+    given = (*a.stated, *a.bounded, at_least(reach, a.brakes))
+    goals = tuple(at_least(most, way * a.hat) for most in (reach, caps) for way in (1, -1))
+    return Statement(a.symbols, goals, given, a.caps, computed=a.text(a.asked))
+
+
+@claim(
+    "guard.delay.rounding.anchor",
+    given=f"{RANGE}; {CAPS}{ROUNDS}",
+    premises="assumption.libm guard.delay.rounding.caps",
+)
+def anchor(mutation: Mutation) -> Statement:
+    """the computed safe point is at most the computed brakes.
+
+    What the wheels must keep in reserve is what the computed force keeps in reserve.
+    """
+    a = QueuedAxis()
+    most = mutation(1, 0.99) * a.brakes
+    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    given = (*a.stated, *a.bounded)
+    return Statement(a.symbols, goals, given, a.caps, computed=a.text(ca.SX(0)))
+
+
+@claim(
+    "guard.delay.rounding.force-{word}",
+    by=Z3(effort=100, first=("Brown's order",)),
+    given=f"{RANGE}; {CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max({{sign}}v, f_speed) + "
+    f"(1 + kept/64) {{word}} + u1 kept/8 and v+ <= u1{{known}}{ROUNDS}",
+    premises="assumption.libm guard.delay.rounding.caps{premises}",
+    over=(
+        {"word": "ahead", "way": 1, "sign": "", "known": "", "premises": "", "spare": SPARE},
+        {"word": "back", "way": -1, "sign": "-", "spare": SPARE,
+         "known": "; lo(y) = -hi(-y) by guard.delay.rounding.force-ahead; "
+         "guard.delay.rounding.room",
+         "premises": " guard.delay.rounding.force-ahead guard.delay.rounding.room"},
+    ),
+)  # fmt: skip
+def force(mutation: Mutation, way: int) -> Statement:
+    """the computed force F^ has {sign}F^ + net + {spare} <= max(M_min alpha (u1 (1 - kept/32) -
+    v+), 0), v+ being {sign}v or f_speed where the new command starts to act.
+
+    The computed force keeps the limit {word}, with room for the rounding of the wheels' torques.
+    """
+    # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
+    a = QueuedAxis()
+    b = a.aimed if mutation > 0 or way < 0 else a.bounds
+    cuts = {"brakes": b.braking, "largest": largest_force(b), "lo": floor(a.y, b, a.coming)}
+    given = [*a.stated, *a.measured]
+    if way > 0:
+        given += [*a.arrives(way), at_least(a.brakes, a.net + 2 * a.held_back * a.reach)]
+    else:
+        left = a.leaves(mutation * a.brakes)
+        given += [*a.bounded, *a.arrives(way), a.safe(way, a["lo"]), left]
+    goal, text = a.safe(way, a.hat), a.text(a.asked, b)
+    return Statement(a.symbols, (goal,), tuple(given), cuts, computed=text)
+
+
+PARTS = " ".join(part.id for part in (*sums.claim.listed, *claim.listed))
+WHEELS_ENTRIES = "guard.rounding.linear-first guard.rounding.rotation-first guard.rounding.torques"
+
+
+@claim(
+    "guard.delay.rounding",
+    given=f"{RANGE}; F <= the larger of two forces that are safe as in "
+    f"guard.delay.rounding.force-*, to {SPARE}; no overflow, no underflow",
+    premises=f"{PARTS} guard.delay.rounding.kept {WHEELS_ENTRIES} guard.axes guard.lemma",
+)
+def together(mutation: Mutation) -> Statement:
+    """v+ + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the torques that the
+    compiled text computes, v+ = max(v, f_speed) <= u1 where it starts to act; the same for -v.
+
+    Behind a constant delay, too, the limit is kept by the exact robot to the last bit, with any
+    number of commands under way; what they add up to is put together by hand.
+    """
+    # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
+    a = QueuedAxis()
+    lost = mutation(1, 2) * a.on_wheels
+    end = a.arrived + a.t * ca.fmax(a.hat + a.net, 0) / a.mass
+    begins = at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed)
+    lies = at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most)
+    given = (*a.stated, *a.during(), *begins, *lies)
+    return Statement(a.symbols, (at_least(a.u1, end),), given)

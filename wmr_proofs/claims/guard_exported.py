@@ -1,0 +1,287 @@
+"""The guard as it is exported: what its graphs are put together of, and that the flag is enough."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cached_property
+from itertools import accumulate
+
+import casadi as ca
+
+from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.guard.delay import InFlight, in_flight
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, ceiling, clipped, feasible
+from wmr_ctrl.control.guard.monitor import least_push
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import CLAIMED, Claims, Mutation, rows
+from wmr_proofs.claims.common import PRESET, named_ports, scalars
+from wmr_proofs.claims.guard_axis import DELAYED, NUMBERS, GuardAxis
+from wmr_proofs.claims.guard_sample import anchor, solver, upper
+from wmr_proofs.claims.guard_sample import feasible as not_empty
+from wmr_proofs.claims.guard_sent import added, caps, room
+from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
+from wmr_proofs.statement import Statement, instance, valued
+from wmr_proofs.symbols import symbols
+
+PERIOD = 0.01
+INSIDE = "|v| <= u1"
+UNDER_WAY = (
+    "v+ and -v+, where the new command takes over, are at most u1 and what the guard counts, v + "
+    "ahead or -v + back, where ahead + back <= delay (largest + net)/M_min is what is under way "
+    "(guard.delay.command, guard.delay.queue, guard.delay.lemma)"
+)
+claim = Claims(by=solver)
+
+
+def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
+    """A loop with this map onto the wheels, behind a delay of so many periods."""
+    stated: dict[str, object] = {
+        "guard.enabled": guarded, "guard.map": kind, "clock.control": PERIOD,
+        "actuator.delay": PERIOD * delay, **more,
+    }  # fmt: skip
+    return settle(load_scenario(PRESET, stated), "pid")
+
+
+class Assembled:
+    """A graph that is exported, and the numbers of its two axes as the claims' axes have them.
+
+    ``p``: inputs, state and parameters by name; ``told``: published values besides the torques;
+    ``asked``: the force that is asked for; ``wheels``: radius and half track; ``phi``: the wheels'
+    reach; ``sent``: torques that are remembered, the last one first.
+    """
+
+    def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
+        self.setup, self.system = loop, assemble(loop)
+        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        self.symbols = scalars(ports)
+        self.p = p = named_ports(*ports)
+        self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
+        self.torque = ca.vertcat(*(output.expr for output in self.system.outputs))
+        self.asked = p["force"] if "force" in p else self.told["force"]
+        self.wheels = p["robot.r"], p["robot.l"]
+        self.phi = 2 * p["actuator.tau_max"] / self.wheels[0]
+        kept = [name for name in p if name.startswith("tau_sent")]
+        self.sent = [p[f"tau_sent{age}"] for age in range(1, len(kept) + 1)]
+
+    @cached_property
+    def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
+        """Measured velocity, bounds and commands under way of each axis.
+
+        u1 is v_u1 less (1 + n) 2^-44 of it.
+        """
+        names = ("M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
+        p, T, found, delay = self.p, self.p["clock.control"], [], len(self.sent)
+        late = {"delay": T * delay} if delay else {}
+        before = [(wheel_to_force(*self.wheels, tau), 1) for tau in self.sent]
+        for axis, y in enumerate((p["v1"], p["omega"])):
+            u1 = p["limits.v_u1"][axis] * (1 - (1 + delay) * 2.0**-44)
+            numbers = {name: p[f"guard.{name}"][axis] for name in names}
+            b = Bounds(u1=u1, period=T, alpha=p["guard.alpha"], **numbers, **late)
+            found.append((y, b, in_flight(before, axis, b) if before else None))
+        return tuple(found)
+
+    @cached_property
+    def later(self) -> dict[str, ca.SX]:
+        """The state one sample later, by name."""
+        ends = accumulate((port.sym.numel() for port in self.system.state), initial=0)
+        names = [port.signal.name for port in self.system.state]
+        return dict(zip(names, ca.vertsplit(self.system.update, [*ends]), strict=True))
+
+    def consists(self, torque: ca.SX) -> Statement:
+        """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
+        return Statement(self.symbols, tuple(self._parts(torque)), self.signs, self.cuts)
+
+    def _parts(self, torque: ca.SX) -> Iterator[Relation]:
+        bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
+        flags = [feasible(b) for b in bounds]
+        flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
+        flags += self.slow_drives()
+        yield from (at_least(flag, self.told["feasible"]) for flag in flags)
+        yield from every(self.torque, torque)
+        for age, now in enumerate((self.torque, *self.sent[:-1])[: len(self.sent)], 1):
+            yield from every(self.later[f"tau_sent{age}"], now)
+        yield from self.kept()
+        yield from every(self.later["guard_v"], ca.vertcat(*(y for y, _, _ in self.axes)))
+        for axis, known in enumerate(self.least_pushes()):
+            yield equal(self.told["d_least"][axis], known)
+
+    def slow_drives(self) -> list[ca.SX]:
+        """Conditions for the drives to be no slower than is counted on."""
+        if not self.sent:
+            return []
+        return [self.p["actuator.delay"] <= len(self.sent) * self.p["clock.control"]]
+
+    def kept(self) -> Iterator[Relation]:
+        """Memory beside the commands under way."""
+        yield from every(self.later["tau_applied"], (self.torque, *self.sent)[-1])
+
+    def least_pushes(self) -> Iterator[ca.SX]:
+        """The monitor's figure of each axis."""
+        acted = wheel_to_force(*self.wheels, self.p["tau_applied"])
+        for axis, (y, b, _) in enumerate(self.axes):
+            least = least_push(y, self.p["guard_v"][axis], acted[axis], b)
+            yield ca.if_else(self.p["guard_started"] > 0, least, 0)
+
+    @property
+    def signs(self) -> tuple[Relation, ...]:
+        """Signs of the divisors: all positive."""
+        bounds = [b for _, b, _ in self.axes]
+        masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
+        return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
+
+    @property
+    def cuts(self) -> dict[str, ca.SX]:
+        """Symbols that stand for the law's force, which may be any."""
+        asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
+        return {name: self.asked[axis] for name, axis in asked.items()}
+
+
+GRAPHS = rows(name=("guard", "controller"), assemble=(guard, asking_controller))
+ON_MAPS = [graph | {"kind": kind} for graph in GRAPHS for kind in MAPS]
+_DELAYS = (
+    {"late": "", "delay": 0, "which": "without delay", "at": "", "inside": INSIDE},
+    {"late": "-late", "delay": 2, "which": "behind a delay of two periods", "at": "delay.",
+     "inside": UNDER_WAY},
+)  # fmt: skip
+_EXPORTED = [graph | delay for graph in ON_MAPS for delay in _DELAYS]
+
+
+@claim(
+    "guard.assembled.{name}.{kind}{late}",
+    given="any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for",
+    premises="guard.axes wheels.{kind}",
+    over=_EXPORTED,
+)
+def assembled(
+    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
+) -> Statement:
+    """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
+    axis with its own bounds and its own commands under way (the torques sent before); feasible = 1
+    only if both axes' flags are 1, their brakes together are within the wheels' reach and the
+    drives' delay is at most the one that is counted; the torque that is remembered as applied is
+    the one that acts next, and each d_least is the monitor's value for it; {which}.
+
+    The exported guard is composed of the parts that the other entries are about.
+    """
+    return exported(mutation, kind, Assembled(assemble, setup(kind, delay)))
+
+
+def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
+    """It consists of the torques of its map on both axes' clips and safe points."""
+    r, half = e.wheels
+    force, safe = (
+        ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
+        for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
+    )
+    return e.consists(mutation * force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe)))
+
+
+def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
+    """Speed where the new command takes over or f_speed where that is more, ahead and back."""
+    if a.lateness:
+        return a.arrived_ahead, a.arrived_back
+    return ca.fmax(a.v, a.f_speed), ca.fmax(-a.v, a.f_speed)
+
+
+def physical(a: GuardAxis) -> tuple[Relation, ...]:
+    """Signs and a sample that begins inside, at once or behind a delay; nothing of the theorem."""
+    b, late = a.bounds, [a.delay] if a.lateness else []
+    not_negative = map(at_least, (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed))
+    signs = (*positive(b.u1, b.period, b.M_min, b.alpha, *late), *not_negative)
+    known = (*signs, *a.measured, *a.during())
+    if not a.lateness:
+        return (*known, *a.inside)
+    limits: list[Relation] = []
+    for way, start in zip((1, -1), begun(a), strict=True):
+        limits += at_least(a.u1, start), at_least(a.reached(way), start)
+        limits.append(at_least(start, a.f_speed))
+    return (*known, *a.moving, *limits, *added(a))
+
+
+def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
+    """Either way it stays inside with this force."""
+    for way, start in zip((1, -1), begun(a), strict=True):
+        yield at_least(a.u1, start + a.t * ca.fmax(way * force + a.net, 0) / a.mass)
+
+
+@claim(
+    "guard.{at}kept",
+    given="feasible = 1; T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed >= 0; |y - v| "
+    "<= nbar, M_min <= M <= M_max; {inside}",
+    premises="{parts}",
+    over=[
+        {"at": "", "a": GuardAxis(), "where": "", "inside": INSIDE,
+         "parts": "guard.feasible guard.anchor guard.upper guard.lower"},
+        {"at": "delay.", "a": GuardAxis(DELAYED), "where": " where the new command takes over",
+         "inside": f"delay > 0; {UNDER_WAY}",
+         "parts": "guard.delay.caps guard.delay.room guard.delay.feasible guard.delay.anchor "
+         "guard.delay.upper guard.delay.lower"},
+    ],
+)  # fmt: skip
+def kept(mutation: Mutation, a: GuardAxis) -> Statement:
+    """lo <= hi, |clip(0, lo, hi)| <= brakes, and every force F from lo to hi keeps the limit either
+    way: v + t max(F + net, 0)/M <= u1 for t in [0, T], v the speed{where} or f_speed where that is
+    more.
+
+    The published flag alone, with what is physical, is enough for one axis.
+    """
+    # The premises, each of which says when it holds, with the force in the place of what is asked.
+    known = [not_empty(CLAIMED, a), anchor(CLAIMED, a)]
+    if a.lateness:
+        known += [caps(CLAIMED, a), room(CLAIMED, a)]
+    taken = [goal for item in known for goal in instance(item, {})]
+    for way, start in zip((1, -1), ("arrived_ahead", "arrived_back"), strict=True):
+        taken += instance(upper(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
+    safe, chosen = a.force(ca.SX(0)), a.chosen
+    within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
+    braked = at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe)
+    goals = (at_least(a.hi, a.lo), *braked, *(when(within, goal) for goal in stays(a, chosen)))
+    ahead, back = a.left
+    cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
+    given = (*physical(a), above(feasible(a.bounds)), *taken)
+    return Statement(a.symbols, goals, given, cuts)
+
+
+@claim(
+    "guard.assembled.keeps.{name}.{kind}{late}",
+    given="feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed "
+    ">= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; {inside}",
+    premises="guard.{at}kept",
+    over=_EXPORTED,
+)
+def keeps(
+    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
+) -> Statement:
+    """both axes, both ways: v + t max(F + net, 0)/M <= u1 for t in [0, T], F the exact force of the
+    torques of the whole {name}, v the speed or f_speed where that is more; {kind}, {which}.
+
+    From the published flag to the motion in one step, on the graph that is exported: nothing but
+    feasible = 1 is asked of the guard's numbers.
+    """
+    e = Assembled(assemble, setup(kind, delay))
+    r, half = e.wheels
+    force = wheel_to_force(r, half, e.torque)
+    goals: list[Relation] = []
+    given, cuts = [above(e.told["feasible"])], dict(e.cuts)
+    given += positive(r, half, e.p["actuator.tau_max"])
+    table = e.symbols | symbols("t")
+    for axis, (y, b, coming) in enumerate(e.axes):
+        a = GuardAxis(DELAYED) if coming else GuardAxis()
+        own = symbols("v mass arrived_ahead arrived_back")
+        table |= {f"{name} {axis + 1}": value for name, value in own.items()}
+        sums = {"ahead": coming.ahead, "back": coming.back} if coming else {}
+        names = (*NUMBERS.split(), *["delay"] * bool(coming))
+        values = {name: getattr(b, name) for name in names} | sums | own
+        values |= {"y": y, "t": table["t"], "chosen": force[axis]}
+        # The premise's own premises are no hypotheses of it.
+        known = physical(a)
+        alone = replace(kept(CLAIMED, a), given=(*known, above(feasible(a.bounds))))
+        given += [*valued(known, a.symbols, values), *instance(alone, values)]
+        goals += valued([*stays(a, mutation * a.chosen)], a.symbols, values)
+        back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
+        parts = {"back": back, "hi": hi, "brakes": b.braking}
+        parts |= {f"sum {name}": total for name, total in sums.items()}
+        cuts |= {f"{name} {axis + 1}": part for name, part in parts.items()}
+    return Statement(table, tuple(goals), tuple(given), cuts)

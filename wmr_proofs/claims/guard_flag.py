@@ -1,0 +1,220 @@
+"""The exported guard's flag as it is rounded, and what is around that guard.
+
+The flag has no tolerance, so that its own rounding is all that separates the published 1 from the
+theorem's conditions.  Around the guard are runs without it, what is kept as applied, and what is
+kept back.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, bounds_of
+from wmr_ctrl.world.lag import ACTING, LAG
+from wmr_ctrl.world.model.dynamics import force_to_wheel
+from wmr_ctrl.world.model.system import Parameters
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import scalars
+from wmr_proofs.claims.guard_delay_rounding import QueuedAxis
+from wmr_proofs.claims.guard_exported import PERIOD, Assembled, setup
+from wmr_proofs.claims.guard_rounding import DOUBLE
+from wmr_proofs.claims.guard_sample import solver
+from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, within
+from wmr_proofs.statement import Statement, valued
+from wmr_proofs.symbols import Symbols, symbols
+
+NEAR = 2.0**-50
+SIGNS = (
+    "T, alpha, r, l, tau_max, M_min, v_u1 > 0, dbar, f_min, f_speed, brake >= 0; u1 = v_u1 (1 - "
+    "(1 + n) 2^-44), {n} commands under way; no overflow, no underflow"
+)
+DELAYS = ({"late": "", "n": 0}, {"late": "-late", "n": 2})
+claim = Claims(by=solver, given=SIGNS)
+
+
+class Flag(Assembled):
+    """The exported flag, exact bounds of ``both`` axes, and what its numbers have to be."""
+
+    def __init__(self, delay: int) -> None:
+        super().__init__(guard, setup("linear-first", delay))
+        self.both = [b for _, b, _ in self.axes]
+
+    @property
+    def signs(self) -> tuple[Relation, ...]:
+        """Signs of the guard's numbers, and of the wheels'."""
+        own = [item for b in self.both for item in (b.M_min, b.u1)]
+        shared = ("clock.control", "guard.alpha", "actuator.tau_max")
+        less = [n for b in self.both for n in (b.f_speed, b.dbar, b.f_min, b.brake)]
+        numbers = (*self.wheels, *(self.p[name] for name in shared), *own)
+        return (*positive(*numbers), *map(at_least, less))
+
+    def authority(self, b: Bounds, share: float = 2) -> Relation:
+        """The theorem's first condition, to within the flag's rounding."""
+        late = 1 if b.delay is None else 1 + b.alpha * b.delay
+        room = b.u1 - b.f_speed + (1 + len(self.sent)) * NEAR * b.u1
+        return at_least(b.M_min * b.alpha * room, share * b.net * late)
+
+    def computes(
+        self, texts: dict[str, ca.SX], free: Symbols, goals: list[Relation], given: list[Relation]
+    ) -> Statement:
+        """The statement about what doubles compute for ``texts``."""
+        whole = self.symbols | free, tuple(goals), (*given, *self.signs), self.cuts
+        return Statement(*whole, computed=texts)
+
+
+def size(b: Bounds) -> ca.SX:
+    """S = M_min alpha u1 + |net|: the guard's forces are of this size at most."""
+    return b.M_min * b.alpha * b.u1 + ca.fabs(b.net)
+
+
+@claim("guard.flag.conditions{late}", premises="assumption.libm", over=DELAYS)
+def conditions(mutation: Mutation, n: int) -> Statement:
+    """feasible = 1 as doubles compute it implies on each axis, with d = 2^-50: 2 net (1 + alpha
+    delay) <= M_min alpha (u1 - f_speed + (1 + n) d u1), brake >= net - d |net|, alpha T <= 1 + d,
+    2 nbar <= u1 (1 + d), f_speed < u1 (1 + d), M_min <= M_max; n = {n}.
+
+    The flag that the compiled guard publishes is the theorem's conditions to within some roundings
+    of its own numbers.
+    """
+    e, free, near = Flag(n), symbols("flag"), 1 + NEAR
+    goals = list[Relation]()
+    for b in e.both:
+        goals += e.authority(b, mutation(2, 2.01)), at_least(b.brake + NEAR * ca.fabs(b.net), b.net)
+        goals += at_least(near, b.alpha * b.period), at_least(b.u1 * near, 2 * b.nbar)
+        goals += above(b.u1 * near, b.f_speed), at_least(b.M_max, b.M_min)
+    return e.computes({"flag": e.told["feasible"]}, free, goals, [above(free.flag)])
+
+
+@claim(
+    "guard.flag.braking{late}",
+    given=SIGNS + "; as guard.flag.conditions{late} has it",
+    premises="guard.flag.conditions{late} assumption.libm",
+    over=DELAYS,
+)
+def braking(mutation: Mutation, n: int) -> Statement:
+    """each axis' brakes as doubles compute them are off by at most 4 (1 + n) 2^-50 S, and at most S
+    in size, S = M_min alpha u1 + |net|; n = {n}.
+
+    What the flag compares with the wheels' reach is the force with which the guard may brake.
+    """
+    e, free = Flag(n), symbols("first second")
+    share = mutation(4, 0.01) * (1 + n) * NEAR
+    goals, given, computed = list[Relation](), list[Relation](), dict[str, ca.SX]()
+    for name, b in zip(free, e.both, strict=True):
+        computed[name] = b.braking
+        goals += *within(free[name] - b.braking, share * size(b)), *within(b.braking, size(b))
+        given += e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed)
+    given += [at_least(b.brake + NEAR * ca.fabs(b.net), b.net) for b in e.both]
+    return e.computes(computed, free, goals, given)
+
+
+@claim(
+    "guard.flag.reach{late}",
+    given=SIGNS + "; the brakes as guard.flag.braking{late} has them",
+    premises="guard.flag.braking{late} assumption.libm",
+    over=DELAYS,
+)
+def reach(mutation: Mutation, n: int) -> Statement:
+    """feasible = 1 as doubles compute it implies FB1 + FB2/l <= phi (1 + 2^-47) + 8 (1 + n) 2^-50
+    (S1 + S2/l), FB the exact brakes; n = {n}.
+
+    Both axes can brake at once, to within some roundings, wherever the compiled guard says so.
+    """
+    e, free = Flag(n), symbols("flag first second exact1 exact2 size1 size2")
+    share, half = 4 * (1 + n) * NEAR, e.wheels[1]
+    given = [above(free.flag)]
+    for k, (name, b) in enumerate(zip(("first", "second"), e.both, strict=True), 1):
+        exact, most = free[f"exact{k}"], free[f"size{k}"]
+        given += [*within(free[name] - exact, share * most), *within(exact, most)]
+        given += [equal(most, size(b)), equal(exact, b.braking)]
+    off = 2 * share * (free.size1 + free.size2 / half)
+    braked = free.exact1 + free.exact2 / half
+    goal = at_least(e.phi * (1 + 8 * NEAR) + mutation * off, braked)
+    computed = {"flag": e.told["feasible"], "first": e.both[0].braking, "second": e.both[1].braking}
+    return e.computes(computed, free, [goal], given)
+
+
+watched_claim = Claims(by=solver)
+
+
+@watched_claim(
+    "guard.assembled.watched",
+    given="any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for",
+    premises="wheels.linear-first",
+)
+def watched(mutation: Mutation) -> Statement:
+    """without the guard, the whole controller's torques are what linear-first makes of the force
+    that the law asks for; the flag, the torque that is remembered as applied and each d_least are
+    as with the guard.
+
+    A run without the guard is monitored with the bounds that the guard would use.
+    """
+    e = Assembled(asking_controller, setup("linear-first", 0, guarded=False))
+    (r, half), asked = e.wheels, mutation(1, 0.9) * e.asked
+    return e.consists(force_to_wheel(r, half, MAPS["linear-first"](asked, e.phi, half)))
+
+
+@watched_claim(
+    "guard.assembled.applied",
+    given="0 < e < 1, e = exp(-h/lag); four plant steps in a period, delay of one period and three "
+    "steps",
+    premises="world.lag.applied",
+)
+def applied(mutation: Mutation) -> Statement:
+    """on the guard's own graph, the torque that is remembered as applied is the mean, over the
+    plant steps of the sample, of the lag's response to the commands that the delay lets through,
+    and the torque that is remembered as acting is that response's last value; each command moves on
+    by one place.
+
+    Guard, monitor and observer use the torque that the simulated drives produced.
+    """
+    steps, part, h = 4, 3, PERIOD / 4
+    late = {"clock.plant": h, "actuator.delay": PERIOD + part * h, "actuator.lag": 0.02}
+    drives = setup("linear-first", 0, True, **late)
+    e, lag = Assembled(guard, drives), LAG.build(drives.scenario)
+    commands = [e.torque, e.p["tau_sent1"], e.p["tau_sent2"]]
+    held = {port.signal.name: port.sym for port in (*lag.inputs, *lag.state, *lag.params)}
+    acting, total = e.p["tau_acting"], ca.SX.zeros(2)
+    for step in range(steps):
+        told = commands[2 if step < part else 1]
+        put = {name: e.p[name] for name in ("clock.plant", "actuator.lag")}
+        put |= {"tau_right": told[0], "tau_left": told[1], ACTING.name: acting}
+        acting = ca.substitute([lag.update], [held[n] for n in put], [*put.values()])[0]
+        total = total + acting
+    share = ca.exp(-e.p["clock.plant"] / e.p["actuator.lag"])
+    free = symbols("e")
+    goals = (
+        *every(e.later["tau_applied"], mutation * total / steps),
+        *every(e.later["tau_acting"], acting),
+        *every(e.later["tau_sent1"], commands[0]), *every(e.later["tau_sent2"], commands[1]),
+    )  # fmt: skip
+    cuts = {"e": share, "right": commands[0][0], "left": commands[0][1]}
+    table = e.symbols | free | symbols("right left")
+    return Statement(table, goals, (above(free.e), above(1, free.e)), cuts)
+
+
+@watched_claim(
+    "guard.delay.rounding.kept",
+    by=solver(100),
+    given="n = 1 to 5 commands under way; alpha T <= 1 + 2^-50, v_u1, T, alpha > 0; both axes",
+)
+def kept(mutation: Mutation) -> Statement:
+    """the bounds that the exported guard is built with have u1 = v_u1 (1 - kept), kept = (1 + n)
+    2^-44 and alpha delay <= n (1 + 2^-50).
+
+    The exported guard keeps back the margin that these entries assume.
+    """
+    a, table, goals, given = QueuedAxis(), dict[str, ca.SX](), list[Relation](), list[Relation]()
+    for n in range(1, 6):
+        guarded = setup("linear-first", n)
+        p = Parameters(guarded)
+        both = bounds_of(p, guarded.guard.lateness(guarded.scenario.clock))
+        table |= {f"{name} {n}": symbol for name, symbol in scalars(p.ports).items()}
+        for axis, b in enumerate(map(both.axis, (0, 1))):
+            u1 = p.take("limits.v_u1")[axis]
+            assert b.delay is not None
+            goals.append(equal(b.u1, u1 * (1 - (1 + n) * 2.0**-44)))
+            put = {"share": b.u1 / u1, "alpha": b.alpha, "delay": b.delay}
+            goals += valued([*a.sized, a.counts], a.symbols, put)
+            given += positive(b.period, b.alpha, u1)
+            given.append(at_least(mutation(1 + DOUBLE.quicker, 2), b.alpha * b.period))
+    return Statement(table, tuple(goals), tuple(given))

@@ -1,0 +1,252 @@
+"""The guard behind a lag that varies: what may be felt, and that the limit is kept all the same.
+
+Exponentials are symbols with what is true of them; the sums may be those of any number of commands.
+That the push felt stays below Z is by hand (guard.varying.lag).
+"""
+
+from dataclasses import replace
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.delay import integral, moved, push, waiting
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.guard_axis import LAGGING, GuardAxis
+from wmr_proofs.claims.guard_sample import HARD, SIGNS, left, on
+from wmr_proofs.claims.guard_sent import larger, spares
+from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+EXPONENTIALS = (
+    "0 <= a <= b, 0 <= exp(-J/a) <= exp(-J/b) <= 1, b (1 - exp(-J/b)) <= J, c(t) = (b - a)(1 - "
+    "exp(-t/a)): 0 <= c(T) <= c(T + J) <= b - a"
+)
+MORE = (
+    "b Z + M_min again + c(T) max(S - Z_J, 0) and b Z + c(T + J) max(S - Z, 0) + J S at most (b + "
+    "J) S (guard.varying.more)"
+)
+LAGS = "varying.", "varying.steady."
+claim = Claims(by=HARD)
+
+
+def exponentials(a: GuardAxis) -> tuple[Relation, ...]:
+    """Their relations; without jitter T and T + J are the same time."""
+    fast, slow, rises, falls = a.fast, a.slow, a.rises_by, a.falls
+    same = () if a.varies else (equal(a.rise_late, a.rise),)
+    return (
+        *between(0, fast, slow), *positive(slow), *between(0, rises, falls), at_least(1, falls),
+        at_least(a.J, slow * (1 - falls)), equal(a.rise_J, (slow - fast) * (1 - rises)),
+        *between(0, a.rise, a.rise_late), at_least(slow - fast, a.rise_late), *same,
+    )  # fmt: skip
+
+
+def _core(a: GuardAxis, way: int, room: ca.SX, most: ca.SX) -> ca.SX:
+    """M_min room less all that the last and the new command, of at most ``most``, may do."""
+    spare = a.M_min * room + a.slow * a.lasts(way)[0]
+    return spare - (a.slow + a.J) * most
+
+
+@claim("guard.varying.moved", given="0 <= exp(-h/a) <= exp(-h/b) <= 1, Z0, p >= 0")
+def varying_moved(mutation: Mutation) -> Statement:
+    """Z after a piece of time is at least p + e (Z0 - p) for every e between exp(-h/a) and
+    exp(-h/b), lies between Z0 and p, and does not fall where Z0 or p rises.
+
+    Z falls slowest with the time constant b and rises fastest with a.
+    """
+    t = symbols("z p more_z more_p falls rises between")
+    z, p, more_z, more_p, falls, rises, e = t.values()
+    first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
+    rises_with = at_least(mutation(1, 0.99) * second, first)
+    lies = *between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p))
+    sizes = *nonnegative(z, p), at_least(more_z, z), at_least(more_p, p)
+    given = (*sizes, *between(0, rises, e), *between(e, falls, 1))
+    return Statement(t, (rises_with, *lies), given)
+
+
+@claim("guard.varying.integral", given="where every age counts in full; exponentials free", by=HARD)
+def varying_integral(mutation: Mutation) -> Statement:
+    """b Z + its integral = b Z0 + h p + (b - a)(1 - exp(-h/a)) max(p - Z0, 0).
+
+    What a piece adds beyond a constant lag b.
+    """
+    t = symbols("z p time fast slow falls rises")
+    z, p, time, a, b, falls, rises = t.values()
+    weights = (time, b * (1 - falls), a * (1 - rises))
+    whole = b * moved(z, p, (falls, rises)) + integral(z, p, weights)
+    goal = equal(whole, b * z + waiting(z, p, time, (b - mutation * a) * (1 - rises)))
+    return Statement(t, (goal,))
+
+
+@claim(
+    "guard.varying.piece",
+    given="0 <= Z0, p <= S, weights of the differences within 0 and that of p",
+)
+def varying_piece(mutation: Mutation) -> Statement:
+    """the weighted integral of Z over a piece is between 0 and its weight times S.
+
+    So all pieces together count for no more than behind a constant lag b.
+    """
+    t = symbols("z p most time fall rise")
+    z, p, most, time, fall, rise = t.values()
+    counted = integral(z, p, (time, fall, rise))
+    given = [at_least(item) for item in (z, p, fall, rise)]
+    given += [at_least(most, z), at_least(most, p), at_least(time, fall), at_least(time, rise)]
+    goals = (at_least(mutation(1, 0.99) * time * most, counted), at_least(counted))
+    return Statement(t, goals, tuple(given))
+
+
+@claim("guard.varying.more", given=f"0 <= Z, p_1 <= S; {EXPONENTIALS}")
+def varying_more(mutation: Mutation) -> Statement:
+    """b Z + what the last command adds within J + c(T) (S - Z_J) <= (b + J) S, and b Z + c(T + J)
+    (S - Z) <= b S.
+
+    The last command and the new one together count for no more than b + J of the largest.
+    """
+    a = GuardAxis(LAGGING)
+    z, most, p = a.z_ahead, a.most, push([a.sent], a.bounds, 1)
+    again = waiting(z, p, a.J, a.rise_J)
+    after = moved(z, p, (a.falls, a.rises_by))
+    b, more = a.slow, mutation(1, 0.99)
+    last = at_least(more * (b + a.J) * most, b * z + again + a.rise * (most - after))
+    goals = last, at_least(b * most, b * z + a.rise_late * (most - z)), at_least(again)
+    sizes = *positive(a.J), *between(0, z, most), at_least(most, p), *positive(most)
+    return a.states(*goals, given=(*exponentials(a), *sizes))
+
+
+@claim(
+    "guard.{at}spare",
+    given="sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, "
+    "each way (guard.varying.piece); mixed = usual; {caps}{steady}",
+    premises="guard.late.caps guard.varying.piece",
+    over=on(*LAGS),
+)
+def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
+    """core >= max(brakes + net, 0)/alpha ahead, or behind, or for both together, core = M_min (u1 -
+    reached) + b Z - (b + J) S.
+
+    The caps leave what braking needs, also where both directions are full.
+    """
+    b, lag, S = a.bounds, a.slow, a.S
+    given = [at_least(a.usual, a.J + lag), equal(a.both_act, a.usual), at_least(lag)]
+    for way, name in ((1, "ahead"), (-1, "back")):
+        for sums, time in ((a[name], a.usual), (a[f"rest_{name}"], a.late)):
+            given.append(at_least((time - a.J - lag) * S + lag * a.lasts(way)[0], b.M_min * sums))
+    cores = [_core(a, way, left, S) for way, left in zip((1, -1), spares(a), strict=True)]
+    need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
+    rules = (*a.stated, a.shared(), a.apart(), *given)
+    return Statement(a.symbols, (at_least(larger(*cores), need),), rules, a.cuts)
+
+
+@claim("guard.{at}left", given=f"{MORE}{{steady}}", premises="guard.varying.more", over=on(*LAGS))
+def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
+    """M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S.
+
+    Every line is a mean of core and S/alpha.
+    """
+    b, room, most = a.bounds, a.room, a.most
+    z, after, again = a.lasts(1)
+    lag, J = a.slow, a.J
+    least = mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha)
+    goal = at_least(b.M_min * a.sums.left(room, b), least)
+    given = (
+        *between(0, z, most), *between(0, after, most), at_least(again),
+        *positive(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
+        at_least(lag * most, lag * z + a.rise_late * (most - z)), *exponentials(a),
+        *positive(b.M_min, b.alpha), *positive(*([J] * a.varies)),
+    )  # fmt: skip
+    return Statement(a.symbols, (goal,), given)
+
+
+@claim(
+    "guard.{at}room",
+    given="guard.{at}left, guard.{at}spare; S >= brakes + net{steady}",
+    premises="guard.{at}left guard.{at}spare",
+    over=on(*LAGS),
+)
+def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
+    """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together.
+
+    Commands already sent never take the room that braking needs.
+    """
+    b, t = a.bounds, symbols("room_ahead room_back core_ahead core_back brakes")
+    rooms, cores = (t.room_ahead, t.room_back), (t.core_ahead, t.core_back)
+    need = ca.fmax(t.brakes + a.net, 0) / b.alpha
+    pairs = zip(rooms, cores, strict=True)
+    lines = [at_least(b.M_min * room, ca.fmin(core, a.most / b.alpha)) for room, core in pairs]
+    needed = at_least(larger(*cores), need), at_least(a.most, need * b.alpha)
+    given = (*lines, *needed, *positive(b.M_min, b.alpha))
+    goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
+    return Statement(a.symbols | t, (goal,), given)
+
+
+@claim(
+    "guard.{at}counts",
+    given="reached as in guard.late.mean, with the integral of Z for the sums, and b Z; "
+    f"{SIGNS}, alpha T <= 1; {EXPONENTIALS}{{steady}}",
+    over=on(*LAGS),
+)
+def counts(mutation: Mutation, a: GuardAxis) -> Statement:
+    """room is at most what each of its lines leaves of u1 less what is reached when the new command
+    may first take over; either way.
+
+    How the room is counted.
+    """
+    least = left(mutation, a)
+    return replace(least, given=(*least.given, *exponentials(a)))
+
+
+@claim(
+    "guard.{at}{limit}",
+    given="{counts}; M >= M_min, alpha T <= 1, lo <= hi, brakes >= net; "
+    f"{EXPONENTIALS}{{steady}}",
+    premises="guard.{at}feasible guard.{at}counts",
+    over=on(*LAGS, back=True),
+)
+def varying_upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """p_0 > 0: what is reached + (T + J) p_0 + c(T + J) max(p_0 - Z, 0), and + what the last
+    command adds in J + T p_0 + c(T) max(p_0 - Z_J, 0), over M_min, is at most u1; for {sign}v.
+
+    A robot within its limit stays within it, {face}: a larger push than the last is worst where it
+    comes early, a smaller one where it comes late.
+    """
+    # A command of larger p than the last is worst early, another one late; both to their end.
+    b, spare = a.bounds, a.u1 - a.arrived
+    z, after, again = a.lasts(way)
+    p, period = ca.fmax(a.push(way), 0), mutation(1, 1.01) * b.period
+    early = waiting(z, p, period + a.J, a.rise_late) / a.mass
+    late = (waiting(after, p, period, a.rise) + again) / a.mass
+    goals = [at_least(b.u1, a.arrived + ca.if_else(p > 0, more, spare)) for more in (early, late)]
+    limits = at_least(b.braking, a.net), at_least(a.hi, a.lo), *a.lines(way, a("room_", way), spare)
+    masses = *nonnegative(z, after, again), at_least(a.mass, b.M_min), *positive(b.M_min)
+    given = (*a.sound(), *exponentials(a), *limits, *masses)
+    return Statement(a.symbols, tuple(goals), given, a.rooms)
+
+
+@claim(
+    "guard.{at}graceful{back}",
+    given="{counts}; F = {sign}hi({sign}y); pushes and Z larger by at most D; p_0 + D "
+    "> 0; brakes - net >= D; {caps}{steady}",
+    premises="guard.{at}counts",
+    over=on(*LAGS, back=True),
+)
+def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """|d| <= dbar + D: what is reached, with D for every time that counts, and what the last and
+    the new command add, as in guard.varying.upper, is at most u1 + D (T + late)/M_min; for {sign}v.
+
+    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+    """
+    # Pushes, and Z with them, are larger by at most D; worst for F = hi.
+    b, D = a.bounds, a.extra
+    z, after, again = a.lasts(way)
+    p = ca.fmax((a.hi if way > 0 else -a.lo) + a.net + D, 0)
+    early = waiting(z + D, p, b.period + a.J, a.rise_late) - D * a.J
+    late = waiting(after + D, p, b.period, a.rise) + again
+    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
+    start = a.arrived + D * a.late / b.M_min
+    goals = [
+        at_least(limit, ca.if_else(p > 0, start + more / b.M_min, b.u1)) for more in (early, late)
+    ]
+    lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
+    known = *a.stated, *exponentials(a), at_least(D), a.withstands(D)
+    given = (*known, *lines, *nonnegative(z, after, again))
+    return Statement(a.symbols, tuple(goals), given, a.rooms)

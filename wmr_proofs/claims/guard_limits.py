@@ -1,0 +1,154 @@
+"""Optimality of the guard, necessity of its parts, and its theorems by hand.
+
+Statements about one sample become statements about every instant of a run by the comparison lemma
+(guard.lemma), used for each command under way and then for the new one, and by induction.
+"""
+
+from dataclasses import replace
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.delay import InFlight, waiting
+from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
+from wmr_proofs.claim import Claims, Mutation, rows
+from wmr_proofs.claims.guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
+from wmr_proofs.claims.guard_sample import FREE, HARD, NUMBERS_FREE, upper
+from wmr_proofs.claims.guard_sent import FEASIBLE, only
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import above, at_least, equal, nonnegative, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+claim = Claims(by=Z3(effort=150))
+
+
+@claim("guard.too-fast", given=f"{FREE}brake >= dbar - f_min, but alpha T <= 1.01")
+def too_fast(mutation: Mutation) -> Statement:
+    """guard.upper with alpha T up to 1.01.
+
+    False: alpha = 1/T is the fastest approach to the limit that a held force admits.
+    """
+    return upper(-mutation, 1, GuardAxis(AT_ONCE))
+
+
+@claim("guard.maximal", given=f"{NUMBERS_FREE}; nbar = f_min = f_speed = 0, alpha = 1/T")
+def maximal(mutation: Mutation) -> Statement:
+    """0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1.
+
+    No guard that intervenes less is safe.
+    """
+    a = GuardAxis()
+    b = a.bounds
+    exact = map(equal, (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period))
+    given = (*a.feasible(), *exact, at_least(a.v), *a.inside)
+    more = a.asked - ceiling(a.v, b)
+    end = a.v + b.period * (a.asked + b.dbar) / mutation(b.M_min, b.M_max)
+    return Statement(a.symbols, (above(end, a.u1),), (*given, above(more)))
+
+
+@claim(
+    "guard.{at}necessary",
+    given="u1, T, M_min, dbar{more} > 0",
+    over=rows(
+        late=(False, True), at=("", "delay."), T=("T", "(T + delay)"), more=("", ", delay"),
+        when=("", " just after a sample"),
+    ),
+)  # fmt: skip
+def necessary(mutation: Mutation, late: bool) -> Statement:
+    """2 dbar {T} > M_min u1 and F + dbar <= 0: {T} (dbar - F)/M_min > u1.
+
+    Beyond this bound no guard at all can keep the limit: friction of unknown size may stop the
+    robot{when}.
+    """
+    t = symbols("u1 period M_min dbar delay force")
+    u1, period, mass, dbar, delay, force = t.values()
+    time = period + delay if late else period
+    tight = above(2 * dbar * time, mutation(1, 0.99) * mass * u1)
+    sizes = positive(u1, period, mass, dbar, *([delay] * late))
+    goal = above(time * (dbar - force) / mass, u1)
+    return Statement(t, (goal,), (*sizes, tight, at_least(ca.SX(0), force + dbar)))
+
+
+@claim("guard.delay.longer", given="one command under way")
+def longer(_: Mutation) -> Statement:
+    """guard.delay.upper, with a delay that is 1 % longer than stated.
+
+    False: the delay may be stated too long, not too short.
+    """
+    a = GuardAxis(DELAYED)
+    b = a.bounds
+    reached = ca.fmax(a.v, b.f_speed) + a.since * ca.fmax(a.sent + a.net, 0) / a.mass
+    force = clipped(a.asked, a.y, b, only(a))
+    end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
+    time = 1.01 * a.periods * a.period
+    given = (
+        *a.sound(), *a.capped, *a.measured, *a.during(), *nonnegative(a.since, a.periods),
+        at_least(time, a.since), at_least(reached, a.arrived), at_least(a.u1, a.arrived),
+        at_least(a.arrived, b.f_speed), at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a))),
+    )  # fmt: skip
+    return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)
+
+
+@claim("guard.delay.ignored", given="ahead > 0")
+def ignored(_: Mutation) -> Statement:
+    """guard.delay.upper, for the guard that knows of no delay.
+
+    False: what is under way has to be counted.
+    """
+    a = GuardAxis(DELAYED)
+    given = (*a.stated, *a.seen(1, 0, *a.during()), at_least(a.u1, a.arrived), above(a.ahead))
+    force = clipped(a.asked, a.y, a.bounds)
+    end = a.arrived + a.t * ca.fmax(force + a.net, 0) / a.mass
+    return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)
+
+
+@claim("guard.delay.uncapped", given=FEASIBLE)
+def uncapped(_: Mutation) -> Statement:
+    """guard.delay.feasible, with |F_j| <= M_min alpha (u1 - f_speed) - net.
+
+    False: without the smaller cap a state can be reached that has no safe force.
+    """
+    a = GuardAxis(DELAYED)
+    b = a.bounds
+    most = b.M_min * b.alpha * (b.u1 - b.f_speed) - a.net
+    sent = (at_least(most, a.sent), at_least(most, -a.sent))
+    whole = at_least(a.delay, a.periods * a.period)
+    goal = at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a)))
+    return Statement(a.symbols, (goal,), (*a.feasible(), *sent, whole, at_least(a.periods)))
+
+
+@claim("guard.late.unmixed", given="0 < J <= T", by=HARD)
+def unmixed(_: Mutation) -> Statement:
+    """guard.late.upper, for the guard of a constant delay of the largest lateness.
+
+    False: a command that takes over early and is replaced late acts for more than T.
+    """
+    a = GuardAxis(LATE)
+    over, again = a.start(1), a.again
+    coming = InFlight(a.ahead + again.ahead, a.back + again.back)
+    force = clipped(a.asked, a.y, replace(a.bounds, jitter=None, mixed=None), coming)
+    end = over + a.t * ca.fmax(force + a.net, 0) / a.mass
+    exact = (equal(a.bounds.nbar), equal(a.bounds.f_speed), equal(a.bounds.f_min))
+    sums = (equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back))
+    given = (*a.stated, *a.seen(1), *exact, *sums, *a.during(), at_least(a.u1, over))
+    return Statement(a.symbols, (at_least(a.u1, end),), given, a.cuts)
+
+
+@claim("guard.varying.unvaried", given="0 < a < b", by=HARD)
+def unvaried(_: Mutation) -> Statement:
+    """guard.varying.steady.upper, for a guard that takes the lag for constant.
+
+    False: a time constant that falls brings the new command sooner while what was sent is still
+    felt.
+    """
+    a = GuardAxis(LATE, varies=False)
+    t = symbols("z rise fast slow")
+    b, z = a.bounds, t.z
+    force = clipped(a.asked, a.y, b, InFlight(a.ahead, a.back))
+    p = ca.fmax(force + a.net, 0)
+    end = a.arrived + waiting(z, p, b.period, t.rise) / b.M_min
+    sums = at_least(z), equal(a.rest_ahead, a.ahead), equal(a.rest_back, a.back)
+    lags = above(t.fast), above(t.slow, t.fast), above(t.rise), at_least(t.slow - t.fast, t.rise)
+    room = at_least(a.ahead * b.M_min, t.slow * z), at_least(b.u1, a.arrived)
+    given = (*a.stated, *a.seen(1), *sums, *lags, *room)
+    return Statement(a.symbols | t, (at_least(b.u1, end),), given, a.cuts)

@@ -1,0 +1,295 @@
+"""The guard's rounding: the exact plant, pushed by the torques that the compiled text computes.
+
+A computed number is here whatever rounding each operation by at most 2^-53 (2^-24 in floats) can
+give (`proofs.statement.rounded`).  From |v| <= u1 to |v| <= u1: the guard's force, the map onto the
+wheels, the conversion to torques and the motion, and `guard.rounding` puts them together.
+"""
+
+from dataclasses import dataclass, replace
+from math import log2
+from typing import Any
+
+import casadi as ca
+
+from wmr_ctrl.codegen.single_precision import MARGIN
+from wmr_ctrl.control.guard.bounds import rounding
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
+from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.guard_axis import GuardAxis
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, at_least, nonnegative, positive
+from wmr_proofs.statement import UNIT, Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+
+@dataclass(frozen=True)
+class Precision:
+    """Doubles or floats: the unit of rounding, and the share of u1 that is kept back.
+
+    ``spare``: share of M_min alpha u1, or of u1, by which the guard's conditions hold; ``quicker``:
+    by how much alpha T may exceed 1, as the default 1/T is a rounded number.
+    """
+
+    unit: float
+    kept: float
+
+    @property
+    def spare(self) -> float:
+        """4 times what is kept back."""
+        return 4 * self.kept
+
+    @property
+    def quicker(self) -> float:
+        """8 units."""
+        return 8 * self.unit
+
+
+DOUBLE = Precision(UNIT, rounding(0))
+SINGLE = Precision(2.0**-24, MARGIN)
+ON_WHEELS = 18
+"""Units of rounding of |F| + |N|/l: 12 of the map, 5 of the conversion, 1 for their product."""
+
+
+@dataclass(eq=False)
+class RoundedAxis(GuardAxis):
+    """One axis of the guard whose formula is computed in doubles: ``hat`` is what comes out.
+
+    ``widest`` is the largest G/(M_min alpha u1), G of both axes: the promise's range.
+
+    ``held_back`` is the margin kept back, as a share of u1, and ``aimed`` the bounds in the text,
+    with u1 less that; ``slope`` is M_min alpha, ``reach`` K = M_min alpha u1 [N or N m], which
+    stops the robot from its limit in 1/alpha; ``on_wheels`` is the most of this axis that is lost
+    to the wheels' rounding.
+    """
+
+    precision: Precision = DOUBLE
+    widest: int = 24
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.held_back: float | ca.SX = self.precision.kept
+        self.aimed = replace(self.bounds, u1=self.u1 * (1 - self.held_back))
+        self.slope = self.M_min * self.alpha
+        self.reach = self.slope * self.u1
+        self.on_wheels = ON_WHEELS * self.widest * self.precision.unit * self.reach
+
+    def text(self, asked: ca.SX, b: Bounds | None = None) -> dict[str, ca.SX]:
+        """Clipped force, as computed."""
+        return {"hat": clipped(asked, self.y, b or self.aimed, self.coming)}
+
+    @property
+    def measured(self) -> tuple[Relation, ...]:
+        """|y - v| <= nbar + unit |v|: the measured velocity is a rounded number, too."""
+        gap, most = self.y - self.v, self.nbar + self.precision.unit * ca.fabs(self.v)
+        return at_least(most, gap), at_least(most, -gap)
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """The theorem's hypotheses with room for the rounding."""
+        b, spare = self.bounds, self.precision.spare * self.reach
+        less = b.u1 * (1 - self.precision.spare)
+        return (
+            *positive(b.u1, b.period, b.M_min, b.alpha),
+            *nonnegative(b.dbar, b.nbar, b.brake, b.f_min, b.f_speed), at_least(b.M_max, b.M_min),
+            at_least(1 + self.precision.quicker, b.alpha * b.period),
+            at_least(self.slope * (b.u1 - b.f_speed), 2 * self.net + spare),
+            at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
+            at_least(b.brake, self.net + spare / 2), at_least(self.reach, -self.net),
+        )  # fmt: skip
+
+    def safe(self, way: int, force: ca.SX) -> Relation:
+        """The force leaves what the wheels' rounding and the motion need."""
+        fastest = self.arrived if self.lateness else ca.fmax(way * self.v, self.f_speed)
+        left = self.slope * (self.u1 * (1 - self.held_back / 32) - fastest)
+        return at_least(ca.fmax(left, 0), way * force + self.net + self.on_wheels)
+
+
+def _wheels() -> Symbols:
+    names = " ".join(f"{name}{i}" for name in ("force", "safe", "cap", "size", "lo", "hi")
+                     for i in (1, 2))  # fmt: skip
+    return symbols(f"{names} thrust moment right left phi half r", "phi half r")
+
+
+def _within(most: ca.SX, value: ca.SX) -> tuple[Relation, Relation]:
+    return at_least(most, value), at_least(most, -value)
+
+
+STATED = (
+    "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1 + {quicker}, brake, f_min, f_speed "
+    "with room for the rounding: 2 net + {spare} K <= M_min alpha (u1 - f_speed), K = M_min alpha "
+    "u1, -K <= net = dbar - f_min; brake >= net + {half_spare} K; 2 nbar, f_speed <= u1 (1 - "
+    "{spare})"
+)
+PARTS = ("force-ahead", "force-back", "size", "anchor", "linear-first", "rotation-first", "torques")
+
+
+def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[str, Any]:
+    """Values in the texts for a precision."""
+    unit, spare = precision.unit, precision.spare
+    shares = {
+        "unit": unit, "left": precision.kept / 32, "quicker": precision.quicker, "reach": 4 * unit,
+        "spare": spare, "half_spare": spare / 2,
+    }  # fmt: skip
+    return {key: f"2^{int(log2(share))}" for key, share in shares.items()} | {
+        "precision": precision, "name": name, "meaning": meaning, "numbers": numbers,
+        "stated": STATED, "rounds": "; operations rounded by at most {unit}",
+        "parts": " ".join(f"guard.{name}.{part}" for part in PARTS),
+    }  # fmt: skip
+
+
+PRECISIONS = (
+    _words(
+        DOUBLE,
+        "rounding",
+        "The limit itself is kept by the exact robot behind the double-precision guard, to the "
+        "last bit and for ever: torque conversion, box, clip and braking branch are in it. "
+        "With f_min <= dbar and T and alpha of both axes alike, l M_min1 u1_1/(M_min2 u1_2) in "
+        "[1/22, 22] is enough: I/(m l^2) from 1/22 to 22 times u1_1/(l u1_2).",
+        "",
+    ),
+    _words(
+        SINGLE,
+        "rounding.single",
+        "A package in single precision keeps the limit, too, since its limit is lowered by 2^-15. "
+        "Same range.",
+        ", no fused multiply-add; numbers as the package holds them, its v_u1 being u1 (1 - 2^-15) "
+        "to 2^-24",
+    ),
+)
+FORCE_WAYS: tuple[dict[str, Any], ...] = (
+    {"word": "ahead", "way": 1, "sign": "", "known": "", "premises": ""},
+    {"word": "back", "way": -1, "sign": "-", "premises": " guard.{name}.force-ahead",
+     "known": "; lo(y) = -hi(-y) by guard.{name}.force-ahead"},
+)  # fmt: skip
+claim = Claims(by=Z3(effort=100), premises="assumption.libm")
+
+
+@claim(
+    "guard.{name}.force-{word}",
+    given="{stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}{known}",
+    premises="assumption.libm{premises}",
+    over=[precision | way for precision in PRECISIONS for way in FORCE_WAYS],
+)
+def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
+    """the computed force F^ has {sign}F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -
+    max({sign}v, f_speed)), 0).
+
+    The computed force keeps the limit {word}, with room for the rounding of the wheels' torques;
+    the braking branch is included.
+    """
+    # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
+    a = RoundedAxis(precision=precision)
+    b = mutation(a.aimed, a.bounds)
+    cuts = {"lo": floor(a.y, b)}
+    known = () if way > 0 else (a.safe(way, a["lo"]),)
+    given = (*a.stated, *a.measured, *a.inside, *known)
+    goal = a.safe(way, a.hat)
+    computed = a.text(a.asked, b)
+    return Statement(a.symbols, (goal,), given, cuts, computed=computed, unit=precision.unit)
+
+
+@claim("guard.{name}.size", given="{stated}{rounds}", over=PRECISIONS)
+def size(mutation: Mutation, precision: Precision) -> Statement:
+    """|F^| <= (K + max(-net, 0)) (1 + {quicker}).
+
+    No computed force is large enough to make its rounding matter.
+    """
+    # Of what may be asked, and of the safe point.
+    a = RoundedAxis(precision=precision)
+    most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
+    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    computed = a.text(a.asked)
+    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+
+
+@claim("guard.{name}.anchor", given="{stated}{rounds}", over=PRECISIONS)
+def anchor(mutation: Mutation, precision: Precision) -> Statement:
+    """the computed safe point is at most the computed min(brake, cap).
+
+    What the wheels must keep in reserve is what the computed force keeps in reserve.
+    """
+    a = RoundedAxis(precision=precision)
+    most = mutation(1, 0.99) * a.most
+    goals = (at_least(most, a.hat), at_least(most, -a.hat))
+    computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
+    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+
+
+@claim(
+    "guard.{name}.{kind}",
+    given="any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi (1 + "
+    "{reach}){rounds}",
+    over=tuple(precision | {"kind": kind} for precision in PRECISIONS for kind in MAPS),
+)
+def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
+    """{kind} as computed ends between the asked force and the safe point, to 12 {unit} (G1 + G2/l)
+    in N, l times that in N m.
+
+    The rounding of the torque limit does not undo the guard.
+    """
+    t = _wheels()
+    given = [*positive(t.half, t.phi)]
+    for i in "12":
+        given += [*_within(t[f"cap{i}"], t[f"safe{i}"]), *_within(t[f"size{i}"], t[f"force{i}"])]
+        given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
+        for value in (t[f"force{i}"], t[f"safe{i}"]):
+            given += at_least(t[f"hi{i}"], value), at_least(value, t[f"lo{i}"])
+    given.append(at_least(t.phi * (1 + 4 * precision.unit), t.cap1 + t.cap2 / t.half))
+    lost = mutation(12, 1) * precision.unit * (t.size1 + t.size2 / t.half)
+    goals = list[Relation]()
+    for i, value, error in (("1", t.thrust, lost), ("2", t.moment, lost * t.half)):
+        goals += at_least(t[f"hi{i}"] + error, value), at_least(value, t[f"lo{i}"] - error)
+    force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
+    both = MAPS[kind](force, t.phi, t.half, safe)
+    computed = {"thrust": both[0], "moment": both[1]}
+    return Statement(t, tuple(goals), tuple(given), computed=computed, unit=precision.unit)
+
+
+@claim(
+    "guard.{name}.torques",
+    given="any force, r, l > 0; r and l are the plant's{rounds}",
+    over=PRECISIONS,
+)
+def converted(mutation: Mutation, precision: Precision) -> Statement:
+    """the exact force of the computed torques differs from the force that was converted by at most
+    5 {unit} (|F| + |N|/l), the moment by l times that.
+
+    The plant is pushed by torques, which are rounded numbers as well.
+    """
+    t = _wheels()
+    half, asked = t.half, ca.vertcat(t.force1, t.force2)
+    torque = force_to_wheel(t.r, half, asked)
+    reached = wheel_to_force(t.r, half, ca.vertcat(t.right, t.left))
+    lost = mutation(5, 2) * precision.unit * (ca.fabs(asked[0]) + ca.fabs(asked[1]) / half)
+    goals = (*_within(lost, reached[0] - asked[0]), *_within(lost * half, reached[1] - asked[1]))
+    computed = {"right": torque[0], "left": torque[1]}
+    return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)
+
+
+@claim(
+    "guard.{name}",
+    given="{stated}; both axes; G1 + G2/l <= 24 K1, l G1 + G2 <= 24 K2, G = (K + max(-net, 0)) (1 "
+    "+ {quicker}); min(brake1, cap1) + min(brake2, cap2)/l <= (2 tau_max/r) (1 + {reach}); no "
+    "overflow, no underflow{numbers}",
+    premises="{parts} guard.axes guard.lemma",
+    over=PRECISIONS,
+)
+def together(mutation: Mutation, precision: Precision) -> Statement:
+    """max(v, f_speed) + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the
+    torques that the compiled text computes: from |v| <= u1 to |v| <= u1, and the same for -v.
+
+    {meaning}
+    """
+    # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
+    a = RoundedAxis(precision=precision)
+    b, lost = a.bounds, mutation(1, 2) * a.on_wheels
+    goals, given = [], [*a.stated, *a.inside, *a.during()]
+    for way in (1, -1):
+        fastest = ca.fmax(way * a.v, b.f_speed)
+        end = fastest + a.t * ca.fmax(way * a.hat + a.net, 0) / a.mass
+        goals.append(at_least(b.u1, end))
+        asked, safe = way * a.asked, way * a.most
+        given.append(at_least(ca.fmax(asked, safe) + lost, way * a.hat))
+        given += [a.safe(way, a[name]) for name in ("asked", "most")]
+    return Statement(a.symbols, tuple(goals), tuple(given))

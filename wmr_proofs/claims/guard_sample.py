@@ -1,0 +1,249 @@
+"""The velocity guard: what keeps the limit, and what brings the robot back.
+
+All parameters are symbols.  The statements are about one sample of one axis: with velocities and
+drives at once, behind a delay, with late velocities, jitter and lag, behind a lag that varies.
+What commands under way count for is in `guard_sent`; that nothing better can be had, and by hand
+what follows for every instant of a run, in `guard_limits`.
+"""
+
+from typing import Any
+
+import casadi as ca
+
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least
+from wmr_proofs.statement import Statement
+
+SIGNS = (
+    "u1, T, alpha > 0, 0 < M_min <= M_max, 0 <= f_speed < u1, dbar, nbar, brake, f_min >= 0, 2 "
+    "nbar <= u1"
+)
+"""What every entry assumes of the guard's numbers, beside alpha T <= 1."""
+FREE = f"every number with {SIGNS}, 2 (dbar - f_min) <= M_min alpha (u1 - f_speed), "
+NUMBERS_FREE = f"{FREE}brake >= dbar - f_min and alpha T <= 1"
+CAPS = (
+    f"{SIGNS}, alpha T <= 1, J <= T, J <= mixed <= usual <= late, late > 0; 0 <= brakes, net <= "
+    "brakes <= largest, late (largest + net) + max(brakes + net, 0)/alpha <= M_min (u1 - f_speed), "
+    "mixed (largest + net) <= M_min (u1 - 2 nbar) (guard.late.caps)"
+)
+_AT_ONCE: dict[str, Any] = {
+    "a": GuardAxis(AT_ONCE), "effort": 150, "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
+    "capped": "", "seen": "|y - v| <= nbar", "inside": "{caps}; |v| <= u1, {seen}", "kept": "",
+    "acts": "M_min <= M <= M_max", "v": "{sign}v", "where": "", "counts": "", "filled": "",
+    "spare": "(brakes - net) M_min >= M_max D", "late": "", "steady": "",
+}  # fmt: skip
+_DELAYED = _AT_ONCE | {
+    "a": GuardAxis(DELAYED),
+    "caps": f"{SIGNS}, delay > 0, alpha T <= 1; 0 <= brakes, net <= brakes <= largest "
+    "(guard.delay.caps)", "enough": "{caps}; guard.{at}room", "capped": "guard.delay.caps",
+    "rests": "guard.{at}room {capped}", "inside": "{seen}; {caps}; lo <= hi",
+    "kept": "guard.{at}feasible",
+    "seen": "|y - v| <= nbar; v+ where the new command takes over is at most max({sign}v, f_speed) "
+    "plus the sum that is counted (guard.delay.command, guard.delay.queue)",
+    "where": " where the new command takes over",
+    "filled": "; lo <= hi (guard.{at}feasible)", "spare": "brakes - net >= D", "late": " + delay",
+}  # fmt: skip
+_LATE = _DELAYED | {
+    "a": GuardAxis(LATE), "effort": 400, "caps": CAPS, "capped": "guard.late.caps", "v": "v+",
+    "seen": "v+ when it may first take over <= max(max(m, f_speed) + mean, f_speed + rest), m the "
+    "mean that was measured as y to within nbar (guard.late.mean)",
+    "acts": "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max",
+    "inside": "guard.{at}left; {caps}; lo <= hi",
+    "kept": "guard.{at}feasible guard.{at}left",
+}  # fmt: skip
+_LAGGING = _LATE | {
+    "a": GuardAxis(LAGGING), "seen": "guard.{at}counts", "filled": "", "v": "what is reached",
+    "counts": "guard.{at}counts",
+}  # fmt: skip
+HARD = Z3(effort=400)
+"""For a room of more than one line."""
+STEADY = {"steady": "; the delay does not vary, J = 0"}
+KINDS: dict[str, dict[str, Any]] = {
+    "": _AT_ONCE,
+    "delay.": _DELAYED,
+    "late.": _LATE,
+    "late.steady.": _LATE | STEADY | {"a": GuardAxis(LATE, varies=False)},
+    "varying.": _LAGGING,
+    "varying.steady.": _LAGGING | STEADY | {"a": GuardAxis(LAGGING, varies=False)},
+}
+"""Axes by how their ids begin, and what the claims' texts say of each."""
+_FORWARDS = {
+    "way": 1, "sign": "", "against": "-", "back": "", "limit": "upper", "behind": "",
+    "face": "forwards",
+}  # fmt: skip
+_BACKWARDS = {
+    "way": -1, "sign": "-", "against": "", "back": "-back", "limit": "lower", "behind": "{filled}",
+    "face": "backwards",
+}  # fmt: skip
+
+
+def on(*kinds: str, back: bool = False) -> list[dict[str, Any]]:
+    """Tables of a claim about these axes, forwards and, with ``back``, backwards."""
+    ways = (_FORWARDS, _BACKWARDS) if back else (_FORWARDS,)
+    return [KINDS[kind] | way | {"at": kind} for way in ways for kind in kinds]
+
+
+def solver(effort: int = 150) -> Z3:
+    """The method, with the effort that a table states."""
+    return Z3(effort=effort)
+
+
+claim = Claims(by=solver)
+
+
+@claim("guard.{at}feasible", given="{enough}{steady}", premises="{rests}", over=on(*KINDS))
+def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
+    """lo(y) <= hi(y) for every y, whatever was sent.
+
+    There is always a safe force: nothing has to be checked while it runs.
+    """
+    return Statement(a.symbols, (at_least(a.hi, a.lo),), a.can_brake(mutation(1, 1.01)), a.rooms)
+
+
+@claim("guard.{at}largest", given="{caps}", premises="guard.{at}caps", over=on("delay.", "late."))
+def largest(mutation: Mutation, a: GuardAxis) -> Statement:
+    """|F| <= largest.
+
+    Commands stay as small as those before them were assumed to be.
+    """
+    most, force = mutation(1, 0.99) * a.largest, a.force(a.asked)
+    goals = (at_least(most, force), at_least(most, -force))
+    return Statement(a.symbols, goals, a.stated, a.rooms)
+
+
+@claim("guard.{at}anchor", given="{caps}", premises="{capped}", over=on("", "delay.", "late."))
+def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
+    """|clip(0, lo, hi)| <= brakes = min(brake, cap).
+
+    The smallest safe force is within the brake cap, so the wheel maps stay in the box.
+    """
+    most = mutation(1, 0.99) * a.bounds.braking
+    return Statement(a.symbols, (at_least(most, ca.fabs(a.force(ca.SX(0)))),), a.stated, a.rooms)
+
+
+@claim(
+    "guard.{at}{limit}",
+    given="{inside}; {acts}{steady}",
+    premises="{kept}",
+    over=on("", "delay.", "late.", "late.steady.", back=True),
+)
+def upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """v+ <= u1{where}: v+ + t max({sign}F + net, 0)/M <= u1 as long as it acts, v+ = max({sign}v,
+    f_speed), whatever the law asks for.
+
+    A robot within its limit stays within it, {face}.
+    """
+    given = a.kept(way, mutation(1, 1.01))
+    return Statement(a.symbols, (at_least(a.u1, a.then(way)),), given, a.rooms)
+
+
+@claim(
+    "guard.{at}outside{back}",
+    given="{seen}; {caps}{behind}{steady}",
+    premises="{counts}",
+    over=on(*KINDS, back=True),
+)
+def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """{v} > u1{where}: {sign}F + net <= -min(brakes - net, M_max ({v} - u1)/T) <= 0.
+
+    Outside the limit no disturbance can make the robot faster, once earlier commands have ended.
+    """
+    b = a.bounds
+    needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
+    goals = (at_least(-a.push(way)), at_least(-a.push(way), needed))
+    cuts = a.rooms if a.lateness == LAGGING else a.cuts
+    return Statement(a.symbols, goals, a.outside(way), cuts)
+
+
+@claim(
+    "guard.{at}return{back}",
+    given="{seen}, M_min <= M <= M_max; {caps}{behind}{steady}",
+    over=on("", "delay.", "late.steady.", back=True),
+)
+def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """{v} > u1{where}: a sample later {v} <= max(u1, {v} - T (brakes - net)/M).
+
+    Back within the limit once late commands have ended, after ceil(({v} - u1) M/(T (brakes - net)))
+    samples, {v} being the speed then and M at worst M_max.
+    """
+    b, mass, start = a.bounds, a.mass, a.start(way)
+    step = b.period * (b.braking - a.net) / mass
+    end = start + b.period * a.push(way) / mass
+    goal = at_least(ca.fmax(a.u1, start - mutation(1, 1.01) * step), end)
+    return Statement(a.symbols, (goal,), a.outside(way, *a.during()), a.cuts)
+
+
+@claim("guard.no-overshoot{back}", given="{caps}; |y - v| <= nbar", over=on("", back=True))
+def no_overshoot(mutation: Mutation, way: int) -> Statement:
+    """f_speed + t max({against}F + dbar - f_min, 0)/M <= u1, also from {sign}v > u1.
+
+    Braking from outside never throws the robot through the other limit.
+    """
+    a = GuardAxis()
+    fallen = a.f_speed + a.t * ca.fmax(a.net - way * a.force(a.asked), 0) / a.mass
+    limit = mutation(a.u1, 0.99 * a.u1)
+    given = (*a.feasible(), *a.during(), above(way * a.v, a.u1), *a.measured)
+    return Statement(a.symbols, (at_least(limit, fallen),), given)
+
+
+@claim(
+    "guard.{at}graceful{back}",
+    given="{seen}; {spare}; {caps}{behind}",
+    over=on("", "delay.", back=True),
+)
+def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """|d| <= dbar + D keeps {sign}v <= u1 + D (T{late})/M_min.
+
+    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+    """
+    b, D = a.bounds, a.extra
+    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
+    seen = a.seen(way, D * a.late / b.M_min, *a.during())
+    begins = at_least(D), a.withstands(D), at_least(limit, a.start(way))
+    given = (*a.stated, *seen, *begins, *a.ordered(way))
+    return Statement(a.symbols, (at_least(limit, a.then(way, D)),), given, a.cuts)
+
+
+@claim(
+    "guard.{at}graceful{back}",
+    given="guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; brakes - net "
+    ">= D; {caps}{steady}",
+    premises="guard.{at}left",
+    over=on("late.", "late.steady.", back=True),
+)
+def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for {sign}v.
+
+    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+    """
+    # t at its end, as v is linear.
+    b, D, left = a.bounds, a.extra, a.room
+    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
+    over, most = a.start(way, D), a.hi if way > 0 else -a.lo
+    last = b.period + a.J - a.since
+    end = over + last * ca.fmax(most + a.net + D, 0) / a.mass
+    free = a.arrived - D * (a.late - a.J) / b.M_min - b.u1
+    known = *a.sound(), *a.capped, *a.during(), at_least(a.arrived, b.f_speed)
+    begins = at_least(D), a.withstands(D), at_least(limit, over)
+    given = (*known, *a.lines(way, left, -free), *begins)
+    cuts = {**a.cuts, "room": a.left[0 if way > 0 else 1]}
+    return Statement(a.symbols, (at_least(limit, end),), given, cuts)
+
+
+@claim(
+    "guard.{at}left",
+    given=f"{{seen}}; {SIGNS}, alpha T <= 1{{steady}}",
+    over=on("late.", "late.steady."),
+)
+def left(mutation: Mutation, a: GuardAxis) -> Statement:
+    """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
+    command may first take over; either way.
+
+    How the room is counted.
+    """
+    goals = list[Relation]()
+    for left, way in zip(a.left, (1, -1), strict=True):
+        goals += a.lines(way, left, a.u1 - mutation(1, 1.01) * a.reached(way))
+    return Statement(a.symbols, tuple(goals), (*a.sound(), *a.measured, *a.moving))

@@ -1,0 +1,281 @@
+"""Push of the commands in flight, and the room that the guard leaves for braking.
+
+Any number of them: what one adds is shown of one, the rest of their sums.
+"""
+
+from dataclasses import replace
+
+import casadi as ca
+
+from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
+from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.guard_axis import DELAYED, LATE, GuardAxis
+from wmr_proofs.claims.guard_sample import CAPS, HARD, SIGNS, on, solver
+from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import column, symbols
+
+FEASIBLE = (
+    f"{SIGNS}, late > 0, 2 net (1 + alpha late) <= M_min alpha (u1 - f_speed), net = dbar - f_min, "
+    "brake >= net, alpha T <= 1"
+)
+JITTERY = f"0 < J <= T, J <= mixed <= usual <= late, 2 net mixed <= M_min (u1 - 2 nbar); {FEASIBLE}"
+COUNTED = (
+    "the sums are at most what commands of at most largest count for (guard.late.piece): rest <= "
+    "(late - J) S/M_min each way, mean both ways <= (usual + mixed - 2 J) S/M_min, the last "
+    "command <= J S/M_min both ways, S = largest + net, usual <= late, J <= mixed; mean <= rest "
+    "each way, as no command weighs more in the mean (tests/guard/test_lateness.py)"
+)
+JITTERS = "; mixed (largest + net) <= M_min (u1 - 2 nbar)"
+claim = Claims(by=HARD)
+
+
+def only(a: GuardAxis, place: int = 0) -> InFlight:
+    """Push in flight of a single command ``sent``; ``place``: its axis of the two."""
+    pair = [a.other, a.other]
+    pair[place] = a.sent
+    return in_flight([(ca.vertcat(*pair), a.periods)], place, a.bounds)
+
+
+def larger(one: ca.SX, other: ca.SX) -> ca.SX:
+    """Either, or both together."""
+    return ca.fmax(ca.fmax(one, other), one + other)
+
+
+@claim(
+    "guard.{name}",
+    given="{given}",
+    by=solver,
+    over=(
+        {"name": "delay.caps", "a": GuardAxis(DELAYED), "given": FEASIBLE, "shared": 1.01,
+         "effort": 150, "told": ""},
+        {"name": "late.caps", "a": GuardAxis(LATE), "given": JITTERY, "shared": 1.01,
+         "effort": 400, "told": JITTERS},
+        {"name": "late.mixed", "a": GuardAxis(LATE), "given": JITTERY, "mixed": 0.99,
+         "effort": 400, "told": f"{JITTERS} (altered in another place)"},
+    ),
+)  # fmt: skip
+def caps(mutation: Mutation, a: GuardAxis, shared: float = 1, mixed: float = 1) -> Statement:
+    """brakes = min(brake, cap): 0 <= brakes, net <= brakes <= largest, and late (largest +
+    net)/M_min + max(brakes + net, 0)/(M_min alpha) <= u1 - f_speed{told}.
+
+    The caps divide the room between rest and the limit among late commands, braking and jitter.
+    """
+    spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, mixed))]
+    goals = (*a.capped, a.shared(mutation(1, shared)), *spread)
+    return Statement(a.symbols, goals, a.feasible())
+
+
+@claim(
+    "guard.delay.command{suffix}",
+    by=solver,
+    given="one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {caps}",
+    over=(
+        {**on("delay.")[0], "suffix": "", "place": 0, "which": "first axis"},
+        {**on("delay.")[0], "suffix": "-angular", "place": 1,
+         "which": "second axis, whatever the first is sent"},
+    ),
+)  # fmt: skip
+def command(mutation: Mutation, place: int) -> Statement:
+    """max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for a single command under way, and v
+    and -v at most the guard's count as long as it acts; {which}.
+
+    The guard counts the most that a command under way can do, even if it acts for a shorter time.
+    """
+    a = GuardAxis(DELAYED)
+    one, b, time = only(a, place), a.bounds, a.periods * a.period
+    most = mutation(1, 0.99) * time * a.S / b.M_min
+    goals = [at_least(most, one.ahead + one.back)]
+    for way, coming in ((1, one.ahead), (-1, one.back)):
+        start = ca.fmax(way * a.v, b.f_speed)
+        seen = ca.fmax(way * a.y + b.nbar, b.f_speed)
+        reached = start + a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
+        goals.append(at_least(seen + coming, reached))
+    sent = (at_least(a.largest, a.sent), at_least(a.largest, -a.sent))
+    during = (*between(0, a.since, time), at_least(a.periods))
+    return Statement(a.symbols, tuple(goals), (*a.stated, *a.measured, *a.during(), *sent, *during))
+
+
+@claim("guard.delay.queue", by=solver, given="any forces and times")
+def queue(mutation: Mutation) -> Statement:
+    """n commands under way add up: their sums ahead and back are those of n - 1 and of the last
+    one, both axes, n = 1 to 5.
+
+    What is shown for one more command holds for all of them together.
+    """
+    a = GuardAxis(DELAYED)
+    t = column("F", 5) | column("N", 5) | column("time", 5)
+    sent = [(ca.vertcat(t[f"F{j}"], t[f"N{j}"]), t[f"time{j}"]) for j in range(1, 6)]
+    goals = []
+    for axis in (0, 1):
+        for n in range(1, 6):
+            every, last = (in_flight(part, axis, a.bounds) for part in (sent[:n], sent[n - 1 : n]))
+            rest = in_flight(sent[: n - 1], axis, a.bounds)
+            goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
+            goals.append(equal(every.back, rest.back + last.back))
+    return Statement(a.symbols | t, tuple(goals), positive(a.bounds.M_min))
+
+
+@claim(
+    "guard.late.piece",
+    given=f"|F_j| <= largest, M_min <= M <= M_max; {CAPS}",
+    premises="guard.late.caps",
+)
+def late_piece(mutation: Mutation) -> Statement:
+    """a piece of time in which either of two commands acts adds at most what it is counted for,
+    whichever acts and for however long, and each way at most its time (largest + net)/M_min.
+
+    Jitter: the guard counts the worse of the two, forwards and backwards.
+    """
+    a = GuardAxis(DELAYED)
+    b, time = a.bounds, a.periods * a.period
+    first, second = a.sent, a.asked
+    both = ca.horzcat(ca.vertcat(first, a.other), ca.vertcat(second, a.other))
+    piece = in_flight([(both, a.periods)], 0, b)
+    goals = []
+    for force in (first, second):
+        for way, counted in ((1, piece.ahead), (-1, piece.back)):
+            reached = a.since * ca.fmax(way * force + a.net, 0) / a.mass
+            goals.append(at_least(counted, mutation(1, 1.01) * reached))
+    most = time * a.S / b.M_min
+    goals += [at_least(most, piece.ahead), at_least(most, piece.back)]
+    sent = [at_least(a.largest, way * force) for way in (1, -1) for force in (first, second)]
+    during = (*between(0, a.since, time), at_least(a.periods))
+    return Statement(a.symbols, tuple(goals), (*a.stated, *a.during(), *sent, *during))
+
+
+@claim(
+    "guard.late.tail",
+    given="decay 1/2, entering 1/4 and 1/8, one command listed; forces, net and M_min free",
+)
+def late_tail(mutation: Mutation) -> Statement:
+    """behind a lag, the count of older commands is decay times its last value plus what the oldest
+    listed command adds; both axes, starting from where a force of 0 leads.
+
+    Commands of any age are counted with one number for each axis and direction.
+    """
+    # A sample later the tail is what stays of it and what joins, from steady at first.
+    a = GuardAxis(DELAYED)
+    b, t = a.bounds, symbols("force1 force2 other1 other2")
+    tail = Tail(decay=0.5, entering=(0.25, 0.125), share=1.0, steady=0.75)
+    late = replace(AT_ONCE, commands=1, jitter=0.5, lag=1.0, tail=tail)
+    tails = Tails("tail", (late, late))
+    forces = [ca.vertcat(t[f"force{i}"], t[f"other{i}"]) for i in (1, 2)]
+    state = tails.state[0].sym
+    following = tails.following(forces, b)
+    table = a.symbols | t | {f"tail{i}": state[i] for i in range(4)}
+    goals = []
+    for axis in (0, 1):
+        now = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
+        after = following[2 * axis] + tail.steady * b.period * ca.fmax(b.net, 0)
+        old, new = forces[1][axis], forces[0][axis]
+        joined = 0.25 * ca.fmax(old + b.net, 0) + 0.125 * ca.fmax(ca.fmax(old, new) + b.net, 0)
+        wanted = 0.5 * now.ahead + mutation * b.period * joined / b.M_min
+        goals.append(equal(after / b.M_min, wanted))
+    return Statement(table, tuple(goals), positive(b.M_min, b.period))
+
+
+def added(a: GuardAxis) -> tuple[Relation, ...]:
+    """Bounds on sums of commands that keep to ``largest``."""
+    b, most = a.bounds, a.S / a.bounds.M_min
+    if a.lateness < LATE:
+        return (at_least(a.late * most, a.ahead + a.back),)
+    rest, again = (a.late - a.J) * most, a.again
+    from_rest = at_least(rest, a.rest_ahead), at_least(rest, a.rest_back)
+    mean = at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back)
+    last = at_least(a.J * most, again.ahead + again.back), *positive(b.M_min)
+    longer = at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back)
+    return (*from_rest, mean, *last, *longer)
+
+
+def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
+    """Room left when the new command may first take over, either way."""
+    b, coming = a.bounds, a.sums
+    ahead = b.u1 - coming.reached(ca.fmax(a.y + b.nbar, b.f_speed), b)
+    return ahead, b.u1 - coming.mirrored.reached(ca.fmax(-a.y + b.nbar, b.f_speed), b)
+
+
+def _spared(a: GuardAxis, ahead: ca.SX, back: ca.SX, more: float = 1) -> Relation:
+    """Either, or both together, are what braking and the last command need."""
+    b = a.bounds
+    braking, again = ca.fmax(b.braking + a.net, 0) / b.alpha, a.J * a.S
+    one, two = (b.M_min * x - braking for x in (ca.fmax(ahead, back), ahead + back))
+    return at_least(ca.fmax(one - more * again, two - 2 * more * again))
+
+
+@claim("guard.late.spare", given=f"{COUNTED}; {CAPS}", premises="guard.late.caps guard.late.piece")
+def late_spare(mutation: Mutation) -> Statement:
+    """M_min times what is left when the new command may first take over, ahead or behind, is at
+    least max(brakes + net, 0)/alpha + J S, or both together that + 2 J S, S = largest + net.
+
+    Commands already sent never take the room that braking needs.
+    """
+    a = GuardAxis(LATE)
+    goal = _spared(a, *spares(a), mutation(1, 1.01))
+    given = (*a.stated, *a.moving, a.shared(), a.apart(), *added(a))
+    return Statement(a.symbols, (goal,), given, a.cuts)
+
+
+@claim("guard.late.room", given="guard.late.spare", premises="guard.late.spare")
+def late_room(mutation: Mutation) -> Statement:
+    """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both rooms together.
+
+    The same once the last command may act for J more.
+    """
+    a = GuardAxis(LATE)
+    b, t = a.bounds, symbols("spare_ahead spare_back again_ahead again_back")
+    spared = (*spares(a), a.again.ahead, a.again.back)
+    again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
+    signs = *positive(b.M_min, b.alpha, b.period, a.J), *a.capped
+    sums = *nonnegative(t.again_ahead, t.again_back), again
+    given = (*signs, *sums, _spared(a, t.spare_ahead, t.spare_back))
+    cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
+    goal = a.enough(a.left, mutation(1, 0.99))
+    return Statement(a.symbols | t, (goal,), given, cuts)
+
+
+@claim(
+    "guard.{at}room",
+    given="{sums}; {caps}",
+    by=solver,
+    premises="{capped} guard.{one}",
+    over=(
+        on("delay.")[0]
+        | {"sums": "ahead + back <= delay (largest + net)/M_min", "one": "delay.command"},
+        on("late.steady.")[0] | {"sums": f"{COUNTED}, J = mixed = 0", "one": "late.piece"},
+    ),
+)
+def room(mutation: Mutation, a: GuardAxis) -> Statement:
+    """what is under way leaves max(brakes + net, 0) of M_min alpha room, ahead or behind or of both
+    rooms together; behind a delay alone M_min alpha (u1 - f_speed - ahead - back) is that.
+
+    Commands under way never take the room that braking needs.
+    """
+    given = (*a.stated, *a.moving, a.shared(), *added(a))
+    return Statement(a.symbols, (a.enough(a.left, mutation(1, 0.99)),), given, a.cuts)
+
+
+@claim("guard.late.{name}", given=f"one command in the window, v = -V before; {SIGNS}", over=(
+    {"name": "rest", "part": "or from rest over the window", "rest": True,
+     "so": "Why the guard counts from the oldest instant, too."},
+    {"name": "half", "part": "and not from rest", "rest": False,
+     "so": "False: half the window is not enough, since friction can stop the robot inside it."},
+))  # fmt: skip
+def late_rest(mutation: Mutation, rest: bool) -> Statement:
+    """v = share window p/M_min, after friction has stopped the robot with a share of the window
+    left, is at most what the guard counts from the mean, {part}.
+
+    {so}
+    """
+    a = GuardAxis(DELAYED)
+    b, t = a.bounds, symbols("V share window")
+    p, window, share = ca.fmax(a.sent + a.net, 0), t.window, t.share
+    v = share * window * p / b.M_min
+    y = share * v / 2 - (1 - share) * t.V
+    pair, periods = ca.vertcat(a.sent, 0), window / b.period
+    mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
+    coming = InFlight(mean.ahead, mean.back, whole if rest else None)
+    reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
+    given = (*a.sound(), *positive(window), *between(0, share, 1), *between(0, t.V, b.u1))
+    return Statement(a.symbols | t, (at_least(reached, mutation(1, 1.01) * v),), given)

@@ -1,0 +1,295 @@
+"""The adaptive network: Eqs. (57)-(73), (82)-(88), all 64 nodes of one axis on the law's graph."""
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier import lyapunov as analysis
+from wmr_ctrl.control.laws import nn
+from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
+from wmr_proofs.claims.common import barrier_axis, named_axes
+from wmr_proofs.claims.network_axis import (
+    DIMENSIONS,
+    NODES,
+    NetworkAxis,
+    decay_chart,
+    free_chart,
+    network_axis,
+    residual_chart,
+    vanishing_chart,
+)
+from wmr_proofs.methods.spec import Z3, Refute, Ring
+from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
+from wmr_proofs.relation import above, at_least, equal, every
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import column, stacked, symbols
+
+
+def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:
+    """M1^-1 Gamma^-1 W~' times a rate."""
+    return ca.dot(n.error, rate) / (n.free.mass * n.gain("Gamma"))
+
+
+TIMED = {"clock.control": POSITIVE}
+GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | TIMED
+VECTORS = {f"{name}{j}": FREE for j in range(1, NODES + 1) for name in ("S", "X", "E")}
+SOLVED = {"A": NONZERO, "mass": POSITIVE, "cdot": FREE, "y": NONZERO, "n": FREE}
+SOLVED |= {"p": NONNEGATIVE, **VECTORS}
+DECLARED = {"mass": POSITIVE, **GAINS}
+ANYWHERE = Case("A != 0", {"A": NONZERO, "V": FREE, "w": FREE}, free_chart, DECLARED)
+OFF_TARGETS = Case("A != 0", {"A": NONZERO, "V": FREE, "w": NONZERO}, free_chart, DECLARED)
+AT_ZERO = Case("A = 0", dict.fromkeys(("quotient", "q"), FREE), vanishing_chart, DECLARED)
+RATES = dict.fromkeys(("rho2", "gamma"), POSITIVE) | dict.fromkeys(("a", "b"), NONNEGATIVE)
+DECAYING = Case("rho2 below both rates", {**SOLVED, **RATES}, decay_chart, TIMED)
+ALL_NODES = "all 64 weights, any S(Z), any A, V1, w with A != 0 or A = V1 = w = 0, W* constant"
+OFF_TARGET = "all 64 weights, any S(Z); A and v - v_c1 not 0 (there (59) cannot be written down)"
+ONE, OFF = Ring((ANYWHERE,), spare=0), Ring((OFF_TARGETS,), spare=0)
+TWO = Ring((ANYWHERE, AT_ZERO), spare=0)
+BOUND = Ring((Case("A != 0", SOLVED, residual_chart, GAINS),), spare=0)
+FAR_POINT = (at(v="7999999/10000000", c=3, u1=1, u2="4/5"),)
+claim = Claims(by=ONE, form=PRINTED)
+
+
+@claim("eq57", (57,), given="any weights and basis")
+def law(mutation: Mutation) -> Statement:
+    """F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes.
+
+    The network law that runs is the paper's, with its quotients in cancellation-free form.
+    """
+    n = network_axis(0)
+    written = -n.gain("rho1") * n.free.quotient + mutation * n.free.q * ca.dot(n.weights, n.basis)
+    return n.statement(equal(n.law.force[0], written))
+
+
+@claim("eq58{of}", (58,), given="any weights and basis", over=named_axes(".angular"))
+def adaptation(mutation: Mutation, axis: int) -> Statement:
+    """W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), {where} axis, all 64 weights: the compiled Euler
+    step integrates it.
+
+    The weights learn from the distance to the target velocity and slowly forget.
+    """
+    n = network_axis(axis)
+    rate = -n.gain("Gamma") * (n.basis * n.free.w + mutation * n.gain("sigma") * n.weights)
+    return n.statement(*(equal(n.weight_rate[j], rate[j]) for j in range(NODES)))
+
+
+@claim(
+    "eq58.basis",
+    (57, 58),
+    form=OURS,
+    given="any Z and eta; nodes at -1 and 1",
+    by=Ring((Case("any Z", declared={"eta": POSITIVE}),), spare=14),
+)
+def basis_product(mutation: Mutation) -> Statement:
+    """the compiled basis (one exponential per dimension more than one) equals exp(-|Z -
+    c_j|^2/eta^2) at all 64 nodes.
+
+    The fast evaluation of the network changes nothing.
+    """
+    t = column("z", DIMENSIONS) | symbols("eta")
+    z = stacked(t, "z", DIMENSIONS)
+    plain = nn.gaussian_basis(z, t.eta, nn.corner_centres(DIMENSIONS, mutation))
+    return Statement(t, every(nn.corner_basis(z, t.eta, ca.SX(1)), plain))
+
+
+@claim(
+    "eq59.printed",
+    (59,),
+    given="|v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance",
+    by=Refute(FAR_POINT),
+)
+def target_bounded(_: Mutation) -> Statement:
+    """the target (59) is bounded on a bounded set of velocities, so that a network can approximate
+    it.
+
+    Just below v_u2 with v_c0 = 3 m/s the network would have to give more than a million times the
+    friction force: no bounded weights do that. Theorem 2 assumes it, so its bound is empty in the
+    middle region.
+    """
+    a, v, c, u1, _u2 = barrier_axis()
+    given = (*a.inside, at_least(0.95 * u1, ca.fabs(v)), at_least(3, ca.fabs(c)))
+    return a.states(at_least(1e6, ca.fabs(a.A / a.w)), given=given)
+
+
+@claim(
+    "eq59.ratio",
+    (59,),
+    form=OURS,
+    given="every 0 < v_u2 < v_u1",
+    by=Ring(tuple(axis_case("", "middle+", side) for side in ("zero", "in+"))),
+)
+def ratio(mutation: Mutation) -> Statement:
+    """A/(v - v_c1) = 1 + (v_c0 - v_u2)/(v_u2 - v) for 0 <= v < v_u2, v_u2 < v_c0 <= v_u2 + 1/(v_u1
+    - v_u2): it grows without bound as v rises to v_u2.
+
+    The regressor of the network blows up in normal operation, which is why the code caps it.
+    """
+    a, v, c, _, u2 = barrier_axis()
+    return a.states(equal(a.A, a.w * (1 + mutation * (c - u2) / (u2 - v))))
+
+
+@claim("eq63-66", (62, 63, 64, 65, 66), given=ALL_NODES, by=TWO)
+def differentiated(mutation: Mutation) -> Statement:
+    """differentiating V3i = V1i + W~'W~/(2 M1 Gamma) gives (66).
+
+    How velocity error and learning error change together.
+    """
+    n = network_axis(0)
+    return n.statement(equal(n.rate, n.barrier_rate + mutation * weights_part(n, n.weight_rate)))
+
+
+@claim("eq67-68", (67, 68), given=ALL_NODES, by=TWO)
+def substituted(mutation: Mutation) -> Statement:
+    """with (28), (4) and constant W*.
+
+    Force and friction enter.
+    """
+    n = network_axis(0)
+    f = n.free
+    pushed = f.A / f.mass * (n.law.force[0] - f.friction) - mutation * f.w * f.cdot
+    return n.statement(equal(n.rate, pushed + weights_part(n, n.weight_rate)))
+
+
+@claim("eq69", (69,), given=ALL_NODES, by=TWO)
+def with_law(mutation: Mutation) -> Statement:
+    """with the law (57).
+
+    The feedback appears as a decay.
+    """
+    n = network_axis(0)
+    f = n.free
+    learnt = f.w / f.mass * ca.dot(n.best + n.error, n.basis)
+    lost = f.A / f.mass * f.friction + mutation * f.w * f.cdot
+    fed = -n.gain("rho1") / f.mass * f.V
+    return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + learnt - lost))
+
+
+@claim("eq70", (70,), given=OFF_TARGET, by=OFF)
+def with_target(mutation: Mutation) -> Statement:
+    """with (59) as the definition of eps2.
+
+    What the network cannot represent remains as eps2.
+    """
+    n = network_axis(0)
+    f = n.free
+    rest = f.w / f.mass * (ca.dot(n.error, n.basis) + mutation * n.residual)
+    fed = -n.gain("rho1") / f.mass * f.V
+    return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + rest))
+
+
+@claim("eq71", (71,), given=OFF_TARGET, by=OFF)
+def with_adaptation(mutation: Mutation) -> Statement:
+    """with the adaptation (58).
+
+    Learning cancels the unknown part; only the forgetting term and eps2 remain.
+    """
+    n = network_axis(0)
+    f, mass = n.free, n.free.mass
+    leak = n.gain("sigma") / mass * ca.dot(n.error, n.weights)
+    written = -n.gain("rho1") / mass * f.V - mutation * leak + f.w / mass * n.residual
+    return n.statement(equal(n.rate, written))
+
+
+@claim(
+    "eq{number}",
+    given=OFF_TARGET,
+    by=BOUND,
+    over=(
+        {"number": 72, "equations": (72,), "combined": False, "more": "",
+         "left": "(w - eps2)^2/(2 M1)", "so": "The worst that eps2 can do."},
+        {"number": 73, "equations": (73,), "combined": True,
+         "more": " and -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2",
+         "left": "(w - eps2)^2/(2 M1) + sigma |W^|^2/(2 M1)",
+         "so": "Forgetting pulls the weights back."},
+    ),
+)  # fmt: skip
+def eq72(mutation: Mutation, combined: bool) -> Statement:
+    """V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2{more}; what is left over is {left}.
+
+    {so}
+    """
+    n = network_axis(0)
+    f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
+    base = -n.gain("rho1") / mass * f.V + 0.5 / mass * (f.w**2 + n.residual**2)
+    leak = -sigma / mass * ca.dot(n.error, n.error + n.best)
+    if combined:
+        leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
+    bound = base + mutation(1, 9) * leak - (mutation < 0) * n.residual**2
+    return n.statement(at_least(bound, n.rate))
+
+
+@claim(
+    "eq82-83",
+    (82, 83),
+    given=OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
+    by=BOUND,
+    premises="eq81",
+)
+def printed_step(mutation: Mutation) -> Statement:
+    """V3i' <= -(rho1 - 1) V1i/M1 + ... by (73) and (81); one inequality with two numbers.
+
+    One unit of the gain is spent on eps2.
+    """
+    n = network_axis(0)
+    f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
+    bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f.V + 0.5 / mass * n.residual**2
+    leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
+    return n.statement(at_least(bound + leak, n.rate))
+
+
+@claim(
+    "eq84-85",
+    (84, 85, 87),
+    given=OFF_TARGET
+    + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
+    by=Ring((DECAYING,), spare=0),
+    premises="eq81",
+)
+def decay(mutation: Mutation) -> Statement:
+    """V3i' <= -rho2 V3i + C_i per axis.
+
+    Velocity and weight errors fall until eps2 and the forgetting balance them - provided that eps2
+    is bounded.
+    """
+    n = network_axis(0)
+    f = n.free
+    leftover = analysis.leftover(n.residual, n.gain("sigma"), n.best, f.mass)
+    total = analysis.network_lyapunov(f.V, f.mass, n.gain("Gamma"), n.error)
+    names = n.symbols | symbols("rho2")
+    least = mutation(names.rho2, 1e6 * names.rho2)
+    return Statement(names, (at_least(-least * total + leftover, n.rate),), (), n.inner)
+
+
+@claim("eq86", (86,), given="all gains and masses positive, rho1 > 1", by=Z3())
+def rate_is_least(mutation: Mutation) -> Statement:
+    """rho2 of (86) is below (rho1_i - 1)/M1ii and sigma_i Gamma_i on both axes.
+
+    The slowest of four rates decides: with the paper's gains it is the forgetting, 0.08 1/s, which
+    rho1 cannot change.
+    """
+    t = column("rho", 2) | column("M", 2) | column("sigma", 2) | column("gamma", 2)
+    rho, mass, sigma, gamma = (stacked(t, name, 2) for name in ("rho", "M", "sigma", "gamma"))
+    least = mutation(1, 2) * analysis.decay_rate(rho, mass, sigma, gamma)
+    given = tuple(above(t[f"{n}{i}"]) for n in ("M", "sigma", "gamma") for i in (1, 2))
+    ones = tuple(above(t[f"rho{i}"], 1) for i in (1, 2))
+    goals = [at_least((rho[i] - 1) / mass[i], least) for i in (0, 1)]
+    goals += [at_least(sigma[i] * gamma[i], least) for i in (0, 1)]
+    return Statement(t, tuple(goals), given + ones)
+
+
+@claim(
+    "eq60.step",
+    (60, 88),
+    form=CORRECTED,
+    given="|v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3",
+    by=Z3(),
+    premises="eq81",
+)
+def end_bound(mutation: Mutation) -> Statement:
+    """|z|^2 <= 4 C3/rho2 as soon as V3 <= 2 C3/rho2 (the text after (88) sets 4 C3/rho2 = eps3,
+    which must be eps3^2).
+
+    How close the velocities come, if C3 is finite.
+    """
+    t = symbols("z1 z2 V C1 C2 rho2")
+    square = t.z1**2 + t.z2**2
+    given = (above(t.rho2), at_least(2 * (t.C1 + t.C2), t.V * t.rho2), at_least(2 * t.V, square))
+    return Statement(t, (at_least(4 * (t.C1 + t.C2) * mutation(1, 0.5), square * t.rho2),), given)

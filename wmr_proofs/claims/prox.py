@@ -1,0 +1,295 @@
+"""The sampled-data law: the barrier's proximal map, and its step's effect on V1, target, limit.
+
+Of the map: that the closed form is it, and that it never expands.  The step is
+v+ = X_(1-E)(E v* + (1-E) c+), on the graph of `prox_step`.  Proximal maps, the
+carried velocity v* and values of V1 stand as free numbers with what other entries say of them; what
+holds none of the graphs is a LEMMA.
+"""
+
+from typing import TypeAlias
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier.proximal import LARGEST, resolvent, root, transported
+from wmr_ctrl.control.laws.prox import mixture, prox_step
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import BARRIERS
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import AT_LEAST, Relation, above, at_least, equal, nonnegative, when
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
+
+
+def _limits(t: Symbols) -> tuple[Relation, ...]:
+    return above(t.u2), above(t.u1, t.u2)
+
+
+def _target(t: Symbols) -> tuple[Relation, ...]:
+    return (*_limits(t), above(t.k), above(ca.SX(1e100), t.c), above(t.c, -1e100))
+
+
+def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
+    """f'(|x|) beyond u2."""
+    tangent = 1 / (t.u1 - t.u2) if smooth else 0
+    return 1 / (t.u1 - size) - tangent
+
+
+map_claim = Claims(by=Z3(effort=150))
+
+
+def smooth_or_not(*equations: int) -> tuple[dict[str, object], ...]:
+    """Both barriers; the paper's equations are about its own."""
+    paper, smooth = BARRIERS
+    return paper | {"equations": equations}, smooth
+
+
+@map_claim("prox.optimal{key}", given=ANY, over=smooth_or_not(14, 15, 18))
+def optimal(mutation: Mutation, smooth: bool) -> Statement:
+    """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1 ({words}).
+
+    The closed form is the nearest velocity inside the limit.
+    """
+    t = symbols("c k u1 u2", "k u1 u2")
+    x = resolvent(t.c, t.k, t.u1, t.u2, smooth)
+    size, s = ca.fabs(x), ca.if_else(t.c >= 0, 1, -1)
+    rest = s * (t.c - mutation * x)
+    beyond = (rest - t.k * _slope(size, t, smooth)) * (t.u1 - size)
+    jump = ca.SX(0) if smooth else t.k / (t.u1 - t.u2)
+    at_kink = ca.fmin(jump - rest, 0)
+    miss = ca.if_else(size > t.u2, beyond, ca.if_else(size < t.u2, rest, at_kink))
+    inside = above(t.u1, size)
+    return Statement(t, (equal(miss), *nonnegative(rest, s * x), inside), _target(t))
+
+
+@map_claim(
+    "prox.monotone{key}", given="every 0 < v_u2 < v_u1, |x| < v_u1", over=smooth_or_not(14, 15)
+)
+def monotone(mutation: Mutation, smooth: bool) -> Statement:
+    """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included ({words}).
+
+    The barrier is convex.
+    """
+    t = symbols("x1 x2 k1 k2 u1 u2", "u1 u2")
+    slopes = []
+    for x, kink in ((t.x1, t.k1), (t.x2, t.k2)):
+        size, s = ca.fabs(x), ca.if_else(x >= 0, 1, -1)
+        jump = ca.SX(0) if smooth else kink
+        steep = ca.if_else(size > t.u2, _slope(size, t, smooth), ca.if_else(size < t.u2, 0, jump))
+        slopes.append(s * steep)
+    rises = mutation * (slopes[0] - slopes[1]) * (t.x1 - t.x2)
+    sizes = [above(t.u1, way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
+    kinks = [part for k in (t.k1, t.k2) for part in (at_least(k), at_least(1, k * (t.u1 - t.u2)))]
+    return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
+
+
+@map_claim(
+    "prox.not-expansive", given="x + k a = c with monotone a", premises="prox.optimal prox.monotone"
+)
+def not_expansive(mutation: Mutation) -> Statement:
+    """|X_k(c1) - X_k(c2)| <= |c1 - c2|.
+
+    Targets that are near stay near.
+    """
+    t = symbols("x1 x2 a1 a2 k")
+    dx, da = t.x1 - t.x2, t.a1 - t.a2
+    dc = dx + t.k * da
+    goal = at_least(dc * dc, mutation(1, 1.01) * dx * dx)
+    return Statement(t, (goal,), (above(t.k), at_least(dx * da)))
+
+
+@map_claim("prox.root", given="k > 0, any t")
+def prox_root(mutation: Mutation) -> Statement:
+    """the compiled d is the positive root of d (d + t) = k.
+
+    How far below the limit a proximal map ends.
+    """
+    t = symbols("t k")
+    d = root(t.t, t.k)
+    return Statement(t, (above(d), equal(d * (d + mutation * t.t), t.k)), (above(t.k),))
+
+
+@map_claim(
+    "prox.short{key}",
+    given="every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
+    premises="prox.root",
+    over=BARRIERS,
+)
+def short(mutation: Mutation, smooth: bool) -> Statement:
+    """|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with {bound} <= k
+    ({words}).
+
+    The nearer the target, the farther below the limit its nearest velocity.
+    """
+    t = symbols("c k u1 u2 C m d", "k u1 u2 C m")
+    c, k, u1, u2, most, m, d = t.values()
+    x = resolvent(c, k, u1, u2, smooth)
+    bent = k / (u1 - u2) if smooth else 0
+    beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
+    margin = at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent))
+    sizes = at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
+    given = (*_target(t), above(m), at_least(u1 - u2, m), margin, *sizes)
+    return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
+
+
+HARD = Z3(effort=150)
+Goals: TypeAlias = tuple[Relation, ...]
+NONE = Symbols()
+
+
+class Step:
+    """`prox_step` with v*, v+ and the proximal maps at c_m and c+ as free numbers.
+
+    ``start`` is v* and ``end`` v+ as the law computes them, ``argument`` that of the last map.
+    """
+
+    def __init__(self, smooth: bool) -> None:
+        self.smooth = smooth
+        self.inputs = t = symbols("v c followed target E u1 u2", "E u1 u2")
+        self.free = symbols("carried end x_followed x_target")
+        self.limits, self.shares, way = (t.u1, t.u2), (t.E, 1 - t.E), (t.c, t.followed, t.target)
+        self.start = transported(t.v, t.c, t.followed, self.limits, smooth)
+        self.argument = mixture(self.start, t.target, self.shares)
+        self.end = prox_step(t.v, way, self.shares, self.limits, smooth)
+
+    def states(
+        self, goals: Goals, given: Goals, names: tuple[str, ...], more: Symbols = NONE
+    ) -> Statement:
+        """Statement for 0 < u2 < u1 and 0 < E < 1 on the graph of `prox_step`, cut at ``names``."""
+        t, one = self.inputs, ca.SX(1)
+        maps = {
+            "end": (self.argument, self.shares[1]), "x_followed": (t.followed, one),
+            "x_target": (t.target, one),
+        }  # fmt: skip
+        inner = {name: resolvent(*of, *self.limits, self.smooth) for name, of in maps.items()}
+        inner["carried"] = self.start
+        cuts = {name: inner[name] for name in names}
+        plain = above(t.u2), above(t.u1, t.u2), above(t.E), above(1, t.E)
+        return Statement(t | self.free | more, goals, (*plain, *given), cuts)
+
+
+claim = Claims(by=HARD, given="0 < v_u2 < v_u1, 0 < E < 1")
+
+
+@claim("prox.inside{key}", over=BARRIERS)
+def inside(mutation: Mutation, smooth: bool) -> Statement:
+    """|v+| < v_u1 for every v, c, c_m, c+, over the real numbers ({words}).
+
+    The law never aims beyond the limit, wherever the robot is. In doubles v+ can round to v_u1
+    itself (from |c+| of about 1e17 on).
+    """
+    s = Step(smooth)
+    limit = mutation(s.inputs.u1, s.inputs.u2)
+    return s.states((above(limit, s.end), above(s.end, -limit)), (), ("carried",))
+
+
+@claim(
+    "prox.contracts{key}",
+    given="0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+",
+    premises="prox.optimal{key} prox.monotone{key} prox.not-expansive transport.level{key}",
+    over=BARRIERS,
+)
+def contracts(mutation: Mutation, smooth: bool) -> Statement:
+    """|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+) ({words}).
+
+    The distance to a target that moves shrinks by E in every sample, however long the sample is,
+    but for the part of the target's way that is not carried along.
+    """
+    s, t = Step(smooth), symbols("w")
+    x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
+    E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
+    pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
+    way, monotone = ca.fabs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
+    nearer = at_least(ca.fabs(t.w), ca.fabs(carried - x_followed))
+    given = (monotone, nearer, at_least(way, ca.fabs(x_target - x_followed)))
+    most = E * (ca.fabs(t.w) + mutation(way, 0.9 * way))
+    names = ("carried", "end", "x_followed", "x_target")
+    return s.states((at_least(most, ca.fabs(s.end - x_target)),), given, names, t)
+
+
+@claim(
+    "prox.decay{key}",
+    given="0 < v_u2 < v_u1, 0 < E < 1; |v*| < v_u1; V1i above its tangent at v+, at v* and v_c1+",
+    premises="prox.optimal{key} {convex} transport.inside{key}",
+    over=BARRIERS,
+)
+def decay(mutation: Mutation, smooth: bool) -> Statement:
+    """V1i(v+; c+) <= E^2 V1i(v*; c+) ({words}).
+
+    From the velocity that was carried along V1 falls by exp(-rho T) in a sample, whatever the
+    period and the targets.
+    """
+    s, t = Step(smooth), symbols("mid after A")
+    E, target = s.inputs.E, s.inputs.target
+    end, carried = s.free.end, s.free.carried
+    back = s.free.x_target - end
+    # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
+    optimal = equal((1 - E) * (t.A - end + target), s.argument - end)
+    above_start = at_least(t.mid, t.after + t.A * (carried - end) + 0.5 * (carried - end) ** 2)
+    above_target = at_least(0, t.after + t.A * back + 0.5 * back**2)
+    given = (optimal, above_start, above_target, at_least(t.after))
+    goals = (at_least(mutation(E**2, (0.9 * E) ** 2) * t.mid, t.after), equal(s.end, end))
+    return s.states(goals, given, ("carried", "end", "x_target"), t)
+
+
+@claim("prox.linear{key}", premises="transport.plain{key}", over=BARRIERS)
+def linear(mutation: Mutation, smooth: bool) -> Statement:
+    """v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words}).
+
+    Away from the limits the law closes the distance to its target by E in a sample.
+    """
+    s = Step(smooth)
+    E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
+    plain = E * s.free.carried + (1 - E) * target
+    given = (at_least(u2, plain), at_least(u2, -plain), above(1e100, u2))
+    return s.states((equal(s.end, mutation * plain),), given, ("carried",))
+
+
+@claim(
+    "prox.margin{key}",
+    given="0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
+    premises="transport.inside{key} prox.short{key}",
+    over=BARRIERS,
+)
+def margin(mutation: Mutation, smooth: bool) -> Statement:
+    """|v*| <= v_u1 and |c+| <= C imply |v+| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with m (m +
+    (1-E) ({C_less})) <= 1 - E ({words}).
+
+    How far below the limit the law aims, which is what a push may take back.
+    """
+    # What X_(1-E) is taken of is bounded here; the rest is `resolvent`'s.
+    s, t = Step(smooth), symbols("C m", "C m")
+    u1, C = s.limits[0], t.C
+    most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
+    reached = ca.fabs(s.argument) <= most
+    short = when(reached, at_least(u1 - t.m, ca.fabs(s.free.end)))
+    given = (at_least(u1, ca.fabs(s.free.carried)), at_least(C, ca.fabs(s.inputs.target)), short)
+    return s.states((at_least(u1 - t.m, ca.fabs(s.end)),), given, ("carried", "end"), t)
+
+
+@claim(
+    "prox.rises",
+    given="0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; "
+    "c+) <= E^2 V1i(v*; c+)",
+    by=HARD,
+    premises="prox.decay prox.decay-smooth transport.level transport.level-smooth transport.root",
+)
+def rises(mutation: Mutation) -> Statement:
+    """S(v+; c+) <= E (S(v; c) + |c+ - c_m|), S = sqrt(2 V1i); c_m = c+: V1i(v+; c+) <= E^2 V1i(v;
+    c).
+
+    What remains of V1 after a sample, with the model exact, for every period, every motion of the
+    target and every |v| < v_u1: level transport keeps the decay of V1, two-part transport adds the
+    way that it does not carry.
+    """
+    t = symbols("before carried mid after S S_next way E S_mid S_carried")
+    S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
+    values = t.before, t.after, t.mid, t.carried
+    squares = (equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True))
+    signs = *nonnegative(*roots), above(E), above(1, E), at_least(t.way)
+    moved = at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid)
+    given = (*squares, *signs, *moved, at_least(E**2 * t.mid, t.after))
+    most = E * (S + mutation(1, 0.9) * t.way)
+    level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
+    return Statement(t, (at_least(most, t.S_next), level), given)

@@ -1,0 +1,263 @@
+"""The sampled-data law on its own graph: what a push does to a sample, and what is left of it.
+
+v+, friction and the observer's force stand as free numbers with what other entries say of them.
+"""
+
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.control.laws.prox import next_velocity, prox_step
+from wmr_ctrl.world.model.dynamics import wheel_to_force
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import VELOCITY_NAMES, LawGraph, named_axes
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when, within
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Named, symbols
+
+AXES = named_axes()
+
+
+class Sampled(Named):
+    """One axis of the law's graph, with v+, friction and exp(-wo T) - 1 as free numbers.
+
+    ``free``: v+, friction there, the observer's force, exp(-wo T) - 1, friction between samples;
+    ``old``, ``f_old``: the previous measurement and the observer's previous force; ``mass`` is the
+    believed one, ``force`` the law's, ``numbers`` that T and M are positive.
+    """
+
+    def __init__(self, axis: int) -> None:
+        self.axis, self.law = axis, LawGraph("prox")
+        t = self.law.symbols
+        self.free = symbols("next friction f fall drag")
+        self.symbols = t | self.free
+        self.period, self.v = t["clock.control"], t[VELOCITY_NAMES[axis]]
+        self.old, self.f_old = t[f"v_previous[{axis + 1}]"], t[f"f_hat[{axis + 1}]"]
+        self.mass = self.law.own(self.law.context.mass)[axis]
+        self.force, self.numbers = self.law.force[axis], positive(self.period, self.mass)
+
+    @cached_property
+    def force_cuts(self) -> dict[str, ca.SX]:
+        """v+, the friction there, and the observer's force."""
+        law, step = self.law, next_velocity(self.law.context)
+        both = law.own(ca.vertcat(step, law.context.friction_at(step)))
+        k = self.axis
+        return {"next": both[k], "friction": both[2 + k], "f": law.system.update[k]}
+
+    def moved(self, push: ca.SX) -> ca.SX:
+        """v + T (F - F1(v+) + push)/M."""
+        force = self.force - self.force_cuts["friction"] + push
+        return self.v + self.period * force / self.mass
+
+    @property
+    def applied(self) -> ca.SX:
+        """The force that acted since the previous sample."""
+        t = self.law.symbols
+        torque = ca.vertcat(t["tau_applied[1]"], t["tau_applied[2]"])
+        return wheel_to_force(t["robot.r"], t["robot.l"], torque)[self.axis]
+
+    @cached_property
+    def observer_cuts(self) -> dict[str, ca.SX]:
+        """exp(-wo T) - 1, and the friction at the middle velocity."""
+        law, t = self.law, self.law.symbols
+        old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])
+        middle = 0.5 * (law.own(law.context.v) + old)
+        return {
+            "fall": ca.expm1(-t["gains.prox.wo"] * self.period),
+            "drag": law.own(law.context.friction_at(middle))[self.axis],
+        }
+
+    @property
+    def observed(self) -> tuple[Relation, ...]:
+        """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
+        t, fall = self.law.symbols, self.free.fall
+        sizes = positive(t.started, t["robot.r"], t["robot.l"])
+        return (*self.numbers, *sizes, above(fall, -1), above(0, fall))
+
+    def gained(self, d: ca.SX) -> Relation:
+        """M (v - v_old) = T (F - F1 + d) since the previous sample."""
+        pushed = self.applied - self.observer_cuts["drag"] + d
+        return equal(self.mass * (self.v - self.old), self.period * pushed)
+
+
+claim = Claims(by=Z3(effort=150))
+
+
+@claim(
+    "prox.assembled{part}",
+    given="any pose, velocity, reference and parameters; c' and c'_d the rate of v_c0 and its part "
+    "by the reference's acceleration",
+    over=({"part": "", "moved": "c'_d"}, {"part": "-level", "moved": "c'"}),
+)
+def assembled(mutation: Mutation, part: str) -> Statement:
+    """on the law's graph v+ = X_(1-E)(E v* + (1-E) c+) with E = exp(-rho T/2), c+ = c + T c' and v*
+    carried from c to c_m = c + T {moved}, both axes.
+
+    The step that the law takes is the one that the entries prox.* are about, with rates and targets
+    as they are there.
+    """
+    law = LawGraph("prox", *((("gains.prox.transport", "level"),) if part else ()))
+    t, context = law.symbols, law.context
+    inner = context.v_c0, context.v_c0_dot, context.v_c0_dot_reference
+    T, steps = t["clock.control"], []
+    for axis, name in enumerate(VELOCITY_NAMES):
+        c, rate, along = (law.own(item)[axis] for item in inner)
+        half = -0.5 * t[f"gains.prox.rho[{axis + 1}]"] * T
+        way = c, c + T * (rate if part else along), c + T * rate
+        limits = t[f"limits.v_u1[{axis + 1}]"], t[f"limits.v_u2[{axis + 1}]"]
+        shares = ca.exp(half), -ca.expm1(half)
+        steps.append(prox_step(t[name], way, shares, limits, context.smooth))
+    free = symbols("step1 step2")
+    goals = every(law.own(next_velocity(context)), mutation * ca.vertcat(*steps))
+    return Statement(t | free, goals, cuts=dict(zip(free, steps, strict=True)))
+
+
+@claim("prox.force{of}", given="T, M > 0; F1(v+) and v+ whatever they are", over=AXES)
+def force(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph v + T (F - F1(v+) - f)/M = v+, {where} axis.
+
+    With the model exact the law's force leads to the velocity that it aims at in one period; f is
+    what the observer adds.
+    """
+    s = Sampled(axis)
+    goal = equal(s.moved(-mutation * s.free.f), s.free.next)
+    return s.states(goal, given=s.numbers, cuts=s.force_cuts)
+
+
+@claim(
+    "prox.pushed{of}",
+    given="T, M > 0, mass right; w+ the distance to the actual target, c+ + eps",
+    premises="prox.contracts prox.contracts-smooth prox.not-expansive",
+    over=AXES,
+)
+def pushed(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - c_m|) + T
+    |f + d|/M + |eps|, {where} axis.
+
+    What a push costs in one sample, at every speed: the part that the observer does not compensate,
+    over the mass. There is no speed from which a push is stronger than the law.
+    """
+    s = Sampled(axis)
+    t = symbols("d w way x_next x_real eps E")
+    nearest = at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next))
+    moved = at_least(ca.fabs(t.eps), ca.fabs(t.x_real - t.x_next))
+    push = s.period * ca.fabs(t.d + s.free.f) / s.mass
+    most = t.E * (t.w + t.way) + mutation(push, 0.9 * push) + ca.fabs(t.eps)
+    goal = at_least(most, ca.fabs(s.moved(t.d) - t.x_real))
+    return s.states(goal, given=(*s.numbers, nearest, moved), cuts=s.force_cuts, more=t)
+
+
+@claim(
+    "prox.limit{of}",
+    given="T, M > 0; |v+| <= v_u1 - m (prox.margin), |T (f + d)/M| <= m, F1(v+) as believed",
+    premises="prox.margin prox.margin-smooth transport.inside transport.inside-smooth "
+    "lemma.sampling",
+    over=AXES,
+)
+def limit(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, mass right, no guard, torque not limited: from |v| <= v_u1, |c+| <= C to
+    |v| <= v_u1 at the next sample, {where} axis.
+
+    The limits that the law keeps by itself; the guard keeps them under weaker conditions.
+    """
+    s, t = Sampled(axis), symbols("d m")
+    u1 = s.law.symbols[f"limits.v_u1[{axis + 1}]"]
+    room = at_least(u1 - t.m, ca.fabs(s.free.next))
+    push = at_least(t.m, ca.fabs(s.period * (s.free.f + t.d) / s.mass))
+    goal = at_least(mutation(1, 0.9) * u1, ca.fabs(s.moved(t.d)))
+    return s.states(goal, given=(*s.numbers, room, push), cuts=s.force_cuts, more=t)
+
+
+def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
+    """Goal: the excess of a size over ``to`` is at most a share of what it was."""
+    return at_least(share * ca.fmax(before - to, 0), ca.fmax(after - to, 0))
+
+
+@claim(
+    "prox.gain.step{of}",
+    given="T, M > 0, 0 < E < 1; |v+ - x+| <= E (|w| + r) (prox.contracts), |f + d| <= p, the "
+    "target's next value off by at most eps; W (1 - E) = T p/M + eps + E r",
+    premises="prox.contracts prox.contracts-smooth",
+    over=AXES,
+)
+def gain_step(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph: max(|w+| - W, 0) <= E max(|w| - W, 0), {where} axis.
+
+    One term of the series that prox.gain sums up.
+    """
+    s, t = Sampled(axis), symbols("d w way x_next x_real eps E p W")
+    whole = s.period * t.p / s.mass + t.eps + t.E * t.way
+    nearest = at_least(t.E * (t.w + t.way), ca.fabs(s.free.next - t.x_next))
+    off = *within(t.x_real - t.x_next, t.eps), *within(s.free.f + t.d, t.p)
+    sums_up = equal(t.W * (1 - t.E), mutation(1, 0.9) * whole)
+    given = (*s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, *off, sums_up)
+    goal = falls(ca.fabs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
+    return s.states(goal, given=given, cuts=s.force_cuts, more=t)
+
+
+@claim("prox.gain.observer{of}", given="as prox.observer; |d - d_old| <= L P", over=AXES)
+def gain_observer(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, L = 1 - exp(-wo T): max(|f + d| - P, 0) <= (1 - L) max(|f_old + d_old| -
+    P, 0), {where} axis.
+
+    One term of the observer's series in prox.gain.
+    """
+    s, t = Sampled(axis), symbols("d d_old P")
+    slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
+    new, old = s.law.system.update[axis] + t.d, s.f_old + t.d_old
+    goal = falls(ca.fabs(new), ca.fabs(old), t.P, 1 + s.free.fall)
+    given = (*s.observed, s.gained(t.d_old), *slow)
+    return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
+
+
+@claim("prox.observer-first", given="the state that the law starts from; any first sample")
+def observer_first(mutation: Mutation) -> Statement:
+    """on the law's graph f = 0 at the first sample, and its velocity is the old one of the next,
+    when the observer has begun; both axes.
+
+    From there on prox.observer holds; the first command compensates no push.
+    """
+    law = LawGraph("prox")
+    later = ca.substitute(law.system.update, law.system.x, ca.DM(law.system.x0))
+    v = ca.vertcat(*(law.symbols[name] for name in VELOCITY_NAMES))
+    goals = every(later[:5], ca.vertcat(0, 0, v, mutation(1, 0)))
+    return Statement(law.symbols, goals)
+
+
+@claim(
+    "prox.observer{of}",
+    given="after the first sample; M (v - v_old)/T = F_applied - F1 + d_old with the believed M "
+    "and F1 at the middle velocity; d acts from now on",
+    over=AXES,
+)
+def observer(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, {where} axis.
+
+    The observer compensates a push at the rate wo; what remains comes from the push's changes.
+    """
+    s, t = Sampled(axis), symbols("d d_old")
+    left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
+    goal = equal(s.law.system.update[axis] + t.d, left)
+    given = (*s.observed, s.gained(t.d_old))
+    return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
+
+
+@claim("prox.observer-bound{of}", given="as prox.observer; 0 < exp(-wo T) < 1", over=AXES)
+def observer_bound(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, with L = 1 - exp(-wo T): |d_old|, |f_old| <= D imply |f| <= D; L |f_old +
+    d_old|, |d - d_old| <= D imply L |f + d| <= D, {where} axis.
+
+    What the observer leaves over is at most 2 sup |d|, and at most the largest change of d from
+    sample to sample over L.
+    """
+    s, t = Sampled(axis), symbols("d d_old most change")
+    share, f = -s.free.fall, s.law.system.update[axis]
+    old, new = s.f_old + t.d_old, f + t.d
+    tight = mutation(1, 0.9)
+    sizes = ca.logic_and(ca.fabs(t.d_old) <= t.most, ca.fabs(s.f_old) <= t.most)
+    slow = ca.logic_and(ca.fabs(t.d - t.d_old) <= t.change, share * ca.fabs(old) <= t.change)
+    small = when(sizes, at_least(tight * t.most, ca.fabs(f)))
+    goals = small, when(slow, at_least(tight * t.change, share * ca.fabs(new)))
+    given = (*s.observed, s.gained(t.d_old))
+    return s.states(*goals, given=given, cuts=s.observer_cuts, more=t)

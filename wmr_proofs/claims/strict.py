@@ -1,0 +1,233 @@
+"""Ours: a strict Lyapunov function near the path; a set that the saturated robot never leaves."""
+
+from fractions import Fraction
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier import lyapunov as analysis
+from wmr_ctrl.control.barrier import printed as barrier
+from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+from wmr_proofs.claim import PRINTED, Claims, Mutation
+from wmr_proofs.claims.common import barrier_axis
+from wmr_proofs.claims.tracking import Tracking
+from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring
+from wmr_proofs.regions import POSITIVE, Case, at
+from wmr_proofs.relation import Relation, above, at_least, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+PAPER = (("v1d", 5, 1), ("v2d", 10, 1), ("k1", 1, 10), ("k2", 1, 5), ("k3", 1, 4), ("eps", 50, 1))
+"""Numbers b/a of the paper and of eps, by name, as a and b."""
+
+
+class Strict(Tracking):
+    """Tracking with the weight eps of the strict Lyapunov function W = V2 + eps e2 sin e3.
+
+    ``W_rate`` is W' for v = v_c0, ``size`` is e1^2 + e2^2 + sin^2 e3.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("eps value rate")
+        self.W = analysis.strict_lyapunov(self.e, self.k[1], self.eps)
+        self.W_rate = analysis.strict_rate(self.e, self.v_d, self.k, self.eps)
+        self.size = self.e[0] ** 2 + self.e[1] ** 2 + ca.sin(self.e[2]) ** 2
+
+    @property
+    def near(self) -> tuple[Relation, ...]:
+        """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
+        inside = (at_least(1, self.e1**2), at_least(1, self.e2**2))
+        nearly = at_least(4 * ca.cos(self.e3), 1)
+        return (*(equal(a * self[name], b) for name, a, b in PAPER), *inside, nearly)
+
+
+def _undisturbed(t: Tracking) -> ca.SX:
+    """p = (v1d cos e3, v2d + k2 v1d e2): v_c0 without its corrections y = (k1 e1, k3 sin e3)."""
+    return ca.vertcat(t.v_d[0] * ca.cos(t.e[2]), t.v_d[1] + t.k[1] * t.v_d[0] * t.e[1])
+
+
+def _limited(t: Tracking) -> ca.SX:
+    """v_c1 of both axes."""
+    target = auxiliary_velocity(t.e, t.v_d, t.k)
+    return ca.vertcat(*(barrier.minimiser(target[i], t[f"u1{i + 1}"], t[f"u2{i + 1}"])
+                        for i in (0, 1)))  # fmt: skip
+
+
+LIMITS: dict[str, str | int] = {"u11": 1, "u12": "3/2", "u21": "4/5", "u22": "13/10"}
+GAINS: dict[str, str | int] = {"k1": 10, "k2": 5, "k3": 4}
+FAST = (at(e1=1, e2=0, e3=0, v1d="9/10", v2d=0, **GAINS, **LIMITS),)
+SIDEWAYS = (at(e1=0, e2=3, e3="1/2", v1d="1/5", v2d="1/10", **GAINS, **LIMITS),)
+RATES = tuple(at(e1=1, e2=0, e3=0, value=1, rate=rate) for rate in ("-1/2000", "-1/500"))
+START = {
+    name: (Fraction(low), Fraction(high))
+    for name, low, high in (
+        ("e1", "0.70452", "0.70454"), ("e2", "-0.06032", "-0.06030"),
+        ("e3", "-0.87081", "-0.87079"), ("k2", "5", "5"),
+    )
+}  # fmt: skip
+NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
+TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
+FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
+claim = Claims(by=Z3(effort=150))
+
+
+@claim("strict.falls", (31,), given=NEAR)
+def falls(mutation: Mutation) -> Statement:
+    """W = V2 + eps e2 sin e3 has W' <= -(e1^2 + e2^2 + sin^2 e3)/1000.
+
+    Unlike V2, this function falls in every direction, so disturbances can be weighed against it.
+    """
+    t = Strict()
+    return t.states(at_least(-mutation(1000, 10) * t.W_rate, t.size), given=t.near)
+
+
+@claim("strict.bounds", (31,), given=NEAR)
+def between(mutation: Mutation) -> Statement:
+    """(e1^2 + e2^2 + sin^2 e3)/20 <= W <= e1^2 + e2^2 + sin^2 e3.
+
+    W measures the distance from the path.
+    """
+    t = Strict()
+    return t.states(at_least(mutation(20, 2) * t.W, t.size), at_least(t.size, t.W), given=t.near)
+
+
+@claim("strict.rate", (31,), given=NEAR, by=Z3(points=RATES), premises="strict.falls strict.bounds")
+def exponential(mutation: Mutation) -> Statement:
+    """W' <= -W/1000: the error decays exponentially.
+
+    The robot returns to the path exponentially, at a guaranteed (if small) rate; the paper only
+    says that it converges.
+    """
+    # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
+    t = Strict()
+    given = (at_least(-mutation(1000, 2000) * t.W_rate, t.size), at_least(t.size, t.W))
+    goal = at_least(-t.W, 1000 * t.W_rate)
+    return Statement(t.symbols, (goal,), given, {"value": t.W, "rate": t.W_rate})
+
+
+@claim("strict.region", (31,), given="k2 = 5, eps = 1/50")
+def stays(mutation: Mutation) -> Statement:
+    """W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4.
+
+    From inside this set the robot never leaves the region where the rate holds.
+    """
+    t = Strict()
+    given = (equal(t.k2, 5), equal(50 * t.eps, 1), above(mutation, 20 * mutation * t.W))
+    goals = (above(1, t.e1**2), above(1, t.e2**2), above(4 * ca.cos(t.e3), 1))
+    return t.states(*goals, given=given)
+
+
+@claim("level.pull", (7, 18), given="every 0 < v_u2 < v_u1")
+def pull(mutation: Mutation) -> Statement:
+    """(sat(p + y) - p) y >= 0 for |p| <= v_u2, where sat maps v_c0 to v_c1.
+
+    The limit weakens a correction but never reverses it.
+    """
+    a, _, _, u1, u2 = barrier_axis()
+    t = a.symbols | symbols("p y")
+    moved = barrier.minimiser(t.p + t.y, u1, u2) - mutation * t.p
+    given = (*a.inside, at_least(u2, t.p), at_least(t.p, -u2))
+    return Statement(t, (at_least(moved * t.y),), given)
+
+
+@claim("level.rate", (31, 36), given="k2 > 0", by=Ring((Case("any", declared={"k2": POSITIVE}),)))
+def saturated_rate(mutation: Mutation) -> Statement:
+    """for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, p2 = v2d +
+    k2 v1d e2.
+    """
+    t = Tracking("x1 x2")
+    e, k2, x, p = t.e, t.k[1], ca.vertcat(t.x1, t.x2), _undisturbed(t)
+    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * ca.sin(e[2]) / k2
+    return t.states(equal(analysis.position_rate(e, x, t.v_d, k2), written))
+
+
+@claim("level.argument", (7,), given="any", by=Ring())
+def argument(mutation: Mutation) -> Statement:
+    """v_c0 = p + (k1 e1, k3 sin e3)."""
+    # The corrections have the signs of e1 and sin e3.
+    t = Tracking()
+    target, p = auxiliary_velocity(t.e, t.v_d, t.k), _undisturbed(t)
+    turn = p[1] + mutation * t.k[2] * ca.sin(t.e[2])
+    return t.states(equal(target[0], p[0] + t.k[0] * t.e[0]), equal(target[1], turn))
+
+
+@claim(
+    "level.inside",
+    (31,),
+    given="0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0",
+    by=Z3(effort=150, points=(TOP,)),
+)
+def level_set(mutation: Mutation) -> Statement:
+    """V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, cos e3 >
+    -1.
+    """
+    t = Tracking("u21 u22 level")
+    e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t.level, _undisturbed(t)
+    room = t.u22 - ca.fabs(v_d[1])
+    low = at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level)
+    sizes = *positive(k2, v_d[0]), at_least(t.u21, v_d[0]), above(room)
+    given = (*sizes, *low, above(level, analysis.position_lyapunov(e, k2)))
+    kept = (at_least(t[f"u2{i + 1}"], ca.fabs(p[i])) for i in (0, 1))
+    return t.states(*kept, above(ca.cos(e[2]), -1), given=given)
+
+
+@claim(
+    "level.invariant",
+    (31,),
+    given="k2 > 0; level.pull with y = k1 e1 and y = k3 sin e3, where level.inside has |p1| <= "
+    "v_u21, |p2| <= v_u22; k1, k3 > 0",
+    by=Z3(effort=150, points=(FACING,)),
+    premises="level.pull level.rate level.argument level.inside lemma.integration",
+)
+def level_invariant(mutation: Mutation) -> Statement:
+    """with v = v_c1 (velocities at their limited targets) the set {V2 < min(2/k2, ((v_u22 -
+    |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it, and V2 >= 2/k2 where |e3| = pi.
+
+    The paper proves tracking only while no limit is touched, and never shows that the robot gets
+    there. This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is
+    saturated.
+    """
+    t = Tracking("x1 x2")
+    e, k, x, p = t.e, t.k, ca.vertcat(t.x1, t.x2), _undisturbed(t)
+    pulls = e[0], ca.sin(e[2])
+    pulled = (at_least((x[i] - p[i]) * k[2 * i] * pulls[i]) for i in (0, 1))
+    given = (*positive(*ca.vertsplit(k)), *pulled)
+    behind = ca.if_else(ca.cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
+    rate = analysis.position_rate(e, x, t.v_d, k[1])
+    return t.states(at_least(0, mutation * rate), at_least(behind), given=given)
+
+
+@claim(
+    "level.start",
+    (31,),
+    given="e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5",
+    by=Ball(box=START),
+)
+def paper_level(mutation: Mutation) -> Statement:
+    """the paper's start has V2 < 0.33 < 0.4.
+
+    The paper's run starts inside.
+    """
+    t = Tracking()
+    return t.states(above(mutation(0.33, 0.3), analysis.position_lyapunov(t.e, t.k[1])))
+
+
+@claim("level.everywhere", (31,), given="every e", by=Refute(SIDEWAYS))
+def saturated_growth(_: Mutation) -> Statement:
+    """V2' <= 0 for v = v_c1 everywhere.
+
+    Outside the set a saturated robot may first move away: 3 m to the side V2 grows.
+    """
+    t = Tracking("u11 u12 u21 u22")
+    return t.states(at_least(0, analysis.position_rate(t.e, _limited(t), t.v_d, t.k[1])))
+
+
+@claim("E7", (7,), form=PRINTED, given="0 < v1d < v_u11, cos e3 > 0", by=Refute(FAST))
+def stuck(_: Mutation) -> Statement:
+    """v1d < v_u11 suffices: e = 0 is the only equilibrium.
+
+    With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind for
+    ever: the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).
+    """
+    t = Tracking("u11 u12 u21 u22")
+    given = (*positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t.u11, t.v_d[0]))
+    return t.states(above(ca.sumsqr(error_rate(t.e, _limited(t), t.v_d))), given=given)

@@ -1,0 +1,153 @@
+"""Why the barrier function works: proximal map, Moreau envelope, Bregman distance (P1-P8)."""
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier import printed as barrier
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import (
+    ALL_LIMITS,
+    CLOSED_FORM,
+    FINITE,
+    NO_SERIES,
+    OFF_EDGES,
+    BarrierAxis,
+    LawGraph,
+    barrier_axis,
+)
+from wmr_proofs.methods.spec import Z3, Ring
+from wmr_proofs.regions import all_cases, target_cases
+from wmr_proofs.relation import above, at_least, between, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+NO_CORNER = tuple(c for c in all_cases() if "middle" not in c.label and "edge" not in c.label)
+claim = Claims(by=Ring(all_cases(), log_lemma=True))
+
+
+@claim("P1", (12, 81), given=ALL_LIMITS, premises="lemma.log")
+def bregman(mutation: Mutation) -> Statement:
+    """V1i = w^2/2 + D_f(v, v_c1), the Bregman distance of f, which is >= 0; w = v - v_c1.
+
+    The barrier function is a squared distance plus something that only grows towards the limit.
+    """
+    a, v, c, u1, u2 = barrier_axis()
+    distance = barrier.f(v, u1, u2) - barrier.f(a.x, u1, u2) - mutation * (c - a.x) * a.w
+    return a.states(equal(a.V - 0.5 * a.w**2, distance), at_least(distance))
+
+
+@claim("P1.prox", (16, 18), given=ALL_LIMITS, premises="lemma.log")
+def subgradient(mutation: Mutation) -> Statement:
+    """v_c0 - v_c1 is a subgradient of f at v_c1: v_c1 is the proximal map of f, and -g its Moreau
+    envelope.
+
+    The target velocity is a smooth clip of v_c0 to the limit, of the kind known from optimisation.
+    """
+    # f(y) >= f(v_c1) + (v_c0 - v_c1)(y - v_c1) for every y (here v): v_c1 = prox_f(v_c0).
+    a, v, c, u1, u2 = barrier_axis()
+    line = barrier.f(a.x, u1, u2) + mutation * (c - a.x) * (v - a.x)
+    return a.states(at_least(barrier.f(v, u1, u2), line))
+
+
+@claim("P2", (16, 25), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+def envelope_slope(mutation: Mutation) -> Statement:
+    """dg/dv_c0 = v_c1 - v_c0.
+
+    The corrected sign of (25), as a derivative by v_c0 and not by time.
+    """
+    a, _, c, u1, u2 = barrier_axis()
+    return a.states(equal(ca.gradient(barrier.g(c, u1, u2), c), a.x - mutation * c))
+
+
+@claim("P3", (10, 12), given=ALL_LIMITS, premises="lemma.log")
+def three_points(mutation: Mutation) -> Statement:
+    """A w >= V1i + w^2/2.
+
+    The slope of the barrier function is never small where its value is large.
+    """
+    a = BarrierAxis()
+    return a.states(at_least(a.A * a.w, a.V + mutation(0.5, 0.75) * a.w**2))
+
+
+@claim("P4", (9, 10), given=ALL_LIMITS + FINITE, by=Ring(all_cases()))
+def q_range(mutation: Mutation) -> Statement:
+    """0 <= q <= 1 for the compiled q = (v - v_c1)/A.
+
+    The feed-forward is never amplified.
+    """
+    a = BarrierAxis()
+    return a.states(at_least(a.stable.q), at_least(mutation(1, 0.5), a.stable.q))
+
+
+@claim(
+    "P4.positive",
+    (9, 10),
+    given="|v_c0| <= v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2)" + FINITE,
+    by=Ring(NO_CORNER),
+)
+def q_positive(mutation: Mutation) -> Statement:
+    """q > 0 outside the middle region (0 there only in the limit v -> v_c1).
+
+    The feed-forward never has the wrong sign.
+    """
+    a = BarrierAxis()
+    return a.states(above(mutation * a.stable.q))
+
+
+@claim(
+    "P5",
+    (9, 12),
+    given=ALL_LIMITS + NO_SERIES,
+    by=Ring(all_cases(), CLOSED_FORM, log_lemma=True),
+    premises="lemma.log",
+)
+def quotient_range(mutation: Mutation) -> Statement:
+    """V1i/A_i as compiled lies between 0 and v - v_c1.
+
+    The feedback never exceeds the distance to the target, so it stays bounded near the limit.
+    """
+    a = BarrierAxis()
+    product = a.stable.V1_over_A * a.stable.w
+    return a.states(at_least(product), at_least(mutation(1, 0.5) * a.stable.w**2, product))
+
+
+@claim("P6", (18,), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+def target_slope(mutation: Mutation) -> Statement:
+    """dv_c1/dv_c0 = 1, 0 or 1/(1 + 1/(v_u1 - |v_c1|)^2): between 0 and 1.
+
+    The target velocity never moves faster than v_c0.
+    """
+    a, _, c, u1, u2 = barrier_axis()
+    slope = ca.gradient(a.x, c)
+    edge = u2 + 1 / (u1 - u2)
+    far = 1 / (1 + mutation / (u1 - ca.fabs(a.x)) ** 2)
+    written = ca.if_else(ca.fabs(c) <= u2, 1, ca.if_else(ca.fabs(c) <= edge, 0, far))
+    return a.states(equal(slope, written), at_least(slope), at_least(1, slope))
+
+
+@claim("P7", (9, 18), given=OFF_EDGES + FINITE, by=Ring(target_cases(edges=False)))
+def q_at_target(mutation: Mutation) -> Statement:
+    """at v = v_c1 the compiled q equals dv_c1/dv_c0.
+
+    On target, the law tells the robot to follow the target's own acceleration.
+    """
+    a, v, c, _, _ = barrier_axis()
+    return a.states(equal(ca.substitute(a.stable.q, v, a.x), ca.gradient(a.x, c) + mutation(0, c)))
+
+
+@claim("P8", (9,), given="P4 and P5 for the inner values", by=Z3(), premises="P4 P5")
+def bounded_command(mutation: Mutation) -> Statement:
+    """|commanded acceleration| <= rho |v - v_c1| + |v_c0'| on the law's graph.
+
+    The command stays bounded right up to the speed limit; this barrier does not push infinitely
+    hard.
+    """
+    law = LawGraph("mb")
+    names = {n: law.symbols[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
+    t = names | symbols("quotient q w cdot friction")
+    rho, mass = names["gains.mb.rho[1]"], names["model.m"]
+    force = law.force[0] - t.friction
+    P5 = *between(0, t.quotient * t.w, t.w**2), at_least(t.w**2, t.quotient**2)
+    given = (*positive(rho, mass), *between(0, t.q, 1), *P5)
+    bound = mutation * rho * ca.fabs(t.w) + ca.fabs(t.cdot)
+    inner = law.parts(0, "quotient q cdot friction")
+    return Statement(t, (at_least(bound * mass, ca.fabs(force)),), given, inner)

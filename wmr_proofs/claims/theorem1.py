@@ -1,0 +1,195 @@
+"""The window argument of Theorem 1: the algebraic steps of Eqs. (40)-(56) on the bounds' graphs."""
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier import lyapunov as analysis
+from wmr_ctrl.results.ledger import HAND
+from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
+from wmr_proofs.claims.tracking import GAINS, Tracking
+from wmr_proofs.methods.spec import Z3, Refute, Ring
+from wmr_proofs.regions import at
+from wmr_proofs.relation import above, at_least, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+
+def conditions(names: Symbols, printed: bool = False) -> ca.SX:
+    """The six conditions on l, in the symbols of a table."""
+    gains = ca.vertcat(1, names.k2, names.k3)
+    return analysis.conditions(names.l, gains, names.v1dmin, names.v1dmax, names.v2max, printed)
+
+
+PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
+SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
+FIVE = "1.1 v2max T + v1dmax (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)) T < 0.2"
+claim = Claims(by=Z3(), form=PRINTED)
+
+
+@claim(
+    "eq40",
+    (40,),
+    form=CORRECTED,
+    given="l > 5, k2 > 0; 1 - cos t <= t^2/2",
+    by=Z3(points=(SIDE_POINT,)),
+    premises="lemma.sine",
+)
+def start(mutation: Mutation) -> Statement:
+    """V2(t0) < ((k2 + 1)/(2 k2 l^2) + 1/2) e2^2 for |e2| > l |e1|, |e2| > l |e3| (the text prints
+    |e2| < l |e1|).
+
+    When only the sideways error is left, it alone decides.
+    """
+    t = Tracking("l")
+    e, k2, l = t.e, t.k[1], t.l
+    sides = (above(ca.fabs(e[1]), l * ca.fabs(e[0])), above(ca.fabs(e[1]), l * ca.fabs(e[2])))
+    if mutation < 0:
+        sides = (above(l * ca.fabs(e[0]), ca.fabs(e[1])), sides[1])
+    lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
+    goal = above(analysis.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
+    return Statement(t.symbols, (goal,), (above(l, 5), above(k2), *sides, lemma))
+
+
+@claim(
+    "eq40.printed",
+    (40,),
+    given="l > 5, k2 > 0, |e2| < l |e1|, |e2| > l |e3|",
+    by=Refute((SIDE_POINT,)),
+)
+def eq40_printed(mutation: Mutation) -> Statement:
+    """the same for |e2| < l |e1|.
+
+    With the printed inequality the bound is false: the error ahead may be the larger one.
+    """
+    return start(-mutation)
+
+
+@claim(
+    "eq41", (41,), given="V2 differentiable along the motion", by=HAND, premises="lemma.integration"
+)
+def eq41() -> None:
+    """V2(t) = V2(t0) + integral of V2'."""
+
+
+@claim("eq42.rate", (42,), given="|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2")
+def growth(mutation: Mutation) -> Statement:
+    """eps1 < k3 V2(t0)/(2 l^2 k2).
+
+    The unwanted growth is small compared with the value.
+    """
+    t = symbols("l k2 k3 E V0 eps1 root")
+    l, k2, k3, E, V0, eps1, root = t.values()
+    large = above(E, 2 * l * root), above(2 * V0, E**2)
+    given = (*positive(l, k2, k3, E, root), equal(root**2 * k3, k2 * eps1), *large)
+    return Statement(t, (above(k3 * V0, mutation(1, 4) * 2 * l**2 * k2 * eps1),), given)
+
+
+@claim("eq42", (42,), given="l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5")
+def window_value(mutation: Mutation) -> Statement:
+    """V2 < V2(t0)(1 + k3 T/(2 l^2 k2)) < 1.1 V2(t0) < 0.594 e2(t0)^2.
+
+    Over the window the error hardly grows.
+    """
+    t = symbols("l k2 k3 T V0 E")
+    l, k2, k3, T, V0, E = t.values()
+    grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
+    small = above(1, 5 * T), above(1, k3 / (k2 * l**2)), above(analysis.start_bound(l, k2, E), V0)
+    given = (above(l, 5), at_least(k2, 1), *positive(k3, T, V0, E), *small)
+    limit = mutation(594, 500)
+    return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
+
+
+@claim(
+    "eq4{k}",
+    given="V2 < 0.594 e2(t0)^2",
+    over=({"k": 3, "equations": (43,), "side": 2}, {"k": 4, "equations": (44,), "side": 1}),
+)
+def side_bound(mutation: Mutation, side: int) -> Statement:
+    """|e{side}| < 1.1 |e2(t0)|."""
+    t = Tracking("E")
+    value = analysis.position_lyapunov(t.e, t.k[1])
+    given = (*positive(t.k[1], t.E), above(594 * t.E**2, 1000 * value))
+    limit = mutation(1.21, 1.0)
+    return Statement(t.symbols, (above(121 * t.E**2 * limit, 121 * t.e[side - 1] ** 2),), given)
+
+
+@claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))
+def eq45_printed(mutation: Mutation) -> Statement:
+    """e3' = -k2 v1d e2 - k3 sin e3 + z2.
+
+    The sign of z2 is wrong; harmless, because only |z2| is used afterwards.
+    """
+    return angle_rate(-mutation)
+
+
+@claim("eq45", (45, 50), form=CORRECTED, given="any", by=Ring(GAINS))
+def angle_rate(mutation: Mutation) -> Statement:
+    """e3' = -k2 v1d e2 - k3 sin e3 - z2.
+
+    A sideways error turns the robot.
+    """
+    t = Tracking()
+    k, e = t.k, t.e
+    written = -k[1] * t.v_d[0] * e[1] - k[2] * ca.sin(e[2]) - mutation * t.z[1]
+    return t.states(equal(t.rate[2], written))
+
+
+@claim(
+    "eq46",
+    (46,),
+    given="|e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper)",
+    by=Z3(points=(PUSHED,)),
+    premises="lemma.integration",
+)
+def angle_grows(mutation: Mutation) -> Statement:
+    """sgn(e3) e3' <= |k2 v1d e2 + z2| at every instant.
+
+    The sine term only helps, as long as the robot does not face backwards.
+    """
+    t = Tracking()
+    k, e = t.k, t.e
+    push = ca.fabs(-k[1] * t.v_d[0] * e[1] - mutation * t.z[1])
+    given = (above(k[2]), at_least(e[2] * ca.sin(e[2])))
+    return t.states(at_least(push * ca.fabs(e[2]), e[2] * t.rate[2]), given=given)
+
+
+@claim(
+    "eq47", (47,), given="T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l", premises="eq43 eq46"
+)
+def angle_bound(mutation: Mutation) -> Statement:
+    """|e3(t0)| + (1.1 k2 v1dmax |e2(t0)| + |z2|) T < |e2(t0)| (1/l + 11 v1dmax/(l v1dmin) + k3/(5
+    l)).
+
+    The angle stays small over the window.
+    """
+    t = symbols("l k2 k3 v1dmin v1dmax E e3 z2")
+    l, k2, k3, low, high, E, e3, z2 = t.values()
+    T = analysis.window(l, k2, low)
+    start = 10 * ca.fabs(e3) + (11 * k2 * high * E + 10 * ca.fabs(z2)) * T
+    small = above(1, 5 * T), at_least(E, l * ca.fabs(e3)), at_least(k3 * E, l * ca.fabs(z2))
+    given = (above(l, 5), *positive(k2, k3, low, E), at_least(high, low), *small)
+    bound = mutation(10, 5) * analysis.angle_bound(l, k3, low, high, E)
+    return Statement(t, (at_least(bound, start),), given)
+
+
+@claim("eq48", (48,), given="|sin t| <= |t|", premises="lemma.sine lemma.integration")
+def side_rate(mutation: Mutation) -> Statement:
+    """|e2'| <= |e1| |v2| + v1d |e3| at every instant."""
+    t = Tracking()
+    e, v2 = t.e, t.followed[1]
+    given = (above(t.v_d[0]), at_least(ca.fabs(e[2]), ca.fabs(ca.sin(e[2]))))
+    bound = ca.fabs(e[0]) * ca.fabs(v2) + mutation * t.v_d[0] * ca.fabs(e[2])
+    return t.states(at_least(bound, ca.fabs(t.rate[1])), given=given)
+
+
+@claim("eq49", (49,), given=FIVE, premises="eq44 eq47 eq48")
+def side_stays(mutation: Mutation) -> Statement:
+    """|e2| > 0.8 |e2(t0)|.
+
+    The sideways error cannot vanish within the window, so it keeps turning the robot.
+    """
+    t = symbols("l k2 k3 v1dmin v1dmax v2max E")
+    l, k2, k3, low, high, v2, E = t.values()
+    T = analysis.window(l, k2, low)
+    lost = (11 * v2 * E + 10 * high * analysis.angle_bound(l, k3, low, high, E)) * T
+    given = (*positive(l, k2, k3, low, high, v2, E), above(conditions(t)[4]))
+    return Statement(t, (above(10 * E - lost, mutation(8, 9.5) * E),), given)

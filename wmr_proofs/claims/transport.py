@@ -1,0 +1,196 @@
+"""The level transport: V1 and |w| do not rise when a velocity is carried along with its target.
+
+V1 enters by values at a few points, which stand as free numbers with what is known of them: that
+V1(.; c) lies above its chords and, by w^2/2, above its minimum at v_c1.
+"""
+
+import casadi as ca
+
+from wmr_ctrl.control.barrier.lyapunov import smooth_f, smooth_lyapunov
+from wmr_ctrl.control.barrier.printed import f, lyapunov, minimiser
+from wmr_ctrl.control.barrier.proximal import level_share, resolvent, transported
+from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
+from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claims.common import BARRIERS
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, when
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import Symbols, symbols
+
+ANY = "0 < v_u2 < v_u1, any c, c+ and v"
+
+
+class Carried:
+    """`transported` with its targets, V0, D1 and theta as free numbers; V1(v*; c+) is ``after``.
+
+    ``cuts`` are the expressions of the first five, ``end`` is v*.
+    """
+
+    def __init__(self, smooth: bool) -> None:
+        self.inputs = t = symbols("v c c_next u1 u2", "u1 u2")
+        self.free = symbols("x x_next level excess share after")
+        v, limits, form = t.v, (t.u1, t.u2), smooth_barrier if smooth else stable_barrier
+        x, x_next = (resolvent(c, ca.SX(1), *limits, smooth) for c in (t.c, t.c_next))
+        ahead = x_next + (v - x)
+        level = form(t.c, ca.if_else(ca.fabs(v) < t.u1, v, 0), *limits).V1
+        reached = ca.if_else(ca.fabs(ahead) < t.u1, ahead, 0)
+        excess = form(t.c_next, reached, *limits).D
+        share = level_share(v - x, level, excess)
+        self.cuts = {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
+        self.end = transported(v, t.c, t.c_next, limits, smooth)
+
+    def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
+        """The statement on the graph of `transported`.
+
+        0 < u2 < u1, |x| and |x+| < u1, x = x+ where the target is held, theta by its entry.
+        """
+        t = self.inputs | self.free
+        u1, share = t.u1, t.share
+        inside = [above(u1, way * t[x]) for way in (1, -1) for x in ("x", "x_next")]
+        held = when(ca.eq(t.c, t.c_next), equal(t.x, t.x_next))
+        known = (above(t.u2), above(u1, t.u2), *inside, held, at_least(share))
+        return Statement(t, goals, (*known, at_least(1, share), *given), self.cuts)
+
+
+claim = Claims(by=Z3(effort=150))
+
+
+@claim("transport.share", given="V0 >= w^2/2, D1 >= 0, any w", premises="eq81")
+def transport_share(mutation: Mutation) -> Statement:
+    """0 <= theta <= 1 and theta^2 w^2/2 + theta D1 <= V0.
+
+    How far the velocity is carried is chosen such that what V1 allows is not exceeded.
+    """
+    t = symbols("w level excess")
+    theta = level_share(t.w, t.level, t.excess)
+    spent = 0.5 * (theta * t.w) ** 2 + theta * t.excess
+    room = mutation(t.level, 0.9 * t.level)
+    given = (at_least(t.level, 0.5 * t.w**2), at_least(t.excess))
+    return Statement(t, (*between(0, theta, 1), at_least(room, spent)), given)
+
+
+@claim(
+    "transport.moves{key}",
+    given=f"{ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the "
+    "other target's v_c1",
+    premises="{convex} {least}",
+    over=BARRIERS,
+)
+def moves(mutation: Mutation, smooth: bool) -> Statement:
+    """with D = c+ - c, d = v_c1+ - v_c1, w = v - v_c1: -w D + d^2/2 <= V1i(v; c+) - V1i(v; c) <= -w
+    D + D d - d^2/2, hence <= -w D + D^2/2; and <= 0 where w d > 0, |d| <= |w| ({words}).
+
+    How much V1 can change because its target moves; a target that comes nearer to the velocity
+    lowers it.
+    """
+    t = symbols("v c c_next u1 u2", "u1 u2")
+    v, c, c_next, u1, u2 = t.values()
+    form, pull = (smooth_lyapunov, smooth_f) if smooth else (lyapunov, f)
+    x, x_next = (
+        resolvent(target, ca.SX(1), u1, u2, True) if smooth else minimiser(target, u1, u2)
+        for target in (c, c_next)
+    )
+    w, shift, step = v - x, x_next - x, c_next - c
+
+    def cost(y: ca.SX, target: ca.SX) -> ca.SX:
+        return 0.5 * (y - target) ** 2 + pull(y, u1, u2)
+
+    inside = above(u2), above(u1, u2), *(above(u1, ca.fabs(y)) for y in (v, x, x_next))
+    least = at_least(cost(x_next, c), cost(x, c) + 0.5 * shift**2)
+    given = (*inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2))
+    rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
+    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
+    most = -w * step + 0.5 * mutation(step**2, -(step**2))
+    sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
+    goals = (*sides, at_least(most, rise), when(nearer, at_least(0, rise)))
+    return Statement(t | symbols("x x_next"), goals, given, {"x": x, "x_next": x_next})
+
+
+@claim(
+    "transport.level{key}",
+    given=f"{ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2",
+    premises="transport.share transport.moves{key} {convex} {optimal} {compiled}",
+    over=BARRIERS,
+)
+def level(mutation: Mutation, smooth: bool) -> Statement:
+    """V1i(v*; c+) <= V1i(v; c) where |v| < v_u1, and |v* - v_c1+| <= |v - v_c1| for every v
+    ({words}).
+
+    Carrying the velocity along with its target raises neither V1 nor the distance.
+    """
+    g = Carried(smooth)
+    t = g.inputs | g.free
+    v, x, x_next, share, after = (t[n] for n in ("v", "x", "x_next", "share", "after"))
+    w, shift, left = v - x, x_next - x, g.end - x_next
+    within = ca.fabs(v) < t.u1
+    reaches = ca.logic_and(within, ca.fabs(x_next + w) < t.u1)
+    on_chord = ca.logic_and(reaches, ca.eq(left, share * w))
+    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
+    stays = ca.logic_and(within, ca.eq(g.end, v))
+    held = ca.eq(t.c, t.c_next)
+    spent = 0.5 * (share * w) ** 2 + share * t.excess
+    given = (
+        when(reaches, at_least(t.level, spent)),
+        when(within, at_least(t.level, 0.5 * w**2)),
+        when(on_chord, at_least(spent, after)),
+        when(ca.eq(left, 0), equal(after)),
+        when(ca.logic_and(stays, ca.logic_or(nearer, held)), at_least(t.level, after)),
+    )
+    lost = at_least(mutation(t.level, 0.9 * t.level), after)
+    return g.states((when(within, lost), at_least(w**2, left**2)), given)
+
+
+@claim("transport.inside{key}", given=ANY, premises="transport.share {optimal}", over=BARRIERS)
+def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
+    """|v| <= v_u1 implies |v*| <= v_u1, |v| < v_u1 implies |v*| < v_u1, and c+ = c implies v* = v
+    ({words}).
+
+    Nothing inside the limit is carried out of it; a target that is held carries nothing.
+    """
+    g = Carried(smooth)
+    t = g.inputs
+    u1, size = t.u1, ca.fabs(g.end)
+    less = above(ca.if_else(ca.fabs(t.v) < u1, u1, 1 + size), size)
+    goals = at_least(mutation(u1, t.u2), size), less, when(ca.eq(t.c, t.c_next), equal(g.end, t.v))
+    return g.states(goals, (at_least(u1, ca.fabs(t.v)),))
+
+
+@claim(
+    "transport.plain{key}",
+    given="0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there",
+    premises="{compiled} {optimal}",
+    over=BARRIERS,
+)
+def plain(mutation: Mutation, smooth: bool) -> Statement:
+    """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c ({words}).
+
+    Away from the limits the velocity is carried all the way.
+    """
+    g = Carried(smooth)
+    t = g.inputs
+    free = Symbols({name: g.free[name] for name in ("x", "x_next", "level", "excess")})
+    v, c, c_next, u1, u2 = t.values()
+    ahead = v + c_next - c
+    inside = above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead))
+    values = equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess)
+    given = (*inside, equal(free.x, c), equal(free.x_next, c_next), *values)
+    cuts = {name: g.cuts[name] for name in free}
+    return Statement(t | free, (equal(g.end, mutation * ahead),), given, cuts)
+
+
+@claim(
+    "transport.root",
+    given="S, S+ >= 0, w^2 <= 2 V1i",
+    premises="transport.moves transport.moves-smooth eq81",
+)
+def root(mutation: Mutation) -> Statement:
+    """S(v; c+) <= S(v; c) + |c+ - c|, S = sqrt(2 V1i).
+
+    In units of velocity, V1 rises by no more than the way of its target.
+    """
+    t = symbols("before after S S_next w step")
+    roots = equal(t.S**2, 2 * t.before), equal(t.S_next**2, 2 * t.after)
+    moves = at_least(t.before - t.w * t.step + 0.5 * t.step**2, t.after)
+    given = (*nonnegative(t.S, t.S_next), *roots, at_least(2 * t.before, t.w**2), moves)
+    most = t.S + mutation(1, 0.9) * ca.fabs(t.step)
+    return Statement(t, (at_least(most, t.S_next),), given)

@@ -1,0 +1,1 @@
+"""Engine of the certified corridor, in ball arithmetic."""

@@ -1,0 +1,335 @@
+"""Affine forms: what a graph makes of a box as a linear map of its inputs and an error, at once.
+
+    y = c + L xi + r',     |xi_k| <= 1,  |r'| <= r
+
+They are expressions of the box's middle and half-widths, composed once for a graph, and CasADi
+evaluates them for each box.  With ``size`` at least as large as all that was added up, an
+operation's rounding is at most ROUNDING of it, and is added to r.  Both sides of an undecided
+choice are enclosed by their hull, of |x|, min and max by a secant.
+
+CasADi simplifies what is composed by identities of real numbers, and no bound rests on how a number
+was rounded, so what is simplified is not rounded by more.  fmin and fmax pass over what is no
+number, and so does a condition: where they are used, what is added up of the operands keeps it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, reduce
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.world.model.evaluate import InPlace
+from wmr_ctrl.world.model.graph import SELECT, Graph, read
+from wmr_proofs.corridor.enclosure import OpenBoxError
+
+STEEPER = (1.0, 1.1, 1.2, 1.3, 1.5, 0.0)
+"""Shares of tanh's mean slope over a box that are tried."""
+ROUNDING, SUMS = 2.0**-49, 1.0 + 2.0**-40
+"""Share of its size by which an operation can err, functions within 4 units of the last place;
+sums of up to 8,000 numbers."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """``c``, the row ``L`` (1, columns), ``r`` and ``size``."""
+
+    c: ca.SX
+    L: ca.SX
+    r: ca.SX
+    size: ca.SX
+
+    @cached_property
+    def radius(self) -> ca.SX:
+        """Largest distance from c."""
+        return (ca.sum2(ca.fabs(self.L)) + self.r) * SUMS
+
+    @cached_property
+    def range(self) -> tuple[ca.SX, ca.SX]:
+        """Ends of an interval that holds it, with rounding."""
+        radius = self.radius + ca.fabs(self.c) * ROUNDING
+        return self.c - radius, self.c + radius
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Whether a condition is certain to hold, and whether it is certain not to."""
+
+    yes: ca.SX
+    no: ca.SX
+
+
+@dataclass(frozen=True)
+class Spanned:
+    """Forms of C boxes: ``c``, ``r`` and ``size`` (C, outputs), ``L`` (C, outputs, inputs)."""
+
+    c: Floats
+    r: Floats
+    size: Floats
+    L: Floats
+
+
+Rule = Callable[[list[Form]], list[Form]]
+"""A map from forms to forms."""
+
+
+class AffineGraph:
+    """A CasADi column of one column of inputs, over boxes."""
+
+    def __init__(self, by: ca.SX, output: ca.SX) -> None:
+        """Read the graph; OpenBoxError for operations without a rule."""
+        function = ca.Function("spanned", [by], [ca.densify(output)])
+        graph = read(function, ["i"], ("y",))
+        for node in graph.nodes:
+            if node.place is None and node.op != ca.OP_CONST and node.op not in _RULES:
+                raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
+        self._key = function.serialize()
+
+    def __call__(self, center: Floats, radius: Floats) -> Spanned:
+        """Over boxes (C, inputs)."""
+        return self._boxes(center, radius)
+
+    @cached_property
+    def _boxes(self) -> OverBoxes:
+        return _over_boxes(self._key)
+
+
+class OverBoxes:
+    """A rule over boxes, as one function of CasADi."""
+
+    def __init__(self, count: int, rule: Rule) -> None:
+        """Of so many inputs."""
+        self.count = count
+        center, radius = ca.SX.sym("center", count), ca.SX.sym("radius", count)
+        given = []
+        for k in range(count):
+            L = ca.SX(1, count)
+            L[0, k] = radius[k]
+            given.append(Form(center[k], L, ca.SX(0), ca.fabs(center[k]) + radius[k]))
+        forms = rule(given)
+        L = ca.vertcat(*(form.L for form in forms))
+        rows, columns = (np.array(part, dtype=int) for part in L.sparsity().get_triplet())
+        self._places, self._outputs = (rows, columns), len(forms)
+        every = [ca.densify(getattr(form, k)) for k in ("c", "r", "size") for form in forms]
+        box, numbers = ca.vertcat(center, radius), ca.vertcat(*every, ca.vec(L.nz[:]))
+        self._function = ca.Function("over", [box], [numbers])
+
+    def __call__(self, center: Floats, radius: Floats) -> Spanned:
+        """Of boxes (C, inputs)."""
+        given, count = np.hstack([center, radius]), self._function.numel_out(0)
+        box, answer = np.empty(given.shape[1]), np.empty(count)
+        result = np.empty((len(given), count))
+        run = InPlace(self._function, [box], [answer])
+        for one, row in zip(given, result, strict=True):
+            box[:] = one
+            run()
+            row[:] = answer
+        c, r, size = (result[:, k * self._outputs :][:, : self._outputs] for k in range(3))
+        L = np.zeros((len(center), self._outputs, self.count))
+        L[:, *self._places] = result[:, 3 * self._outputs :]
+        return Spanned(c, r, size, L)
+
+
+@lru_cache(maxsize=64)
+def _over_boxes(serialized: str) -> OverBoxes:
+    """Of a graph, for all that have the same."""
+    function = ca.Function.deserialize(serialized)
+    graph = read(function, ["i"], ("y",))
+    return OverBoxes(function.numel_in(0), lambda given: _walked(graph, given))
+
+
+def _walked(graph: Graph, given: list[Form]) -> list[Form]:
+    done: list[Form | Truth] = []
+    for node in graph.nodes:
+        if node.place is not None:
+            done.append(given[node.place[1]])
+        elif node.op == ca.OP_CONST:
+            done.append(_number(node.number, given[0].L.size2()))
+        else:
+            done.append(_RULES[node.op](*(done[k] for k in node.operands)))
+    stores = {item.index: done[item.node] for item in graph.stores}
+    return [_form(stores[k]) for k in range(len(stores))]
+
+
+def _number(value: float, columns: int) -> Form:
+    return Form(ca.SX(value), ca.SX(1, columns), ca.SX(0), ca.SX(abs(value)))
+
+
+def _form(value: Form | Truth) -> Form:
+    assert isinstance(value, Form)
+    return value
+
+
+def _rounded(c: ca.SX, L: ca.SX, r: ca.SX, size: ca.SX) -> Form:
+    return Form(c, L, r * (1 + ROUNDING) + size * ROUNDING, size * (1 + ROUNDING))
+
+
+def _add(a: Form, b: Form) -> Form:
+    return _rounded(a.c + b.c, a.L + b.L, a.r + b.r, a.size + b.size)
+
+
+def _neg(a: Form) -> Form:
+    return Form(-a.c, -a.L, a.r, a.size)
+
+
+def _mul(a: Form, b: Form) -> Form:
+    r = ca.fabs(b.c) * a.r + ca.fabs(a.c) * b.r + a.radius * b.radius
+    return _rounded(a.c * b.c, a.L * b.c + b.L * a.c, r, a.size * b.size)
+
+
+def _along(a: Form, slope: ca.SX, least: ca.SX, most: ca.SX) -> Form:
+    """slope a + what lies between ``least`` and ``most``."""
+    middle, half = (least + most) / 2, (most - least) / 2
+    size = ca.fabs(slope) * a.size + ca.fabs(least) + ca.fabs(most)
+    return _rounded(slope * a.c + middle, a.L * slope, ca.fabs(slope) * a.r + half, size)
+
+
+def _secant(low: ca.SX, high: ca.SX, at_low: ca.SX, at_high: ca.SX) -> ca.SX:
+    apart = high - low > 1e-12 * (ca.fabs(low) + ca.fabs(high))
+    return ca.if_else(apart, (at_high - at_low) / (high - low), 0.0)
+
+
+def _abs(a: Form) -> Form:
+    """By its secant, over which |x| is at its ends, and below which at 0."""
+    low, high = a.range
+    across = ca.logic_and(low < 0, high > 0)
+    slope = ca.if_else(across, _secant(low, high, -low, high), ca.if_else(low >= 0, 1.0, -1.0))
+    ends = ca.fabs(low) - slope * low, ca.fabs(high) - slope * high
+    least = ca.if_else(across, ca.fmin(ca.fmin(*ends), 0.0), 0.0)
+    return _along(a, slope, least, ca.if_else(across, ca.fmax(*ends), 0.0))
+
+
+def _max(a: Form, b: Form) -> Form:
+    apart = _add(a, _neg(b))
+    low, high = apart.range
+    both = _mul(_number(0.5, a.L.size2()), _add(_add(a, b), _abs(apart)))
+    return _picked(Truth(low >= 0, high <= 0), a, b, both)
+
+
+def _hull(a: Form, b: Form) -> Form:
+    (al, ah), (bl, bh) = a.range, b.range
+    low, high = ca.fmin(al, bl), ca.fmax(ah, bh)
+    every = ca.fabs(a.c) + a.radius + ca.fabs(b.c) + b.radius  # no number where one of them is none
+    half = (high - low) / 2 + every * ROUNDING
+    return _rounded((low + high) / 2, ca.SX(*a.L.shape), half, a.size + b.size)
+
+
+def _picked(truth: Truth, a: Form, b: Form, other: Form) -> Form:
+    """``a`` where it is certain, ``b`` where its contrary is, else ``other``."""
+
+    def of(one: ca.SX, two: ca.SX, three: ca.SX) -> ca.SX:
+        return ca.if_else(truth.yes, one, ca.if_else(truth.no, two, three))
+
+    return Form(*(of(*(getattr(item, name) for item in (a, b, other)))
+                  for name in ("c", "L", "r", "size")))  # fmt: skip
+
+
+def _tanh(a: Form) -> Form:
+    """By the one of some slopes that leaves least, at the ends and where tanh has that slope."""
+    low, high = a.range
+    at_low, at_high = ca.tanh(low), ca.tanh(high)
+    mean = _secant(low, high, at_low, at_high)
+    best: tuple[ca.SX, ...] = ()
+    for share in STEEPER:
+        slope = ca.fmin(ca.fmax(share * mean, 0.0), 1.0)
+        turn = ca.sqrt(1 - slope)
+        place = ca.atanh(ca.fmin(turn, 1 - ROUNDING))
+        first, last, top = at_low - slope * low, at_high - slope * high, turn - slope * place
+        inner = [
+            ca.if_else(ca.logic_and(s * place > low, s * place < high), s * top, first)
+            for s in (1, -1)
+        ]
+        every = [first, last, *inner]
+        new: tuple[ca.SX, ...] = slope, reduce(ca.fmin, every), reduce(ca.fmax, every)
+        if best:
+            less = new[2] - new[1] < best[2] - best[1]
+            new = tuple(ca.if_else(less, one, two) for one, two in zip(new, best, strict=True))
+        best = new
+    slope, least, most = best
+    return _along(a, slope, least - 8 * ROUNDING, most + 8 * ROUNDING)
+
+
+def _curve(
+    f: Callable[[ca.SX], ca.SX],
+    slope: Callable[[ca.SX], ca.SX],
+    bend: Callable[[ca.SX, ca.SX], ca.SX],
+) -> Callable[[Form], Form]:
+    """By the tangent at c; ``bend``: the largest |f''| on an interval."""
+
+    def rule(a: Form) -> Form:
+        k, value = slope(a.c), f(a.c)
+        off = bend(*a.range) * a.radius**2 / 2
+        size = ca.fabs(value) + ca.fabs(k) * a.size + off
+        return _rounded(value, a.L * k, ca.fabs(k) * a.r + off, size)
+
+    return rule
+
+
+def _nearest(low: ca.SX, high: ca.SX) -> ca.SX:
+    """Least size on an interval, 0 where it holds 0."""
+    holds = ca.logic_and(low <= 0, high >= 0)
+    return ca.if_else(holds, 0.0, ca.fmin(ca.fabs(low), ca.fabs(high)))
+
+
+def _root_bend(low: ca.SX, high: ca.SX) -> ca.SX:
+    least = ca.fmax(low, 0.0)
+    return 0.25 / (least * ca.sqrt(least))
+
+
+def _below(strict: bool) -> Callable[[Form, Form], Truth]:
+    def rule(a: Form, b: Form) -> Truth:
+        low, high = _add(a, _neg(b)).range
+        return Truth(high < 0, low >= 0) if strict else Truth(high <= 0, low > 0)
+
+    return rule
+
+
+def _truth(value: Truth | Form) -> Truth:
+    """Of a number: whether it is not 0."""
+    if isinstance(value, Truth):
+        return value
+    low, high = value.range
+    return Truth(ca.logic_or(low > 0, high < 0), ca.logic_and(low == 0, high == 0))
+
+
+def _not(value: Truth | Form) -> Truth:
+    a = _truth(value)
+    return Truth(a.no, a.yes)
+
+
+def _and(one: Truth | Form, other: Truth | Form) -> Truth:
+    a, b = _truth(one), _truth(other)
+    return Truth(ca.logic_and(a.yes, b.yes), ca.logic_or(a.no, b.no))
+
+
+_inverse = _curve(
+    lambda x: 1 / x, lambda x: -1 / x**2, lambda low, high: 2 / _nearest(low, high) ** 3
+)
+_RULES: dict[int, Callable[..., Form | Truth]] = {
+    SELECT: lambda truth, a, b: _picked(_truth(truth), a, b, _hull(a, b)),
+    ca.OP_ADD: _add,
+    ca.OP_SUB: lambda a, b: _add(a, _neg(b)),
+    ca.OP_NEG: _neg,
+    ca.OP_TWICE: lambda a: _add(a, a),
+    ca.OP_MUL: _mul,
+    ca.OP_SQ: lambda a: _mul(a, a),
+    ca.OP_DIV: lambda a, b: _mul(a, _inverse(b)),
+    ca.OP_INV: _inverse,
+    ca.OP_FABS: _abs,
+    ca.OP_FMAX: _max,
+    ca.OP_FMIN: lambda a, b: _neg(_max(_neg(a), _neg(b))),
+    ca.OP_TANH: _tanh,
+    ca.OP_SIN: _curve(
+        ca.sin, ca.cos, lambda low, high: ca.fmin(ca.fmax(ca.fabs(low), ca.fabs(high)), 1.0)
+    ),
+    ca.OP_COS: _curve(ca.cos, lambda x: -ca.sin(x), lambda low, high: ca.SX(1)),
+    ca.OP_SQRT: _curve(ca.sqrt, lambda x: 0.5 / ca.sqrt(x), _root_bend),
+    ca.OP_LT: _below(True),
+    ca.OP_LE: _below(False),
+    ca.OP_NOT: _not,
+    ca.OP_AND: _and,
+    ca.OP_OR: lambda a, b: _not(_and(_not(a), _not(b))),
+}

@@ -1,0 +1,342 @@
+"""A law's loop along the scenario's whole run: undisturbed, and what deviates from that by rows.
+
+What may disturb a sample is a column each, of what the loop makes of it: pushes, errors of what is
+measured, and what the linear part leaves of the law's force, each of any sign.  They are carried
+along by the sample's own matrix.  All else that a sample adds, remainders, the radii of the
+matrices and every rounding, is a box.  Columns that have become old are counted into that box.
+"""
+
+from dataclasses import replace
+from functools import cached_property, partial
+from itertools import pairwise
+from math import ceil, cos, pi, sin
+
+import numpy as np
+
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
+from wmr_ctrl.theory.checks.loop import IntArray
+from wmr_ctrl.world.scenario import Scenario
+from wmr_proofs.corridor.enclosure import OpenBoxError
+from wmr_proofs.corridor.inputs import NoCorridorError, check_size, conditions
+from wmr_proofs.corridor.loop import UP
+from wmr_proofs.corridor.midradius import ROUNDED, MidRadius, hull, widened
+from wmr_proofs.corridor.motion import MovingLoop, laps_of, motion_of
+from wmr_proofs.corridor.secants import SecantCurve
+from wmr_proofs.corridor.stretch import Stretch, forgets, stretch
+
+DIRECTIONS = 12
+CHUNK, KNOT = 1.0, 0.02
+"""Seconds: that one bend holds for, and between knots within a sample."""
+LEFT, LONGEST = 5e-3, 1500
+"""Share of its first size below which a column is old, and samples after which any is."""
+STEADY = 1e-9
+"""Difference of numbers from sample to sample that counts as none; nothing rests on it."""
+BATCH_TIME, BATCH_MOST, YOUNG, APART = 0.2, 20, 0.5, 0.03
+"""Seconds and samples that are followed at once; seconds after which some samples' columns stand
+for all, and between these."""
+OLD, OF_OLD = 1.2, 3
+"""Seconds after which one in so many of these stands for all."""
+BRIEF, SLOW, SPREAD = 0.1, 2.0, 1.2
+"""Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
+KEPT, MOST_CHUNKS = 4, 8
+"""Lists of slopes that are kept, and the most chunks of one."""
+PORTION, PLACES = 500, 9
+"""Samples whose undisturbed run is compared with the graphs at once; samples at which it is looked
+how fast the loop forgets."""
+
+
+class Along:
+    """A law's loop along its scenario's run."""
+
+    def __init__(self, setup: Setup) -> None:
+        """Compose the graphs and run the loop undisturbed; NoCorridorError if that fails."""
+        self.setup, motion = setup, motion_of(setup.scenario)
+        self.laps, self.motion = laps_of(motion, _lap(setup.scenario))
+        self.loop = loop = MovingLoop(setup, self.motion, partial(conditions, setup))
+        check_size(loop)
+        self.states, self.fine, self.outs = loop.undisturbed()
+        if not (np.isfinite(self.states).all() and np.isfinite(self.outs).all()):
+            raise NoCorridorError("the loop is unstable where nothing disturbs it")
+        self.law_off, self.step_off = self._residuals()
+        period, steps, nz = setup.scenario.clock.control, loop.steps, len(loop.names)
+        count = max(1, min(steps, ceil(period / KNOT - 1e-9)))
+        self.knots = [round(k * steps / count) for k in range(count)]
+        turns = [k * pi / DIRECTIONS for k in range(DIRECTIONS)]
+        rows = [*np.eye(nz), *(_row(nz, (0, cos(t)), (1, sin(t))) for t in turns)]
+        for (a, b), ratio in zip(self.pairs, self.ratios, strict=True):
+            rows += [_row(nz, (a, 1.0), (b, sign * ratio)) for sign in (1, -1)]
+        self.rows = np.array(rows)
+        self._kept = list[tuple[int, int, MidRadius, MidRadius]]()
+        sizes = loop.sizes(*(
+            [MidRadius(np.array([x])) for x in part]
+            for part in (self._law_by(np.array([0]))[0], loop.law_numbers[0])
+        ))  # fmt: skip
+        self.most = (sizes.middle - sizes.radius)[0] * (1 - 2**-50)
+
+    def place(self, k: int) -> str:
+        """When a sample is and how the reference moves there, in words."""
+        time, (v, w) = k * self.setup.scenario.clock.control, self.motion.v_d[k]
+        return f"at t = {time:.4g} s, where v_d = {v:.3g} m/s and w_d = {w:.3g} rad/s"
+
+    def chunks(self) -> list[tuple[int, int]]:
+        """First and last samples of what is looked at together.
+
+        The first sample is alone, and so is one in which the robot changes.
+        """
+        n, period = len(self.motion.v_d), self.setup.scenario.clock.control
+        size = self.batch * max(1, round(CHUNK / period / self.batch))
+        bodies = self.motion.robot
+        within = np.flatnonzero((bodies != bodies[:, :1]).any(axis=(1, 2)))
+        own = [0, 1, *range(1 + size, n, size), n, *self.motion.moved, *(k + 1 for k in within)]
+        ends = sorted({int(k) for k in own})
+        return [(a, b) for a, b in pairwise(ends) if a < b]
+
+    @cached_property
+    def batch(self) -> int:
+        """Samples that are followed at once."""
+        period = self.setup.scenario.clock.control
+        return min(BATCH_MOST, max(1, round(BATCH_TIME / period)))
+
+    def count_from(self, k: int) -> int:
+        """The same from a sample on: fewer while what a change of the robot led to is not over."""
+        lately = any(moved <= k < moved + self.memory for moved in self.motion.moved)
+        return max(1, self.batch // (1 + lately))
+
+    @cached_property
+    def young(self) -> int:
+        """Samples that keep all their columns."""
+        blocks = max(1, round(YOUNG / self.setup.scenario.clock.control / self.batch))
+        return min(self.memory, blocks * self.batch)
+
+    @cached_property
+    def spacings(self) -> list[tuple[int, int]]:
+        """Ages from which of so many samples that have columns one keeps them."""
+        period = self.setup.scenario.clock.control
+        return [
+            (self.young, max(1, int(APART / period + 1e-9))),
+            (self.young + self.batch * round(OLD / period / self.batch), OF_OLD),
+        ]
+
+    @cached_property
+    def pairs(self) -> list[tuple[int, int]]:
+        """Of the robot's errors, those whose product bends law or step."""
+        both = [self.loop.law_curve.bends, self.loop.step_curve.bends]
+        result = {(min(i, j), max(i, j)) for item in both for _, i, j in item.tolist() if i != j}
+        return sorted((i, j) for i, j in result if j < ROBOT)
+
+    @cached_property
+    def halfway(self) -> Stretch:
+        """Matrices of the sample in the middle."""
+        return self._stretch(np.array([len(self.motion.v_d) // 2]))
+
+    @cached_property
+    def lasting(self) -> list[int]:
+        """Components of the state of which boxes become columns: those that last."""
+        first = len(self.loop.names) + COMMAND * self.loop.queue
+        lasting = np.abs(np.diag(self.halfway.A.middle[0])) > ROUNDED
+        return [*range(len(self.loop.names)), *(first + np.flatnonzero(lasting[first:])).tolist()]
+
+    @cached_property
+    def typical(self) -> Floats:
+        """Sizes of errors (5, 2) that pushes of 1 N m lead to, halfway; nothing rests on them."""
+        here = self.halfway
+        A, x, seen = here.A.middle[0], here.push.middle[0], 0.0
+        for _ in range(LONGEST):
+            seen, x = seen + np.abs(x[:ROBOT]), A @ x
+        return np.asarray(seen)
+
+    @cached_property
+    def ratios(self) -> Floats:
+        """Of these sizes, by pairs."""
+        sizes = self.typical.sum(axis=1)
+        sizes = sizes + 1e-6 * sizes.max()
+        return np.array([sizes[a] / sizes[b] for a, b in self.pairs])
+
+    @cached_property
+    def memory(self) -> int:
+        """Samples after which a column counts as old."""
+        n = len(self.motion.v_d)
+        speeds = np.abs(self.motion.v_d[1:, 0])
+        moving = 1 + np.flatnonzero(speeds >= 0.3 * speeds.max())
+        places = sorted({int(moving[round(k)]) for k in np.linspace(0, len(moving) - 1, PLACES)})
+        here = self._stretch(np.array(places))
+        each = zip(here.A.middle, here.push.middle, strict=True)
+        return min(n, max(forgets(A, push, LEFT, LONGEST) for A, push in each))
+
+    def _law_by(self, at: IntArray) -> Floats:
+        """Variables of the law at some samples (samples, ...)."""
+        loop, nz = self.loop, len(self.loop.names)
+        queue = nz + COMMAND * loop.queue
+        x = self.states[at]
+        own, sent = x[:, queue : queue + loop.memory], x[:, nz:queue]
+        return np.hstack([x[:, :ROBOT], own, sent, x[:, queue + loop.memory :]])
+
+    def _step_by(self, at: IntArray) -> Floats:
+        """Variables of each plant step of some samples (samples, steps, ...)."""
+        loop, body = self.loop, self.motion.robot[at, :, :2]
+        behind, rest = divmod(loop.late, loop.steps)
+        u = np.vstack([np.zeros((behind + 1, COMMAND)), self.outs[:, :COMMAND]])
+        age = behind + (np.arange(loop.steps) < rest)
+        acts = u[at[:, None] + behind + 1 - age[None, :]]
+        push = np.zeros((*acts.shape[:2], COMMAND))
+        return np.concatenate([self.fine[at, :-1], acts, push, body], axis=2)
+
+    def _residuals(self) -> tuple[Floats, Floats]:
+        """Largest differences of the undisturbed run's numbers from the graphs', in any sample.
+
+        Of the law's outputs, and of the fast state at the end of each plant step.
+        """
+        loop, n = self.loop, len(self.motion.v_d)
+        law, step = np.zeros(self.outs.shape[1]), np.zeros(len(loop.names))
+        for first in range(0, n, PORTION):
+            part = np.arange(first, min(first + PORTION, n))
+            given = MidRadius(self._law_by(part))
+            value = loop.law_curve.value(given, self._law_numbers(part))
+            law = np.maximum(law, (value - MidRadius(self.outs[part])).most.max(axis=0))
+            given = MidRadius(self._step_by(part))
+            spread = self.laps.spread[part, None, None]
+            value = loop.step_curve.value(given, MidRadius(loop.step_numbers[part], spread))
+            off = (value - MidRadius(self.fine[part, 1:])).most
+            step = np.maximum(step, off.max(axis=(0, 1)))
+        return law, step
+
+    def law_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
+        """Of the law's variables and numbers over some samples."""
+        by, numbers = hull(self._law_by(np.arange(first, last)), 0), self.loop.law_numbers
+        spread = self.laps.spread[first:last].max()
+        return by, widened(hull(numbers[first:last], 0), spread)
+
+    def step_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
+        """Of a plant step's variables and numbers over all plant steps of some samples."""
+        by, numbers = self._step_by(np.arange(first, last)), self.loop.step_numbers[first:last]
+        one, other = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
+        return one, widened(other, self.laps.spread[first:last].max())
+
+    def _law_numbers(self, at: IntArray) -> MidRadius:
+        """Numbers of the law at some samples, and in laps that these stand for."""
+        return MidRadius(self.loop.law_numbers[at], self.laps.spread[at, None])
+
+    def _step_numbers(self, at: IntArray) -> MidRadius:
+        """The same of all plant steps of each."""
+        return widened(hull(self.loop.step_numbers[at], 1), self.laps.spread[at, None])
+
+    def jump(self, k: int, other: int) -> tuple[Floats, Floats]:
+        """Differences at two samples: the undisturbed loop's state, and commands sent before."""
+        state = np.abs(self.states[k] - self.states[other])
+        ages = np.arange(1, self.loop.queue + 1)
+        sent = self.outs[k - ages, :COMMAND] - self.outs[other - ages, :COMMAND]
+        return state * UP, np.abs(sent[::-1]) * UP
+
+    def steady_until(self, k: int) -> tuple[int, int]:
+        """First and last of the samples about ``k`` in which reference and robot are the same."""
+        changing = self._changing
+        before, after = changing[changing <= k], changing[changing > k]
+        ends = before.max(initial=0), after.min(initial=len(self.motion.v_d))
+        return int(ends[0]), int(ends[1])
+
+    @cached_property
+    def _changing(self) -> IntArray:
+        """Samples that differ from the one before."""
+        motion, n = self.motion, len(self.motion.v_d)
+        numbers = np.hstack([motion.v_d, motion.rate, motion.way[1:], motion.robot.reshape(n, -1)])
+        differs = (np.abs(np.diff(numbers, axis=0)) > STEADY).any(axis=1)
+        return np.flatnonzero(differs) + 1
+
+    def held(self, first: int, last: int) -> Stretch:
+        """Matrices that stand for each of some samples."""
+        loop = self.loop
+        law = loop.law_curve.slopes(*(item[None, :] for item in self.law_range(first, last)))
+        step = loop.step_curve.slopes(*(item[None, :] for item in self.step_range(first, last)))
+        return stretch(loop, law, step, self.knots)
+
+    def _stretch(self, at: IntArray) -> Stretch:
+        return stretch(self.loop, *self._slopes(at), self.knots)
+
+    def _slopes(self, at: IntArray) -> tuple[MidRadius, MidRadius]:
+        """Of the law at samples and of the plant step in all of a sample's steps."""
+        loop = self.loop
+        by = MidRadius(self._law_by(at)), self._law_numbers(at)
+        steps = hull(self._step_by(at), 1), self._step_numbers(at)
+        return loop.law_curve.slopes(*by), loop.step_curve.slopes(*steps)
+
+    def matrices(self, first: int, last: int) -> Stretch:
+        """Matrices by slopes that are kept, if nothing forbids it, for more samples each time."""
+        for begin, end, law, step in self._kept:
+            if begin <= first and last <= end:
+                part = slice(first - begin, last - begin)
+                return stretch(self.loop, law[part, ...], step[part, ...], self.knots)
+        more = min(MOST_CHUNKS, 2 ** len(self._kept)) * (last - first)
+        end = min(first + more, len(self.motion.v_d))
+        try:
+            here = self._slopes(np.arange(first, end))
+        except OpenBoxError:
+            end, here = last, self._slopes(np.arange(first, last))
+        self._kept = [*self._kept[: KEPT - 1], (first, end, *here)]
+        return self.matrices(first, last)
+
+    @cached_property
+    def brief(self) -> int:
+        """Samples that boxes of secants are for."""
+        return max(1, round(BRIEF / self.setup.scenario.clock.control))
+
+    def is_slow(self, first: int, last: int, reach: Floats) -> bool:
+        """True where friction may turn over in some samples."""
+        v = self.fine[first:last, :, 3]
+        most = SLOW * self.setup.scenario.robot.v_s + SPREAD * reach[3]
+        return bool(np.abs(v).min() < most or v.min() < 0 < v.max())
+
+    def secant_stretch(self, first: int, last: int, wide: tuple[Floats, Floats]) -> Stretch:
+        """The same by secants over boxes of law's and plant step's variables."""
+        loop, at = self.loop, np.arange(first, last)
+        law_by, outs = self._law_by(at), self.outs[first:last, None]
+        numbers = self._law_numbers(at)
+        law = self._law_secants.over(MidRadius(law_by), numbers, wide[0], law_by[:, None], outs)
+        step_by, after = self._step_by(at), self.fine[first:last, 1:]
+        numbers = self._step_numbers(at)
+        step = self._step_secants.over(hull(step_by, 1), numbers, wide[1], step_by, after)
+        return replace(stretch(loop, law.slopes, step.slopes, self.knots), secants=(law, step))
+
+    @cached_property
+    def _law_secants(self) -> SecantCurve:
+        return SecantCurve(self.loop.law_curve)
+
+    @cached_property
+    def _step_secants(self) -> SecantCurve:
+        return SecantCurve(self.loop.step_curve)
+
+    def distance(self, off: Floats, reach: Floats) -> Floats:
+        """Distances [m] from the place on the path, by what rows reach beside an `off` (J, r)."""
+        directions = slice(len(self.loop.names), len(self.loop.names) + DIRECTIONS)
+        most = (off[:, 1:] + reach[:, directions]).max(axis=1)
+        return np.asarray((most + off[:, 0]) / cos(pi / (2 * DIRECTIONS)) * UP)
+
+    @cached_property
+    def off(self) -> Floats:
+        """Of each sample, undisturbed: distance of the chord from the path, directions' (n, r)."""
+        first = len(self.loop.names)
+        off = np.abs(self.fine[:, :, :2] @ self.rows[first : first + DIRECTIONS, :2].T).max(axis=1)
+        return np.hstack([self.motion.aside[:, None], off])
+
+    @cached_property
+    def levels(self) -> Floats:
+        """Sizes of the conditions' values (n, conditions)."""
+        return np.abs(self.outs[:, -self.loop.count :])
+
+    @cached_property
+    def turned(self) -> Floats:
+        """The same of the heading (n)."""
+        return np.asarray(np.abs(self.fine[:, :, 2]).max(axis=1) * UP + self.motion.turned)
+
+
+def _lap(scenario: Scenario) -> int:
+    """Samples after which the reference does about the same again, 0 if it never does."""
+    samples = scenario.reference.cycle / scenario.clock.control
+    return round(samples) if samples <= scenario.clock.samples else 0
+
+
+def _row(size: int, *entries: tuple[int, float]) -> Floats:
+    row = np.zeros(size)
+    for place, value in entries:
+        row[place] = value
+    return row

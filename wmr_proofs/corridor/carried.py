@@ -1,0 +1,138 @@
+"""Columns of what disturbed each of the last samples, carried along by the loop's matrices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.checks.loop import IntArray
+from wmr_proofs.corridor.loop import UP
+from wmr_proofs.corridor.midradius import ROUNDED
+
+SINGLE, FAINT = 2.0**-24, 1e-30
+"""Share by which a single-precision result errs, and a size that it may take for 0."""
+BLOCK = 2**17
+"""Products of numbers below which OpenBLAS takes one thread, and the results stay in a cache."""
+
+
+@dataclass(frozen=True)
+class CarriedColumns:
+    """Columns ``weight`` (m, K) times ``values`` (n, m, K) of K samples, the oldest first.
+
+    ``born`` (K): the first sample that each is part of.  Of a sample's m, those before the first of
+    ``ends`` are of what disturbs, those until the second of the law's force and of boxes'
+    components, and what is left is a disc's pair.
+    """
+
+    born: IntArray
+    values: Floats
+    weight: Floats
+    ends: tuple[int, int]
+
+    @property
+    def bent(self) -> Floats:
+        """Weights (K, ...) of the law's force and of boxes' components."""
+        return self.weight[slice(*self.ends)].T
+
+    @property
+    def sizes(self) -> Floats:
+        """Of each number of the state (n), with rounding."""
+        return sizes_of(self.values, self.weight) * UP
+
+    def later(self, P: Floats, oldest: int) -> tuple[CarriedColumns, Floats]:
+        """Multiplied by P, without those born before; sizes (n) of these."""
+        lost = int(np.searchsorted(self.born, oldest))
+        values = (P @ self.values.reshape(len(P), -1)).reshape(self.values.shape)
+        gone = sizes_of(values[..., :lost], self.weight[:, :lost])
+        born, weight = self.born[lost:], self.weight[:, lost:]
+        return replace(self, born=born, values=values[..., lost:], weight=weight), gone
+
+    def and_more(self, *new: CarriedColumns) -> CarriedColumns:
+        """With younger ones."""
+        every = (self, *new)
+        born, values, weight = (
+            np.concatenate([getattr(item, name) for item in every], axis=-1)
+            for name in ("born", "values", "weight")
+        )
+        return CarriedColumns(born, values, weight, self.ends)
+
+    def _from(self, first: int, last: int | None) -> CarriedColumns:
+        part = slice(first, last)
+        values, weight = self.values[..., part], self.weight[:, part]
+        return CarriedColumns(self.born[part], values, weight, self.ends)
+
+    def thinned(self, first: int, last: int, apart: int) -> tuple[CarriedColumns, Floats]:
+        """Of those born from ``first`` until ``last`` one in so many, with the ends.
+
+        Each of the samples is a share of these, with one sign, and a rest: also sizes (n) of what
+        is beside these, as a box.
+        """
+        begin, end = np.searchsorted(self.born, (first, last + 1)).tolist()
+        count = end - begin
+        if count < 3 or apart < 2:
+            return self, np.zeros(len(self.values))
+        old = self._from(begin, end)
+        nodes, share = _shares(tuple((old.born - old.born[0]).tolist()), apart)
+        born, ends = old.born, old.values[..., nodes]
+        between, size = ends @ share, np.abs(ends) @ share
+        off = np.abs(old.values - between) + 4 * ROUNDED * (np.abs(old.values) + size)
+        new = CarriedColumns(born[nodes], ends, (old.weight @ share.T) * UP, self.ends)
+        result = self._from(0, begin).and_more(new, self._from(end, None))
+        return result, sizes_of(off, old.weight)
+
+    def with_more(self, share: float, more: float, other: CarriedColumns | None) -> CarriedColumns:
+        """With larger weights of all that is not known, and at least those of others, if alike."""
+        result = replace(self, weight=self.weight.copy())
+        result.bent[:] = result.bent * share + more
+        if other is not None and np.array_equal(other.born, self.born):
+            result.bent[:] = np.maximum(result.bent, other.bent)
+        return result
+
+    def older(self, samples: int) -> CarriedColumns:
+        """The same, born so much later."""
+        return replace(self, born=self.born + samples)
+
+    def sums(self, rows: Floats, sizes: Floats) -> tuple[Floats, Floats]:
+        """Sizes of rows (..., r, n) of the sum of all: of what disturbs alone, and of all.
+
+        In single precision, with its rounding counted by the ``sizes``.
+        """
+        count = len(self.born)
+        flat = (self.values * self.weight).reshape(len(self.values), -1)
+        parts = np.split(flat, [end * count for end in self.ends], axis=1)
+        known, bent = (_absolute(rows, part) for part in parts[:2])
+        if parts[2].size:
+            pairs = rows @ parts[2]
+            known += np.hypot(pairs[..., :count], pairs[..., count:]).sum(axis=-1)
+        many = self.weight.size
+        off = 2 * (rows.shape[-1] + 8) * SINGLE * (np.abs(rows) @ (sizes + many * FAINT))
+        share = (1 + 2 * many * SINGLE) * UP
+        return known * share + off * UP, (known + bent) * share + off * UP
+
+
+@lru_cache(maxsize=64)
+def _shares(born: tuple[int, ...], apart: int) -> tuple[IntArray, Floats]:
+    """Places of one in so many samples, with the ends, and the shares (places, samples) of each."""
+    last = len(born) - 1
+    nodes = np.unique(np.linspace(0, last, -(-last // apart) + 1).round().astype(int))
+    ends = np.array(born)[nodes]
+    return nodes, np.array([np.interp(born, ends, unit) for unit in np.eye(len(nodes))])
+
+
+def sizes_of(values: Floats, weight: Floats) -> Floats:
+    """Of each number of the state (n)."""
+    return np.asarray(np.abs(values).reshape(len(values), -1) @ weight.ravel())
+
+
+def _absolute(rows: Floats, columns: Floats) -> Floats:
+    """Sums of the sizes of the products, by rows, in blocks too small for the threads of BLAS."""
+    result, single = np.zeros(rows.shape[:-1]), rows.astype(np.float32)
+    width = max(1, BLOCK // (rows.shape[-1] * rows.shape[-2]))
+    for first in range(0, columns.shape[1], width):
+        seen = single @ columns[:, first : first + width].astype(np.float32)
+        np.abs(seen, out=seen)
+        result += np.einsum("...k->...", seen)
+    return result

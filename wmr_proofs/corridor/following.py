@@ -1,0 +1,284 @@
+"""Sets of deviations carried over some samples of a passage at once, and checked in each.
+
+What a sample that begins with deviations X adds to the law's force and beside it follows from X,
+and what its plant steps add from a box Z of what the fast state reaches within it.  All of it is
+guessed for the samples of a block, and then has to hold what comes of it (ledger:
+corridor.passage).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
+from wmr_proofs.corridor.along import Along
+from wmr_proofs.corridor.blame import blamed
+from wmr_proofs.corridor.blocks import DOT, each
+from wmr_proofs.corridor.carried import CarriedColumns
+from wmr_proofs.corridor.inputs import Inputs, NoCorridorError
+from wmr_proofs.corridor.instant import Guess, Instant, OtherBoxError
+from wmr_proofs.corridor.loop import MOST_COLUMNS, UP
+from wmr_proofs.corridor.midradius import MidRadius
+from wmr_proofs.corridor.motion import UNSURE
+from wmr_proofs.corridor.remainders import Remainders
+
+FAR, NEAR, SLOW_NEAR, TRIES = 30.0, 1e-3, 0.3, 40
+"""Growth over the linear loop, and more [m, rad], with which a sample counts as lost, the latter
+also by secants; tries."""
+GUESSED, GROWN = 1.003, 1.02
+"""Growth of what is guessed, at first and from try to try."""
+
+
+@dataclass(frozen=True)
+class _Until:
+    """Part of a block that does not depend on the guess, with what was carried into it.
+
+    ``linear``, ``after`` (J, rows): of the rows at samples' ends, by what disturbs alone and in
+    all; ``inner``: of inner ones.  ``through`` (n): all columns' sizes by those of the last matrix.
+    ``box`` (J, n): what is added beside.
+    """
+
+    linear: Floats
+    after: Floats
+    inner: Floats
+    through: Floats
+    box: Floats
+
+
+class Following(Remainders):
+    """Columns and boxes that deviations are within, and what becomes of them in a block."""
+
+    def __init__(self, along: Along, inputs: Inputs, start: Floats) -> None:
+        """From a start off by |e| <= ``start`` (3)."""
+        super().__init__(along, inputs)
+        n = along.states.shape[1]
+        each = 2 * COMMAND + len(along.lasting)
+        each += COMMAND * (bool(inputs.velocity.any()) + bool(inputs.pose))
+        if (columns := each * along.memory) > MOST_COLUMNS:
+            raise NoCorridorError(f"the loop forgets too slowly: it takes {columns} columns")
+        self.carried = self._none()
+        self.pending = np.zeros(n)
+        self.pending[:3] = start
+        if self.loop.filter:
+            self._begin_estimate()
+        rows = np.hstack([along.rows, np.zeros((len(along.rows), n - self.nz))])
+        self.rows = np.vstack([rows, np.eye(n)[self.nz :]])
+        self.row_sizes, self.fast_sizes = np.abs(self.rows), np.abs(along.rows)
+        outs = along.outs.shape[1]
+        self.read = np.array([*range(COMMAND), *range(outs - self.loop.count, outs)])
+        self.which = self.rows, along.rows, self.read
+        self.tried = 0
+        nothing = (np.zeros((1, size)) for size in (COMMAND, n, self.nz))
+        self.last = self.before = Guess(*nothing)
+
+    def _begin_estimate(self) -> None:
+        """A run's first estimate of the pose is the measured one, not one that is reckoned."""
+        loop = self.loop
+        first = COMMAND + loop.memory - loop.filter
+        place = len(self.pending) - loop.acting - loop.filter
+        share = self.along.setup.scenario.sensor.correction
+        begun = np.abs(self.along.outs[0, first : first + 3]) / (1 - share) + self.pending[:3]
+        way = abs(self.along.motion.v_d[0, 0]) * self.along.setup.scenario.clock.control
+        off = np.hypot(*begun[:2]) + way * begun[2] + self.inputs.pose
+        self.pending[place : place + 3] = np.array([off, off, begun[2]]) * UP + UNSURE
+
+    def _none(self) -> CarriedColumns:
+        """No columns yet."""
+        known = COMMAND * (2 if self.inputs.velocity.any() else 1)
+        ends = known, known + COMMAND + len(self.along.lasting)
+        m, n = ends[1] + COMMAND * bool(self.inputs.pose), self.along.states.shape[1]
+        return CarriedColumns(np.zeros(0, dtype=int), np.zeros((n, m, 0)), np.zeros((m, 0)), ends)
+
+    def _reached(self) -> tuple[Floats, Floats]:
+        """Bounds of the rows, by disturbances alone and in all."""
+        linear, every = self.carried.sums(self.rows, self.carried.sizes)
+        return linear, (every + self.row_sizes @ self.pending) * UP
+
+    def _state(self, reach: Floats) -> Floats:
+        """Sizes of the state's numbers (J, n) from those of the rows."""
+        return np.hstack([reach[:, : self.nz], reach[:, len(self.along.rows) :]])
+
+    def _until(self, now: Instant) -> _Until:
+        """The part that does not depend on the guess."""
+        block, motion, count = now.block, self.along.motion, len(self.rows)
+        sizes = self.carried.sizes
+        through = np.abs(block.chain) @ (sizes + self.pending)
+        linear, every = self.carried.sums(block.ahead, sizes)
+        size = [through[1:] @ self.row_sizes.T, each(np.abs(block.inner), through[:-1])]
+        own = block.own + DOT * np.hstack(size)
+        every = (every + own + np.abs(block.ahead) @ self.pending) * UP
+        box = block.box + DOT * each(np.abs(now.here.A.middle[block.at]), through[:-1])
+        box[:, :2] += now.most(motion.gap)[:, None]
+        if self.loop.filter:
+            place = box.shape[1] - self.loop.acting - self.loop.filter
+            box[:, place : place + 2] += now.most(motion.reckoned)[:, None]
+        after, inner = every[:, :count], every[:, count:]
+        return _Until((linear + own)[:, :count] * UP, after, inner, through[-1], box)
+
+    def _follow(
+        self,
+        now: Instant,
+        reach: tuple[Floats, Floats],
+        guess: Guess | None = None,
+        *,
+        first: bool = True,
+    ) -> tuple[tuple[Floats, Floats], Floats]:
+        """From what rows reach before a block, by what disturbs alone and in all, to its end.
+
+        And of each sample the numbers of RunBounds (J, 5).  OtherBoxError where boxes of secants
+        are left, or on a ``first`` try wider than they need be.
+        """
+        self.tried = now.k + now.count
+        along, until, count = self.along, self._until(now), now.count
+        guess = guess or self.last.going_on(self.before, count)
+        before = np.vstack([reach[0], until.linear])
+        ahead = np.maximum(before[:-1], before[1:])[:, : len(along.rows)]
+        near = NEAR if now.here.secants is None else SLOW_NEAR
+        for tried in range(TRIES):
+            answer, most, law = self._found(now, guess, reach[1], until)
+            if guess.holds(answer):
+                if not self._bent(now):
+                    break
+                continue
+            lost = (most[:, :ROBOT] > FAR * ahead[:, :ROBOT] + near).any(axis=1)
+            if lost.any() and tried > 1:
+                k = int(lost.argmax())
+                raise NoCorridorError(blamed(along, most[k], now.k + k))
+            guess = guess.and_more(answer.grown(GROWN)) if tried else answer.grown(GUESSED)
+        else:
+            raise NoCorridorError(blamed(along, most[0], now.k))
+        if first and self._too_wide(now):
+            raise OtherBoxError
+        if self._leaves(now):
+            raise OtherBoxError(answer.grown(GROWN))
+        share, worst = self._conditions(law, now)
+        self._carry(now, answer, until)
+        self.commands = np.vstack([self.commands, law[:, :COMMAND]])[count:]
+        self.before, self.last = self.last, answer
+        off = now.most(along.off)
+        heading = (most[:, 2] + now.most(along.turned)) * UP
+        items = (along.distance(off, most), along.distance(off, ahead), heading, share, worst)
+        after = self._beside(now, answer, until, slice(now.count - 1, None))[0][-1]
+        return (until.linear[-1], after), np.stack(items, axis=1)
+
+    def _beside(
+        self, now: Instant, guess: Guess, until: _Until, places: slice = slice(None)
+    ) -> tuple[Floats, Floats]:
+        """Reach of rows at the ends of samples (J, rows), and of inner ones within them."""
+        weights, first = np.zeros((now.count, now.block.columns.shape[2])), now.block.ends[1]
+        weights[:, first:] = guess.weights
+        flat, count = weights.ravel(), len(self.rows)
+        beside = np.array([by @ flat[: by.shape[1]] for by in now.block.by[places]])
+        after = until.after[places] + beside[:, :count]
+        after = (after + DOT * self._state(after) @ self.row_sizes.T) * UP
+        return after, until.inner[places] + beside[:, count:]
+
+    def _found(
+        self, now: Instant, guess: Guess, reach: Floats, until: _Until
+    ) -> tuple[Guess, Floats, Floats]:
+        """The next guess; bounds of the rows within samples, and of the law's outputs."""
+        block, rows, at = now.block, self.along.rows, now.block.at
+        after, inner = self._beside(now, guess, until)
+        begin = np.vstack([reach, after[:-1]])
+        state = self._state(begin)
+        begin, after = begin[:, : len(rows)], after[:, : len(rows)]
+        added, direct = self._law_added(begin, state, now), block.direct
+        outs = len(self.read)
+        beside = each(block.wide, state) + (direct + added)[:, self.read]
+        law = (inner[:, :outs] + beside) * UP
+        sizes = np.abs(self.along.outs[:, :COMMAND]) * (1 - 2**-50)
+        least = now.least(sizes) - law[:, :COMMAND] * UP
+        misheard = self.inputs.misheard(least)
+        added[:, :COMMAND] += misheard
+        law[:, :COMMAND] += misheard
+        box = each(block.box_by_state, state) + each(block.box_by_law, added) + until.box
+        ask = added[:, :COMMAND] + direct[:, :COMMAND]
+        extra, knots = self._within(now, state, ask, inner[:, outs:])
+        most = np.maximum(np.maximum(begin, after), knots)
+        most = (most + (extra + guess.left) @ self.fast_sizes.T) * UP
+        step = self._step(most, law[:, :COMMAND], now) + now.here.body[at] @ self.inputs.body
+        left = each(now.here.steps[at], step) * UP
+        box[:, : self.nz] += left
+        return Guess(added[:, :COMMAND], box * UP, left), most, law
+
+    def _within(
+        self, now: Instant, state: Floats, commands: Floats, inner: Floats
+    ) -> tuple[Floats, Floats]:
+        """Largest distances from the chords within samples; reach of the rows at the knots."""
+        rows, at, push = self.along.rows, now.block.at, self.inputs.push
+        extra, most = np.zeros((now.count, self.nz)), np.zeros((now.count, len(rows)))
+        for j, knot in enumerate(now.here.knots):
+            by_state, by_push, by_command = (part[at] for part in knot.apart)
+            off = each(by_state, state) + by_push @ push + each(by_command, commands)
+            extra = np.maximum(extra, off)
+            if j:
+                place = slice((j - 1) * len(rows), j * len(rows))
+                size = np.abs(knot.state.middle[at])
+                wide = each(knot.state.radius[at] + DOT * size, state)
+                pushed, command = (
+                    MidRadius(part.middle[at], part.radius[at])
+                    for part in (knot.push, knot.command)
+                )
+                wide += each(command.most, commands)
+                wide += (pushed.radius + DOT * pushed.most) @ push
+                own = np.abs(rows @ pushed.middle) @ push
+                most = np.maximum(most, inner[:, place] + own + wide @ self.fast_sizes.T)
+        return extra, most
+
+    def _carry(self, now: Instant, answer: Guess, until: _Until) -> None:
+        """All columns to the end of a block, with its own; all else as a box."""
+        new, beside = self._added(now, answer.force, answer.box)
+        self.carried, gone = self._moved(self.carried, now, new)
+        box = (gone + beside + np.abs(now.block.chain[-1]) @ self.pending) * UP
+        box += DOT * until.through
+        newest = self.carried.bent[-1, COMMAND:]
+        newest[:] = (newest + box[self.along.lasting]) * UP
+        self.pending = self._rest(box * UP)
+
+    def _moved(
+        self, carried: CarriedColumns, now: Instant, new: CarriedColumns
+    ) -> tuple[CarriedColumns, Floats]:
+        """Columns at the end of a block, with its own; sizes (n) of what is left of the old."""
+        along, last = self.along, now.k + now.count
+        columns, gone = carried.later(now.block.chain[-1], last + 1 - along.memory)
+        for age, apart in along.spacings:
+            columns, beside = columns.thinned(last - age - now.count + 1, last - age, apart)
+            gone = gone + beside
+        return columns.and_more(new), gone
+
+    def _rest(self, box: Floats) -> Floats:
+        """Of a box the components that do not last."""
+        rest = box.copy()
+        rest[self.along.lasting] = 0.0
+        return rest
+
+    def _added(self, now: Instant, force: Floats, box: Floats) -> tuple[CarriedColumns, Floats]:
+        """Columns at its end of what a block adds, and what is beside them, as a box (n)."""
+        lasting, (known, first) = self.along.lasting, now.block.ends
+        law, boxes = range(first, first + COMMAND), first + COMMAND
+        places = [*range(known), *law, *(boxes + k for k in lasting), *range(known, first)]
+        columns, ends = now.block.columns, self.carried.ends
+        weight = np.ones((len(places), now.count))
+        weight[slice(*ends)] = np.hstack([force, box[:, lasting]]).T
+        rest = box.copy()
+        rest[:, lasting] = 0.0
+        born, values = np.arange(now.k, now.k + now.count) + 1, columns[..., places].swapaxes(1, 2)
+        new = CarriedColumns(born, values, weight, ends)
+        return new, np.einsum("njm,jm->n", np.abs(columns[..., boxes:]), rest)
+
+    def _conditions(self, law: Floats, now: Instant) -> tuple[Floats, Floats]:
+        """Share of the condition that is used most in each sample, and its number."""
+        along = self.along
+        level = now.most(along.levels) + law[:, COMMAND:]
+        shares = np.full(level.shape, np.inf)
+        np.divide(level, along.most, out=shares, where=along.most > 0)
+        worst, share = shares.argmax(axis=1), shares.max(axis=1) * UP
+        beyond = ~(share <= 1)
+        if beyond.any():
+            k = int(beyond.argmax())
+            i = worst[k]
+            raise NoCorridorError(
+                f"{self.loop.conditions[i].name} may reach {level[k, i]:.3g} of "
+                f"{along.most[i]:.3g} {along.place(now.k + k)}"
+            )
+        return share, worst.astype(float)

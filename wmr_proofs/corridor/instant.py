@@ -1,0 +1,112 @@
+"""Samples of a passage, and what a passage certifies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_proofs.corridor.blocks import FollowedBlock
+from wmr_proofs.corridor.motion import UNSURE
+from wmr_proofs.corridor.stretch import Stretch
+
+AGAIN, FASTEST = 1.005, 1.2
+"""Growth of what is guessed from block to block, and the most of it."""
+
+
+@dataclass(frozen=True)
+class RunBounds:
+    """Certified bounds along a motion, by samples.
+
+    ``position``, ``linear`` [m] and ``heading`` [rad] (n): the most in each sample, the second
+    without what is not linear; ``share`` (n): of the condition that is used most, ``binding`` (n)
+    its number.
+    """
+
+    position: Floats
+    linear: Floats
+    heading: Floats
+    share: Floats
+    binding: Floats
+
+
+@dataclass(frozen=True)
+class Instant:
+    """The samples of a block: their first, the end of those that their matrices are for.
+
+    ``held``: each of them stands for all samples until that end.
+    """
+
+    k: int
+    end: int
+    here: Stretch
+    block: FollowedBlock
+    held: bool = False
+
+    @property
+    def count(self) -> int:
+        """Of the samples."""
+        return len(self.block.at)
+
+    def most(self, course: Floats) -> Floats:
+        """Of a course by samples (n, ...) the numbers of these (J, ...)."""
+        if not self.held:
+            return course[self.k : self.k + self.count]
+        most = course[self.k : self.end].max(axis=0)
+        return np.broadcast_to(most, (self.count, *most.shape))
+
+    def least(self, course: Floats) -> Floats:
+        """The same with the least of them."""
+        return -self.most(-course)
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Bounds of remainders in J samples: law's force (J, 2), a box (J, n), plant steps (J, nz)."""
+
+    force: Floats
+    box: Floats
+    left: Floats
+
+    def holds(self, other: Guess) -> bool:
+        """True where no size of the other is larger, and all are finite."""
+        pairs = zip(self.parts, other.parts, strict=True)
+        return all(bool(((its <= mine) & np.isfinite(mine)).all()) for mine, its in pairs)
+
+    @property
+    def parts(self) -> tuple[Floats, Floats, Floats]:
+        """All of them."""
+        return self.force, self.box, self.left
+
+    @property
+    def weights(self) -> Floats:
+        """Of a block's columns (J, ...)."""
+        return np.hstack([self.force, self.box])
+
+    def going_on(self, before: Guess, count: int) -> Guess:
+        """For a block of so many samples, what grew to these from the block before."""
+        parts = []
+        for old, part in zip(before.parts, self.parts, strict=True):
+            if len(old) == len(part) == count:
+                growth = np.clip(part / np.maximum(old, 1e-300), 1.0, FASTEST)
+                parts.append(part * growth * AGAIN)
+            else:
+                parts.append(np.tile(part.max(axis=0) * AGAIN, (count, 1)))
+        return Guess(*parts)
+
+    def grown(self, by: float) -> Guess:
+        """All sizes larger, but those that are 0."""
+        return Guess(*(part * by + UNSURE * (part > 0) for part in self.parts))
+
+    def and_more(self, other: Guess) -> Guess:
+        """The larger of both sizes."""
+        return Guess(*map(np.maximum, self.parts, other.parts))
+
+
+class OtherBoxError(ArithmeticError):
+    """Boxes of secants do not fit; with a guess of what samples add."""
+
+    def __init__(self, guess: Guess | None = None) -> None:
+        super().__init__("a box does not fit")
+        self.guess = guess

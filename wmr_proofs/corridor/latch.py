@@ -1,0 +1,144 @@
+"""The latch: from when on a run is held by the corridor, wherever it started, and whether it left.
+
+With Y a box that what follows K samples in it does not leave, and b a box of states at samples from
+which no sample leaves Y: a run that was within b at K samples running stays in Y from then on, and
+after K more samples within what follows them (ledger: corridor.latch).  So a run that leaves proves
+that something was not as the scenario says: a push, a mass, a measurement, the plane model.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.core.errors import ScenarioError, WmrError
+from wmr_ctrl.core.fields.orientation import inward
+from wmr_ctrl.core.signals import D_HAT, POSE, REFERENCE, TORQUE, VELOCITY, Signal
+from wmr_ctrl.results import Run
+from wmr_ctrl.results.verdicts import CorridorLeft
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.corridor.answer import bounds
+from wmr_ctrl.world.model.system import System
+from wmr_ctrl.world.scenario import Scenario, override
+from wmr_proofs.corridor.certificate import Certifier
+from wmr_proofs.corridor.inputs import Inputs, NoCorridorError
+from wmr_proofs.corridor.monitor import DISTANCE, IN_CORRIDOR, LEFT, MOST, Latch, monitor, seen
+
+LARGER = (1.6, 1.4, 1.2, 1.1, 1.05, 1.02)
+"""Multiples of the corridor's box that are tried for Y."""
+HALVINGS, STAGES = 20, 4
+"""Halvings in the search for b; number of rounds of K samples over which the bound is refined."""
+DUST = 1e-9
+"""Added to all of Y, in units of each: what a run starts with may be off by rounding."""
+ALONE = {"corridor.start": (0.0, 0.0, 0.0), "corridor.cells": 0}
+"""Keys that a latch leaves out: the start, and other masses than the scenario's."""
+
+
+def latch_of(certifier: Certifier, inputs: Inputs) -> Latch | None:
+    """The Latch of a loop whose corridor closes; None where no larger box does.
+
+    Raises NoCorridorError where there is no corridor.
+    """
+    peaks = certifier.tube(inputs).peaks
+    for factor in LARGER:
+        held = peaks.times(factor, DUST)
+        follows = certifier.settled(inputs, held)
+        if follows.within(held) and certifier.share(held) <= 1:
+            break
+    else:
+        return None
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        inside = certifier.next_sample(inputs, middle * held.state, held).within(held)
+        low, high = (middle, high) if inside else (low, middle)
+    position = [certifier.position(follows)]
+    for _ in range(STAGES - 1):
+        follows = certifier.settled(inputs, follows)
+        position.append(certifier.position(follows))
+    return Latch(
+        low * held.state, certifier.gains.samples, tuple(position), certifier.loop.at, inputs
+    )
+
+
+def monitor_of(scenario: Scenario, law: str) -> System:
+    """See `wmr_ctrl.theory.corridor.corridor_monitor`."""
+    setup = settle(override(scenario, ALONE), law)
+    try:
+        certifier = Certifier(setup)
+        if not seen(certifier):
+            raise ScenarioError(
+                f"{scenario.name} with {law}: drives with delay or lag, bases that take "
+                "velocities, rare or partly corrected poses and laws with a memory of their own "
+                "have states that a monitor cannot see. Watch prox or mb with torques, ideal "
+                "drives and a pose at every sample that is taken as it is."
+            )
+        latch = latch_of(certifier, certifier.inputs)
+    except NoCorridorError as error:
+        raise ScenarioError(
+            f"{scenario.name} with {law} has no corridor to be watched: {error}. Change what stops "
+            "it (`wmr-ctrl check --only corridor`)."
+        ) from error
+    if latch is None:
+        raise ScenarioError(
+            f"{scenario.name} with {law}: no box around the corridor keeps a robot inside, so "
+            "nothing could be concluded. State smaller pushes or errors."
+        )
+    graph = monitor(setup, latch, measured=True)
+    box = next(item.value for item in graph.params if item.signal.name == "corridor.box")
+    if min(box) < 0:
+        raise ScenarioError(
+            f"{scenario.name} with {law}: measured poses or velocities are off by more than the "
+            "box in which a robot has to be, so that no monitor could tell that it is. State "
+            "smaller errors."
+        )
+    return graph
+
+
+def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
+    """The first leaving of the corridor by a run on ``scenario`` that was settled in it."""
+    try:
+        setup = settle(override(scenario, {"guard.enabled": run.guard, **ALONE}), run.law)
+        latch = _latch(setup)
+    except WmrError:
+        return None
+    if latch is None:
+        return None
+    end = min((run.settings.index(item.t) for item in scenario.changes), default=run.rows)
+    verdicts = _watched(run, monitor(setup, latch, measured=False), end)
+    gone = np.flatnonzero(verdicts[LEFT])
+    if not len(gone):
+        return None
+    k, since = gone[0], np.flatnonzero(verdicts[IN_CORRIDOR])[0]
+    first, second = map(float, latch.inputs.velocity)
+    limits = bounds(float(max(latch.inputs.push)), latch.inputs.pose, (first, second))
+    mass = f"{limits} and M = {scenario.robot.m:g} kg"
+    times, (off, most) = (
+        (float(run.time[k]), float(run.time[since])),
+        (verdicts[DISTANCE], verdicts[MOST]),
+    )
+    return CorridorLeft(times[0], float(off[k]), float(most[k]), times[1], mass)
+
+
+@lru_cache(maxsize=64)
+def _latch(setup: Setup) -> Latch | None:
+    try:
+        certifier = Certifier(setup)
+        return latch_of(certifier, certifier.inputs) if seen(certifier) else None
+    except NoCorridorError:
+        return None
+
+
+def _watched(run: Run, graph: System, end: int) -> dict[Signal, Floats]:
+    """The monitor's outputs at each of a run's first samples."""
+    columns = {item: run[item.name][:end] for item in (*REFERENCE[:3], *POSE, *VELOCITY, *TORQUE)}
+    for item in (REFERENCE[2], POSE[2]):
+        columns[item] = inward(columns[item], run.settings.frames)
+    columns |= {D_HAT: run[D_HAT.name][:end].T} if D_HAT.name in run.columns else {}
+    given = np.vstack([columns[item.signal] for item in graph.inputs])
+    step = graph.function("monitor", [graph.update, graph.y])
+    x, rows = np.array(graph.x0), []
+    for u in given.T:
+        x, y = step(u, x, graph.p0)
+        rows.append(y.full().ravel())
+    return dict(zip((item.signal for item in graph.outputs), np.array(rows).T, strict=True))

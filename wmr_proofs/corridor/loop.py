@@ -1,0 +1,325 @@
+"""The sampled loop around its reference as two graphs: the law a sample, the robot a plant step.
+
+Both are the graphs that loops are compiled from (`wmr_ctrl.theory.checks.error_coordinates`, a
+law's ``inside``), in error coordinates, each with its slopes and second derivatives in balls.  In
+them
+
+    command, memory  = law(e, v, memory, commands sent)        at a sample
+    e, v, drives     = step(e, v, drives, command, push)       at every plant step
+
+and both are their values on the reference, a linear part, and a remainder of second order.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from flint import arb
+
+from wmr_ctrl.control.applied import followed, remembered
+from wmr_ctrl.control.laws.context import LawContext
+from wmr_ctrl.control.laws.observer import FORCE_HAT, OLD_VELOCITY
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.core.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats, World, carried
+from wmr_ctrl.theory.checks.loop import Loop
+from wmr_ctrl.theory.checks.sending import SendingLoop
+from wmr_ctrl.theory.checks.surroundings import surroundings
+from wmr_ctrl.world.delay import delay_in_periods
+from wmr_ctrl.world.model.dynamics import force_to_wheel
+from wmr_ctrl.world.model.kinematics import error_rotation, tracking_error
+from wmr_ctrl.world.model.system import System, port, stack
+from wmr_ctrl.world.pose_sensor import corrected, reckoned
+from wmr_ctrl.world.scenario import Robot, Scenario, override
+from wmr_proofs.corridor.condition import AXES, Asked, Condition
+from wmr_proofs.corridor.enclosure import Balls, BentEnclosure, Enclosure, upper
+from wmr_proofs.corridor.late_guard import commands_counted, late_conditions
+from wmr_proofs.corridor.overlap import ALONE, Overlap
+from wmr_proofs.corridor.sender import balanced, sending
+
+BODY = ("robot.m", "robot.I")
+"""Numbers of the robot that may lie in an interval."""
+
+
+FREE, NOTHING = 1e300, np.zeros(0)
+"""Size of a condition that nothing breaks; no sizes."""
+UP, MOST_NUMBERS, MOST_COLUMNS = 1.0 + 1e-11, 100, 40_000
+"""Sums of up to 4e4 doubles that are not negative, in whatever order, err by less than UP.  Most
+numbers that a loop's state may have, and columns that are summed up."""
+
+
+class Curve:
+    """A graph near a point: its values there, its slopes, and second derivatives over a box."""
+
+    def __init__(self, name: str, by: ca.SX, output: ca.SX, at: Floats) -> None:
+        """Differentiate ``output`` by ``by`` near ``at``."""
+        self.at, self.size = at, output.numel()
+        self.by, self.output = by, output
+        slope = ca.jacobian(output, by)
+        self._value = Enclosure(name, [by], ca.densify(output))
+        self._slope = Enclosure(f"the slope of {name}", [by], slope)
+        self._bend = BentEnclosure(f"the bend of {name}", [by], output, by)
+
+    def value(self) -> Balls:
+        """Values at the point."""
+        return self._value([arb(x) for x in self.at])
+
+    def slopes(self) -> list[list[arb]]:
+        """Jacobian at the point, in the precision that is set."""
+        rows = [[arb(0)] * len(self.at) for _ in range(self.size)]
+        point = [arb(x) for x in self.at]
+        for (i, j), value in zip(self._slope.pattern, self._slope(point), strict=True):
+            rows[i][j] = value
+        return rows
+
+    def remainders(self, products: Floats) -> Floats:
+        """Sizes (outputs, n, n) of what the linear part leaves of each output, by pairs of inputs.
+
+        ``products`` (n, n): the largest products of two inputs' deviations from the point, squares
+        of the box's sizes on the diagonal.  OpenBoxError where the box crosses a condition.
+        """
+        peaks = np.sqrt(np.diag(products)) * UP
+        box = [arb(x, r) for x, r in zip(self.at.tolist(), peaks.tolist(), strict=True)]
+        sizes = np.zeros((self.size, *products.shape))
+        for place, bend in zip(self._bend.bends, self._bend(box), strict=True):
+            sizes[place] = 0.5 * upper(bend) * products[place[1:]] * UP
+        return sizes
+
+
+class SampledLoop:
+    """A law's loop on the reference.
+
+    ``law``: of (e, v, memory, sent, acting) its command, next memory, what acts, and conditions'
+    values; ``step``: of the fast state, command, push and BODY the fast state a plant step later.
+    ``conditions`` in the order of those values; ``late`` the plant steps until a command acts.
+    Where poses are corrected in part, the last ``filter`` numbers of the memory are the estimated
+    pose's error and the velocity that it was reckoned with.  ``observed``: where in the memory an
+    observer's force and the velocity that it remembers begin, None without one.
+    """
+
+    overlap: Overlap = ALONE
+    force_sizes: Floats = NOTHING
+
+    def __init__(
+        self,
+        setup: Setup,
+        v_d: Floats,
+        asked: Asked,
+        overlap: Overlap = ALONE,
+        force_sizes: Floats = NOTHING,
+    ) -> None:
+        """Compose the graphs; ``asked``: conditions on the asked force and measured velocity.
+
+        ``force_sizes``: those for which a guard that counts late commands is looked at.
+        """
+        self.overlap, self.force_sizes = overlap, force_sizes
+        robot = setup.scenario.robot
+        loop, world = self._prepare(setup, asked)
+        point = loop.on_reference(np.array(v_d, dtype=float))
+        if setup.takes_velocity:
+            own = balanced(setup.scenario, world.fast[5:], v_d)
+        else:
+            torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(point.force))))
+            own = np.concatenate((np.zeros(0), *(
+                torque if item.signal.unit == TORQUE[0].unit else item.value
+                for item in world.fast[5:]
+            )))  # fmt: skip
+        fast = np.concatenate((point.s, own))
+        by, after = self._step_graph(world, ca.SX(ca.DM(v_d)), {})
+        at = np.concatenate((fast, point.force, np.zeros(COMMAND), (robot.m, robot.I)))
+        self.step = Curve("the robot", by, after, at)
+        self._compose_law(loop, point.memory, point.force)
+
+    def _prepare(self, setup: Setup, asked: Asked) -> tuple[Loop, World]:
+        """The law's loop without limits, and the graphs around it."""
+        clock, around = setup.scenario.clock, surroundings(punctual(setup.scenario))
+        self.setup, self.steps = setup, clock.substeps
+        self._asked = asked
+        if setup.takes_velocity:
+            loop: Loop = SendingLoop(setup, sender=self._inside(LawContext(setup)))
+        else:
+            loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
+        world = around.worlds(clock.control)[0][1]
+        self.names = world.names
+        self.late = int(np.floor(around.drives.delay / clock.plant + 0.5))
+        return loop, world
+
+    @cached_property
+    def reckoning(self) -> Curve:
+        """Error (3) that dead reckoning over a sample leads to, by e and v (5) at its begin."""
+        at = self.step.at[:ROBOT]
+        by, v_d = ca.SX.sym("s", ROBOT), ca.SX(ca.DM(at[3:]))
+        period, none = ca.SX(self.setup.scenario.clock.control), ca.SX(0)
+        ahead = estimated(by, ca.SX.zeros(3), v_d, period, none)
+        return Curve("dead reckoning", by, ahead, at)
+
+    def _changes(self, changes: ca.SX) -> list[Condition]:
+        """Conditions on the change from one command to the next, which are the last."""
+        most = np.minimum(self.overlap.most, FREE)
+        return [
+            Condition(
+                f"the command's change in a period ({axis})", changes[i], ca.SX(most[i]), inner=True
+            )
+            for i, axis in enumerate(AXES)
+        ]
+
+    def acts(self, s: int) -> tuple[int, float]:
+        """Age of the command that acts at a plant step of a sample, and the earlier one's share."""
+        behind, rest = divmod(self.late, self.steps)
+        phase, share = (s - rest) % self.steps, self.overlap.share
+        return behind + (s < rest), float(share[phase]) if phase < len(share) else 0.0
+
+    def _step_graph(
+        self, world: World, v_d: ca.SX, changed: Mapping[str, ca.SX]
+    ) -> tuple[ca.SX, ca.SX]:
+        """Fast state, command, push and BODY in one, and the fast state a plant step later.
+
+        The reference moves at ``v_d``; ``changed``: other numbers of the robot by their names.
+        """
+        scenario, clock = self.setup.scenario, self.setup.scenario.clock
+        sizes = (("z", world.size), ("u", COMMAND), ("d", COMMAND), ("body", COMMAND))
+        z, u, push, body = (ca.SX.sym(name, n) for name, n in sizes)
+        sends, around = self.setup.takes_velocity, surroundings(punctual(scenario))
+        sent = u if sends else force_to_wheel(*_wheels(scenario.robot), u)
+        known = around.numbers(world, clock.control, clock.plant, None)
+        held = ca.vertcat(sent, push, ca.SX.zeros(world.held - 2 * COMMAND))
+        numbers = ca.SX(ca.DM(known))
+        for name, value in {**dict(zip(BODY, ca.vertsplit(body), strict=True)), **changed}.items():
+            numbers[world.place(name)] = value
+        after = world.step(0, z, z[2], held, numbers, v_d)  # seen by the robot: its theta = 0
+        return ca.vertcat(z, u, push, body), after
+
+    def _inside(self, context: LawContext) -> System:
+        """The law away from its limits, with the conditions' values and sizes as further memory."""
+        inside = self.setup.control_law.inside
+        assert inside is not None
+        law = inside(context)
+        if self.setup.takes_velocity:
+            system, limits = sending(self.setup, law, self._asked)
+        else:
+            system, limits = law.system, self._asked(law.system.outputs[0].expr, context.v)
+        self.conditions = limits + [
+            Condition(
+                f"{name} ({axis})", value[i], most[i], i if name in law.from_measured else None
+            )
+            for name, (value, most) in law.within.items()
+            for i, axis in enumerate(AXES)
+        ]
+        values = stack(item.value for item in self.conditions)
+        most = stack(ca.SX(item.most) for item in self.conditions)
+        seen = port(Signal("conditions", "1", "values and sizes of conditions", 2 * most.numel()))
+        update = ca.vertcat(system.update, values, most)
+        return replace(system, state=(*system.state, seen), update=update)
+
+    def _compose_law(self, loop: Loop, memory: Floats, rest: Floats) -> None:
+        v_d = self.step.at[3:ROBOT]
+        desired = ca.SX(ca.DM(v_d))
+        by, output, sizes = self._law_graph(loop, desired, ca.SX.zeros(2), desired)
+        memory = memory[: self.memory - self.filter]
+        if self.filter:
+            memory = np.concatenate((memory, self.step.at[:ROBOT]))
+        at = np.concatenate((
+            self.step.at[:ROBOT], memory, np.tile(rest, self.queue), rest[: self.acting],
+        ))  # fmt: skip
+        self.remains = np.concatenate((rest, memory, rest[: self.acting]))
+        self.at = np.concatenate((
+            self.step.at[: len(self.names)], np.tile(rest, self.queue), self.remains[COMMAND:],
+        ))  # fmt: skip
+        self.law = Curve("the law", by, output, at)
+        self.most = Curve("the limits", by, sizes, at).value()
+
+    def _law_graph(
+        self, loop: Loop, v_d: ca.SX, rate: ca.SX, came: ca.SX
+    ) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """The law's inputs as one column, its outputs, and the sizes of the conditions' values.
+
+        The reference moves at ``v_d``, which changes at ``rate``, and came at ``came`` (2 each).
+        """
+        setup, scenario, core = self.setup, self.setup.scenario, loop.core
+        period = scenario.clock.control
+        self.count = len(self.conditions)
+        law_memory = core.x.numel() - 2 * self.count
+        places, place = dict[Signal, int](), 0
+        for item in core.state:
+            places[item.signal], place = place, place + item.signal.size
+        observes = OLD_VELOCITY in places
+        self.observed = (places[FORCE_HAT], places[OLD_VELOCITY]) if observes else None
+        filtered = scenario.sensor.correction < 1
+        self.filter = ROBOT if filtered else 0
+        self.memory = law_memory + self.filter
+        whole, part = delay_in_periods(scenario)
+        asked = [item.signal for item in remembered(core)]
+        ages = {tau_sent(age): age for age in range(1, setup.predicted + 1)}
+        reach = whole + (part > 0) + 1 if TAU_APPLIED in asked else 0
+        behind, left = divmod(self.late, self.steps)
+        arriving = behind + (left > 0) + (self.overlap.steps > 0)
+        self.queue = max(reach, setup.predicted, arriving, commands_counted(setup))
+        lag = scenario.actuator.lag
+        self.acting = COMMAND if lag > 0 and TAU_APPLIED in asked else 0
+        s, own = ca.SX.sym("s", ROBOT), ca.SX.sym("memory", self.memory)
+        shown = s
+        if filtered:
+            share = ca.SX(scenario.sensor.correction)
+            seen = estimated(own[law_memory:], s[:3], came, ca.SX(period), share)
+            shown = ca.vertcat(seen, s[3:])
+        sent, acting = ca.SX.sym("sent", COMMAND * self.queue), ca.SX.sym("acting", self.acting)
+        queue = ca.vertsplit(sent, COMMAND) if self.queue else []
+        forces, end = [], acting
+        for signal in asked:
+            if signal == TAU_APPLIED:
+                decay = np.exp(-scenario.clock.plant / lag) if lag else 0.0
+                late = whole, part, self.steps
+                start = acting if self.acting else ca.SX.zeros(COMMAND)
+                value, last = followed(queue, late, start, ca.SX(decay))
+                end = last if self.acting else acting
+            else:
+                value = queue[ages[signal] - 1]
+            forces.append(value)
+        given = ca.vertcat(own[:law_memory], ca.SX.zeros(2 * self.count))
+        numbers = ca.DM(loop.parameters(period))
+        force, following = loop.act(shown, v_d, rate, given, ca.vertcat(*forces), numbers)
+        by = ca.vertcat(s, own, sent, acting)
+        sizes = following[law_memory + self.count :]
+        values = following[law_memory : law_memory + self.count]
+        further = list[Condition]()
+        if self.force_sizes.size:
+            further += late_conditions(setup, force, s[ROBOT - COMMAND :], queue, self.force_sizes)
+        if self.overlap.steps:
+            further += self._changes(force - sent[:COMMAND])
+        values = ca.vertcat(values, *(item.value for item in further))
+        sizes = ca.vertcat(sizes, *(item.most for item in further))
+        self.conditions += further
+        self.count += len(further)
+        output = ca.vertcat(force, following[:law_memory], shown[: self.filter], end, values)
+        return by, output, sizes
+
+
+def punctual(scenario: Scenario) -> Scenario:
+    """The scenario without jitter."""
+    return override(scenario, {"actuator.jitter": 0.0}) if scenario.actuator.jitter else scenario
+
+
+def estimated(past: ca.SX, e: ca.SX, v_d: ca.SX, T: ca.SX, share: ca.SX) -> ca.SX:
+    """Error (3,) of the pose that the sensor estimates (see `wmr_ctrl.world.pose_sensor`).
+
+    ``past``: that error and the velocity measured a sample ago (5,); ``e``: the true error now.
+    """
+    before = _placed(ca.SX.zeros(3), past[:3])
+    desired = carried(ca.SX.zeros(3), v_d, T)
+    seen = corrected(reckoned(before, past[3:], T), _placed(desired, e), share)
+    return tracking_error(desired, seen)
+
+
+def _placed(desired: ca.SX, e: ca.SX) -> ca.SX:
+    """The pose (3,) that is off the desired one by the tracking error e, Eq. (8)."""
+    return desired - error_rotation(desired[2] - e[2]).T @ e
+
+
+def _wheels(robot: Robot) -> tuple[ca.SX, ca.SX]:
+    return ca.SX(robot.r), ca.SX(robot.l)
+
+
+def _numbers(value: ca.SX) -> Floats:
+    return np.asarray(ca.evalf(value), dtype=float).ravel()

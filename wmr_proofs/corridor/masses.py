@@ -1,0 +1,328 @@
+"""Corridor of a law on a scenario, of all masses that its guard counts on where they are cut up.
+
+Where there is none: the share of pushes and errors with which there is one.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from copy import copy
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from typing import TypeAlias
+
+import numpy as np
+
+from wmr_ctrl.control.guard.bounds import mass_range
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.core.fields.units import rounded
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
+from wmr_ctrl.theory.corridor.answer import ALONE, Corridor
+from wmr_ctrl.world.pose_sensor import PoseSensor
+from wmr_ctrl.world.scenario import Change, override
+from wmr_proofs.corridor.certificate import Certifier
+from wmr_proofs.corridor.enclosure import OpenBoxError
+from wmr_proofs.corridor.inputs import Inputs, NoCorridorError, at_first, without_pose
+from wmr_proofs.corridor.loop import BODY
+from wmr_proofs.corridor.peaks import Tube
+
+Body: TypeAlias = "tuple[float | None, float | None]"
+"""Mass and inertia."""
+MOST_COURSES = 64
+"""Courses of mass and inertia that a whole run with changes is followed for."""
+MOST_CELLS = 16
+"""Cells of masses up to which what closes with less is tried in each."""
+SHARES = 12
+"""Halvings in the search for the inputs with which a corridor closes."""
+
+
+def certified(setup: Setup, *, closing: bool = True) -> Corridor:
+    """The Corridor of a setup, or why it has none; with cells, of all masses in them.
+
+    ``closing``: where there is none, search for the share of inputs with which there is one.
+    """
+    until = min((item.t for item in setup.scenario.changes), default=None)
+    known = Corridor(
+        setup.name,
+        until=until,
+        mass=setup.scenario.robot.m,
+        late=at_first(setup, run=False),
+    )
+    tubes, linear, cells = list[Tube](), 0.0, list[tuple[Setup, Floats]]()
+    here = ""
+    try:
+        cells = mass_cells(setup)
+        for cell, widths in cells:
+            here = f"with M = {cell.scenario.robot.m:.3g} kg " if widths.any() else ""
+            with refused_open("the undisturbed loop cannot be enclosed"):
+                certifier = Certifier(cell)
+            inputs = replace(certifier.inputs, body=widths)
+            known = with_inputs(known, inputs, first=not tubes)
+            linear = max(linear, certifier.linear_position)
+            known = replace(known, linear=linear)
+            tubes.append(_certified_tube(certifier, inputs, closing))
+    except NoCorridorError as error:
+        closes, alone, none = _of_all_cells(cells, error) if here else (error.closes, False, "")
+        return replace(
+            known, refused=f"{here}{error}{none}", closes=closes, near=error.near, alone=alone,
+            start=setup.scenario.corridor.start, masses=mass_ranges(setup) if here else None,
+        )  # fmt: skip
+    worst = max(tubes, key=lambda tube: tube.share)
+    return replace(
+        known,
+        position=max(tube.position for tube in tubes),
+        position_late=max(tube.position_late for tube in tubes),
+        start=setup.scenario.corridor.start,
+        heading=max(tube.heading for tube in tubes),
+        binding=worst.binding,
+        share=worst.share,
+        masses=mass_ranges(setup) if cells[0][1].any() else None,
+    )
+
+
+def _of_all_cells(
+    cells: Sequence[tuple[Setup, Floats]], error: NoCorridorError
+) -> tuple[float | None, bool, str]:
+    """Share of the inputs with which each cell closes, at most that of the refused one.
+
+    That of the refused cell alone, and True, where others were not tried; None, False and a clause
+    where one has none.
+    """
+    share = error.closes
+    if share is None or error.near != 1 or len(cells) > MOST_CELLS:
+        return share, share is not None, ""
+    for cell, widths in cells:
+        certifier = Certifier(cell)
+        inputs = replace(certifier.inputs, body=widths)
+        least = _least_closed(certifier, inputs, share)
+        if least is None:
+            mass = f"{cell.scenario.robot.m:.3g}"
+            return None, False, f"; with M = {mass} kg there is none even with less of pushes"
+        share = least
+    return share, False, ""
+
+
+def _least_closed(certifier: Certifier, inputs: Inputs, share: float) -> float | None:
+    """The share of the inputs where it closes with it, else the largest below that does."""
+    try:
+        certifier.tube(inputs.scaled(share))
+    except NoCorridorError:
+        less = _largest(lambda x: certifier.tube(inputs.scaled(x * share)))
+        return None if less is None else less * share
+    return share
+
+
+def mass_ranges(setup: Setup) -> tuple[tuple[float, float], ...]:
+    """Intervals of mass and inertia that the guard counts on [kg, kg m2]."""
+    return tuple(mass_range(setup.guard, i) for i in (0, 1))
+
+
+@contextmanager
+def refused_open(text: str) -> Iterator[None]:
+    """NoCorridorError with a text where an enclosure stays open."""
+    try:
+        yield
+    except OpenBoxError as error:
+        raise NoCorridorError(f"{text} ({error})") from error
+
+
+def with_inputs(known: Corridor, inputs: Inputs, *, first: bool) -> Corridor:
+    """With the sizes of a cell's inputs; NoCorridorError where its push is not the first cell's."""
+    push = float(max(inputs.push))
+    if not first and push != known.push:
+        raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
+    v, w = map(float, inputs.velocity)
+    errors = replace(known, pose=inputs.pose, velocity=(v, w), missing=inputs.missing)
+    return replace(errors, push=push)
+
+
+def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
+    """The setup by cells of mass and inertia, each with its half-widths [kg, kg m2].
+
+    One of no width without ``corridor.cells``, else the guard's intervals cut up alike.
+    """
+    scenario, count = setup.scenario, setup.scenario.corridor.cells
+    if not count or not scenario.guard.enabled:
+        return [(setup, np.zeros(COMMAND))]
+    check_within(setup)
+    middles, widths = _cells(setup, count)
+    pairs = product(*middles.tolist())
+    return [(_with_robots(setup, [(m, I)]), widths) for m, I in pairs]
+
+
+def _cells(setup: Setup, count: int) -> tuple[Floats, Floats]:
+    """Middles (2, count) of equal parts of the guard's intervals, and their half-widths (2)."""
+    ranges = np.array(mass_ranges(setup))
+    widths = (ranges[:, 1] - ranges[:, 0]) / (2 * count)
+    middles = ranges[:, :1] + widths[:, None] * (2 * np.arange(count) + 1)
+    return middles, widths * (1 + 1e-12)
+
+
+def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
+    """The same for a whole run: a change of mass or inertia leads from any cell to any other.
+
+    NoCorridorError for more courses than are followed.
+    """
+    count, changes = setup.scenario.corridor.cells, setup.scenario.changes
+    if not count or not setup.scenario.guard.enabled or not changes:
+        return mass_cells(setup)
+    check_within(setup)
+    moves = 1 + sum(map(changes_body, changes))
+    total = count ** (2 * moves)
+    if total > MOST_COURSES:
+        raise NoCorridorError(
+            f"corridor.cells = {count} with changes makes {total} courses of mass and inertia, "
+            f"and {MOST_COURSES} are followed at most"
+        )
+    middles, widths = _cells(setup, count)
+    courses = product(product(*middles.tolist()), repeat=moves)
+    return [(_with_robots(setup, _course(changes, bodies)), widths) for bodies in courses]
+
+
+def changes_body(change: Change) -> bool:
+    """Whether a change is one of mass or inertia: with cells it is one of both."""
+    return change.m is not None or change.I is not None
+
+
+def check_within(setup: Setup) -> None:
+    """NoCorridorError where the scenario's robot has a mass that the guard does not count on."""
+    scenario = setup.scenario
+    robots = [scenario.robot, *scenario.changes]
+    for name, (low, high) in zip(("m", "I"), mass_ranges(setup), strict=True):
+        for size in (getattr(robot, name) for robot in robots):
+            if size is not None and not low <= size <= high:
+                raise NoCorridorError(
+                    f"the robot has {name} = {size:g} at some time, which is not within {low:g} to "
+                    f"{high:g}, all that guard and corridor.cells count on: widen the guard's "
+                    "masses, or set cells = 0"
+                )
+
+
+def _course(changes: Sequence[Change], bodies: Sequence[Body]) -> list[Body]:
+    """Mass and inertia at first and after each change, None where it changes neither."""
+    first, *later = bodies
+    left = iter(later)
+    return [first, *(next(left) if changes_body(item) else (None, None) for item in changes)]
+
+
+def _with_robots(setup: Setup, robots: Sequence[Body]) -> Setup:
+    """The setup whose robot has such masses and inertias, and believes what it did."""
+    scenario = setup.scenario
+    (m, I), *later = robots
+    changes = tuple(
+        replace(item, m=mass, I=inertia)
+        for item, (mass, inertia) in zip(scenario.changes, later, strict=False)
+    )
+    believed = {f"model.{key}": getattr(scenario.believed, key) for key in ("m", "I", "mu")}
+    other = override(scenario, {**believed, BODY[0]: m, BODY[1]: I})
+    return settle(replace(other, changes=changes or scenario.changes), setup.name)
+
+
+def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube:
+    try:
+        return certifier.tube(inputs)
+    except NoCorridorError as error:
+        closes, near = _closing(certifier, inputs) if closing else (None, 1.0)
+        others = _others(certifier, inputs) if closing and closes is None else ""
+        if closing and closes is not None and (oftener := _oftener(certifier, inputs)):
+            others = f"; it closes with {oftener}"
+        raise NoCorridorError(f"{error}{others}", closes, near) from error
+
+
+def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]:
+    """Largest shares of inputs and of the start, of those tried, with which there is a corridor.
+
+    A share of the start with all inputs; where there is none, from the path, a share of these.
+    """
+    if not certifier.gains.starts:
+        return _largest(lambda share: certifier.tube(inputs.scaled(share))), 1.0
+    near = _largest(lambda share: _nearer(certifier, share).tube(inputs))
+    if near is not None:
+        return 1.0, near
+    alone = _nearer(certifier, 0.0)
+    return _largest(lambda share: alone.tube(inputs.scaled(share))), 0.0
+
+
+def _others(certifier: Certifier, inputs: Inputs) -> str:
+    """Smaller numbers stated elsewhere with which there is one, where no share of inputs has.
+
+    Of many cells the refused one alone is tried, around its own middle.
+    """
+    which = "it"
+    result, tried = list[str](), ["pushes and errors"] * inputs.any
+    if inputs.body.any():
+        tried.append("the cells' widths")
+        share = _largest(lambda x: certifier.tube(replace(inputs, body=x * inputs.body)))
+        if share is not None:
+            count = math.ceil(certifier.loop.setup.scenario.corridor.cells / share)
+            enough = _enough_cells(certifier.loop.setup, count)
+            which = ALONE if enough is None else "it"
+            narrow = f"cells as narrow as those of corridor.cells = {count}"
+            result.append(narrow if enough is None else f"corridor.cells = {enough}")
+    tried += ["the samples without a pose"] * bool(inputs.missing)
+    result += [fewer for fewer in [_oftener(certifier, inputs)] if fewer]
+    if inputs.dead.any() or inputs.command.any():
+        tried.append("base.deadband and base.quantum")
+        share = _largest(lambda x: certifier.tube(inputs.hearing(x)))
+        if share is not None:
+            result.append(f"{rounded(share, 2, up=False)} times base.deadband and base.quantum")
+    if result:
+        return f"; {which} closes with {', or with '.join(result)}"
+    return f"; nor is there one with 1/{2**SHARES} of {', or of '.join(tried)}" if tried else ""
+
+
+def _enough_cells(setup: Setup, count: int) -> int | None:
+    """So many parts or a few more, up to MOST_CELLS, with which all close; None if unknown."""
+    for parts in range(count, math.isqrt(MOST_CELLS) + 1):
+        finer = settle(override(setup.scenario, {"corridor.cells": parts}), setup.name)
+        with suppress(NoCorridorError):
+            for cell, widths in mass_cells(finer):
+                certifier = Certifier(cell)
+                certifier.tube(replace(certifier.inputs, body=widths))
+            return parts
+    return None
+
+
+def _oftener(certifier: Certifier, inputs: Inputs) -> str:
+    """Settings with fewer samples without a pose with which it closes; empty where none does."""
+    if not inputs.missing:
+        return ""
+
+    def most(without: Callable[[int], int], largest: int) -> int | None:
+        share = _largest(
+            lambda x: certifier.tube(replace(inputs, missing=without(int(x * largest))))
+        )
+        return None if share is None else int(share * largest)
+
+    scenario = certifier.loop.setup.scenario
+    lossless = ["sensor.pose_dropout = 0"] * (scenario.section(PoseSensor).pose_dropout > 0)
+    if lossless:
+        few = most(partial(without_pose, scenario), scenario.corridor.losses)
+        if few is not None:
+            return f"corridor.losses = {few}" if few else lossless[0]
+    few = most(int, without_pose(scenario, 0))
+    if few is None:
+        return ""
+    period = f"sensor.pose_period = {(1 + few) * scenario.clock.control:g}"
+    return " and ".join([*lossless, period])
+
+
+def _nearer(certifier: Certifier, share: float) -> Certifier:
+    """The same from a share of its start."""
+    other = copy(certifier)
+    other.gains = certifier.gains.nearer(share)
+    return other
+
+
+def _largest(closed: Callable[[float], object]) -> float | None:
+    """Largest of some shares with which something closes, None where none does."""
+    low, high = 0.0, 1.0
+    for _ in range(SHARES):
+        middle = (low + high) / 2
+        try:
+            closed(middle)
+            low = middle
+        except NoCorridorError:
+            high = middle
+    return low or None

@@ -1,0 +1,70 @@
+"""Overlap: while a command takes over, the one before it may still act, wholly or in part.
+
+Behind drives with jitter either of the two acts for some plant steps; behind a ramp of the firmware
+what acts is on its way from the one to the other (ledger: corridor.jitter, corridor.ramp).  What is
+taken to act is a mean of both, and by how much it is off follows from their difference.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
+from wmr_ctrl.world.scenario import Scenario
+
+ROOM = 1.5
+"""Of the linear loop's largest change of commands, for which a ramp's plant steps are counted."""
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Of each plant step after a command's arrival, as long as there is any.
+
+    ``share`` (n): of the earlier command in what is taken to act; ``off`` (n, 2): by which share of
+    the change that is off at most; ``most`` (2): the largest change for which this holds.
+    """
+
+    share: Floats
+    off: Floats
+    most: Floats
+
+    @property
+    def steps(self) -> int:
+        """Number of plant steps."""
+        return len(self.share)
+
+
+ALONE = Overlap(np.zeros(0), np.zeros((0, COMMAND)), np.full(COMMAND, np.inf))
+"""Each command acts at once."""
+
+
+def jitter_overlap(scenario: Scenario) -> Overlap:
+    """Either command acts until the jitter is over: their mean, and half of the change."""
+    steps = int(np.floor(scenario.actuator.jitter / scenario.clock.plant + 0.5))
+    return Overlap(np.full(steps, 0.5), np.full((steps, COMMAND), 0.5), np.full(COMMAND, np.inf))
+
+
+def ramps(scenario: Scenario) -> bool:
+    """True where the firmware limits the acceleration."""
+    return bool(np.isfinite([*scenario.base.accel, *scenario.base.decel]).any())
+
+
+def ramp_overlap(scenario: Scenario, changes: Floats) -> Overlap:
+    """Rest that a ramp leaves of changes of up to some room above ``changes`` (2).
+
+    In a plant step h it takes a h at least, but in one in which it stops at 0: of a change D is
+    left D - p a h at most in the p-th, which is D (1 - p/L) or less for D <= L a h.
+    """
+    base, clock = scenario.base, scenario.clock
+    reach = clock.plant * np.minimum(base.accel, base.decel) * (1 - 1e-12)
+    off, most = np.zeros((clock.substeps - 1, COMMAND)), np.full(COMMAND, np.inf)
+    for i in range(COMMAND):
+        if not math.isfinite(reach[i]):
+            continue
+        heard = base.quantum[i] + 2 * base.deadband[i]
+        count = min(1 + math.ceil((ROOM * changes[i] + heard) / reach[i]), clock.substeps - 1)
+        off[:count, i] = 1 - np.arange(count) / count
+        most[i] = max(count * reach[i] - heard, 0.0) * (1 - 1e-12)
+    steps = int(np.count_nonzero(off.any(axis=1)))
+    return Overlap(np.zeros(steps), off[:steps] * (1 + 1e-15), most)

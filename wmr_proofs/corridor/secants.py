@@ -1,0 +1,68 @@
+"""Secants: linear parts of a graph over boxes about points, and what they leave, at many places.
+
+Where friction turns over, slopes at a point say little about a box.  There an affine form of the
+graph over the box (`wmr_proofs.corridor.affine`) serves instead: f(x) = c + S (x - x_c) + off, with
+|off| <= r on the box.  With ``off`` known at the undisturbed point x_0, f(x_0 + d) is f(x_0) + S d
+and at most r and the size of that beside.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_proofs.corridor.affine import AffineGraph
+from wmr_proofs.corridor.loop import UP
+from wmr_proofs.corridor.midradius import MidRadius
+from wmr_proofs.corridor.motion import MovingCurve
+
+LEAST = 1e-9
+"""Half-width of a box that would have less, so that there is a slope."""
+
+
+@dataclass(frozen=True)
+class Secants:
+    """Of C boxes: ``slopes`` (C, outputs, n), for deviations up to ``wide`` (C, n) from any point.
+
+    ``left`` (C, outputs): sizes of what they leave.
+    """
+
+    slopes: MidRadius
+    left: Floats
+    wide: Floats
+
+
+class SecantCurve:
+    """The affine forms of a graph of variables and numbers."""
+
+    def __init__(self, curve: MovingCurve) -> None:
+        """Read the graph."""
+        self.count = curve.by.numel()
+        self._graph = AffineGraph(ca.vertcat(curve.by, curve.numbers), curve.output)
+
+    def over(
+        self, by: MidRadius, numbers: MidRadius, wide: Floats, points: Floats, values: Floats
+    ) -> Secants:
+        """Over boxes ``wide`` (C, n) about spans ``by`` (C, n), under ``numbers`` (C, m).
+
+        ``points`` (C, P, n) are those of the undisturbed loop, ``values`` (C, P, outputs) what the
+        graph makes of them.
+        """
+        n = self.count
+        wide = wide + LEAST
+        center = np.hstack([by.middle, numbers.middle])
+        parts = (by.radius + wide, by.middle), (numbers.radius, numbers.middle)
+        radius = np.hstack([np.broadcast_to(one, like.shape) for one, like in parts])
+        forms = self._graph(center, radius)
+        L = np.abs(forms.L)
+        slopes = forms.L[:, :, :n] / radius[:, None, :n]
+        left = forms.r + 1e-15 * (forms.size + L[:, :, :n].sum(axis=2)) + L[:, :, n:].sum(axis=2)
+        middle = forms.c
+        away = points - by.middle[:, None]
+        linear = np.einsum("cij,cpj->cpi", slopes, away)
+        size = np.einsum("cij,cpj->cpi", np.abs(slopes), np.abs(away)) + np.abs(middle)[:, None]
+        off = np.abs(values - middle[:, None] - linear) + 1e-13 * (size + np.abs(values))
+        return Secants(
+            MidRadius(slopes, np.zeros_like(slopes)), (left + off.max(axis=1)) * UP, wide
+        )

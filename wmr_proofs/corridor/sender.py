@@ -1,0 +1,67 @@
+"""Loop of a base that takes velocities: what is sent to it, and the base, where nothing cuts.
+
+What is sent is the graph that the controller is made from, without its filter (ledger:
+corridor.filter); the base is its plant step without what `idle_base` leaves out, each of which is a
+condition on what is sent, or a bounded error of it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.control.filter.filter import passing_commands
+from wmr_ctrl.control.laws.law import Inside
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.velocity import SentVelocity
+from wmr_ctrl.core.signals import ASKED, TORQUE
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.checks.surroundings import idle_base
+from wmr_ctrl.world.model.dynamics import force_to_wheel
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System
+from wmr_ctrl.world.phases import drag
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loop_pi import INTEGRAL
+from wmr_proofs.corridor.condition import Asked, Condition
+
+
+def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condition]]:
+    """The command sent by a law away from its limits, and the conditions for no limit to cut it."""
+    core = law.system
+    plain = settle(idle_base(setup.scenario), setup.name)
+    sender = SentVelocity(plain, core, Parameters(plain, core.params), core.outputs[0].expr)
+    limits = [] if core.outputs[0].signal == ASKED else asked(core.outputs[0].expr, sender.v)
+    system = replace(sender.system(), outputs=(Output(ASKED, sender.asked),), diagnostics=())
+    return system, [*limits, *_passing(setup, sender.asked)]
+
+
+def _passing(setup: Setup, command: ca.SX) -> Iterator[Condition]:
+    """That the filter and the firmware leave a command (2,) as it is."""
+    scenario = setup.scenario
+    for name, row, most in passing_commands(scenario):
+        yield Condition(f"the filter's limit ({name})", row[0] * command[0] + row[1] * command[1],
+                        ca.SX(most))  # fmt: skip
+    if np.isfinite(scenario.base.w_max):
+        base = scenario.base
+        off = base.quantum[0] / 2 + base.deadband[0]
+        off += scenario.robot.l * (base.quantum[1] / 2 + base.deadband[1])
+        rim = (scenario.robot.r * base.w_max - off) * (1 - 1e-15)
+        for side, way in (("right", 1), ("left", -1)):
+            speed = command[0] + way * scenario.robot.l * command[1]
+            yield Condition(f"the firmware's limit of the {side} wheel's speed", speed, ca.SX(rim))
+
+
+def balanced(scenario: Scenario, state: tuple[Port, ...], v_d: Floats) -> Floats:
+    """A base's own state while it drives at ``v_d`` (2): it gives what friction takes."""
+    robot = scenario.robot
+    force = drag(robot, np.asarray(v_d))[:, 0]
+    torque = np.asarray(
+        ca.evalf(force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), ca.SX(ca.DM(force)))), dtype=float
+    ).ravel()
+    known = {INTEGRAL: force}
+    return np.concatenate([
+        np.zeros(0),
+        *(torque if item.signal.unit == TORQUE[0].unit else known.get(item.signal, item.value)
+          for item in state),
+    ])  # fmt: skip

@@ -1,0 +1,190 @@
+"""Corridor of a law over a scenario's whole run, along any path, with what the robot changes."""
+
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.corridor.answer import Corridor
+from wmr_ctrl.world.references.kind import reference
+from wmr_proofs.corridor.along import Along
+from wmr_proofs.corridor.inputs import (
+    Inputs,
+    NoCorridorError,
+    at_first,
+    bounded_inputs,
+    check_covered,
+)
+from wmr_proofs.corridor.instant import RunBounds
+from wmr_proofs.corridor.late_guard import counts_late
+from wmr_proofs.corridor.masses import (
+    changes_body,
+    mass_courses,
+    mass_ranges,
+    refused_open,
+    with_inputs,
+)
+from wmr_proofs.corridor.overlap import ramps
+from wmr_proofs.corridor.passage import Passing
+
+OPEN = "the undisturbed loop cannot be followed"
+BY_START = "; corridor.start alone is too large for it, also without pushes and errors"
+LEAST = 8
+"""Most halvings of pushes and errors that are tried where all of them have no corridor."""
+BEYOND, EARLY = 1.0, 0.25
+"""Seconds for which they are followed after what may stop them; share of the run that is early."""
+
+
+def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
+    """The Corridor of a setup over the run of its scenario; with cells, of all masses in them.
+
+    ``closing``: where there is none, search for the share of inputs with which there is one.
+    """
+    scenario, cells = setup.scenario, list[tuple[Setup, Floats]]()
+    known = Corridor(
+        setup.name,
+        run=scenario.clock.duration,
+        mass=scenario.robot.m,
+        late=at_first(setup, run=True),
+    )
+    result: list[tuple[Along, RunBounds]] = []
+    here = ""
+    try:
+        check_covered(setup)
+        if reference(scenario).x.numel():
+            raise NoCorridorError("a reference that has a state of its own is not covered")
+        if scenario.actuator.jitter > 0 or (setup.takes_velocity and ramps(scenario)):
+            name = "base.accel" if setup.takes_velocity else "actuator.jitter"
+            raise NoCorridorError(f"{name} is not covered over a whole run: leave it out")
+        if counts_late(setup):
+            raise NoCorridorError(
+                "a guard that counts late commands is not covered over a whole run: leave out what "
+                "makes them late, or set guard.enabled = false"
+            )
+        cells = mass_courses(setup)
+        for cell, widths in cells:
+            here = f"with M = {cell.scenario.robot.m:.3g} kg " if widths.any() else ""
+            inputs = replace(bounded_inputs(cell), body=widths)
+            if inputs.missing:
+                raise NoCorridorError(
+                    "[sensor]: poses that are rare or lost are not covered over a whole run: leave "
+                    "out sensor.pose_period and sensor.pose_dropout"
+                )
+            known = with_inputs(known, inputs, first=not result)
+            with np.errstate(over="ignore", invalid="ignore"):  # what is no number is refused
+                result.append(_passed(cell, inputs, closing))
+    except NoCorridorError as error:
+        masses = mass_ranges(setup) if here else None
+        return replace(
+            known, refused=f"{here}{error}", closes=error.closes, masses=masses,
+            alone=len(cells) > 1,
+        )  # fmt: skip
+    along, passage = max(result, key=lambda item: float(item[1].share.max()))
+    worst = int(passage.share.argmax())
+    every = [item for _, item in result]
+    courses = np.array([[item.position, item.heading] for item in every]).max(axis=0)
+    return replace(
+        known,
+        course=courses,
+        position=_most(item.position for item in every),
+        position_late=_most(item.position[len(item.position) // 2 :] for item in every),
+        linear=_most(item.linear for item in every),
+        heading=_most(item.heading for item in every),
+        start=scenario.corridor.start,
+        binding=along.loop.conditions[passage.binding[worst]].name,
+        share=float(passage.share[worst]),
+        masses=mass_ranges(setup) if cells[0][1].any() else None,
+        anew=any(map(changes_body, scenario.changes)),
+    )
+
+
+def _most(courses: Iterable[Floats]) -> float:
+    return max(float(course.max()) for course in courses)
+
+
+def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBounds]:
+    start = np.array(setup.scenario.corridor.start)
+    with refused_open(OPEN):
+        along = Along(setup)
+    passing = Passing(along, inputs, start)
+    try:
+        return along, _followed(passing)
+    except NoCorridorError as error:
+        early = start.any() and passing.tried <= along.memory
+        if early and not _passes(along, inputs.scaled(0.0), start, passing.tried):
+            raise NoCorridorError(f"{error}{BY_START}") from error
+        closes = _closing(passing, start) if closing else None
+        less = _hearing(passing, start) if closing and closes is None else ""
+        raise NoCorridorError(f"{error}{less}", closes) from error
+
+
+def _followed(passing: Passing, until: int | None = None) -> RunBounds:
+    with refused_open(OPEN):
+        return passing.run(until)
+
+
+def _closing(refused: Passing, start: Floats) -> float | None:
+    """The first half, quarter, eighth, ... of the inputs with which there is a corridor.
+
+    If the half has none, the others are bisected, as if there were one with all that is less.  They
+    are tried about the robot's changes, begun there without deviations, which takes little time,
+    and about what all of them were refused for, unless that was EARLY.  What passes there is
+    followed over the whole run; where that is refused twice at a place, they are tried there.
+    """
+    along, inputs = refused.along, refused.inputs
+    early = refused.tried < EARLY * len(along.states)
+    critical = [*([] if early else [refused.tried]), *along.motion.moved]
+    best, lost = _least(refused, start, critical, 1), list[int]()
+    while best is not None:
+        passing = Passing(along, inputs.scaled(0.5**best), start)
+        try:
+            _followed(passing)
+        except NoCorridorError:
+            near = round(BEYOND / along.setup.scenario.clock.control)
+            again = [passing.tried] if any(abs(k - passing.tried) < near for k in lost) else []
+            best = _least(refused, start, again, best + 1)
+            lost.append(passing.tried)
+        else:
+            return 0.5**best
+    return None
+
+
+def _least(refused: Passing, start: Floats, places: list[int], halved: int) -> int | None:
+    """Fewest halvings, at least so many, with which a passage about each of some samples passes."""
+    along, inputs = refused.along, refused.inputs
+    for k in places if inputs.any else ():
+        most, trial = LEAST + 1, halved
+        while halved < most:
+            if _passes(along, inputs.scaled(0.5**trial), start, k):
+                most = trial
+            else:
+                halved = trial + 1
+            trial = (halved + most) // 2
+    return halved if inputs.any and halved <= LEAST else None
+
+
+def _hearing(refused: Passing, start: Floats) -> str:
+    """Part of dead band and quantum that has a corridor, where no share of the inputs has one."""
+    along, inputs = refused.along, refused.inputs
+    tried = [f"1/{2**LEAST} of pushes and errors"] * inputs.any
+    if inputs.dead.any() or inputs.command.any():
+        for halved in range(1, LEAST + 1):
+            with suppress(NoCorridorError):
+                _followed(Passing(along, inputs.hearing(0.5**halved), start))
+                return f"; it closes with 1/{2**halved} of base.deadband and base.quantum"
+        tried.append(f"1/{2**LEAST} of base.deadband and base.quantum")
+    return f"; nor is there one with {' or with '.join(tried)}" if tried else ""
+
+
+def _passes(along: Along, inputs: Inputs, start: Floats, k: int) -> bool:
+    """True where a passage about a sample is not refused."""
+    beyond = round(BEYOND / along.setup.scenario.clock.control)
+    passing = Passing(along, inputs, start, max(0, k - along.memory))
+    try:
+        _followed(passing, k + beyond)
+    except NoCorridorError:
+        return False
+    return True

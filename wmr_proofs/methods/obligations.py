@@ -1,0 +1,59 @@
+"""The queries that a verdict of z3 rests on, as SMT-LIB 2 text for any other solver."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import z3
+
+from wmr_proofs.methods.smt import Problem, posed
+from wmr_proofs.methods.spec import Z3, Both, Method
+from wmr_proofs.statement import Statement
+
+COMMANDS = frozenset({"assert", "echo", "exit", "pop", "push", "reset"})
+"""Words of the language that may be a symbol's name here; z3 alone reads them as one."""
+
+
+@dataclass(frozen=True)
+class Obligation:
+    """One query: a name, its text in SMT-LIB 2, and the answer that the claim needs."""
+
+    name: str
+    text: str
+    wanted: str
+
+
+def obligations(
+    statement: Statement, point: Mapping[str, str] | None = None
+) -> Iterator[Obligation]:
+    """Each goal and each domain, to be unsatisfiable; the hypotheses alone, to be satisfiable.
+
+    Those are asked at ``point``, exact rationals as text, if one is given.
+    """
+    problem = posed(statement)
+    for kind, terms in (("goal", problem.wrong), ("domain", problem.undefined)):
+        for number, term in enumerate(terms, 1):
+            yield Obligation(f"{kind}-{number}", _text(problem, term), "unsat")
+    inputs, context = problem.terms.inputs, problem.terms.context
+    pinned = [
+        inputs[name] == z3.RealVal(value, context)
+        for name, value in (point or {}).items()
+        if name in inputs and not value.endswith("pi")
+    ]
+    here = z3.And(z3.BoolVal(True, context), *pinned)
+    yield Obligation("hypotheses", _text(problem, here), "sat")
+
+
+def _text(problem: Problem, term: Any) -> str:
+    context, inputs = problem.terms.context, problem.terms.inputs
+    renamed = [(inputs[n], z3.Real(f"{n} (symbol)", context)) for n in COMMANDS & set(inputs)]
+    solver = z3.Solver(ctx=context)
+    solver.add(*(z3.substitute(known, *renamed) for known in (*problem.base, term)))
+    return f"(set-logic QF_NRA)\n{solver.to_smt2()}"
+
+
+def uses_z3(method: Method | None) -> bool:
+    """True if a verdict of this method rests on z3."""
+    return isinstance(method, Z3) or (
+        isinstance(method, Both) and (uses_z3(method.first) or uses_z3(method.second))
+    )

@@ -1,0 +1,326 @@
+"""Z3: the graph as terms over the reals, roots and sines by their relations, the rest opaque.
+
+A goal means something only where its operations are defined: a quotient needs a denominator that is
+not 0, a logarithm a positive argument, a root one that is not negative, wherever the goal reads
+them; the untaken side of a choice asks for nothing.
+"""
+
+from collections.abc import Callable, Container, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import reduce
+from itertools import chain
+from math import atan2
+from operator import mul
+from typing import Any
+
+import z3
+
+from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
+from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
+from wmr_proofs.methods.point import first_violation, judge
+from wmr_proofs.methods.portfolio import Answer, ask, other_models
+from wmr_proofs.methods.spec import Z3, Finding, Point
+from wmr_proofs.relation import ABOVE, EQUAL
+from wmr_proofs.statement import Statement, behind
+
+
+class TermArithmetic(Arithmetic):
+    """z3 terms; ``facts`` collects what is known about roots, sines and exponentials.
+
+    They live in a context of their own: z3 orders terms by their number, so that in a common one
+    what it finds, and when, would hang on all that was asked before.
+    """
+
+    def __init__(self) -> None:
+        self.context = z3.Context()
+        self.inputs: dict[str, Any] = {}
+        self.facts: list[Any] = []
+        self.atoms: dict[tuple[str, Any], Any] = {}
+        self.inverses: dict[int, tuple[Any, Any]] = {}
+
+    def constant(self, value: float) -> Any:
+        """The double, exactly."""
+        exact = Fraction(value)
+        return z3.RealVal(f"{exact.numerator}/{exact.denominator}", self.context)
+
+    def variable(self, name: str) -> Any:
+        """One real variable per input."""
+        return self.inputs.setdefault(name, z3.Real(name, self.context))
+
+    def apply(self, op: str, args: list[Any]) -> Any:
+        """Term of an operation."""
+        call = _OPERATIONS.get(op) or getattr(self, f"_{op}", None)
+        if call is None:
+            raise UndecidedError(f"no term for {op} is known")
+        return call(*args)
+
+    def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> Any:
+        """Term of a comparison."""
+        return COMPARE[op](left, right)
+
+    def logic(self, op: str, args: list[Any]) -> Any:
+        """Term of a connective."""
+        return z3.Not(args[0]) if op == "not" else (z3.And(*args) if op == "and" else z3.Or(*args))
+
+    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
+        """If-then-else."""
+        return z3.If(condition if z3.is_bool(condition) else condition != 0, yes, no)
+
+    def number(self, condition: Any) -> Any:
+        """1 or 0."""
+        return z3.If(condition, self.constant(1), self.constant(0))
+
+    def _inv(self, a: Any) -> Any:
+        term = 1 / a
+        self.inverses[term.get_id()] = (term, a)
+        return term
+
+    def _mul(self, a: Any, b: Any) -> Any:
+        """A product with an inverse as the quotient that it is: solvers are better at those."""
+        for one, other in ((a, b), (b, a)):
+            if other.get_id() in self.inverses:
+                return one / self.inverses[other.get_id()][1]
+        return a * b
+
+    def _sqrt(self, a: Any) -> Any:
+        root = self._atom("sqrt", a)
+        self.facts.append(z3.Implies(a >= 0, z3.And(root >= 0, root * root == a)))
+        return root
+
+    def _sign(self, a: Any) -> Any:
+        up, level, down = map(self.constant, (1, 0, -1))
+        return z3.If(a > 0, up, z3.If(a < 0, down, level))
+
+    def _sin(self, a: Any) -> Any:
+        return self._pair(a)[0]
+
+    def _cos(self, a: Any) -> Any:
+        return self._pair(a)[1]
+
+    def _pair(self, a: Any) -> tuple[Any, Any]:
+        s, c = self._atom("sin", a), self._atom("cos", a)
+        self.facts.append(s * s + c * c == 1)
+        return s, c
+
+    def _log(self, a: Any) -> Any:
+        return self._atom("log", a)
+
+    def _tanh(self, a: Any) -> Any:
+        found = self._atom("tanh", a)
+        known = (a > 0, found > 0), (a < 0, found < 0)
+        self.facts.extend([found < 1, found > -1, *(one == other for one, other in known)])
+        return found
+
+    def _exp(self, a: Any) -> Any:
+        found = self._atom("exp", a)
+        self.facts.append(found > 0)
+        return found
+
+    def _expm1(self, a: Any) -> Any:
+        found = self._atom("expm1", a)
+        self.facts.extend([found > -1, (a > 0) == (found > 0), (a < 0) == (found < 0)])
+        return found
+
+    def _atom(self, function: str, a: Any) -> Any:
+        term = z3.simplify(a)
+        return self.atoms.setdefault(
+            (function, term.sexpr()), z3.Real(f"{function} of {len(self.atoms)}", self.context)
+        )
+
+    def angles(self) -> Mapping[str, tuple[Any, Any]]:
+        """(sine, cosine) of every input that is used as an angle by itself."""
+        return {
+            name: (self.atoms["sin", name], self.atoms["cos", name])
+            for name in self.inputs
+            if ("sin", name) in self.atoms and ("cos", name) in self.atoms
+        }
+
+
+_OPERATIONS: dict[str, Callable[..., Any]] = {
+    **{name: call for name, call in ARITHMETIC.items() if name not in ("mul", "inv")},
+    "fabs": lambda a: z3.If(a >= 0, a, -a),
+    "fmin": lambda a, b: z3.If(a <= b, a, b),
+    "fmax": lambda a, b: z3.If(a >= b, a, b),
+    **dict.fromkeys(("constpow", "pow"), lambda a, b: _power(a, b)),
+}
+
+
+def _power(a: Any, b: Any) -> Any:
+    """A whole power as a product: SMT-LIB has no other."""
+    whole = z3.is_rational_value(b) and b.denominator_as_long() == 1
+    times = b.numerator_as_long() if whole else -1
+    if times < 0:
+        raise UndecidedError(f"no term for the power {b} is known")
+    return reduce(mul, [a] * times) if times else 1 + 0 * a
+
+
+def decide(statement: Statement, method: Z3) -> Finding:
+    """PROVED if no goal can fail or be undefined and the hypotheses can be met.
+
+    REFUTED by an exact point.
+    """
+    known = _fitting(statement, method.points)
+    found = first_violation(statement, known)
+    if found is not None:
+        return Finding(REFUTED, {"points tried": len(known)}, found)
+    try:
+        problem = posed(statement)
+    except UndecidedError as error:
+        return Finding(OPEN, {"not posed": str(error)})
+    answers: list[Answer] = []
+    for place, wrong in enumerate(problem.wrong):
+        terms = [*problem.base, wrong]
+        answers.append(ask(terms, method, place))
+        found = _broken_at(statement, problem, terms, answers[-1].model, method)
+        if found is None and answers[-1].word == "sat":  # maybe by what is not defined there
+            defined = [*terms, *map(z3.Not, problem.undefined)]
+            model = ask(defined, method, place).model
+            found = _broken_at(statement, problem, defined, model, method)
+        if found is not None:
+            return Finding(REFUTED, _evidence(answers), found)
+    if {answer.word for answer in answers} <= {"unsat"}:
+        return _unless_undefined_or_vacuous(statement, problem, method, answers)
+    return Finding(OPEN, _evidence(answers))
+
+
+def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
+    """Those of the points that have all that the graph reads."""
+    return [point for point in points if set(statement.graph.input_names) <= set(point)]
+
+
+def _evidence(answers: Sequence[Answer]) -> dict[str, Any]:
+    words = sorted({answer.word for answer in answers})
+    return {"queries": len(answers), "z3": " ".join(words), **_engines(answers)}
+
+
+def _engines(answers: Sequence[Answer]) -> dict[str, list[str]]:
+    """Engine of each question that the first did not close at once, if there are any."""
+    names = [answer.engine for answer in answers]
+    while names and not names[-1]:
+        names.pop()
+    return {"engines": names} if names else {}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A statement as terms: hypotheses, and the negation of each goal and domain."""
+
+    terms: TermArithmetic
+    base: list[Any]
+    wrong: list[Any]
+    undefined: list[Any]
+
+
+def posed(statement: Statement, but: Container[int] = ()) -> Problem:
+    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable.
+
+    ``but``: nodes that may be undefined.
+    """
+    terms = TermArithmetic()
+    walk = Walk(statement.graph, terms, lambda _: False)
+    values = walk.outputs()
+    goals = len(statement.goals)
+    given = [relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
+    wrong = [z3.Not(relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
+    undefined = list(violations(walk, goals, but))
+    return Problem(terms, given + terms.facts, wrong, undefined)
+
+
+def _unless_undefined_or_vacuous(
+    statement: Statement, problem: Problem, method: Z3, answers: list[Answer]
+) -> Finding:
+    base, goals, domains = problem.base, len(answers), len(problem.undefined)
+    known = {**_evidence(answers), "domains": domains}
+    for place, out in enumerate(problem.undefined, goals):
+        answers.append(ask([*base, out], method, place))
+    words = {answer.word for answer in answers[goals:]}
+    if not words <= {"unsat"}:
+        return Finding(OPEN, {**known, "undefined": " ".join(sorted(words))})
+    answers.append(ask(base, method, goals + domains))
+    if answers[-1].word != "sat":
+        return Finding(OPEN, {**known, "hypotheses": answers[-1].word})
+    met = _met(statement, problem.terms, base, answers[-1].model, method)
+    points = chain(_fitting(statement, method.points), met)
+    exact = (point for point in points if judge(statement, point)[0])
+    known |= {"hypotheses": "satisfiable", **_engines(answers)}
+    return Finding(PROVED, known, next(exact, None))
+
+
+def _broken_at(
+    statement: Statement, problem: Problem, terms: list[Any], model: Any, method: Z3
+) -> Point | None:
+    """The first exact counterexample among the points of models."""
+    return first_violation(statement, _met(statement, problem.terms, terms, model, method))
+
+
+def _met(
+    statement: Statement, arithmetic: TermArithmetic, terms: list[Any], model: Any, method: Z3
+) -> Iterator[Point]:
+    """Points of a model, if there is one, then of each engine's: some have roots, some do not."""
+    if model is None:
+        return
+    yield from _points(statement, arithmetic, model)
+    for other in other_models(terms, method):
+        yield from _points(statement, arithmetic, other)
+
+
+def relation(kind: str, value: Any) -> Any:
+    """Term of a value compared with 0."""
+    return value == 0 if kind == EQUAL else (value > 0 if kind == ABOVE else value >= 0)
+
+
+def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Iterator[Point]:
+    """A model as rational points; angles from their sine and cosine."""
+
+    def rational(term: Any) -> Fraction:
+        value = model.eval(term.translate(model.ctx), model_completion=True)
+        return (value.approx(40) if z3.is_algebraic_value(value) else value).as_fraction()
+
+    point = {name: rational(variable) for name, variable in arithmetic.inputs.items()}
+    for name, (s, c) in arithmetic.angles().items():
+        point[name] = Fraction(atan2(float(rational(s)), float(rational(c))))
+    yield {name: point.get(name, Fraction(0)) for name in statement.graph.input_names}
+
+
+OUTSIDE: dict[str, Callable[..., Any]] = {
+    "div": lambda _, below: below == 0,
+    "inv": lambda below: below == 0,
+    "log": lambda a: a <= 0,
+    "sqrt": lambda a: a < 0,
+}
+"""By operation, where its result is not defined."""
+
+
+def violations(walk: Walk, goals: int, but: Container[int] = ()) -> Iterator[Any]:
+    """Terms, each true where one operation behind the first ``goals`` outputs is undefined."""
+    guards = _guards(walk, goals)
+    for k, guard in guards.items():
+        node = walk.graph.nodes[k]
+        if node.op in OUTSIDE and k not in but:
+            outside = z3.simplify(OUTSIDE[node.op](*(walk.values[arg] for arg in node.args)))
+            if not z3.is_false(outside):
+                yield z3.And(guard, outside)
+
+
+def _guards(walk: Walk, goals: int) -> dict[int, Any]:
+    """Conditions under which each node that a goal needs is read."""
+    guards: dict[int, Any] = {
+        k: z3.BoolVal(True, walk.values[k].ctx) for k in walk.graph.outputs[:goals]
+    }
+    for k in range(len(walk.graph.nodes) - 1, -1, -1):
+        if k not in guards:
+            continue
+        node = walk.graph.nodes[k]
+        args = node.args if node.op != "input" else behind(walk.graph, k)
+        conditions = [guards[k]] * len(args)
+        if node.op == "choose":
+            truth = walk.truth(args[0])
+            conditions[1:] = z3.And(guards[k], truth), z3.And(guards[k], z3.Not(truth))
+        for arg, condition in zip(args, conditions, strict=True):
+            if arg not in guards:
+                guards[arg] = condition
+            elif not z3.is_true(guards[arg]):
+                either = condition if z3.is_true(condition) else z3.Or(guards[arg], condition)
+                guards[arg] = either
+    return guards

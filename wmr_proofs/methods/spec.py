@@ -1,0 +1,205 @@
+"""Proof methods as light values, so that claims load without the proving packages."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from fractions import Fraction
+from functools import cache
+from importlib import import_module
+from importlib.metadata import packages_distributions, version
+from itertools import chain
+from typing import Any, ClassVar
+
+from wmr_ctrl.results.ledger import OPEN, REFUTED
+from wmr_proofs.regions import Case
+from wmr_proofs.statement import Statement
+
+Point = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Verdict (PROVED, REFUTED or OPEN), counts of cases or boxes, and an exact point.
+
+    The point violates the statement where it is refuted, and satisfies its hypotheses where it is
+    proved (so that they are not empty).
+    """
+
+    verdict: str
+    evidence: Mapping[str, Any] = field(default_factory=dict)
+    point: Mapping[str, Fraction] | None = None
+
+
+@dataclass(frozen=True)
+class Method:
+    """Base: ``decide`` loads the engine, ``module.function``, when it is first needed."""
+
+    ENGINE: ClassVar[str] = ""
+    NAME: ClassVar[str] = ""
+    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
+
+    def decide(self, statement: Statement) -> Finding:
+        """PROVED, REFUTED with an exact counterexample, or OPEN."""
+        module, _, function = self.ENGINE.partition(".")
+        engine = vars(import_module(f"wmr_proofs.methods.{module}"))[function]
+        found: Finding = engine(statement, self)
+        return found
+
+
+@dataclass(frozen=True)
+class Ring(Method):
+    """Exact algebra over all cases.
+
+    ``fixed`` decides conditions ``... < constant`` by hypothesis; ``log_lemma`` allows
+    ln t <= t - 1 as the only fact about the logarithm; ``spare`` is the room for atoms; ``quick``
+    stops at the first case that an exact point refutes.
+    """
+
+    ENGINE: ClassVar[str] = "ring.decide"
+    NAME: ClassVar[str] = "RING"
+
+    cases: Sequence[Case] = (Case("all"),)
+    fixed: Mapping[float, bool] = field(default_factory=dict)
+    log_lemma: bool = False
+    spare: int = 5
+    quick: bool = False
+
+
+@dataclass(frozen=True)
+class Z3(Method):
+    """z3 on the graph: its engines for the reals, one after the other.
+
+    ``effort`` bounds each of them, in millions of z3's own units of work: what is found does not
+    depend on how busy a machine is.  A million takes half a second or less, as a rule; ``seconds``
+    bounds by the clock what counts little.  ``first`` names, for one question of the statement
+    after the other, the engine that closed it before, or none: it is asked before the others.
+    """
+
+    ENGINE: ClassVar[str] = "smt.decide"
+    NAME: ClassVar[str] = "Z3"
+    TRUSTED: ClassVar[tuple[str, ...]] = ("z3",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("z3", "flint")
+
+    effort: int = 60
+    seconds: float = 240
+    first: tuple[str, ...] = ()
+    points: Sequence[Point] = ()
+
+
+@dataclass(frozen=True)
+class Ball(Method):
+    """Interval and ball arithmetic with branch and bound over ``box`` (rational bounds per input).
+
+    ``float_mode`` encloses what IEEE double arithmetic computes for the same instructions;
+    ``cuts_at`` are coordinates where boxes are cut first; ``budget`` bounds the number of boxes.
+    """
+
+    ENGINE: ClassVar[str] = "ball.decide"
+    NAME: ClassVar[str] = "INTERVAL"
+
+    box: Mapping[str, tuple[Fraction, Fraction]] = field(default_factory=dict)
+    float_mode: bool = False
+    cuts_at: Mapping[str, Sequence[Fraction]] = field(default_factory=dict)
+    budget: int = 20000
+    split: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Table(Method):
+    """Every point of a finite table, doubles or rationals, each in exact or 300-bit arithmetic."""
+
+    ENGINE: ClassVar[str] = "point.decide_table"
+    NAME: ClassVar[str] = "POINT"
+
+    points: Callable[[], Sequence[Point]] = tuple
+
+
+@dataclass(frozen=True)
+class Refute(Method):
+    """Nothing but exact points: REFUTED by one of them, else OPEN."""
+
+    ENGINE: ClassVar[str] = "point.decide_points"
+    NAME: ClassVar[str] = "POINT"
+
+    points: Sequence[Point] = ()
+
+
+@dataclass(frozen=True)
+class Both(Method):
+    """Two methods that must agree; with ``all_refute`` also on a refutation."""
+
+    first: Method = Ring()
+    second: Method = Z3()
+    all_refute: bool = False
+
+    def decide(self, statement: Statement) -> Finding:
+        """Their common verdict, with the evidence of both; what they do not agree on is OPEN.
+
+        A counterexample of either refutes, unless both have to find one.
+        """
+        first, second = self.first.decide(statement), self.second.decide(statement)
+        evidence = {**first.evidence, **second.evidence}
+        if first.verdict == second.verdict:
+            return Finding(first.verdict, evidence, first.point)
+        for finding in (first, second):
+            if finding.verdict == REFUTED and not self.all_refute:
+                return Finding(REFUTED, evidence, finding.point)
+        return Finding(OPEN, evidence)
+
+
+def described(value: Any) -> Any:
+    """Fingerprint of a method for records, regions and boxes included; no engine order."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, (str, int)):
+        return str(value)
+    if isinstance(value, Case):
+        return value.described()
+    if isinstance(value, Method):
+        told = [f.name for f in fields(value) if f.name != "first" or isinstance(value, Both)]
+        return [type(value).__name__, *((name, described(vars(value)[name])) for name in told)]
+    if isinstance(value, Mapping):
+        return [(str(key), described(item)) for key, item in value.items()]
+    if isinstance(value, Sequence):
+        return [described(item) for item in value]
+    if callable(value):
+        return described(value())
+    return str(value)
+
+
+def versions(method: Method) -> dict[str, str]:
+    """Version of each package whose correctness a verdict of this method rests on."""
+    return {name: _version(name) for name in needs(method)}
+
+
+@cache
+def _version(package: str) -> str:
+    """All that is installed is looked through, half a second long: once in a process."""
+    return version(packages_distributions()[package][0])
+
+
+def parts(method: Method) -> tuple[Method, ...]:
+    """The method, or both of two, and theirs."""
+    return (*parts(method.first), *parts(method.second)) if isinstance(method, Both) else (method,)
+
+
+def rounds(method: Method) -> bool:
+    """True if it encloses what doubles compute, by the C library's accuracy."""
+    return isinstance(method, Ball) and method.float_mode
+
+
+def named(method: Method) -> str:
+    """Name of a method in the ledger."""
+    names = ((part.NAME, ", rounding included" * rounds(part)) for part in parts(method))
+    return " and ".join(map("".join, names))
+
+
+def trusted(method: Method) -> tuple[str, ...]:
+    """Packages whose correctness a verdict of this method rests on."""
+    every = ((*part.TRUSTED, *["libm"] * rounds(part)) for part in parts(method))
+    return tuple(dict.fromkeys(chain.from_iterable(every)))
+
+
+def needs(method: Method) -> tuple[str, ...]:
+    """Packages that a method imports."""
+    return tuple(dict.fromkeys(chain.from_iterable(part.NEEDS for part in parts(method))))

@@ -1,0 +1,281 @@
+"""``wmr-ctrl prove``: all claims on two processes, longest first, printed with progress.
+
+What was found is compared with the committed ledger.
+"""
+
+import gc
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from fnmatch import fnmatchcase
+from functools import lru_cache
+from importlib.resources import files
+from multiprocessing import get_context
+from pathlib import Path
+
+from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.results import atomic_text, write_all
+from wmr_ctrl.results.ledger import (
+    COMMITTED,
+    PROVED,
+    Entry,
+    Ledger,
+    differences,
+    exit_code,
+    load,
+    stale,
+)
+from wmr_ctrl.simulation.batch import deaf_to_interrupts
+
+PROCESSES = 2
+AT_ONCE = 2.0
+"""Seconds of cost that are over before another process has begun."""
+LEAST_COST = 0.1
+"""Seconds that an entry is taken to cost at least; what is new is taken to cost five of these."""
+GLOB = frozenset("*?[")
+Progress = Callable[[float, Entry], None]
+
+
+def prove(
+    only: Iterable[str] = (),
+    progress: Progress | None = None,
+    processes: int = PROCESSES,
+    anew: bool = False,
+) -> Ledger:
+    """Check the claims that ``only`` names (all by default): ids, their beginnings, or globs.
+
+    ``progress(share, entry)`` is called after each, with the share of the whole cost that is done.
+    ``anew``: nothing is taken from the committed ledger (`check` says what is otherwise).
+    UnknownNameError where something in ``only`` names no entry.
+    """
+    ids = selected(tuple(only))
+    checked = {entry.id: entry for entry in _run(ids, progress, processes, anew)}
+    return Ledger(tuple(checked[key] for key in ids))
+
+
+def selected(only: Sequence[str]) -> list[str]:
+    """Ids of the claims that are asked for, in the ledger's order."""
+    from wmr_proofs.claims import all_claims
+
+    known = [claim.id for claim in all_claims()]
+    for asked in only:
+        if not any(_matches(key, asked) for key in known):
+            raise UnknownNameError(
+                "entry",
+                asked,
+                known,
+                "An entry's beginning up to a dot selects all of its kind, and so does a pattern "
+                "such as 'guard.*'.",
+            )
+    return [key for key in known if not only or any(_matches(key, asked) for asked in only)]
+
+
+def check_id(key: str, anew: bool = False) -> Entry:
+    """One entry, in whatever process."""
+    from wmr_proofs.check import check
+    from wmr_proofs.claims import all_claims
+
+    claim = next(claim for claim in all_claims() if claim.id == key)
+    return check(claim, None if anew else _committed().get(key))
+
+
+@lru_cache(maxsize=1)
+def _committed() -> dict[str, Entry]:
+    return load().by_id() if COMMITTED.exists() else {}
+
+
+def hashes(ids: Iterable[str] | None = None) -> dict[str, str]:
+    """Hash of each claim's graph (of those named, or of all) as the product is now."""
+    from wmr_proofs.check import graph_hash
+    from wmr_proofs.claims import all_claims
+
+    asked = None if ids is None else set(ids)
+    claims = (claim for claim in all_claims() if asked is None or claim.id in asked)
+    return {claim.id: graph_hash(claim) for claim in claims}
+
+
+def stale_entries() -> list[str] | None:
+    """Ids whose graph has changed since the ledger was committed; None without the extras."""
+    try:
+        return stale(hashes(), load())
+    except ImportError:
+        return None
+
+
+def _matches(key: str, asked: str) -> bool:
+    if GLOB & set(asked):
+        return fnmatchcase(key, asked)
+    return key == asked or key.startswith(asked + ".")
+
+
+def _run(ids: Sequence[str], progress: Progress | None, processes: int, anew: bool) -> list[Entry]:
+    checked: list[Entry] = []
+    costs, done = _costs(ids), 0.0
+    for entry in _entries(sorted(ids, key=lambda key: -costs[key]), processes, anew):
+        checked.append(entry)
+        done += costs[entry.id]
+        if progress:
+            progress(done / sum(costs.values()), entry)
+    return checked
+
+
+def _entries(ids: Sequence[str], processes: int, anew: bool) -> Iterable[Entry]:
+    if processes < 2 or len(ids) < 2:
+        yield from (check_id(key, anew) for key in ids)
+        return
+    context = get_context("spawn")
+    with ProcessPoolExecutor(processes, context, _begin, (os.getpid(),)) as pool:
+        with deaf_to_interrupts():
+            jobs = [pool.submit(_checked, key, anew) for key in ids]
+        for future in as_completed(jobs):
+            yield future.result()
+
+
+def _begin(parent: int) -> None:
+    """Set up a process that works: it ends with its parent, and its solvers know one thread only.
+
+    Ctrl-C ends it in silence, though not before it has come so far.
+
+    What they no longer need is collected between two entries: a collection in the thread that
+    watches the parent would free a solver's terms while the solver works on them.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if os.name != "nt":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    gc.disable()
+    follow_parent(parent)
+
+
+def _checked(key: str, anew: bool) -> Entry:
+    entry = check_id(key, anew)
+    gc.collect()
+    gc.freeze()  # modules and graphs stay: the next collection need not walk them
+    return entry
+
+
+def follow_parent(parent: int) -> None:
+    """End this process when ``parent`` is gone, however it went: a solver would work on for it."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _costs(ids: Sequence[str]) -> Mapping[str, float]:
+    """Seconds by the committed ledger: the longest first, so that both processes end together."""
+    known, new = _committed(), 5 * LEAST_COST
+    return {key: max(known[key].seconds, LEAST_COST) if key in known else new for key in ids}
+
+
+REMEDY = (
+    "Some entries were not checked; install the proving packages with: "
+    "pip install 'wmr_ctrl[proofs]'"
+)
+ALTERED = {"tried": "functions altered", "caught": "REFUTED then", "open": "left open"}
+
+
+def run_prove(
+    only: Iterable[str] = (),
+    json_file: Path | None = None,
+    progress: Progress | None = None,
+    anew: bool = False,
+) -> int:
+    """Check, print a summary, write ``json_file``; the exit code of `ledger.exit_code`.
+
+    ``anew``: nothing is taken from the committed ledger.
+    """
+    asked = tuple(only)
+    cost = sum(_costs(selected(asked)).values())
+    ledger = prove(asked, progress, 1 if cost <= AT_ONCE else PROCESSES, anew)
+    committed = load() if COMMITTED.exists() else Ledger(())
+    if json_file is not None:
+        with atomic_text(json_file) as stream:
+            stream.write(ledger.to_json() + "\n")
+    if asked:
+        sys.stdout.write("\n".join(map(described, ledger.entries)) + "\n")
+    sys.stdout.write("\n".join(summary(ledger, committed, not asked, anew)) + "\n")
+    return exit_code(ledger, committed, complete=not asked)
+
+
+def run_export(folder: Path, only: Iterable[str] = ()) -> None:
+    """Write the obligations of the z3 entries that ``only`` names, and say how many.
+
+    SMT-LIB 2 files, for whoever trusts another solver more.  Raises ResultFileError where a file
+    cannot be written.
+    """
+    from wmr_proofs.claim import CLAIMED
+    from wmr_proofs.claims import all_claims
+    from wmr_proofs.methods.obligations import obligations, uses_z3
+
+    readme = files("wmr_proofs").joinpath("obligations.md").read_text(encoding="utf-8")
+    write_all({"README.md": readme}, folder)
+    wanted, count = set(selected(tuple(only))), 0
+    for claim in all_claims():
+        if claim.id not in wanted or claim.statement is None or not uses_z3(claim.method):
+            continue
+        texts = {
+            f"{item.name}.smt2": f"; {claim.id}, {item.name}: {item.wanted} is needed\n{item.text}"
+            for item in obligations(claim.statement(CLAIMED))
+        }
+        count += len(write_all(texts, folder / claim.id))
+    sys.stdout.write(f"{count} obligations in {folder}; its README.md says how to check them.\n")
+
+
+def described(entry: Entry) -> str:
+    """All about one entry, as text."""
+    point = ", ".join(f"{name} = {value}" for name, value in (entry.counterexample or {}).items())
+    rows = {
+        "claim": entry.claim,
+        "hypotheses": entry.hypotheses,
+        "method": entry.method,
+        "rests on": ", ".join(entry.premises),
+        "counterexample": point,
+        "functions": ", ".join(entry.functions),
+        "not noticed": ", ".join(name for name, said in entry.altered.items() if said == PROVED),
+        "not tried": ", ".join(name for name, said in entry.altered.items() if not said),
+        "altered": ", ".join(f"{n} {ALTERED[key]}" for key, n in (entry.alterations or {}).items()),
+        "confirmed by": ", ".join(entry.confirmed_by),
+        "cancelled by CasADi": f"{entry.cancelled} operations, all defined" * bool(entry.cancelled),
+        "versions": ", ".join(f"{name} {number}" for name, number in entry.versions.items()),
+    }
+    lines = [f"{entry.id}: {entry.verdict}"]
+    return "\n".join([*lines, *(f"  {name}: {text}" for name, text in rows.items() if text), ""])
+
+
+def provenance(ledger: Ledger, committed: Ledger, anew: bool) -> str:
+    """Summary of entries checked now, given, and taken from the committed ledger."""
+    known = {entry.id: entry for entry in committed.entries if entry.cancelled is not None}
+    checked = [entry for entry in ledger.entries if entry.graph_hash]
+    given = sum(1 for e in ledger.entries if not e.graph_hash and e.verdict != "NOT_CHECKED")
+    altered = sum(1 for entry in checked if entry.alterations)
+    confirmed = sum(1 for entry in checked if entry.confirmed_by)
+    then = ((known[e.id], e) for e in checked if e.id in known)
+    defined = sum(1 for old, e in then if old.is_about(e.graph_hash, e.versions))
+    taken = (
+        f"the alterations of {altered} of them, the second solvers' answers for {confirmed} and "
+        f"that what CasADi cancels is defined for {defined}, where claim, method and versions are "
+        "the same"
+    )
+    return (
+        f"{len(checked)} checked now, their functions searched anew; {given} given (by hand, "
+        f"definitions, open). From the record: {'nothing' if anew else taken}. Claims are about "
+        "real numbers, except where an entry's id or method speaks of rounding."
+    )
+
+
+def summary(ledger: Ledger, committed: Ledger, complete: bool, anew: bool) -> list[str]:
+    """Counts, where they come from, differences from the committed ledger, what is missing."""
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())
+    lines = [counts, provenance(ledger, committed, anew)]
+    others = differences(ledger, committed, complete)
+    lines += [f"{d.id}: {d.now}, committed {d.committed}" for d in others]
+    if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries):
+        lines.append(REMEDY)
+    return lines

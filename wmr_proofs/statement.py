@@ -1,0 +1,158 @@
+"""Statement: what a claim says, as relations between expressions of the product's own graphs.
+
+Where it speaks of computed numbers, every operation that rounds becomes an input of its own, any
+number that is within the unit of rounding of the exact result of that operation on numbers so
+computed: the standard model of IEEE arithmetic without overflow and underflow.  What is shown of
+all such numbers is shown of the compiled text (`assumption.libm`).
+"""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, reduce
+from math import frexp
+
+import casadi as ca
+
+from wmr_proofs.graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
+from wmr_proofs.relation import ABOVE, AT_LEAST, EQUAL, Relation, when
+
+UNIT = 2.0**-53
+"""Largest relative error of one operation in double precision."""
+
+COMPUTED = "rounded "
+EXACT = LOGICAL | {"const", "input", "neg", "fabs", "fmin", "fmax", "choose", "twice", "sign"}
+ROUNDED = frozenset({"add", "sub", "mul", "div", "inv", "sq", "sqrt"})
+
+
+@dataclass(frozen=True)
+class RoundedGraph:
+    """Nodes with an input for each rounding, the places of the results, and the inputs' bounds.
+
+    ``bounds`` are nodes that are not negative: the unit's share of an exact result, less how far
+    the computed one is from it, either way.
+    """
+
+    nodes: tuple[ProvedNode, ...]
+    outputs: tuple[int, ...]
+    bounds: tuple[int, ...]
+
+
+def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
+    """``graph`` as doubles compute it.  ValueError where an operation's error is not known."""
+    nodes: list[ProvedNode] = []
+    place: list[int] = []
+    bounds: list[int] = []
+
+    def put(node: ProvedNode) -> int:
+        nodes.append(node)
+        return len(nodes) - 1
+
+    for node in graph.nodes:
+        exact = put(ProvedNode(node.op, tuple(place[k] for k in node.args), node.value, node.name))
+        factors = (graph.nodes[k] for k in node.args if node.op == "mul")
+        scales = any(f.op == "const" and abs(frexp(f.value)[0]) == 0.5 for f in factors)
+        if node.op in EXACT or scales:  # a product with a power of two is exact
+            place.append(exact)
+            continue
+        if node.op not in ROUNDED:
+            raise ValueError(f"how far {node.op} is rounded is not known")
+        found = put(ProvedNode("input", name=f"{COMPUTED}{len(bounds) // 2 + 1}"))
+        share = put(ProvedNode("mul", (put(ProvedNode("const", value=unit)),
+                                       put(ProvedNode("fabs", (exact,))))))  # fmt: skip
+        for pair in ((found, exact), (exact, found)):
+            bounds.append(put(ProvedNode("sub", (share, put(ProvedNode("sub", pair))))))
+        place.append(found)
+    return RoundedGraph(tuple(nodes), tuple(place[k] for k in graph.outputs), tuple(bounds))
+
+
+def behind(graph: ProvedGraph, k: int) -> tuple[int, ...]:
+    """The exact operation whose computed result an input stands for: `rounded` has it just before.
+
+    A result that is read has to be defined, although the graph goes no further than this input.
+    """
+    return (k - 1,) if graph.nodes[k].name.startswith(COMPUTED) else ()
+
+
+def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> ProvedGraph:
+    """``graph`` with the computed results in the place of its inputs of these ``names``.
+
+    Its outputs, and behind them the bounds of all roundings.
+    """
+    results = dict(zip(names, parts.outputs, strict=True))
+    nodes = list(parts.nodes)
+    place: list[int] = []
+    for node in graph.nodes:
+        if node.op == "input" and node.name in results:
+            place.append(results[node.name])
+            continue
+        args = tuple(place[k] for k in node.args)
+        nodes.append(ProvedNode(node.op, args, node.value, node.name))
+        place.append(len(nodes) - 1)
+    return ProvedGraph(tuple(nodes), (*(place[k] for k in graph.outputs), *parts.bounds))
+
+
+@dataclass(frozen=True)
+class Statement:
+    """For all ``symbols`` with ``given``: every goal holds.
+
+    ``cuts`` names inner expressions that stand as free inputs: the statement is then shown for
+    whatever value they have.  ``numbers`` are symbols with one value.  Each of the symbols named
+    in ``computed`` is whatever the compiled text may compute for its expression, every operation
+    rounded with a relative error of at most ``unit``.
+    """
+
+    symbols: Mapping[str, ca.SX]
+    goals: tuple[Relation, ...]
+    given: tuple[Relation, ...] = ()
+    cuts: Mapping[str, ca.SX] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    computed: Mapping[str, ca.SX] = field(default_factory=dict)
+    unit: float = UNIT
+
+    @cached_property
+    def graph(self) -> ProvedGraph:
+        """Outputs: the goals' expressions, those of ``given``, the bounds of all roundings."""
+        exprs = [r.expr for r in (*self.goals, *self.given)]
+        exact = graph_of(self.symbols, exprs, self.cuts, self.numbers)
+        if not self.computed:
+            return exact
+        text = graph_of(self.symbols, [*self.computed.values()], self.cuts, self.numbers)
+        return linked(exact, rounded(text, self.unit), [*self.computed])
+
+    @property
+    def digest(self) -> str:
+        """sha256 of the graph, and of which outputs are goals or hypotheses, by which relation."""
+        kinds = f"{self.graph.digest} {self.goal_kinds} {self.given_kinds}"
+        return hashlib.sha256(kinds.encode()).hexdigest()
+
+    @property
+    def goal_kinds(self) -> tuple[str, ...]:
+        """Relation of each goal to 0."""
+        return tuple(r.kind for r in self.goals)
+
+    @property
+    def given_kinds(self) -> tuple[str, ...]:
+        """Relation of each hypothesis to 0, the bounds of all roundings included."""
+        roundings = len(self.graph.outputs) - len(self.goals) - len(self.given)
+        return (*(r.kind for r in self.given), *[AT_LEAST] * roundings)
+
+
+def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, ...]:
+    """Each goal of a statement that is proved, for these ``values`` of its symbols.
+
+    It holds where all of the statement's hypotheses do for them; nothing is cut or computed in it.
+    """
+    given, goals = (valued(part, proved.symbols, values) for part in (proved.given, proved.goals))
+    truth = {EQUAL: "eq", AT_LEAST: "ge", ABOVE: "gt"}
+    met = reduce(ca.logic_and, [getattr(ca, truth[item.kind])(item.expr, 0) for item in given])
+    return tuple(when(met, goal) for goal in goals)
+
+
+def valued(
+    relations: Sequence[Relation], names: Mapping[str, ca.SX], values: Mapping[str, ca.SX]
+) -> tuple[Relation, ...]:
+    """The relations with ``values`` in the place of the symbols of these names."""
+    old, exprs = [names[name] for name in values], [item.expr for item in relations]
+    put = ca.substitute(exprs, old, [*values.values()])
+    return tuple(Relation(e, item.kind) for e, item in zip(put, relations, strict=True))

@@ -1,0 +1,76 @@
+"""Symbols that a claim speaks of, by their names."""
+
+from collections.abc import Iterable, Mapping
+
+import casadi as ca
+
+from wmr_proofs.relation import Relation
+from wmr_proofs.statement import Statement
+
+
+class Symbols(dict[str, ca.SX]):
+    """Scalar symbols by name, ``t["x"]`` or ``t.x``."""
+
+    def __getattr__(self, name: str) -> ca.SX:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __or__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
+        return Symbols({**self, **more})
+
+    def __ror__(self, more: Mapping[str, ca.SX]) -> "Symbols":  # type: ignore[override]
+        return Symbols({**more, **self})
+
+
+class Named:
+    """Base of a setting: its ``symbols`` are items and attributes of it, too.
+
+    ``always`` are goals of each of its statements.
+    """
+
+    symbols: Symbols
+    always: tuple[Relation, ...] = ()
+
+    def __getitem__(self, name: str) -> ca.SX:
+        return self.symbols[name]
+
+    def __getattr__(self, name: str) -> ca.SX:
+        if name == "symbols":
+            raise AttributeError(name)
+        return getattr(self.symbols, name)
+
+    def states(
+        self,
+        *goals: Relation,
+        given: Iterable[Relation] = (),
+        cuts: Mapping[str, ca.SX] | None = None,
+        more: Mapping[str, ca.SX] | None = None,
+    ) -> Statement:
+        """The statement about these symbols, and ``more``."""
+        goals = (*goals, *self.always)
+        return Statement(self.symbols | (more or {}), goals, tuple(given), cuts or {})
+
+
+def symbols(names: str, fixed: str = "") -> Symbols:
+    """Fresh scalar symbols by name; those in ``fixed`` are parameters to the compiler."""
+    known = set(fixed.split())
+    return Symbols({n: ca.SX.sym(f"p.{n}" if n in known else n) for n in names.split()})
+
+
+def column(name: str, size: int, fixed: bool = False) -> Symbols:
+    """Fresh scalar symbols name1 to name<size>; ``fixed`` makes them parameters."""
+    names = " ".join(f"{name}{i}" for i in range(1, size + 1))
+    return symbols(names, names if fixed else "")
+
+
+def exchanged(expr: ca.SX, old: Mapping[str, ca.SX], new: Mapping[str, ca.SX]) -> ca.SX:
+    """The expression with the symbols of one table in the place of the other's of these names."""
+    both = [(old[name], new[name]) for name in old if name in new]
+    return ca.substitute(expr, *(ca.vertcat(*side) for side in zip(*both, strict=True)))
+
+
+def stacked(table: Mapping[str, ca.SX], name: str, size: int) -> ca.SX:
+    """Column of name1 to name<size> out of a table."""
+    return ca.vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))
