@@ -31,10 +31,10 @@ from wmr_ctrl.world.scenario import Scenario
 if TYPE_CHECKING:
     from wmr_ctrl.report.report_page import Facts
     from wmr_ctrl.report.write import Verdicts
+    from wmr_ctrl.results.ledger import Entry, Ledger
     from wmr_ctrl.results.table import RunTable
     from wmr_ctrl.simulation.compiled_law import CompiledLaw
     from wmr_ctrl.theory.linear import LinearReport
-    from wmr_proofs import Entry, Ledger
 
 ENGINES = ("native", "numpy", "fmu")
 
@@ -208,14 +208,14 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
     """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
     from wmr_ctrl.report.report_page import Facts
     from wmr_ctrl.simulation.compiled_law import ROUNDS, seconds_of
-    from wmr_proofs.runner import stale_entries
+    from wmr_ctrl.theory.door import is_open, proofs
 
     return Facts(
         titles={row["name"]: row["title"] for row in law_table()},
         timings={law: seconds_of(compile_law(law)) for law in laws},
         rounds=ROUNDS,
         versions=versions(),
-        stale=None if quick else stale_entries(),
+        stale=proofs("runner").stale_entries() if is_open() and not quick else None,
     )
 
 
@@ -269,10 +269,14 @@ def linearize(
 def prove(
     only: Iterable[str] = (), progress: Callable[[float, Entry], None] | None = None
 ) -> Ledger:
-    """Check the ledger's entries by machine; ``progress(share, entry)`` is called after each."""
-    from wmr_proofs import prove as check_all
+    """Check the ledger's entries by machine; ``progress(share, entry)`` is called after each.
 
-    return check_all(tuple(only), progress)
+    Raises MissingExtraError without the extra proofs, UnknownNameError for an unknown entry.
+    """
+    from wmr_ctrl.theory.door import proofs
+
+    ledger: Ledger = proofs().prove(tuple(only), progress)
+    return ledger
 
 
 def bench(progress: types.Progress | None = None) -> types.BenchReport:

@@ -98,12 +98,9 @@ def hashes(ids: Iterable[str] | None = None) -> dict[str, str]:
     return {claim.id: graph_hash(claim) for claim in claims}
 
 
-def stale_entries() -> list[str] | None:
-    """Ids whose graph has changed since the ledger was committed; None without the extras."""
-    try:
-        return stale(hashes(), load())
-    except ImportError:
-        return None
+def stale_entries() -> list[str]:
+    """Ids whose graph has changed since the ledger was committed."""
+    return stale(hashes(), load())
 
 
 def _matches(key: str, asked: str) -> bool:

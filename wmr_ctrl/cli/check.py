@@ -5,7 +5,7 @@ from math import inf
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import print_json
+from wmr_ctrl.cli.console import note_missing_proofs, print_json
 
 
 @opt.command("Validate a scenario, and say what to expect of it.")
@@ -48,6 +48,7 @@ def check(
     named = chosen or ((only,) if only and only in LAWS else ())
     laws, work = (named, inf) if named else (tuple(LAWS), OF_LAW)
     opt.note_idle(case, scenario, assignments, laws)
+    note_missing_proofs()
     answers = about.find_answers(case, laws, taken, None if as_json else only, work)
     if as_json:
         print_json(about.document(answers))

@@ -91,10 +91,23 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     return textwrap.dedent("\n".join(lines)).strip("\n")
 
 
+def note_missing_proofs() -> None:
+    """Say on stderr that corridors are left out, where the extra proofs is not installed."""
+    from wmr_ctrl.theory.door import LEFT_OUT, is_open
+
+    if not is_open():
+        say("note", LEFT_OUT)
+
+
+DRAWS_CORRIDORS = ("plot_run", "plot_runs", "animate_runs", "film_run")
+
+
 def write_file(path: str | None, function: str, content: object, text: str = "") -> None:
     """Write a file, where one is named, by a `late_bound` function; ``text`` names its progress."""
     if not path:
         return
+    if function in DRAWS_CORRIDORS:
+        note_missing_proofs()
     if text:
         with Progress(text) as progress:
             late_bound(function)(content, path, progress)

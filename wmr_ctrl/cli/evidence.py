@@ -5,7 +5,16 @@ from pathlib import Path
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import DIFFERENCE, Progress, json_text, print_json, say, width
+from wmr_ctrl.cli.console import (
+    DIFFERENCE,
+    Progress,
+    json_text,
+    note_missing_proofs,
+    print_json,
+    say,
+    width,
+)
+from wmr_ctrl.core.errors import MissingExtraError
 
 SEEDS, QUICK = 20, 3
 
@@ -50,6 +59,7 @@ def reproduce(
     opt.check_folder(out, "--out")
     from wmr_ctrl import api
 
+    note_missing_proofs()
     with Progress("reproduce") as progress:
         verdicts = api.reproduce(
             out,
@@ -97,17 +107,23 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
 
     Claims are about the expressions from which the C is generated. Every verdict is derived again,
     and so are the functions that an entry names. The exit code is 1 if a verdict differs from the
-    committed one, and 3 if a proving package is missing, so that some entries are NOT_CHECKED.
+    committed one, and 3 without the extra proofs, which has the solvers.
     """
-    from wmr_proofs.runner import run_export, run_prove
+    from wmr_ctrl.results.ledger import UNCHECKED
+    from wmr_ctrl.theory.door import proofs
 
+    try:
+        runner = proofs("runner")
+    except MissingExtraError as error:
+        say("error", str(error))
+        raise click.exceptions.Exit(UNCHECKED) from None
     if folder is not None:
-        run_export(Path(folder), only)
+        runner.run_export(Path(folder), only)
         return
     opt.check_output(file, (".json",), "--json")
     with Progress("proofs") as progress:
         target = Path(file) if file else None
-        code = run_prove(only, target, lambda share, _: progress(share), anew)
+        code = runner.run_prove(only, target, lambda share, _: progress(share), anew)
     raise click.exceptions.Exit(code)
 
 

@@ -10,7 +10,7 @@ from warnings import catch_warnings
 import click
 
 from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import Progress, say
+from wmr_ctrl.cli.console import Progress, note_missing_proofs, say
 
 if TYPE_CHECKING:
     from wmr_ctrl.export.api_types import ExportOptions
@@ -237,6 +237,7 @@ def page(
     from wmr_ctrl import api
 
     case = opt.load(scenario, assignments)
+    note_missing_proofs()
     with Progress("compiling the page") as progress:
         path = api.write_page(out, case, laws=laws or None, seed=seed, progress=progress)
     say("wrote", str(path))

@@ -19,6 +19,8 @@ PUBLIC_KEYS = (
     "functions", "premises", "altered", "alterations", "confirmed_by", "cancelled",
     "counterexample", "seconds", "graph_hash", "versions",
 )  # fmt: skip
+UNCHECKED = 3
+"""Exit code of `wmr-ctrl prove` where something could not be checked."""
 NOTICED = (REFUTED, OPEN)
 """Verdicts of an altered claim by which an entry notices the alteration."""
 
@@ -155,7 +157,7 @@ def exit_code(ledger: Ledger, committed: Ledger, complete: bool = True) -> int:
     changed = [d for d in differences(ledger, committed, complete) if d.now != "NOT_CHECKED"]
     if changed:
         return 1
-    return 3 if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries) else 0
+    return UNCHECKED if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries) else 0
 
 
 def _verdict(entries: Mapping[str, Entry], key: str) -> str:

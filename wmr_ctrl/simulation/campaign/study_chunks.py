@@ -96,9 +96,11 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
 
 
 def _corridors(cases: Sequence[PlannedCase]) -> np.ndarray:
-    """Corridor [m] of each run's case, NaN without one; MissingExtraError without python-flint."""
-    library("flint", "proofs")
+    """Corridor [m] of each run's case, NaN without one; MissingExtraError without the extra proofs."""
     from wmr_ctrl.theory.corridor import find_corridor
+    from wmr_ctrl.theory.door import proofs
+
+    proofs()
 
     different = {case_key(case): case for case in cases}
     known = {k: find_corridor(scenario_of(case), case.law) for k, case in different.items()}

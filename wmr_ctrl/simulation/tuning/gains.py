@@ -29,12 +29,12 @@ from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.core.fields.section import Section, numbers_in
 from wmr_ctrl.results import atomic_text, check_writable
 from wmr_ctrl.results.figures import FIGURES
-from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation.engines import table_of
 from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.simulation.tuning import search
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
+from wmr_ctrl.theory.door import proofs
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.scenario import Scenario, inherited, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
@@ -248,7 +248,7 @@ def _costs(
 
 def _check_corridor(scenario: Scenario, law: str) -> None:
     """ArgumentError where there is none to be made smaller, MissingExtraError without its extra."""
-    library("flint", "proofs")
+    proofs()
     tube = find_corridor(scenario, law)
     if tube.linear is None:
         raise ArgumentError(

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import lru_cache
-from importlib.util import find_spec
 from threading import RLock
 
 import numpy as np
@@ -16,20 +15,17 @@ from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
-from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.verdicts import CorridorLeft as CorridorLeft
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.corridor.answer import Corridor as Corridor
 from wmr_ctrl.theory.corridor.clearance import Clearance as Clearance
 from wmr_ctrl.theory.corridor.clearance import find_clearance
+from wmr_ctrl.theory.door import LEFT_OUT, is_open, proofs
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario
 
-NOT_CHECKED = (
-    "NOT_CHECKED: the certificate takes ball arithmetic; install wmr-ctrl[proofs], which has "
-    "python-flint"
-)
+NOT_CHECKED = f"NOT_CHECKED: {LEFT_OUT}"
 BITS = 53
 """Python-flint's precision where a certificate asks for none of its own."""
 _ONE = RLock()
@@ -39,7 +35,7 @@ _ONE = RLock()
 def _alone() -> Iterator[None]:
     """For one thread: python-flint has one precision for all, which others may have left as any."""
     with _ONE, ExitStack() as stack:
-        if find_spec("flint") is not None:
+        if is_open():
             from flint import ctx
 
             stack.enter_context(ctx.workprec(BITS))
@@ -61,7 +57,7 @@ def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corri
 
 def certified_corridor(scenario: Scenario, law: str) -> Corridor:
     """The corridor for good, without a search for smaller inputs that would have one."""
-    from wmr_proofs.corridor.masses import certified
+    certified = proofs("corridor.masses").certified
 
     with _alone():
         return certified(settle(scenario, law), closing=False)
@@ -73,7 +69,7 @@ def run_corridor(scenario: Scenario, law: str) -> Corridor:
     That takes some seconds.
     """
     setup = settle(scenario, law)
-    if find_spec("flint") is None:
+    if not is_open():
         return Corridor(law, refused=NOT_CHECKED)
     with _alone():
         return _of_run(setup)
@@ -88,7 +84,7 @@ def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corr
     """
     setup = settle(scenario, law)
     with _alone():
-        return None if find_spec("flint") is None else _course_of(setup, whole)
+        return None if not is_open() else _course_of(setup, whole)
 
 
 def corridor_monitor(scenario: Scenario, law: str) -> System:
@@ -97,8 +93,7 @@ def corridor_monitor(scenario: Scenario, law: str) -> System:
     Raises ScenarioError where there is no corridor, or none that can be watched,
     MissingExtraError without the extra proofs.
     """
-    library("flint", "proofs")
-    from wmr_proofs.corridor.latch import monitor_of
+    monitor_of = proofs("corridor.latch").monitor_of
 
     with _alone():
         return monitor_of(scenario, law)
@@ -119,9 +114,9 @@ def left_corridor(run: Run) -> CorridorLeft | None:
     if scenario is None or run.law not in LAWS or LAWS[run.law].inside is None:
         return None
     foreign = any(item.present(scenario) for item in EFFECTS.plugins)
-    if find_spec("flint") is None or (is_covered(run) and not foreign):
+    if not is_open() or (is_covered(run) and not foreign):
         return None
-    from wmr_proofs.corridor.latch import left_by
+    left_by = proofs("corridor.latch").left_by
 
     with _alone():
         return left_by(run, scenario)
@@ -129,14 +124,14 @@ def left_corridor(run: Run) -> CorridorLeft | None:
 
 @lru_cache(maxsize=16)
 def _of_run(setup: Setup) -> Corridor:
-    from wmr_proofs.corridor.whole import certified_run
+    certified_run = proofs("corridor.whole").certified_run
 
     return certified_run(setup, closing=False)
 
 
 @lru_cache(maxsize=16)
 def _course_of(setup: Setup, whole: bool) -> Corridor | None:
-    from wmr_proofs.corridor.masses import certified
+    certified = proofs("corridor.masses").certified
 
     tube = certified(setup, closing=False)
     begun = tube.position is not None and not tube.late  # no run begins with what is late
@@ -152,10 +147,10 @@ def _course_of(setup: Setup, whole: bool) -> Corridor | None:
 @lru_cache(maxsize=256)
 def _of(setup: Setup, whole: bool) -> Corridor:
     tube = Corridor(setup.name, refused=NOT_CHECKED)
-    if find_spec("flint") is not None:
-        from wmr_proofs.corridor.inputs import is_steady
-        from wmr_proofs.corridor.masses import certified
-        from wmr_proofs.corridor.whole import certified_run
+    if is_open():
+        is_steady = proofs("corridor.inputs").is_steady
+        certified = proofs("corridor.masses").certified
+        certified_run = proofs("corridor.whole").certified_run
 
         steady = is_steady(setup)
         tube = certified(setup) if steady or not whole else certified_run(setup)

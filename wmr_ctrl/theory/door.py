@@ -1,0 +1,28 @@
+"""The door to wmr_proofs, which needs python-flint and z3 and is therefore imported by name."""
+
+from importlib import import_module
+from importlib.util import find_spec
+from types import ModuleType
+
+from wmr_ctrl.results.frames import library
+
+EXTRA = "proofs"
+SOLVERS = ("flint", "z3")
+"""Packages of the extra."""
+LEFT_OUT = f"nothing is proved or certified here: pip install 'wmr_ctrl[{EXTRA}]'"
+"""What a command says that goes on without them."""
+
+
+def is_open() -> bool:
+    """True if wmr_proofs and the packages of the extra are installed."""
+    return all(find_spec(name) is not None for name in ("wmr_proofs", *SOLVERS))
+
+
+def proofs(module: str = "") -> ModuleType:
+    """A module of wmr_proofs, the package itself by default.
+
+    MissingExtraError, which names the extra, where it or a package of the extra is missing.
+    """
+    for name in ("wmr_proofs", *SOLVERS):
+        library(name, EXTRA)
+    return import_module(f"wmr_proofs.{module}".rstrip("."))
