@@ -172,7 +172,7 @@ class _Statements:
             return f"if {_bare(self._truth(condition))} then {arm(yes)} else {arm(no)}"
         if node.op not in _PATTERNS:
             raise ArgumentError(
-                f"CasADi operation {node.op} has no Modelica form in wmr_ctrl.export.modelica.statements."
+                f"CasADi operation {node.op} has no Modelica form in export/modelica/statements.py."
             )
         given = self._truth if node.op in TRUTHS else self._real
         pattern = _PATTERNS[node.op]

@@ -96,7 +96,7 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
 
 
 def _corridors(cases: Sequence[PlannedCase]) -> np.ndarray:
-    """Corridor [m] of each run's case, NaN without one; MissingExtraError without the extra proofs."""
+    """Corridor [m] of each run's case, NaN without one; MissingExtraError without proofs."""
     from wmr_ctrl.theory.corridor import find_corridor
     from wmr_ctrl.theory.door import proofs
 

@@ -1,0 +1,9 @@
+"""The one door for authors: what a law, sensor, drive, reference or figure of merit imports.
+
+`extend.pyi` lists the names, docs/extending.md has a complete example of each.  A name is loaded
+when it is first used, so that the file of an effect does not load CasADi before it builds a graph.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub("wmr_ctrl", __file__)
