@@ -1,4 +1,4 @@
-"""Claims about the product's own graphs, methods that check them, and the ledger of verdicts.
+"""What needs python-flint or z3: claims about the graphs, methods that check them, corridor.
 
 >>> from wmr_proofs import prove
 >>> ledger = prove(only=["eq25"])  # doctest: +SKIP

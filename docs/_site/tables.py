@@ -15,6 +15,7 @@ from typing import Any
 from markdown import code, number, table
 
 import wmr_ctrl
+from wmr_ctrl import extend
 from wmr_ctrl.cli.lists import gains_docs
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.laws import LAWS
@@ -192,9 +193,8 @@ def outcomes() -> str:
 
 def failures() -> str:
     """The exceptions that a user can cause."""
-    found = (
-        v for v in vars(errors).values() if inspect.isclass(v) and issubclass(v, errors.WmrError)
-    )
+    public = (getattr(wmr_ctrl, name) for name in wmr_ctrl.__all__)
+    found = [e for e in public if inspect.isclass(e) and issubclass(e, errors.WmrError)]
     return table(("exception", "what it is"), ((code(e.__name__), summary(e)) for e in found))
 
 
@@ -249,64 +249,30 @@ def command_table() -> str:
 
 
 def public_names() -> str:
-    """Every public name of the package, documented."""
-    return "\n\n".join(_documented(f"wmr_ctrl.{name}") for name in wmr_ctrl.__all__)
-
-
-RESULTS = (
-    "wmr_ctrl.results.settings.Settings",
-    "wmr_ctrl.results.outcomes.Outcome",
-    "wmr_ctrl.results.outcomes.Monitor",
-    "wmr_ctrl.results.remarks.Remark",
-    "wmr_ctrl.results.table.RunTable",
-    "wmr_ctrl.simulation.compiled_law.CompiledLaw",
-    "wmr_ctrl.identification.bounds.BaseIdentification",
-    "wmr_ctrl.identification.estimate.Estimate",
-    "wmr_ctrl.identification.estimate.Score",
-    "wmr_ctrl.identification.bounds.Traces",
-    "wmr_ctrl.identification.propose.ProposedDrive",
-    "wmr_ctrl.identification.identification.Identification",
-    "wmr_ctrl.identification.velocity_base.VelocityIdentification",
-    "wmr_ctrl.identification.bounds.GuardBounds",
-    "wmr_ctrl.identification.bounds.FilterBounds",
-    "wmr_ctrl.control.filter.filter.CommandFilter",
-    "wmr_ctrl.control.filter.filter.Filtered",
-    "wmr_ctrl.theory.linear.LinearReport",
-    "wmr_ctrl.theory.linear.margins.Margins",
-    "wmr_ctrl.results.ledger.Ledger",
-    "wmr_ctrl.results.ledger.Entry",
-    "wmr_ctrl.simulation.tuning.gains.Tuning",
-    "wmr_ctrl.simulation.tuning.gains.WorseFigure",
-)
-BUILDING = (
-    "wmr_ctrl.core.signals.Signal",
-    "wmr_ctrl.core.fields.section.quantity",
-    "wmr_ctrl.core.fields.section.Section",
-    "wmr_ctrl.world.model.system.System",
-    "wmr_ctrl.world.model.system.Port",
-    "wmr_ctrl.world.model.system.Output",
-    "wmr_ctrl.world.model.system.Draw",
-    "wmr_ctrl.world.model.system.Parameters",
-    "wmr_ctrl.control.laws.law.Law",
-    "wmr_ctrl.control.laws.law.Traits",
-    "wmr_ctrl.control.laws.context.LawContext",
-    "wmr_ctrl.world.effect.Effect",
-    "wmr_ctrl.world.effect.EffectRole",
-    "wmr_ctrl.world.effect.Rate",
-    "wmr_ctrl.world.effect.Bound",
-    "wmr_ctrl.world.references.kind.ReferenceKind",
-    "wmr_ctrl.results.figures.Figure",
-)
+    """Functions of the package, documented."""
+    return "\n\n".join(_documented(f"wmr_ctrl.{name}") for name in _public(classes=False))
 
 
 def results() -> str:
-    """What the functions return."""
-    return "\n\n".join(map(_documented, RESULTS))
+    """What the functions take and return."""
+    return "\n\n".join(_documented(f"wmr_ctrl.{name}") for name in _public(classes=True))
 
 
 def building() -> str:
-    """What an extension is made of."""
-    return "\n\n".join(map(_documented, BUILDING))
+    """What an extension is made of, without its constants."""
+    names = (name for name in extend.__all__ if callable(getattr(extend, name)))
+    return "\n\n".join(_documented(f"wmr_ctrl.extend.{name}") for name in names)
+
+
+def _public(classes: bool) -> list[str]:
+    """Public names that are functions, or classes without the exceptions."""
+    things = {name: getattr(wmr_ctrl, name) for name in wmr_ctrl.__all__}
+    wanted = inspect.isclass if classes else inspect.isfunction
+    return [
+        name
+        for name, thing in things.items()
+        if wanted(thing) and not (inspect.isclass(thing) and issubclass(thing, errors.WmrError))
+    ]
 
 
 def _documented(path: str) -> str:

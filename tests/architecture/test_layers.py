@@ -3,133 +3,116 @@
 from __future__ import annotations
 
 import ast
-import re
 import sys
 from collections.abc import Mapping
 
-from tests.architecture.tree import ROOT, Module, layer_of, modules, nodes_of, offenders
+from tests.architecture.tree import ROOT, Module, modules, nodes_of, offenders, room_of
 
-EVERYWHERE = {"errors", "signals", "symbolic", "compiled", "late_bound"}
-"""Open to all; they import nothing of ours but each other."""
 ORDER = (
-    {"fields", "paper"},
-    {"results"},
-    {"model"},
-    {"world"},
-    {"scenario"},
-    {"logs"},
-    {"barrier"},
-    {"laws"},
-    {"guard"},
-    {"filter"},
-    {"control"},
-    {"codegen"},
-    {"checks"},
-    {"sim"},
-    {"proofs", "linear", "corridor"},
-    {"fmi", "modelica", "simulink", "physics"},
-    {"engines"},
-    {"campaign"},
-    {"report"},
-    {"page"},
-    {"api_types", "outputs"},
-    {"api"},
-    {"tuning", "identification"},
-    {"__init__"},
-    {"ros2"},
-    {"cli"},
-    {"__main__"},
-)
+    "version", "core", "results", "world", "control", "codegen", "theory", "simulation",
+    "identification", "report", "export", "api", "extend", "__init__", "ros2", "cli", "__main__",
+)  # fmt: skip
+"""Rooms and files of wmr_ctrl: each imports from those before it."""
+UPWARD: dict[str, set[str]] = {}
+"""Imports for typing alone that go upward, by module, with a comment that says why."""
 ROS_MESSAGES = {
     "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rcl_interfaces", "std_msgs", "std_srvs",
 }  # fmt: skip
 THIRD_PARTY = {
-    "errors": set(),
-    "signals": set(),
-    "symbolic": {"casadi"},
-    "compiled": set(),
-    "late_bound": set(),
-    "paper": set(),
+    "version": set(),
+    "core": {"casadi"},
     "results": {"numpy", "rosbags"},
-    "fields": set(),
-    "model": {"casadi", "numpy"},
-    "world": {"numpy", "scipy", "yaml"},
-    "scenario": {"tomlkit"},
-    "logs": {"numpy"},
-    "barrier": {"casadi"},
-    "laws": {"casadi"},
-    "guard": {"casadi"},
-    "filter": {"casadi", "numpy"},
-    "control": {"casadi"},
+    "world": {"casadi", "numpy", "scipy", "tomlkit", "yaml"},
+    "control": {"casadi", "numpy"},
     "codegen": {"casadi", "filelock", "jinja2", "numpy", "platformdirs"},
-    "checks": {"casadi", "numpy"},
-    "sim": {"numpy"},
-    "proofs": {"casadi", "flint", "z3"},
-    "linear": {"casadi", "control", "numpy", "scipy"},
-    "corridor": {"casadi", "flint", "numpy"},
-    "physics": {"jinja2", "mujoco", "numpy"},
-    "fmi": {"casadi", "fmpy", "numpy"},
-    "modelica": {"casadi"},
-    "simulink": set(),
-    "campaign": {"filelock", "numpy", "scipy"},
-    "report": {"PIL", "jinja2", "matplotlib", "numpy"},
-    "page": set(),
-    "api_types": set(),
-    "api": set(),
-    "tuning": {"cma", "numpy"},
+    "theory": {"casadi", "control", "flint", "numpy", "scipy"},
+    "simulation": {"cma", "filelock", "jinja2", "mujoco", "numpy", "scipy"},
     "identification": {"casadi", "numpy", "scipy", "tomlkit"},
-    "engines": set(),
-    "outputs": set(),
+    "report": {"PIL", "jinja2", "matplotlib", "numpy"},
+    "export": {"casadi", "fmpy", "numpy"},
+    "api": set(),
+    "extend": {"lazy_loader"},
     "ros2": {"numpy", "rclpy", *ROS_MESSAGES},
-    "__init__": set(),
+    "__init__": {"lazy_loader"},
     "__main__": set(),
+    "wmr_proofs": {"casadi", "flint", "numpy", "z3"},
 }
-"""What each layer may import from elsewhere; the command line (cli) may import anything."""
-JOINERS = {"engines", "api", "tuning", "cli", "fmi"}
-"""Who may both compile and run: the interface, and the co-simulation that is compared with it."""
+"""What each room may import from elsewhere; the command line (cli) may import anything."""
+JOINERS = {"simulation", "api", "cli", "export"}
+"""Who may both compile and run."""
+ONLY_RUNS = "wmr_ctrl.simulation."
+BUILDS = tuple(ONLY_RUNS + name for name in ("engines", "campaign", "physics", "tuning"))
+"""Modules of the room of runs that may have a loop built; all others are handed one."""
 LEDGER = "wmr_ctrl.results.ledger"
 LIGHT = ("wmr_ctrl.core.errors", "wmr_ctrl.core.signals")
 
 
-def rank(layer: str) -> int:
-    places = [place for place, layers in enumerate(ORDER) if layer in layers]
-    assert places, f"wmr_ctrl/{layer} is in no layer: add it to docs/architecture.md and here"
-    return places[0]
+def rank(room: str) -> int:
+    assert room in ORDER, f"wmr_ctrl/{room} is in no place: add it to docs/architecture.md and here"
+    return ORDER.index(room)
 
 
-def own_imports(module: Module) -> list[str]:
-    return [name for name in module.imports() if name.split(".")[0] == "wmr_ctrl"]
+def own_imports(module: Module, *, typing: bool = False) -> list[str]:
+    return [name for name in module.imports(typing=typing) if name.split(".")[0] == "wmr_ctrl"]
 
 
 def foreign_imports(module: Module) -> set[str]:
     tops = {name.split(".")[0] for name in module.imports()}
-    return tops - {"wmr_ctrl", "__future__"} - sys.stdlib_module_names
+    return tops - {"wmr_ctrl", "wmr_proofs", "__future__"} - sys.stdlib_module_names
 
 
-def layers_used(module: Module) -> set[str]:
-    return {layer_of(name) for name in own_imports(module)}
+def rooms_used(module: Module) -> set[str]:
+    return {room_of(name) for name in own_imports(module)}
 
 
-def test_imports_come_from_layers_below():
-    def above(module: Module) -> list[str]:
-        if module.layer in EVERYWHERE:
-            return [name for name in own_imports(module) if layer_of(name) not in EVERYWHERE]
-        return [
+def in_package() -> list[Module]:
+    return [module for module in modules() if module.room != "wmr_proofs"]
+
+
+def test_imports_come_from_rooms_below():
+    """Those that only annotations need count too."""
+    above = {
+        module.name: {
             name
-            for name in own_imports(module)
-            if layer_of(name) not in {module.layer, *EVERYWHERE}
-            and rank(layer_of(name)) >= rank(module.layer)
-            and name != "wmr_ctrl"  # the version
-        ]
+            for name in own_imports(module, typing=True)
+            if room_of(name) != module.room and rank(room_of(name)) >= rank(module.room)
+        }
+        - UPWARD.get(module.name, set())
+        for module in in_package()
+    }
 
-    assert offenders(above) == {}
+    assert {name: wrong for name, wrong in above.items() if wrong} == {}
+
+
+def test_no_import_goes_from_the_package_to_its_proofs():
+    """wmr_proofs is found by name, by one door in `theory`."""
+    outward = {
+        module.name
+        for module in in_package()
+        if any(name.split(".")[0] == "wmr_proofs" for name in module.imports(typing=True))
+    }
+    named = {
+        module.name
+        for module in in_package()
+        if any(
+            isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and node.value.startswith("wmr_proofs")
+            for node in nodes_of(module.tree)
+            if " " not in str(getattr(node, "value", ""))
+        )
+    }
+
+    assert outward == set()
+    assert named == {"wmr_ctrl.theory.door"}
 
 
 def test_no_file_imports_itself_by_way_of_others():
     """Imports within functions count; what only annotations need does not."""
-    edges = {module.name: {*own_imports(module)} - {module.name} for module in modules()}
+    edges = {module.name: {*module.imports()} - {module.name} for module in modules()}
+    ours = {name: {other for other in used if other in edges} for name, used in edges.items()}
 
-    assert circle(edges) == []
+    assert circle(ours) == []
 
 
 def circle(edges: Mapping[str, set[str]]) -> list[str]:
@@ -148,9 +131,9 @@ def test_circles_are_seen():
     assert circle({"a": {"b"}, "b": {"c"}, "c": {"b", "d"}, "d": set()}) == ["b", "c"]
 
 
-def test_third_party_imports_are_those_of_the_layer():
+def test_third_party_imports_are_those_of_the_room():
     def foreign(module: Module) -> set[str]:
-        return foreign_imports(module) - THIRD_PARTY.get(module.layer, set())
+        return foreign_imports(module) - THIRD_PARTY.get(module.room, set())
 
     assert {k: v for k, v in offenders(foreign).items() if not k.startswith("wmr_ctrl.cli")} == {}
 
@@ -161,88 +144,79 @@ def test_tests_notebooks_and_benchmarks_are_not_imported():
     assert offenders(lambda module: foreign_imports(module) & outside) == {}
 
 
-def test_only_the_api_joins_compiling_and_running():
+def test_few_rooms_join_compiling_and_running():
     def joins(module: Module) -> list[str]:
-        both = layers_used(module) >= {"codegen", "sim"}
-        return ["codegen with sim"] if both and module.layer not in JOINERS else []
+        both = rooms_used(module) >= {"codegen", "simulation"}
+        return ["codegen with simulation"] if both and module.room not in JOINERS else []
 
-    assert offenders(joins) == {}
+    assert {k: v for k, v in offenders(joins).items() if not k.startswith("wmr_proofs")} == {}
 
 
 def test_runs_are_handed_their_kernels():
-    graphs = {"model", "barrier", "laws", "guard", "control", "codegen", "checks"}
+    graphs = {"control", "codegen", "theory"}
 
     def builds(module: Module) -> set[str]:
-        return layers_used(module) & graphs if module.layer == "sim" else set()
+        runs = module.name.startswith(ONLY_RUNS) and not module.name.startswith(BUILDS)
+        return rooms_used(module) & graphs if runs else set()
 
     assert offenders(builds) == {}
 
 
 def test_the_report_runs_nothing():
-    running = {"codegen", "sim", "fmi"}
     jobs = {"run_campaign", "run_cases", "run_comparison", "run_study", "simulate", "run_each"}
 
     def runs(module: Module) -> set[str]:
-        if module.layer != "report":
+        if module.room != "report":
             return set()
         named = {node.id for node in nodes_of(module.tree) if isinstance(node, ast.Name)}
-        return (layers_used(module) & running) | (named & jobs)
+        return (rooms_used(module) & {"codegen", "export"}) | (named & jobs)
 
     assert offenders(runs) == {}
 
 
-def test_report_reads_proofs_through_the_ledger_only():
-    def proofs(module: Module) -> list[str]:
-        used = [name for name in own_imports(module) if layer_of(name) == "proofs"]
-        return [name for name in used if module.layer == "report" and name != LEDGER]
-
+def test_the_ledger_needs_the_standard_library_alone():
     def heavy(module: Module) -> set[str]:
-        if module.name != LEDGER:
-            return set()
-        return foreign_imports(module) | (layers_used(module) - EVERYWHERE)
+        return foreign_imports(module) | rooms_used(module) if module.name == LEDGER else set()
 
-    assert offenders(proofs) == {}
     assert offenders(heavy) == {}
 
 
 def test_methods_of_proof_stand_alone():
     """They know graphs, not robots: what they decide cannot lean on the code that they judge."""
-    parts = ("methods", "graph", "relation", "statement", "ledger", "regions")
+    parts = ("methods", "graph", "relation", "statement", "regions")
+    allowed = (
+        *(f"wmr_proofs.{part}" for part in parts),
+        "wmr_ctrl.world.model.graph",
+        "wmr_ctrl.core.errors",
+        LEDGER,
+    )
 
     def ours(module: Module) -> list[str]:
-        top = module.name.removeprefix("wmr_proofs.").split(".")[0]
-        if module.layer != "proofs" or top not in parts:
+        if not module.name.startswith(allowed[: len(parts)]):
             return []
-        allowed = tuple(f"wmr_proofs.{part}" for part in parts)
-        own = (*allowed, "wmr_ctrl.world.model.graph", "wmr_ctrl.core.errors")
-        return [name for name in own_imports(module) if not name.startswith(own)]
+        own = (name for name in module.imports() if name.split(".")[0].startswith("wmr_"))
+        return [name for name in own if not name.startswith(allowed)]
 
     assert offenders(ours) == {}
 
 
 def test_the_oracle_shares_no_code_with_what_it_checks():
     """Its package alone, which makes a Run of what the oracle computed, uses more."""
-    sections = (
-        "spline",
-        "rounded_square",
-        "speed_profile",
-        "waypoints",
-    )  # the fitted path of a section, as data
+    path_data = ("spline", "rounded_square", "speed_profile", "waypoints")
     allowed = (
         "wmr_ctrl.core.fields",
         "wmr_ctrl.world.scenario",
         "wmr_ctrl.results",
-        *(f"wmr_ctrl.world.references.{name}" for name in sections),
+        *(f"wmr_ctrl.world.references.{name}" for name in path_data),
         *LIGHT,
     )
-
     folder = ROOT / "tests" / "oracle"
     files = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
     imported = {
         name
         for path in files
         for line in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(line, ast.ImportFrom) and (name := line.module or "").startswith("wmr_ctrl")
+        if isinstance(line, ast.ImportFrom) and (name := line.module or "").startswith("wmr_")
     }
 
     assert len(files) > 20
@@ -254,7 +228,7 @@ def test_laws_and_plants_are_built_into_systems():
     built = [
         (module.name, ast.unparse(node.args.args[0].annotation or node), ast.unparse(node.returns))
         for module in modules()
-        if module.layer == "laws"
+        if module.name.startswith("wmr_ctrl.control.laws.")
         for node in module.tree.body
         if isinstance(node, ast.FunctionDef) and node.name == "build" and node.returns
     ]
@@ -277,10 +251,8 @@ def test_every_engine_returns_a_run():
     assert all("Run" in annotation for annotation in returned.values())
 
 
-def test_architecture_page_names_every_layer():
+def test_architecture_page_has_the_order():
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    order = next(line for line in page.splitlines() if line.startswith("fields, paper |"))
-    steps = [set(re.findall(r"\w+", step)) for step in order.split("|")]
+    rooms = [name for name in ORDER if (ROOT / "wmr_ctrl" / name).is_dir()]
 
-    assert steps == [layers for layers in ORDER if layers != {"__init__"}]
-    assert all(f"`wmr_ctrl/{layer}" in page for layers in ORDER for layer in layers)
+    assert " → ".join(rooms) in " ".join(page.split())

@@ -1,32 +1,22 @@
-"""Rooms that are neither too small nor shared by two things of one name."""
+"""The rooms of the two packages: how many, what each is for, how large, and what names say."""
 
 from __future__ import annotations
 
 import ast
-from collections import defaultdict
+import io
+import re
+import tokenize
+from pathlib import Path
 
-from tests.architecture.tree import (
-    Module,
-    functions,
-    modules,
-    names_of_modules,
-    nodes_of,
-    offenders,
-)
+import pytest
 
-SHORT = 30
-"""Lines of code below which a file with a single user should live with that user."""
-KEPT_SHORT = {
-    "wmr_ctrl.world.command_dead_band": "an effect has a file",
-    "wmr_ctrl.world.command_quantum": "an effect has a file",
-    "wmr_ctrl.world.wheel_speed_limit": "an effect has a file",
-}
-"""Short files with one user that are looked up by name, and why."""
-BY_NAME = ("wmr_ctrl.laws.",)
-"""Folders with a file for each name that users type: a law."""
-ELSEWHERE = ("wmr_proofs.", "wmr_ctrl.codegen.")
+from tests.architecture.tree import PACKAGES, ROOT, Module, modules, nodes_of, offenders
 
-NO_NOUNS = {"found", "made", "told", "settled", "kept"}
+MOST_ROOMS = 12
+BESIDE_ROOMS = {"__init__", "__main__", "api", "extend", "version"}
+TOKENS = {"wmr_ctrl": 425_000, "wmr_proofs": 200_000}
+"""Most tokens of code of each package."""
+COUNTED = {tokenize.NAME, tokenize.OP, tokenize.NUMBER, tokenize.STRING}
 SNIFFED = {
     "wmr_ctrl.core.fields.files": "only some errors of the system have a text",
     "wmr_ctrl.core.fields.values": "arrays of any library give their numbers by tolist",
@@ -38,85 +28,106 @@ SNIFFED = {
 """Where an object may be asked for a name that it may not have, and why."""
 
 
-def lines_of_code(module: Module) -> int:
-    """Lines that are neither empty, comments, texts by themselves nor imports."""
-    rest = {
-        line
-        for node in nodes_of(module.tree)
-        if isinstance(node, ast.Import | ast.ImportFrom)
-        or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
-        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
-    }
-    lines = enumerate(module.text.splitlines(), start=1)
-    written = ((n, line.strip()) for n, line in lines if n not in rest)
-    return sum(1 for _, line in written if line and not line.startswith("#"))
+def folders(package: str) -> list[Path]:
+    """Folders of Python files below a package."""
+    return sorted({path.parent for path in (ROOT / package).rglob("*.py")} - {ROOT / package})
 
 
-def users() -> dict[str, set[str]]:
-    """Modules by the modules that they import, typing included."""
-    by_module = defaultdict(set)
-    for module in modules():
-        for name in module.imports(typing=True):
-            by_module[name].add(module.name)
-    return by_module
+def test_there_are_at_most_twelve_rooms():
+    rooms = {module.room for module in modules() if module.room not in PACKAGES}
+    files = {path.stem for path in (ROOT / "wmr_ctrl").glob("*.py")}
+
+    assert files == BESIDE_ROOMS
+    assert len(rooms - files) <= MOST_ROOMS
 
 
-def asked_for_by_name(module: Module, by: dict[str, set[str]]) -> bool:
-    """A law; what its package shows to others; what runs by itself."""
-    package = module.name.rpartition(".")[0]
-    shown = by[module.name] == {package}
-    alone = "__main__" in module.text
-    return module.name.startswith(BY_NAME) or shown or alone or module.name in KEPT_SHORT
+@pytest.mark.parametrize("package", PACKAGES)
+def test_rooms_have_folders_one_deep(package):
+    most = 2 if package == "wmr_ctrl" else 1
+    deep = [path for path in folders(package) if len(path.relative_to(ROOT / package).parts) > most]
+
+    assert deep == []
 
 
-def test_no_file_is_a_fragment_of_its_only_user():
-    by = users()
-    short = {
-        module.name: sorted(by[module.name])
+def test_page_lists_each_room_with_the_sentence_of_its_docstring():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    first = page[page.index("\n| ") :].split("\n\n")[0]
+    shown = dict(re.findall(r"^\| `(\w+)/` \| (.+?) \|", first, flags=re.M))
+    rooms = [path for path in folders("wmr_ctrl") if path.parent.name == "wmr_ctrl"]
+    sentences = {path.name: sentence(path) for path in [*rooms, ROOT / "wmr_proofs"]}
+
+    assert shown == sentences
+    assert len(page.split()) <= 2500
+
+
+def sentence(folder: Path) -> str:
+    """First paragraph of a folder's docstring."""
+    tree = ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))
+    return " ".join((ast.get_docstring(tree) or "").split("\n\n")[0].split())
+
+
+def test_purpose_of_every_folder_is_one_sentence():
+    every = [path for package in PACKAGES for path in folders(package)]
+    bad = {str(path): text for path in every if not is_sentence(text := sentence(path))}
+
+    assert bad == {}
+
+
+def is_sentence(text: str) -> bool:
+    return text.endswith(".") and ". " not in text
+
+
+def test_no_file_has_the_name_of_another_room():
+    names = {path.name for package in PACKAGES for path in folders(package)}
+    twice = [
+        module.name
         for module in modules()
-        if module.path.name != "__init__.py"
-        and lines_of_code(module) < SHORT
-        and len(by[module.name]) < 2
-        and not asked_for_by_name(module, by)
-        and not module.name.startswith("wmr_ctrl.codegen.")
-    }
+        if module.path.stem in names - {module.path.parent.name}
+        and module.path.parent != ROOT / "wmr_ctrl"
+    ]
 
-    assert short == {}
+    assert twice == []
 
 
-def test_reasons_for_short_files_are_about_files_that_are_there():
-    assert set(KEPT_SHORT) | set(SNIFFED) <= names_of_modules()
-    assert all(lines_of_code(m) < SHORT for m in modules() if m.name in KEPT_SHORT)
+@pytest.mark.parametrize("package", PACKAGES)
+def test_packages_keep_their_budget(package, record_property):
+    texts = (path.read_text(encoding="utf-8") for path in (ROOT / package).rglob("*.py"))
+    count = sum(map(tokens_of_code, texts))
+    record_property("tokens", count)
+    print(f"{package}: {count} tokens of code, at most {TOKENS[package]}")
+
+    assert count <= TOKENS[package]
 
 
-def test_a_class_name_stands_for_one_class():
-    places = defaultdict(list)
-    for module in modules():
-        for node in nodes_of(module.tree):
-            if isinstance(node, ast.ClassDef):
-                places[node.name].append(module.name)
-    doubles = {name: where for name, where in places.items() if len(where) > 1}
+def tokens_of_code(text: str) -> int:
+    """Names, operators, numbers and strings; docstrings are free, a formatted string is one."""
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    owners = (node for node in ast.walk(ast.parse(text)) if isinstance(node, documented))
+    free = {(node.body[0].lineno, node.body[0].col_offset) for node in owners if has_text(node)}
+    begins, ends = (
+        {getattr(tokenize, f"{kind}STRING_{part}", -1) for kind in "FT"}
+        for part in ("START", "END")
+    )
+    count = depth = 0
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type in begins:
+            count += depth == 0
+            depth += 1
+        elif token.type in ends:
+            depth -= 1
+        elif depth == 0 and token.type in COUNTED and token.start not in free:
+            count += 1
+    return count
 
-    assert doubles == {}
+
+def has_text(node: ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    return ast.get_docstring(node, clean=False) is not None
 
 
-def test_values_are_named_by_nouns():
-    def verbs(module: Module) -> set[str]:
-        if module.name.startswith(ELSEWHERE):
-            return set()
-        return named(module.tree) & NO_NOUNS
+def test_tokens_are_counted_without_what_explains():
+    text = '"""Text."""\n\n\ndef f(a):\n    """Text."""\n    return f"{a} b"  # why\n'
 
-    assert offenders(verbs) == {}
-
-
-def named(tree: ast.Module) -> set[str]:
-    """Names of variables, parameters and fields."""
-    nodes = nodes_of(tree)
-    values = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    fields = {
-        n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)
-    }
-    return values | fields | {n.arg for n in nodes if isinstance(n, ast.arg)}
+    assert tokens_of_code(text) == len(["def", "f", "(", "a", ")", ":", "return", "text"])
 
 
 def test_nothing_is_asked_for_names_that_it_may_not_have():
@@ -135,14 +146,8 @@ def sniffed(module: Module) -> list[str]:
     ]
 
 
-def test_the_checks_see_what_they_should():
-    text = (
-        "import os\n\n\ndef f(found, a):\n    '''Text.'''\n    kept = getattr(a, 'b')  # why\n"
-        "    a.made = hasattr(kept, found)\n    return getattr(a, found)\n"
-    )
+def test_the_search_for_such_names_sees_them():
+    text = "def f(item, a):\n    kept = getattr(a, 'b')\n    return hasattr(kept, item)\n"
     module = Module("wmr_ctrl.x", next(m.path for m in modules()), text, ast.parse(text))
 
-    assert named(module.tree) & NO_NOUNS == {"found", "kept", "made"}
     assert len(sniffed(module)) == 2
-    assert lines_of_code(module) == 4
-    assert [f.name for f in functions(module.tree)] == ["f"]

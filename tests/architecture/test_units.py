@@ -33,7 +33,7 @@ def section_fields() -> list[tuple[str, str, dataclasses.Field[object]]]:
     """Fields of every dataclass of scenarios and gains that were declared as quantities."""
     found = []
     for module in modules():
-        if module.layer not in {"scenario", "laws"} or "quantity(" not in module.text:
+        if module.room not in {"world", "control"} or "quantity(" not in module.text:
             continue
         loaded = vars(importlib.import_module(module.name)).values()
         own = [item for item in loaded if isinstance(item, type) and item.__module__ == module.name]

@@ -11,8 +11,8 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "wmr_ctrl"
-FOLDERS = (".ci", "analysis", "benchmarks", "docs", "fmu", "paper", "tests", "wmr_ctrl")
+PACKAGES = ("wmr_ctrl", "wmr_proofs")
+FOLDERS = (".ci", "analysis", "benchmarks", "docs", "fmu", "paper", "tests", *PACKAGES)
 AT_ROOT = (
     "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "README.md", "pyproject.toml",
 )  # fmt: skip
@@ -22,7 +22,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 @dataclass(frozen=True)
 class Module:
-    """One Python file of the package: dotted name, path, text and syntax tree."""
+    """One Python file of the two packages: dotted name, path, text and syntax tree."""
 
     name: str
     path: Path
@@ -30,9 +30,9 @@ class Module:
     tree: ast.Module
 
     @property
-    def layer(self) -> str:
-        """The folder or file right below wmr_ctrl that it belongs to."""
-        return layer_of(self.name)
+    def room(self) -> str:
+        """The folder or file right below wmr_ctrl that it belongs to, or wmr_proofs."""
+        return room_of(self.name)
 
     def imports(self, *, typing: bool = False) -> Iterator[str]:
         """Every imported module, wherever the statement stands; names count as modules if so.
@@ -64,14 +64,19 @@ class Module:
 
 @cache
 def modules() -> tuple[Module, ...]:
-    """Every Python file of the package."""
-    return tuple(_parsed(path) for path in sorted(PACKAGE.rglob("*.py")))
+    """Every Python file of both packages."""
+    return tuple(_parsed(path) for path in paths())
 
 
 @cache
 def names_of_modules() -> frozenset[str]:
-    """Dotted names of all modules and packages of wmr_ctrl."""
-    return frozenset(_name(path) for path in PACKAGE.rglob("*.py"))
+    """Dotted names of all modules of both packages."""
+    return frozenset(map(_name, paths()))
+
+
+def paths() -> list[Path]:
+    """Python files of both packages, sorted."""
+    return sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 
 
 def offenders(check: Callable[[Module], Iterable[str]]) -> dict[str, list[str]]:
@@ -94,9 +99,10 @@ def for_typing(tree: ast.Module) -> set[ast.AST]:
     return {inner for node in asked for line in node.body for inner in ast.walk(line)}
 
 
-def layer_of(name: str) -> str:
+def room_of(name: str) -> str:
     """First part of a dotted name after wmr_ctrl, ``__init__`` for the package itself."""
-    return [*name.split("."), "__init__"][1]
+    package, *parts = name.split(".")
+    return package if package != "wmr_ctrl" else [*parts, "__init__"][0]
 
 
 def functions(tree: ast.Module) -> Iterator[Function]:

@@ -8,10 +8,8 @@ from __future__ import annotations
 import inspect
 import json
 import re
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
-from importlib import import_module
 from pathlib import Path
 
 import click
@@ -19,6 +17,7 @@ from click.testing import CliRunner
 
 import wmr_ctrl
 from tests.architecture.tree import ROOT
+from wmr_ctrl import extend
 from wmr_ctrl.cli import console
 from wmr_ctrl.cli.lists import gains_docs
 from wmr_ctrl.cli.root import root
@@ -108,21 +107,17 @@ def _keys(value: object, path: str = "") -> Iterator[str]:
 
 
 def _python() -> Iterator[str]:
-    sys.path.insert(0, str(ROOT / "docs" / "_site"))
-    tables = import_module("tables")
-    sys.path.pop(0)
-    for name in wmr_ctrl.__all__:
-        yield from _members(f"wmr_ctrl.{name}", getattr(wmr_ctrl, name))
-    for path in (*tables.RESULTS, *tables.BUILDING):
-        module, _, name = path.rpartition(".")
-        yield from _members(path, getattr(import_module(module), name))
+    for module in (wmr_ctrl, extend):
+        for name in module.__all__:
+            yield from _members(f"{module.__name__}.{name}", getattr(module, name))
 
 
 def _members(path: str, thing: object) -> Iterator[str]:
     """Name, arguments by name, and of a class its fields, methods and properties."""
     yield f"python: {path}"
     if not inspect.isclass(thing):
-        assert callable(thing)
+        if not inspect.isfunction(thing):  # a constant, or CasADi
+            return
         yield from (f"python: {path}({name})" for name in inspect.signature(thing).parameters)
         return
     own = {item.name for item in fields(thing)} if is_dataclass(thing) else set[str]()

@@ -1,7 +1,4 @@
-"""The command line ``wmr-ctrl``: parse, call, print.
-
-Nothing heavier than click is imported before a command runs.
-"""
+"""The command line `wmr-ctrl`: parse, call, print."""
 
 from wmr_ctrl.cli.root import main as main
 from wmr_ctrl.cli.root import root as root

@@ -1,1 +1,1 @@
-"""From a System to compiled C: kernels and manifest, C compiler, build cache."""
+"""From graphs to C: kernels, packages for microcontrollers, compiler and cache."""

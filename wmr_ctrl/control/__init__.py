@@ -1,1 +1,1 @@
-"""Control: law, guard and map onto the wheels composed into one sampled System."""
+"""From a measurement to a command: laws, velocity guard, command filter, and their wiring."""

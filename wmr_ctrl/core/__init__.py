@@ -1,1 +1,1 @@
-"""Fields of scenarios, errors, signals and what else every room needs."""
+"""Words that every room uses: fields of a scenario, signals, units, errors, the paper as data."""

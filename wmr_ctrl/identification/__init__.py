@@ -1,4 +1,4 @@
-"""From a log to a scenario: parameters of a robot with intervals, and a guard's numbers."""
+"""From a log to a scenario: parameters with intervals, and bounds for guard or filter."""
 
 from wmr_ctrl.identification.bounds import BaseIdentification as BaseIdentification
 from wmr_ctrl.identification.identification import Identification as Identification

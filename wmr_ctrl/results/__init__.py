@@ -1,8 +1,4 @@
-"""Results of a run: its log, its outcome, the figures taken from it, and its files.
-
-Everything here works on a finished :class:`Run`, whichever engine made it; nothing here computes
-a trajectory.
-"""
+"""A finished run: its log, outcome, figures of merit and files; the committed ledger of proofs."""
 
 from wmr_ctrl.results.files import atomic_path as atomic_path
 from wmr_ctrl.results.files import atomic_text as atomic_text

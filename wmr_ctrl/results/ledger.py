@@ -58,7 +58,7 @@ class Entry:
     graph_hash: str = ""
     meaning: str = ""
     hypotheses: str = ""
-    evidence: Mapping[str, Any] = field(default_factory=dict)
+    evidence: Mapping[str, object] = field(default_factory=dict)
     satisfied_at: Mapping[str, str] | None = None
     premises: tuple[str, ...] = ()
     altered: Mapping[str, str] = field(default_factory=dict)
@@ -84,7 +84,7 @@ class Entry:
         known = {name: self.versions.get(name) for name in versions}
         return (self.graph_hash, known) == (graph_hash, versions)
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> dict[str, object]:
         """The entry as `wmr-ctrl prove --json` writes it."""
         every = asdict(self) | {"functions": self.functions, "alterations": self.alterations}
         return {key: every[key] for key in PUBLIC_KEYS}

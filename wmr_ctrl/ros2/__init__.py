@@ -1,1 +1,1 @@
-"""ROS 2: lifecycle nodes of bases; `python -m wmr_ctrl.ros2 filter`, `drive`."""
+"""Lifecycle nodes of ROS 2 that filter commands or drive a base."""

@@ -1,1 +1,1 @@
-"""Simulation: the compiled loop behind ctypes, and the same graphs without a compiler."""
+"""One run or thousands, compiled or by NumPy, in the plane or on tyres; search for gains."""

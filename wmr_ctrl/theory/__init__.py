@@ -1,1 +1,1 @@
-"""Answers before a run: checks, linear models, and the door to the certified corridor."""
+"""Answers before a run: checks, linear models, and the door to corridor and proofs."""

@@ -1,1 +1,1 @@
-"""The world around a law: references, sensors, disturbances and drives, each a System in a file."""
+"""What a law meets: the model, the scenario file, references, sensors, disturbances, drives."""
