@@ -21,7 +21,8 @@ from wmr_ctrl.control.guard.guard import linear_first
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.simulation.tuning import tunable
-from wmr_ctrl.world.model.dynamics import force_to_wheel, friction, wheel_to_force
+from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import Scenario, override
 

@@ -208,7 +208,8 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("bounds.py", "if not mixed:", "if True:"),
     ),
     *_rows(
-        "wmr_ctrl/control/guard/", DERIVED + "before_the_first_command_acts_a_push_has_delay_and_lag",
+        "wmr_ctrl/control/guard/",
+        DERIVED + "before_the_first_command_acts_a_push_has_delay_and_lag",
         ("price.py", "guard.latest + guard.slowest", "guard.latest"),
     ),
     *_rows(

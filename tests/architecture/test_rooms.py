@@ -104,10 +104,8 @@ def tokens_of_code(text: str) -> int:
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     owners = (node for node in ast.walk(ast.parse(text)) if isinstance(node, documented))
     free = {(node.body[0].lineno, node.body[0].col_offset) for node in owners if has_text(node)}
-    begins, ends = (
-        {getattr(tokenize, f"{kind}STRING_{part}", -1) for kind in "FT"}
-        for part in ("START", "END")
-    )
+    begins = {getattr(tokenize, name, -1) for name in ("FSTRING_START", "TSTRING_START")}
+    ends = {getattr(tokenize, name, -1) for name in ("FSTRING_END", "TSTRING_END")}
     count = depth = 0
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type in begins:

@@ -32,7 +32,8 @@ from wmr_ctrl.control.filter.governor_step import ODOMETRY
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core import signals
 from wmr_ctrl.world.delay import in_periods
-from wmr_ctrl.world.model.dynamics import force_to_wheel, friction, reduced_mass
+from wmr_ctrl.world.model.dynamics import force_to_wheel, reduced_mass
+from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, outputs, port, stack
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach

@@ -16,15 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.model.dynamics import NAMES, force_to_wheel, friction, reduced_mass
+from wmr_ctrl.world.model.dynamics import NAMES, force_to_wheel, reduced_mass
 from wmr_ctrl.world.model.evaluate import Floats, evaluated
+from wmr_ctrl.world.model.friction import friction, largest_force, largest_slope
 
 if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Robot, Scenario
-
-
-FAST = 1e6
-"""Speed [m/s] at which nothing is missing of friction's full size."""
 
 
 @dataclass(frozen=True)
@@ -50,43 +47,33 @@ def largest_friction(scenario: Scenario) -> float:
 
 
 def full_friction(robot: Robot) -> float:
-    """Friction of a robot that moves [N]: mu m g."""
-    return float(drag(robot, (FAST, 0.0))[0, 0])
+    """Largest friction of a robot [N]."""
+    return largest_force(robot.mu, robot.m, robot.g)
 
 
 def steepness(robot: Robot) -> float:
-    """Slope of friction over v1 at rest, its largest [N s/m]."""
-    _, slope = _graphs()
-    return float(slope(ca.DM(_numbers(robot))))
-
-
-def slope_at_rest(mu: ca.SX, m: ca.SX, g: ca.SX, v_s: ca.SX) -> ca.SX:
-    """The same as a graph."""
-    v = ca.SX.sym("v", 2)
-    force = friction(mu, m, g, v_s, v)
-    return ca.substitute(ca.jacobian(force, v)[0, 0], v, ca.SX.zeros(2))
+    """Largest slope of a robot's friction over its speed [N s/m]."""
+    return largest_slope(*_numbers(robot))
 
 
 def drag(robot: Robot, v: Floats | tuple[float, float]) -> Floats:
     """Friction F1 (2, N) [N, N m] of a robot at velocities ``v`` (2, N) or (2,)."""
-    force, _ = _graphs()
+    force = _force()
     speeds = np.asarray(v)
     if speeds.ndim == 1:
         return evaluated(force, _numbers(robot), speeds)[0]
     return np.asarray(force(ca.DM(_numbers(robot)), speeds))
 
 
-def _numbers(robot: Robot) -> tuple[float, ...]:
+def _numbers(robot: Robot) -> tuple[float, float, float, float]:
     return robot.mu, robot.m, robot.g, robot.v_s
 
 
 @cache
-def _graphs() -> tuple[ca.Function, ca.Function]:
-    """F1 at a velocity, and its slope along v1 at rest."""
+def _force() -> ca.Function:
+    """F1 at a velocity."""
     p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
-    force = friction(p[0], p[1], p[2], p[3], v)
-    slope = slope_at_rest(p[0], p[1], p[2], p[3])
-    return ca.Function("friction", [p, v], [ca.densify(force)]), ca.Function("slope", [p], [slope])
+    return ca.Function("friction", [p, v], [ca.densify(friction(*ca.vertsplit(p), v))])
 
 
 def demanded(robot: ca.SX, v_d: ca.SX, v_d_dot: ca.SX) -> ca.SX:

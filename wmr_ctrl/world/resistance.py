@@ -10,6 +10,7 @@ from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario, heaviest
+from wmr_ctrl.world.model.friction import shape
 from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, ports
 
 
@@ -44,7 +45,7 @@ def load_of_wheel(m: Number, g: Number) -> Number:
 
 def smoothed(v: ca.SX, turn: ca.SX, v_s: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Smoothed signs of the right and the left wheel's speed; ``turn`` = l omega."""
-    return ca.tanh((v + turn) / v_s), ca.tanh((v - turn) / v_s)
+    return shape(v + turn, v_s), shape(v - turn, v_s)
 
 
 def resisted(most: ca.SX, half_track: ca.SX, right: ca.SX, left: ca.SX) -> ca.SX:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND, TORQUE, VELOCITY, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, friction, reduced_mass
+from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, reduced_mass
+from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.system import Parameters, Port, System, outputs, port, ports, stack
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from wmr_ctrl.control.filter.channels import WAYS
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
 from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.model.dynamics import KEYS, friction, plant, rk4_step, wheel_to_force
-from wmr_ctrl.world.phases import slope_at_rest
+from wmr_ctrl.world.model.dynamics import KEYS, plant, rk4_step, wheel_to_force
+from wmr_ctrl.world.model.friction import friction, largest_slope
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
 from wmr_proofs.claim import Claims, Mutation
@@ -107,7 +107,7 @@ class HeldStep:
     @property
     def x(self) -> ca.SX:
         """Friction's pace."""
-        slope = slope_at_rest(self.mu, self.m, self.g, self.v_s)
+        slope = largest_slope(self.mu, self.m, self.g, self.v_s)
         return held_loop.pace_of_friction(self.h, slope, self.m)
 
     def friction(self, v: ca.SX) -> ca.SX:

@@ -4,6 +4,7 @@ import casadi as ca
 
 from wmr_ctrl.world.model import dynamics, kinematics
 from wmr_ctrl.world.model.dynamics import KEYS, plant
+from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.kinematics import constraint, error_rate, pose_rate, velocity_map
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
@@ -126,7 +127,7 @@ def eq04_plant(mutation: Mutation) -> Statement:
     v = ca.vertcat(t.v1, t.omega)
     tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + mutation * t.noise_left)
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
-    left = inertial + dynamics.friction(mu, m, g, v_s, v)
+    left = inertial + friction(mu, m, g, v_s, v)
     force = dynamics.wheel_to_force(r, l, tau) + ca.vertcat(t.thrust, t.moment)
     moves = every(system.update[0:3], velocity_map(t.theta) @ v)
     return Statement(t, (*every(left, force), *moves))

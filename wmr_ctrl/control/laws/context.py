@@ -11,7 +11,8 @@ from wmr_ctrl.control.barrier.stable import Barrier, smooth_barrier, stable_barr
 from wmr_ctrl.control.laws.law import BarrierChoice, commands_predicted
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Signal
-from wmr_ctrl.world.model.dynamics import friction, reduced_mass
+from wmr_ctrl.world.model.dynamics import reduced_mass
+from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.kinematics import (
     auxiliary_rate,
     auxiliary_velocity,

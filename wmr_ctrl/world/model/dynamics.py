@@ -15,6 +15,7 @@ from wmr_ctrl.core.signals import (
     Signal,
 )
 from wmr_ctrl.core.symbolic import ca
+from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.kinematics import pose_rate, velocity_map
 from wmr_ctrl.world.model.system import Number, Output, Parameters, System, ports, stack
 
@@ -64,14 +65,6 @@ def force_to_wheel(r: ca.SX, half_track: ca.SX, force: ca.SX) -> ca.SX:
 def full_thrust(r: Number, tau: Number) -> Number:
     """phi = 2 tau/r [N]: thrust F and moment N of torques within tau keep |F| + |N|/l <= phi."""
     return 2 * tau / r
-
-
-def friction(mu: ca.SX, m: ca.SX, g: ca.SX, v_s: ca.SX, v: ca.SX) -> ca.SX:
-    """F1 [N, N m] of Eq. (4), read as Coulomb friction on the linear axis: mu m g tanh(v1/v_s).
-
-    The paper gives only the coefficient mu; none is read into the rotation.
-    """
-    return ca.vertcat(mu * m * g * ca.tanh(v[0] / v_s), 0)
 
 
 def acceleration(mass: ca.SX, force: ca.SX, friction_force: ca.SX) -> ca.SX:
