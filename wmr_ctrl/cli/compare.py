@@ -72,7 +72,7 @@ def compare(
     topics: str | None,
     as_json: bool,
 ) -> None:
-    """Compare laws on one scenario, or saved runs (.npz, .csv, .parquet or .mcap), side by side.
+    """Compare laws on one scenario, or saved runs, side by side.
 
     With --law, SCENARIO (a preset or TOML file) is run with each of the laws, and a table shows the
     figures of all. For saved runs the same table is printed. For two runs, their differences are

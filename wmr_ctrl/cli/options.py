@@ -12,16 +12,16 @@ import click
 from wmr_ctrl.cli.console import say
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.values import SEED_END
+from wmr_ctrl.core.suffixes import RUNS as RUNS
 
 if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Scenario
 
 SCENARIO = "paper-simulation"
 F = TypeVar("F", bound=Callable[..., object])
-RUNS = (".npz", ".csv", ".parquet", ".mcap")
 PLOTS, ANIMATIONS = (".png", ".svg", ".pdf"), (".gif", ".mp4", ".html")
 FILE_SUFFIXES = (
-    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", ".csv", ".npz", ".parquet", ".mcap",
+    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", *RUNS,
     ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
 )  # fmt: skip
 """Ends of names that are a file's: whoever asks for a folder of such a name means a file."""

@@ -9,6 +9,7 @@ import click
 from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import FMU_FAILED, Progress, print_json, say, write_file
 from wmr_ctrl.core.errors import UnknownNameError
+from wmr_ctrl.core.suffixes import RUN_FILE
 
 if TYPE_CHECKING:
     from wmr_ctrl.export.api_types import CosimulationOptions
@@ -93,7 +94,7 @@ def run(
     "--out",
     metavar="FILE",
     callback=opt.ending(*opt.RUNS),
-    help="Save it as .npz, .csv, .parquet or .mcap; a robot's drive as .csv.",
+    help=f"Save it as {RUN_FILE}; a robot's drive as .csv.",
 )
 @plot_option
 @animate_option
@@ -103,10 +104,9 @@ def run(
 def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None) -> None:
     """Print how a saved run went, and draw, film or convert it; only --film simulates it again.
 
-    RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote (.npz, .csv, .parquet or .mcap), or
-    a robot's own ROS 2 bag (its folder, .mcap or .db3; extra `logs`). For a bag, the columns are
-    listed with their rates, gaps and ranges, and then the missing ones. A bag has no desired
-    motion, so there is no verdict.
+    RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote, or a robot's own ROS 2 bag (its
+    folder, .mcap or .db3; extra `logs`). For a bag, the columns are listed with their rates, gaps
+    and ranges, and then the missing ones. A bag has no desired motion, so there is no verdict.
     """
     from wmr_ctrl.results.bag_topics import load_source
     from wmr_ctrl.results.drive import RecordedDrive

@@ -24,6 +24,7 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import note_input
 from wmr_ctrl.core.fields.values import may_unpack
 from wmr_ctrl.core.signals import Signal
+from wmr_ctrl.core.suffixes import RUNS
 from wmr_ctrl.results.bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
 from wmr_ctrl.results.drive import NEVER
 from wmr_ctrl.results.files import atomic_write
@@ -39,7 +40,7 @@ _JSON_MEMBER, _JSON_KEY = "run.json", b"wmr_ctrl"
 
 @checks_arguments
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
-    """Write ``run`` to a .npz, .csv, .parquet or .mcap file, whole or not at all.
+    """Write ``run`` to a file whose suffix is one of `RUNS`, whole or not at all.
 
     Raises ResultFileError for another suffix or where the file cannot be written,
     MissingExtraError for .parquet without pyarrow and .mcap without rosbags.
@@ -268,11 +269,12 @@ def _run_in_mcap(data: bytes) -> Run:
     return _run_from(metadata, split_columns(signals, rows.reshape(-1, width)))
 
 
-_FORMATS: Mapping[str, tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = {
-    ".npz": (_npz_of, _run_in_npz),
-    ".csv": (_csv_of, _run_in_csv),
-    ".parquet": (_parquet_of, _run_in_parquet),
-    ".mcap": (lambda run: run_as_mcap(run, metadata_text(run)), _run_in_mcap),
-}
+_CODECS: Sequence[tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = (
+    (_npz_of, _run_in_npz),
+    (_csv_of, _run_in_csv),
+    (_parquet_of, _run_in_parquet),
+    (lambda run: run_as_mcap(run, metadata_text(run)), _run_in_mcap),
+)
+_FORMATS = dict(zip(RUNS, _CODECS, strict=True))
 """Writer and reader of each suffix."""
 _NEEDS = {".parquet": ("pyarrow", "data"), ".mcap": ("rosbags.rosbag2", "logs")}

@@ -96,7 +96,7 @@ class Run:
 
     @checks_arguments
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the run to a .npz, .csv, .parquet or .mcap file; `wmr_ctrl.load_run` reads it back.
+        """Write the run to a file, in the format of its suffix; `wmr_ctrl.load_run` reads it back.
 
         Raises ResultFileError, or MissingExtraError for .parquet without pyarrow and .mcap without
         rosbags.

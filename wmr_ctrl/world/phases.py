@@ -73,7 +73,7 @@ def _numbers(robot: Robot) -> tuple[float, float, float, float]:
 def _force() -> ca.Function:
     """F1 at a velocity."""
     p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
-    return ca.Function("friction", [p, v], [ca.densify(friction(*ca.vertsplit(p), v))])
+    return ca.Function("friction", [p, v], [ca.densify(friction(p[0], p[1], p[2], p[3], v))])
 
 
 def demanded(robot: ca.SX, v_d: ca.SX, v_d_dot: ca.SX) -> ca.SX:

@@ -14,6 +14,7 @@ import numpy as np
 from wmr_ctrl.core.errors import ArgumentError, WmrError
 from wmr_ctrl.core.fields.files import note_input
 from wmr_ctrl.core.signals import POSE, TIME, VELOCITY
+from wmr_ctrl.core.suffixes import RUN_FILE, RUNS
 from wmr_ctrl.results import Floats, Run, drive
 from wmr_ctrl.results.bag import is_bag
 from wmr_ctrl.results.bag_topics import load_source
@@ -101,7 +102,7 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
     note_input(place, "log")
     suffix = place.suffix.lower()
     begins = _begins(place) if suffix == ".csv" else ""
-    if is_bag(place) or topics or suffix in (".npz", ".parquet") or begins == "#":
+    if is_bag(place) or topics or (suffix in RUNS and suffix != ".csv") or begins == "#":
         loaded = load_source(place, topics)
         if isinstance(loaded, Run):
             return _of_run(place.name, loaded)
@@ -114,8 +115,8 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
     if suffix != ".csv":
         raise LogError(
             f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a ROS 2 bag (its "
-            "folder, .mcap or .db3), or a saved run (.npz, .csv, .parquet, .mcap). rosbags-convert "
-            "turns a ROS 1 bag into a ROS 2 bag."
+            f"folder, .mcap or .db3), or a saved run ({RUN_FILE}). rosbags-convert turns "
+            "a ROS 1 bag into a ROS 2 bag."
         )
     header, table = _table(place)
     return _of_table(place.name, header, table)
