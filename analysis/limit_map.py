@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl import simulate_many
-from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.world.scenario import Scenario
 
 CELLS, SEEDS = 500, 4

@@ -15,8 +15,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.controller import controller, law_graph
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.guard.guard import linear_first
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle

@@ -23,7 +23,8 @@ from tests.corridor.adversary import (
     farthest_misled,
     farthest_on_the_way,
 )
-from wmr_ctrl.api import scenario_of, simulate_many
+from wmr_ctrl.api import simulate_many
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario, override

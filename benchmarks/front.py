@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.parts import page_parser, renew
-from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.prox import guide
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation.tuning import judged, tune

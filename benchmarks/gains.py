@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.parts import millimetres, page_parser, renew
-from wmr_ctrl.api import scenario_of, simulate_many
+from wmr_ctrl.api import simulate_many
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.prox import Guide, guide
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.units import rounded

@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 import wmr_ctrl
-from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results import Monitor

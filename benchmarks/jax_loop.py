@@ -14,10 +14,10 @@ import casadi as ca
 import jax
 import jax.numpy as jnp
 
-from wmr_ctrl.api import scenario_of
 from wmr_ctrl.codegen.build import program_of
 from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.codegen.kernels import loop_kernels
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.loop import SEEN
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import PLANT_STATE, VELOCITY

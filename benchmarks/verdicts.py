@@ -19,7 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.parts import renew
-from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.api import simulate
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results import Run

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
-from wmr_ctrl.control.given import scenario_of as scenario_of
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.export import api_types as types

@@ -7,7 +7,8 @@ from functools import cache
 import pytest
 
 from benchmarks.verdicts import REPORTED_ON, Judged, faults, judged, table, trial
-from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.api import simulate
+from wmr_ctrl.control.given import scenario_of
 
 
 def shares(rows: list[Judged]) -> tuple[float, float]:

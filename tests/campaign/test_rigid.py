@@ -9,7 +9,6 @@ import pytest
 from tests.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results.table import table_of_rows
-from wmr_ctrl.simulation.campaign.engine import scenario_of
 from wmr_ctrl.simulation.campaign.plan import PlannedCase
 from wmr_ctrl.simulation.campaign.rigid import (
     E1,
@@ -32,11 +31,11 @@ CASES = {
 
 @pytest.mark.parametrize("key", CASES, ids=", ".join)
 def test_cases_are_what_a_scenario_and_a_guard_take(key):
-    settle(scenario_of(CASES[key]), CASES[key].law)
+    settle(CASES[key].overridden(), CASES[key].law)
 
 
 def test_a_slope_is_as_steep_and_rises_the_same_way_on_both():
-    plane, body = (scenario_of(CASES[plant, SLOPED, "mb"]) for plant in ("ode", "mujoco"))
+    plane, body = (CASES[plant, SLOPED, "mb"].overridden() for plant in ("ode", "mujoco"))
 
     assert plane.effects["slope"].angle == body.body.slope == pytest.approx(math.radians(5))
     assert plane.effects["slope"].direction == body.body.uphill + math.pi / 2

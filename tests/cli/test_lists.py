@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl.api import scenario_of
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import CompilerError
 from wmr_ctrl.results.remarks import SHORT

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from tests.checks.asking import told_of
-from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.api import simulate
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.guard.contradictions import beyond_belief, contradictions
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError

@@ -12,10 +12,11 @@ from tests.guard.harness import LIMITS
 from tests.guard.test_adversary import LIGHTEST
 from tests.guard.test_graph import evaluated
 from tests.matrix import turns
-from wmr_ctrl.api import scenario_of, simulate, simulate_many
+from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.codegen.package import write_package
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.control.controller import guard as guard_alone
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.export.cosim import cosimulate

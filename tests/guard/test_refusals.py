@@ -7,8 +7,9 @@ import re
 
 import pytest
 
-from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.guard.refusals import feasible_guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError

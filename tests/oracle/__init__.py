@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 from tests.oracle.loop import simulate_oracle
-from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.context import own_diagnostics
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import LOG_HEAD

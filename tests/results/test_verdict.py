@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import scenario_of, simulate, simulate_many
+from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.results import Run, tracked
 from wmr_ctrl.results.measures import saturated_share, torque_needed_rms, tracking
 from wmr_ctrl.results.oscillation import KEPT, SLOWEST, fast_swing_rms, oscillation

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from tests.matrix import headed, quick, turns
-from wmr_ctrl.api import compile_loop, scenario_of, simulate, simulate_many, simulate_runs
+from wmr_ctrl.api import compile_loop, simulate, simulate_many, simulate_runs
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.codegen.toolchain import Unit
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor, split_columns

@@ -19,8 +19,8 @@ from tests.campaign.studies import REAL
 from tests.matrix import headed, turns
 from tests.sim.graphics import COMPILER, Stand
 from wmr_ctrl import simulate_many, simulate_runs, study
-from wmr_ctrl.api import scenario_of
 from wmr_ctrl.cli.root import root
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError, DeviceError, MissingExtraError, UnknownNameError
 from wmr_ctrl.results.table import RunTable

@@ -9,7 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import compile_loop, scenario_of, simulate
+from wmr_ctrl.api import compile_loop, simulate
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.law import Law, Traits

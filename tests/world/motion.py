@@ -8,9 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.api import (
-    scenario_of,
-)
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.world.effect import Bound, Effect
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.system import System

@@ -10,8 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 from tests.world import toys
-from wmr_ctrl.api import compile_loop, export_fmu, scenario_of, simulate
+from wmr_ctrl.api import compile_loop, export_fmu, simulate
 from wmr_ctrl.cli import root
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields import plugins

@@ -8,8 +8,9 @@ import casadi as ca
 import pytest
 from click.testing import CliRunner
 
-from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.root import root
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.references.kind import MOST_SAMPLES, Reference, ReferenceKind, timed

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.matrix import quick
-from wmr_ctrl.api import scenario_of, simulate, simulate_many, simulate_runs
+from wmr_ctrl.api import simulate, simulate_many, simulate_runs
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.simulation.campaign.comparison import BASES, FACTORS, OUR_LAWS, overrides_of

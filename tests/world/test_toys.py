@@ -13,11 +13,11 @@ from wmr_ctrl.api import (
     compile_loop,
     cosimulate,
     export_fmu,
-    scenario_of,
     simulate,
     simulate_many,
     simulate_runs,
 )
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.problems import UnknownKeyError

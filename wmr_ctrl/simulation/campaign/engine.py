@@ -16,7 +16,6 @@ from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
 from wmr_ctrl.simulation.campaign.plan import PlannedCase, PlannedRun
 from wmr_ctrl.simulation.many import run_each
 from wmr_ctrl.simulation.runnable import RunnableLoop
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 
 T = TypeVar("T")
 
@@ -59,15 +58,7 @@ def build_loop(case: PlannedCase, device: str = "cpu") -> RunnableLoop:
     """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
     from wmr_ctrl.simulation.engines import runnable
 
-    return runnable(scenario_of(case), case.law, case.plant, device)
-
-
-def scenario_of(case: PlannedCase) -> Scenario:
-    """The scenario with the case's overrides.  Raises ScenarioError."""
-    switch = {} if case.guard is None else {"guard.enabled": case.guard}
-    base = load_scenario(case.scenario) if isinstance(case.scenario, str) else case.scenario
-    changed = {**case.overrides, **switch}
-    return override(base, changed) if changed else base
+    return runnable(case.overridden(), case.law, case.plant, device)
 
 
 def built_loops(

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.results.figures import Figure
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.simulation.campaign.intervals import StopRule
-from wmr_ctrl.world.scenario import Scenario, load_scenario, scenario_dict
+from wmr_ctrl.world.scenario import Scenario, load_scenario, override, scenario_dict
 
 Overrides: TypeAlias = Mapping[str, object]
 """Fields of a scenario by key path, such as ``clock.control``."""
@@ -56,6 +56,13 @@ class PlannedCase:
         """The columns that tell it from other cases in a table of runs."""
         about = {"case": self.name, "law": self.law, "base": self.base}
         return {**about, "guard": self.guard, "plant": self.plant}
+
+    def overridden(self) -> Scenario:
+        """The scenario with the case's overrides.  Raises ScenarioError."""
+        switch = {} if self.guard is None else {"guard.enabled": self.guard}
+        base = load_scenario(self.scenario) if isinstance(self.scenario, str) else self.scenario
+        changed = {**self.overrides, **switch}
+        return override(base, changed) if changed else base
 
 
 class PlannedRun(NamedTuple):

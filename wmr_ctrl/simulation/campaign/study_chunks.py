@@ -21,7 +21,6 @@ from wmr_ctrl.simulation.campaign.engine import (
     accepted,
     built_loops,
     case_key,
-    scenario_of,
 )
 from wmr_ctrl.simulation.campaign.plan import CORRIDOR, PlannedCase
 from wmr_ctrl.simulation.many import tabulated
@@ -103,7 +102,7 @@ def _corridors(cases: Sequence[PlannedCase]) -> np.ndarray:
     proofs()
 
     different = {case_key(case): case for case in cases}
-    known = {k: find_corridor(scenario_of(case), case.law) for k, case in different.items()}
+    known = {k: find_corridor(case.overridden(), case.law) for k, case in different.items()}
     return np.array([known[case_key(case)].position for case in cases], dtype=float)
 
 
