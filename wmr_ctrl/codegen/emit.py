@@ -2,8 +2,8 @@
 
 CasADi's own generator reads each operand through a pointer that may be null and may alias the
 results, evaluates both sides of every choice, and knows no loops.  This one reads the same graph
-(`graph`), computes what hangs on the parameters alone beforehand where it is slow, makes branches
-of expensive choices (`branches`) and loops of runs of like operations (`reroll`), and writes them
+(`world.model.graph`), computes what hangs on the parameters alone beforehand where it is slow, makes branches
+of expensive choices (`items`) and loops of runs of like operations (`reroll`), and writes them
 (`body`) in one of two dialects; a test holds all of it to CasADi's virtual machine.
 """
 
