@@ -17,7 +17,12 @@ pytestmark = pytest.mark.slow
 
 UNWANTED = (".so", ".dll", ".dylib", ".o", ".pyc", ".fmu")
 LAWS = {"pid", "smc", "mb", "nn"}
-PLACES = {"wmr_ctrl": "wmr_ctrl", "fmu": "wmr_ctrl/_fmu", "benchmarks": "wmr_ctrl/_benchmarks"}
+PLACES = {
+    "wmr_ctrl": "wmr_ctrl",
+    "wmr_proofs": "wmr_proofs",
+    "fmu": "wmr_ctrl/_fmu",
+    "benchmarks": "wmr_ctrl/_benchmarks",
+}
 """Folders of the tree, and of the package that is installed."""
 
 
@@ -33,7 +38,7 @@ def test_wheel_has_package_data_and_nothing_else(built):
     }
     assert {name for name in names if ".dist-info/" not in name} == kept
     tops = {name.split("/")[0] for name in names}
-    assert {top for top in tops if not top.endswith(".dist-info")} == {"wmr_ctrl"}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"wmr_ctrl", "wmr_proofs"}
     assert "wmr_ctrl/py.typed" in names
     assert "wmr_ctrl/_fmu/runtime/loop.c" in names
     assert "wmr_ctrl/_fmu/runtime/page.c" in names

@@ -11,11 +11,13 @@ from pathlib import Path
 import pytest
 
 import wmr_ctrl
+import wmr_proofs
 from wmr_ctrl.core.paper import CITATION, equations, symbols
 
 TAG = re.compile(r"Eqs?\.\s*((?:\(\d+\)[\s,\-]*(?:and\s+)?)+)")
 ITEM = re.compile(r"\((\d+)\)(?:-\((\d+)\))?")
 PACKAGE = Path(wmr_ctrl.__file__).parent
+PROOFS = Path(wmr_proofs.__file__).parent
 COUNT = 88
 
 
@@ -31,7 +33,7 @@ def numbers(text: str) -> set[int]:
 @lru_cache(maxsize=1)
 def docstrings() -> list[tuple[str, str]]:
     found = []
-    for path in PACKAGE.rglob("*.py"):
+    for path in (*PACKAGE.rglob("*.py"), *PROOFS.rglob("*.py")):
         if not TAG.search(text := path.read_text(encoding="utf-8")):
             continue
         kinds = (ast.Module, ast.FunctionDef, ast.ClassDef)
