@@ -2,9 +2,10 @@
 
 CasADi's own generator reads each operand through a pointer that may be null and may alias the
 results, evaluates both sides of every choice, and knows no loops.  This one reads the same graph
-(`world.model.graph`), computes what hangs on the parameters alone beforehand where it is slow, makes branches
-of expensive choices (`items`) and loops of runs of like operations (`reroll`), and writes them
-(`body`) in one of two dialects; a test holds all of it to CasADi's virtual machine.
+(`world.model.graph`) and computes beforehand what is slow and depends on the parameters alone.  It
+makes branches of expensive choices (`items`) and loops of runs of like operations (`reroll`), and
+writes them (`body`) in one of two dialects.  A test compares all of it with CasADi's virtual
+machine.
 """
 
 from collections.abc import Iterable, Sequence

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.identification.logs.log import Log
 from wmr_ctrl.identification.logs.samples import Samples, held_speeds
 from wmr_ctrl.world.scenario import Scenario, inherited, override, scenario_dict
