@@ -17,6 +17,18 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Flags that let a compiler compute other values than those written, or assume that none is NaN.  Clang
+   has no macro for some of them: the pragma keeps the order of operations under these. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || defined(_M_FP_FAST)
+#error "these formulas need IEEE arithmetic as written: compile without -ffast-math, -Ofast, -funsafe-math-optimizations, -fassociative-math, -freciprocal-math, -ffinite-math-only and /fp:fast"
+#elif defined(__clang__) && __clang_major__ >= 13
+#pragma clang fp reassociate(off) contract(off)
+#endif
+
+typedef char wmr_needs_doubles_compile_without_fsingle_precision_constant
+    [sizeof(1.0) == sizeof(double) ? 1 : -1];
+
 #if DBL_MANT_DIG != 53
 #error "this arithmetic needs doubles of 64 bits"
 #endif
@@ -197,119 +209,6 @@ static inline void wmr_four(wmr_v *to, wmr_v a, wmr_v b, wmr_v c, wmr_v d)
 }
 #endif
 
-/* Two numbers at once, where a processor has vectors for them; each has the bits that it has alone.
-   Their minimum and maximum are those of wmr_min and wmr_max below.  A graphics card has none. */
-#if WMR_LANES == 0
-#if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__)) && !defined(WMR_GPU_TYPES_H)
-#define WMR_TWO_VECTORS
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
-typedef double wmr_two __attribute__((vector_size(16)));
-typedef int64_t wmr_two_bits __attribute__((vector_size(16))); /* all bits of one, or none */
-typedef double wmr_two_there __attribute__((vector_size(16), aligned(8), may_alias));
-
-#define wmr_two_add(a, b) ((a) + (b))
-#define wmr_two_sub(a, b) ((a) - (b))
-#define wmr_two_mul(a, b) ((a) * (b))
-#define wmr_two_div(a, b) ((a) / (b))
-#define wmr_two_neg(a) (-(a))
-#define wmr_two_lt(a, b) ((wmr_two_bits)((a) < (b)))
-#define wmr_two_le(a, b) ((wmr_two_bits)((a) <= (b)))
-#define wmr_two_first(a) ((a)[0])
-#define wmr_two_second(a) ((a)[1])
-
-static inline wmr_two wmr_two_of(double a, double b)
-{
-    const wmr_two both = {a, b};
-    return both;
-}
-
-static inline wmr_two wmr_two_at(const double *at) { return *(const wmr_two_there *)at; }
-static inline void wmr_two_to(double *to, wmr_two a) { *(wmr_two_there *)to = a; }
-static inline wmr_two wmr_two_abs(wmr_two a) { return (wmr_two)((wmr_two_bits)a & INT64_MAX); }
-
-static inline wmr_two wmr_two_choose(wmr_two_bits which, wmr_two yes, wmr_two no)
-{
-    return (wmr_two)(((wmr_two_bits)yes & which) | ((wmr_two_bits)no & ~which));
-}
-
-#if defined(__SSE2__)
-static inline wmr_two wmr_two_min(wmr_two a, wmr_two b) { return (wmr_two)_mm_min_pd(a, b); }
-static inline wmr_two wmr_two_max(wmr_two a, wmr_two b) { return (wmr_two)_mm_max_pd(a, b); }
-#else
-#define wmr_two_min(a, b) wmr_two_choose(wmr_two_lt(a, b), a, b)
-#define wmr_two_max(a, b) wmr_two_choose(wmr_two_lt(b, a), a, b)
-#endif
-#else
-typedef struct {
-    double first, second;
-} wmr_two;
-typedef struct {
-    int first, second;
-} wmr_two_bits;
-
-#define wmr_two_first(a) ((a).first)
-#define wmr_two_second(a) ((a).second)
-
-static inline wmr_two wmr_two_of(double a, double b)
-{
-    wmr_two both;
-    both.first = a;
-    both.second = b;
-    return both;
-}
-
-static inline wmr_two_bits wmr_two_lt(wmr_two a, wmr_two b)
-{
-    wmr_two_bits both;
-    both.first = a.first < b.first;
-    both.second = a.second < b.second;
-    return both;
-}
-
-static inline wmr_two_bits wmr_two_le(wmr_two a, wmr_two b)
-{
-    wmr_two_bits both;
-    both.first = a.first <= b.first;
-    both.second = a.second <= b.second;
-    return both;
-}
-
-static inline wmr_two wmr_two_choose(wmr_two_bits which, wmr_two yes, wmr_two no)
-{
-    return wmr_two_of(which.first ? yes.first : no.first, which.second ? yes.second : no.second);
-}
-
-#define WMR_TWO(name, one)                                                                         \
-    static inline wmr_two wmr_two_##name(wmr_two a, wmr_two b)                                     \
-    {                                                                                              \
-        return wmr_two_of(a.first one b.first, a.second one b.second);                             \
-    }
-WMR_TWO(add, +)
-WMR_TWO(sub, -)
-WMR_TWO(mul, *)
-WMR_TWO(div, /)
-#undef WMR_TWO
-
-static inline wmr_two wmr_two_at(const double *at) { return wmr_two_of(at[0], at[1]); }
-static inline wmr_two wmr_two_neg(wmr_two a) { return wmr_two_of(-a.first, -a.second); }
-static inline wmr_two wmr_two_abs(wmr_two a) { return wmr_two_of(fabs(a.first), fabs(a.second)); }
-
-static inline void wmr_two_to(double *to, wmr_two a)
-{
-    to[0] = a.first;
-    to[1] = a.second;
-}
-
-#define wmr_two_min(a, b) wmr_two_choose(wmr_two_lt(a, b), a, b)
-#define wmr_two_max(a, b) wmr_two_choose(wmr_two_lt(b, a), a, b)
-#endif
-
-static inline wmr_two wmr_two_all(double a) { return wmr_two_of(a, a); }
-static inline wmr_two wmr_two_pick(int which, wmr_two yes, wmr_two no) { return which ? yes : no; }
-#endif
-
 /* Smaller and larger of two; the second where one is NaN. */
 static inline wmr_v wmr_min(wmr_v a, wmr_v b) { return wmr_choose(wmr_mask(a < b), a, b); }
 static inline wmr_v wmr_max(wmr_v a, wmr_v b) { return wmr_choose(wmr_mask(a > b), a, b); }
@@ -377,18 +276,16 @@ static inline wmr_v wmr_product_rest(wmr_v a, wmr_v b, wmr_v product)
 #define WMR_PER_LN2 1.44269504088896338700
 
 /* e^r - 1 - r for |r| < 0.35, to 2^-57 of e^r: the best polynomial of degree 11. */
-#define WMR_EXP_REST(number, name)                                                                 \
-    static inline number name(number r)                                                            \
-    {                                                                                              \
-        const number r2 = r * r, r4 = r2 * r2;                                                     \
-        const number p01 = r * 1.6666666666666433e-01 + 0.5;                                       \
-        const number p23 = r * 8.33333333350125e-03 + 4.16666666666035e-02;                        \
-        const number p45 = r * 1.9841269464180965e-04 + 1.388888892700519e-03;                     \
-        const number p67 = r * 2.7557642022841833e-06 + 2.4801508393536655e-05;                    \
-        const number p89 = r * 2.497825197196261e-08 + 2.76253116562445e-07;                       \
-        return r2 * ((p01 + r2 * p23) + r4 * ((p45 + r2 * p67) + r4 * p89));                       \
-    }
-WMR_EXP_REST(wmr_v, wmr_exp_rest)
+static inline wmr_v wmr_exp_rest(wmr_v r)
+{
+    const wmr_v r2 = r * r, r4 = r2 * r2;
+    const wmr_v p01 = r * 1.6666666666666433e-01 + 0.5;
+    const wmr_v p23 = r * 8.33333333350125e-03 + 4.16666666666035e-02;
+    const wmr_v p45 = r * 1.9841269464180965e-04 + 1.388888892700519e-03;
+    const wmr_v p67 = r * 2.7557642022841833e-06 + 2.4801508393536655e-05;
+    const wmr_v p89 = r * 2.497825197196261e-08 + 2.76253116562445e-07;
+    return r2 * ((p01 + r2 * p23) + r4 * ((p45 + r2 * p67) + r4 * p89));
+}
 
 #define WMR_EXP_NEAR 700.0
 
@@ -443,20 +340,21 @@ static inline void wmr_exp_many(wmr_v *a, int count)
 }
 
 /* e^x - 1 for |x| < 56; two parts of what is lost when x is reduced are kept. */
-#define WMR_EXPM1_INSIDE(number, name, exp_rest, power_of_two)                                     \
-    static inline number name(number x)                                                            \
-    {                                                                                              \
-        const number shifted = x * WMR_PER_LN2 + WMR_ROUNDER, n = shifted - WMR_ROUNDER;           \
-        const number high = x - n * WMR_LN2_HIGH, low = n * WMR_LN2_LOW, r = high - low;           \
-        const number lost = (high - r) - low, power = power_of_two(shifted);                       \
-        const number sum = (power - 1.0) + power * r;                                              \
-        const number rest = power * (exp_rest(r) + (lost + lost * r));                             \
-        return sum + rest;                                                                         \
-    }
-WMR_EXPM1_INSIDE(wmr_v, wmr_expm1_inside, wmr_exp_rest, wmr_power_of_two)
+static inline wmr_v wmr_expm1_inside(wmr_v x)
+{
+    const wmr_v shifted = x * WMR_PER_LN2 + WMR_ROUNDER, n = shifted - WMR_ROUNDER;
+    const wmr_v high = x - n * WMR_LN2_HIGH, low = n * WMR_LN2_LOW, r = high - low;
+    const wmr_v lost = (high - r) - low, power = wmr_power_of_two(shifted);
+    const wmr_v sum = (power - 1.0) + power * r;
+    const wmr_v rest = power * (wmr_exp_rest(r) + (lost + lost * r));
+    return sum + rest;
+}
 
 static inline wmr_v wmr_expm1(wmr_v a)
 {
+    if (wmr_every(wmr_mask(wmr_abs(a) < 0.3465))) { /* of less than half of ln 2 n is 0 */
+        return wmr_copysign(a + wmr_exp_rest(a), a);
+    }
     const wmr_m inside = wmr_mask(wmr_abs(a) < 56.0);
     wmr_v value = wmr_expm1_inside(wmr_choose(inside, a, wmr_all(0.0)));
     if (!wmr_every(inside)) {
@@ -464,35 +362,6 @@ static inline wmr_v wmr_expm1(wmr_v a)
     }
     return wmr_copysign(value, a);
 }
-
-#if WMR_LANES == 0
-#if defined(WMR_TWO_VECTORS)
-static inline wmr_two wmr_two_power(wmr_two shifted)
-{
-    typedef uint64_t bits __attribute__((vector_size(16)));
-    return (wmr_two)(((bits)shifted + 1023) << 52);
-}
-WMR_EXP_REST(wmr_two, wmr_two_exp_rest)
-WMR_EXPM1_INSIDE(wmr_two, wmr_two_expm1_inside, wmr_two_exp_rest, wmr_two_power)
-
-static inline wmr_two wmr_two_expm1(wmr_two a)
-{
-    const wmr_two_bits sign = (wmr_two_bits)a & INT64_MIN;
-    if (fabs(a[0]) < 0.3465 && fabs(a[1]) < 0.3465) { /* of less than half of ln 2 n is 0 */
-        return (wmr_two)((wmr_two_bits)(a + wmr_two_exp_rest(a)) | sign);
-    }
-    if (fabs(a[0]) < 56.0 && fabs(a[1]) < 56.0) {
-        return (wmr_two)((wmr_two_bits)wmr_two_abs(wmr_two_expm1_inside(a)) | sign);
-    }
-    return wmr_two_of(wmr_expm1(a[0]), wmr_expm1(a[1]));
-}
-#else
-static inline wmr_two wmr_two_expm1(wmr_two a)
-{
-    return wmr_two_of(wmr_expm1(a.first), wmr_expm1(a.second));
-}
-#endif
-#endif
 
 /* ln(2^e (1 + f)) for 1 + f from sqrt(1/2) to sqrt(2); `more` is a small summand. */
 static inline wmr_v wmr_log_of(wmr_v e, wmr_v f, wmr_v more)

@@ -18,7 +18,7 @@ int main(void)
         if (k % WMR_SAMPLES == 0) {
             wmr_mb_start(&memory);
         }
-        memcpy(&in, wmr_inputs[k], sizeof in);
+        memcpy(&in, wmr_inputs[k], sizeof wmr_inputs[k]);
         if (wmr_mb_step(&parameters, &memory, &in, &out)) {
             printf("sample %d: the result is not finite\n", k);
             return 1;

@@ -63,7 +63,7 @@ void wmr_mb_defaults(wmr_mb_parameters *parameters);
 /* Memory at the first sample. */
 void wmr_mb_start(wmr_mb_state *state);
 
-/* One sample.  Returns 0; or 1 if an input is not a number or beyond 1e+06 in size, or the result
+/* One sample.  Returns 0; or 1 if an input is not a number, or beyond 1e+06 in size (angles may be), or the result
    is not finite: then the torques are 0 and the memory stays as it was. */
 int wmr_mb_step(const wmr_mb_parameters *parameters, wmr_mb_state *state,
                  const wmr_mb_inputs *inputs, wmr_mb_outputs *outputs);

