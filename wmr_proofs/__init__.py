@@ -9,4 +9,5 @@
 from wmr_ctrl.results.ledger import Entry as Entry
 from wmr_ctrl.results.ledger import Ledger as Ledger
 from wmr_ctrl.results.ledger import load as load
-from wmr_proofs.runner import prove as prove
+
+from .runner import prove as prove

@@ -17,10 +17,11 @@ from typing import Any
 import casadi as ca
 
 from wmr_ctrl.world.model.system import Port, System
-from wmr_proofs.claim import CLAIMED, Claim
-from wmr_proofs.claims import forget
-from wmr_proofs.statement import Statement
-from wmr_proofs.traced import Traced
+
+from .claim import CLAIMED, Claim
+from .claims import forget
+from .statement import Statement
+from .traced import Traced
 
 PRODUCT = tuple(
     f"wmr_ctrl.{part}."

@@ -19,14 +19,14 @@ import casadi as ca
 import z3
 from z3 import z3util
 
-from wmr_proofs.claim import CLAIMED, Claim
-from wmr_proofs.claims import forget
-from wmr_proofs.graph import ProvedGraph, UndecidedError
-from wmr_proofs.methods.portfolio import ask
-from wmr_proofs.methods.smt import Problem, posed
-from wmr_proofs.methods.spec import Z3, Ball, Both, Method, Ring, described
-from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
-from wmr_proofs.statement import Statement
+from .claim import CLAIMED, Claim
+from .claims import forget
+from .graph import ProvedGraph, UndecidedError
+from .methods.portfolio import ask
+from .methods.smt import Problem, posed
+from .methods.spec import Z3, Ball, Both, Method, Ring, described
+from .regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
+from .statement import Statement
 
 SOON = Z3(effort=20, seconds=30)
 AT_ONCE = Z3(effort=2, seconds=4)

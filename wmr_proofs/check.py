@@ -10,11 +10,12 @@ from time import process_time
 from typing import Any
 
 from wmr_ctrl.results.ledger import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Entry
-from wmr_proofs.alterations import functions_of
-from wmr_proofs.claim import CLAIMED, MUTATED, Claim
-from wmr_proofs.methods import spec
-from wmr_proofs.methods.spec import Z3, Both, Finding, Method, Ring
-from wmr_proofs.statement import Statement
+
+from .alterations import functions_of
+from .claim import CLAIMED, MUTATED, Claim
+from .methods import spec
+from .methods.spec import Z3, Both, Finding, Method, Ring
+from .statement import Statement
 
 ENGINES, ENGINES_ALTERED = "engines", "engines of the altered claim"
 """Keys of an entry's evidence: engines of z3 that closed the questions of its statements."""
@@ -124,7 +125,7 @@ def _defined(claim: Claim, verdict: str) -> tuple[str, dict[str, str], int | Non
     """The verdict, unless CasADi has cancelled what may be undefined; how much it has cancelled."""
     if find_spec("z3") is None:
         return NOT_CHECKED, {"held back": "what CasADi cancels is asked of z3"}, None
-    from wmr_proofs.cancelled import undefined
+    from .cancelled import undefined
 
     number, left = undefined(claim)
     if left:

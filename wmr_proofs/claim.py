@@ -21,8 +21,8 @@ from functools import partial
 from inspect import signature
 from typing import Any, TypeVar
 
-from wmr_proofs.methods.spec import Method
-from wmr_proofs.statement import Statement
+from .methods.spec import Method
+from .statement import Statement
 
 PRINTED, CORRECTED, OURS = "printed", "corrected", "ours"
 Written = TypeVar("Written", bound=Callable[..., Statement | None])

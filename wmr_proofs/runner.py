@@ -59,7 +59,7 @@ def prove(
 
 def selected(only: Sequence[str]) -> list[str]:
     """Ids of the claims that are asked for, in the ledger's order."""
-    from wmr_proofs.claims import all_claims
+    from .claims import all_claims
 
     known = [claim.id for claim in all_claims()]
     for asked in only:
@@ -76,8 +76,8 @@ def selected(only: Sequence[str]) -> list[str]:
 
 def check_id(key: str, anew: bool = False) -> Entry:
     """One entry, in whatever process."""
-    from wmr_proofs.check import check
-    from wmr_proofs.claims import all_claims
+    from .check import check
+    from .claims import all_claims
 
     claim = next(claim for claim in all_claims() if claim.id == key)
     return check(claim, None if anew else _committed().get(key))
@@ -90,8 +90,8 @@ def _committed() -> dict[str, Entry]:
 
 def hashes(ids: Iterable[str] | None = None) -> dict[str, str]:
     """Hash of each claim's graph (of those named, or of all) as the product is now."""
-    from wmr_proofs.check import graph_hash
-    from wmr_proofs.claims import all_claims
+    from .check import graph_hash
+    from .claims import all_claims
 
     asked = None if ids is None else set(ids)
     claims = (claim for claim in all_claims() if asked is None or claim.id in asked)
@@ -207,9 +207,9 @@ def run_export(folder: Path, only: Iterable[str] = ()) -> None:
     SMT-LIB 2 files, for whoever trusts another solver more.  Raises ResultFileError where a file
     cannot be written.
     """
-    from wmr_proofs.claim import CLAIMED
-    from wmr_proofs.claims import all_claims
-    from wmr_proofs.methods.obligations import obligations, uses_z3
+    from .claim import CLAIMED
+    from .claims import all_claims
+    from .methods.obligations import obligations, uses_z3
 
     readme = files("wmr_proofs").joinpath("obligations.md").read_text(encoding="utf-8")
     write_all({"README.md": readme}, folder)

@@ -14,8 +14,8 @@ from math import frexp
 
 import casadi as ca
 
-from wmr_proofs.graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
-from wmr_proofs.relation import ABOVE, AT_LEAST, EQUAL, Relation, when
+from .graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
+from .relation import ABOVE, AT_LEAST, EQUAL, Relation, when
 
 UNIT = 2.0**-53
 """Largest relative error of one operation in double precision."""

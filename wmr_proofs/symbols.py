@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 
 import casadi as ca
 
-from wmr_proofs.relation import Relation
-from wmr_proofs.statement import Statement
+from .relation import Relation
+from .statement import Statement
 
 
 class Symbols(dict[str, ca.SX]):

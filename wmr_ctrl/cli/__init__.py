@@ -1,4 +1,4 @@
 """The command line `wmr-ctrl`: parse, call, print."""
 
-from wmr_ctrl.cli.root import main as main
-from wmr_ctrl.cli.root import root as root
+from .root import main as main
+from .root import root as root

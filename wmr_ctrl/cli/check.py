@@ -4,8 +4,8 @@ from math import inf
 
 import click
 
-from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import note_missing_proofs, print_json
+from . import options as opt
+from .console import note_missing_proofs, print_json
 
 
 @opt.command("Validate a scenario, and say what to expect of it.")
@@ -38,10 +38,11 @@ def check(
     Where all laws are compared, an answer that takes much work is "not checked"; --law computes it.
     The exit code is 0 if the scenario is valid, whatever the warnings, and 2 if it is not.
     """
-    from wmr_ctrl.cli import check_answers as about
     from wmr_ctrl.control.laws import LAWS
     from wmr_ctrl.theory.checks.budget import OF_LAW
     from wmr_ctrl.world.scenario import inherited, parse_assignments
+
+    from . import check_answers as about
 
     case = opt.load(scenario, assignments, guard)
     taken = inherited(case, scenario, parse_assignments(assignments))

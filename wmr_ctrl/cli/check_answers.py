@@ -8,8 +8,6 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from wmr_ctrl import api
-from wmr_ctrl.cli import check_sentences
-from wmr_ctrl.cli.console import Progress, say, table, wrapped
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.errors import ArgumentError, CompilerError
 from wmr_ctrl.core.fields.units import rounded
@@ -26,6 +24,9 @@ from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.toml_io import InheritedValue
+
+from . import check_sentences
+from .console import Progress, say, table, wrapped
 
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""

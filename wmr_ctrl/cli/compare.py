@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, table, wrapped, write_file
-from wmr_ctrl.cli.runs import animate_option, plot_option
 from wmr_ctrl.core.errors import ArgumentError
+
+from . import options as opt
+from .console import DIFFERENCE, Progress, print_json, table, wrapped, write_file
+from .runs import animate_option, plot_option
 
 if TYPE_CHECKING:
     from wmr_ctrl.results import Run
@@ -89,7 +90,7 @@ def compare(
         loaded = _loaded(sources, opt.roles(topics))
         runs = {name: one for name, one in loaded.items() if isinstance(one, Run)}
         if len(runs) < len(loaded):
-            from wmr_ctrl.cli.summary import compare_sources
+            from .summary import compare_sources
 
             if not compare_sources(loaded, tolerance, plot, animate, as_json):
                 ctx.exit(DIFFERENCE)
@@ -161,8 +162,9 @@ def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
 
 def comparison_text(runs: dict[str, Run]) -> str:
     """Figures of runs by name as a table, a line of what its columns are, and the remarks."""
-    from wmr_ctrl.cli.summary import changes_of
     from wmr_ctrl.results import driving, labouring
+
+    from .summary import changes_of
 
     def each(words: Callable[[Run], str]) -> str:
         return " or ".join(dict.fromkeys(map(words, runs.values())))

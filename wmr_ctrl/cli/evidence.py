@@ -4,8 +4,10 @@ from pathlib import Path
 
 import click
 
-from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import (
+from wmr_ctrl.core.errors import MissingExtraError
+
+from . import options as opt
+from .console import (
     DIFFERENCE,
     Progress,
     json_text,
@@ -14,7 +16,6 @@ from wmr_ctrl.cli.console import (
     say,
     width,
 )
-from wmr_ctrl.core.errors import MissingExtraError
 
 SEEDS, QUICK = 20, 3
 

@@ -9,8 +9,8 @@ from warnings import catch_warnings
 
 import click
 
-from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import Progress, note_missing_proofs, say
+from . import options as opt
+from .console import Progress, note_missing_proofs, say
 
 if TYPE_CHECKING:
     from wmr_ctrl.export.api_types import ExportOptions

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import Progress, print_json, say, table, wrapped
+from . import options as opt
+from .console import Progress, print_json, say, table, wrapped
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification

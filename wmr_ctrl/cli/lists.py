@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmr_ctrl.cli.console import print_json, table, wrapped
-from wmr_ctrl.cli.options import command, json_option, load, set_option
+from .console import print_json, table, wrapped
+from .options import command, json_option, load, set_option
 
 if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Scenario

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from wmr_ctrl.cli.console import say
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.values import SEED_END
 from wmr_ctrl.core.suffixes import RUNS as RUNS
+
+from .console import say
 
 if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Scenario
@@ -181,9 +182,10 @@ def note_idle(
     case: Scenario, scenario: str, assignments: Sequence[str], laws: Sequence[str]
 ) -> None:
     """Name on stderr what the user states and these laws do not read."""
-    from wmr_ctrl.cli.check_sentences import idle_by_user, unread_k
     from wmr_ctrl.world.scenario import parse_assignments
     from wmr_ctrl.world.scenario.toml_io import stated_keys
+
+    from .check_sentences import idle_by_user, unread_k
 
     if idle := idle_by_user(case, scenario, assignments, laws):
         say("note", f"without effect here: {', '.join(idle)}.")

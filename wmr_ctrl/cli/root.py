@@ -9,19 +9,20 @@ from typing import Any, NoReturn
 
 import click
 
-from wmr_ctrl.cli.check import check
-from wmr_ctrl.cli.compare import compare
-from wmr_ctrl.cli.console import BROKEN_PIPE, Silence, explain
-from wmr_ctrl.cli.evidence import bench, linearize, prove, reproduce
-from wmr_ctrl.cli.exports import codegen, export, page
-from wmr_ctrl.cli.identify import identify
-from wmr_ctrl.cli.lists import laws, scenarios
-from wmr_ctrl.cli.options import debug_option
-from wmr_ctrl.cli.runs import cosim, run, show_saved
-from wmr_ctrl.cli.studies import study, tune
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.version import __version__
+
+from .check import check
+from .compare import compare
+from .console import BROKEN_PIPE, Silence, explain
+from .evidence import bench, linearize, prove, reproduce
+from .exports import codegen, export, page
+from .identify import identify
+from .lists import laws, scenarios
+from .options import debug_option
+from .runs import cosim, run, show_saved
+from .studies import study, tune
 
 PROGRAM = "wmr-ctrl"
 

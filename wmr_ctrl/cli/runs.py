@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Unpack
 
 import click
 
-from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import FMU_FAILED, Progress, print_json, say, write_file
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.suffixes import RUN_FILE
+
+from . import options as opt
+from .console import FMU_FAILED, Progress, print_json, say, write_file
 
 if TYPE_CHECKING:
     from wmr_ctrl.export.api_types import CosimulationOptions
@@ -113,7 +114,7 @@ def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None
 
     saved = load_source(file, opt.roles(topics))
     if isinstance(saved, RecordedDrive):
-        from wmr_ctrl.cli.summary import show_drive
+        from .summary import show_drive
 
         show_drive(saved, as_json, **files)
         return
@@ -167,7 +168,7 @@ def show(run: Run, as_json: bool) -> None:
     if as_json:
         print_json(summary(run))
     else:
-        from wmr_ctrl.cli.summary import summary_text
+        from .summary import summary_text
 
         click.echo(summary_text(run))
 

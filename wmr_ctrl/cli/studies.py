@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.cli import options as opt
-from wmr_ctrl.cli.console import DIFFERENCE, Progress, print_json, resumable, say, wrapped
 from wmr_ctrl.core.fields.values import SEED_END
+
+from . import options as opt
+from .console import DIFFERENCE, Progress, print_json, resumable, say, wrapped
 
 if TYPE_CHECKING:
     from wmr_ctrl.simulation.tuning import Tuning
@@ -73,8 +74,9 @@ def study(
         raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`, or `parquet DIR`.")
     opt.check_folder(out, "--out")
     from wmr_ctrl import api
-    from wmr_ctrl.cli.check_sentences import unread_k
     from wmr_ctrl.simulation.campaign.study_plan import load_plan
+
+    from .check_sentences import unread_k
 
     plan = load_plan(words[0])
     for text in plan.warnings:

@@ -8,14 +8,15 @@ import click
 import numpy as np
 
 from wmr_ctrl import results
-from wmr_ctrl.cli.console import print_json, say, table, wrapped, write_file
-from wmr_ctrl.cli.options import check_output
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
 from wmr_ctrl.results.frames import FMUS
 from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
+
+from .console import print_json, say, table, wrapped, write_file
+from .options import check_output
 
 MISSING = "- (not reached)"
 TINY = 1e-6

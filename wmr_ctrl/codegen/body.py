@@ -4,8 +4,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
-from wmr_ctrl.codegen.items import (
+from wmr_ctrl.world.model.graph import SELECT, Graph
+
+from .dialect import TRUTHS, Dialect
+from .items import (
     ArrayLoop,
     ExpBatch,
     IfElse,
@@ -20,8 +22,7 @@ from wmr_ctrl.codegen.items import (
     replaced,
     statements,
 )
-from wmr_ctrl.codegen.reroll import Place, fused, reroll, shared_rooms
-from wmr_ctrl.world.model.graph import SELECT, Graph
+from .reroll import Place, fused, reroll, shared_rooms
 
 _STEP = "    "
 FEWEST = 4

@@ -14,14 +14,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from wmr_ctrl.codegen import kernels
-from wmr_ctrl.codegen.cache import build_cached
-from wmr_ctrl.codegen.compiler import Toolchain, is_zig
-from wmr_ctrl.codegen.dialect import LANES, SCALAR
-from wmr_ctrl.codegen.emit import Kernel
-from wmr_ctrl.codegen.resources import c_texts
-from wmr_ctrl.codegen.source import sources
-from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
 from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.numbers import structure_of
 from wmr_ctrl.control.setup import Setup
@@ -29,6 +21,15 @@ from wmr_ctrl.core.compiled import CompiledLoop, LawLayout, LoopLayout, elements
 from wmr_ctrl.core.errors import CompilerError
 from wmr_ctrl.core.signals import PLANT_STATE, Signal
 from wmr_ctrl.world.model.system import values
+
+from . import kernels
+from .cache import build_cached
+from .compiler import Toolchain, is_zig
+from .dialect import LANES, SCALAR
+from .emit import Kernel
+from .resources import c_texts
+from .source import sources
+from .toolchain import Unit, build_library, build_units, find_toolchain
 
 LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
 NATIVE = ("native.c", *LOOP)

@@ -21,9 +21,10 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
-from wmr_ctrl.codegen.cache import STORAGE_REMEDY, cache_part
-from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.core.errors import CacheError, CompilerError
+
+from .cache import STORAGE_REMEDY, cache_part
+from .resources import runtime_dir
 
 _PATIENCE = 0.2
 """Longest time until a thread notices that it shall stop [s]."""

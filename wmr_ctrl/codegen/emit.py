@@ -14,10 +14,11 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.codegen.body import body
-from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 from wmr_ctrl.world.model import graph as graphs
 from wmr_ctrl.world.model.graph import PARAMETERS, Graph, Node, Store
+
+from .body import body
+from .dialect import SCALAR, Dialect
 
 QUALIFIERS = """\
 #ifndef WMR_KERNEL

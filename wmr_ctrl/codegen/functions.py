@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.codegen.build import filled, program_of
-from wmr_ctrl.codegen.kernels import logged_kernels
 from wmr_ctrl.control.loop import CLOCK
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.evaluate import InPlace
+
+from .build import filled, program_of
+from .kernels import logged_kernels
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import casadi as ca
 
-from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.wiring import Stream
 from wmr_ctrl.core.signals import VELOCITY
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.system import System, stack, values
+
+from .emit import Kernel, kernel
 
 FINDINGS = (
     "max_v1", "max_omega", "violations", "first_step", "first_axis", "stop", "stop_step",

@@ -12,13 +12,6 @@ from typing import Any
 import casadi as ca
 import jinja2
 
-from wmr_ctrl.codegen import single_precision
-from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, split
-from wmr_ctrl.codegen.kernels import controller_kernel
-from wmr_ctrl.codegen.resources import c_texts
-from wmr_ctrl.codegen.source import cached_definition
-from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.filter.filter import called_filter, derived_numbers
 from wmr_ctrl.control.filter.rounding_ranges import check_single_precision
@@ -31,6 +24,14 @@ from wmr_ctrl.world.encoder import ENCODER, MOVED, Encoder, reader
 from wmr_ctrl.world.model.system import Output, Port, System, stack
 from wmr_ctrl.world.references import Circle
 from wmr_ctrl.world.scenario import Scenario
+
+from . import single_precision
+from .dialect import HEADER
+from .emit import QUALIFIERS, Kernel, split
+from .kernels import controller_kernel
+from .resources import c_texts
+from .source import cached_definition
+from .vectors import SAMPLES, TOLERANCES, vectors_of
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip

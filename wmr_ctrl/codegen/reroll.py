@@ -12,7 +12,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.items import (
+from wmr_ctrl.world.model.graph import SELECT, Graph, Node
+
+from .items import (
     ArrayLoop,
     ExpBatch,
     IfElse,
@@ -25,7 +27,6 @@ from wmr_ctrl.codegen.items import (
     computed,
     replaced,
 )
-from wmr_ctrl.world.model.graph import SELECT, Graph, Node
 
 SHORTEST = 8
 """Fewest elements that a loop is begun with."""

@@ -8,8 +8,9 @@ import re
 from dataclasses import replace
 from types import MappingProxyType
 
-from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 from wmr_ctrl.world.model.system import System
+
+from .dialect import SCALAR, Dialect
 
 MARGIN = 2.0**-15
 """The guard's limits are lowered by this share of theirs: 512 times the rounding of a float, as

@@ -22,8 +22,10 @@ from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from wmr_ctrl.codegen.cache import Sources, build_cached, cache_dir
-from wmr_ctrl.codegen.compiler import (
+from wmr_ctrl.core.errors import CacheError, CompilerError
+
+from .cache import Sources, build_cached, cache_dir
+from .compiler import (
     LEVEL,
     TIMEOUT,
     VARIABLE,
@@ -36,7 +38,6 @@ from wmr_ctrl.codegen.compiler import (
     library_suffix,
     run_command,
 )
-from wmr_ctrl.core.errors import CacheError, CompilerError
 
 _INSTALL = (
     "Install one with `pip install ziglang` (or, on Debian and Ubuntu, `apt install gcc "

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, TypeVar
 
 import casadi as ca
 
-from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import TAU_APPLIED, Signal, tau_sent
 from wmr_ctrl.world.delay import commands_in_flight, delay_in_periods
 from wmr_ctrl.world.model.system import Parameters, Port, System, port
+
+from .setup import Setup
 
 if TYPE_CHECKING:
     import numpy as np

@@ -4,18 +4,19 @@ from math import inf, nextafter
 
 import casadi as ca
 
-from wmr_ctrl.control.applied import Applied, remembered
-from wmr_ctrl.control.guard.bounds import ROUNDING, pair_of
-from wmr_ctrl.control.guard.delay import Tails, delayed_push
-from wmr_ctrl.control.guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possible
-from wmr_ctrl.control.guard.monitor import GuardMonitor, LateMotion
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.law import TorqueLimited
-from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.control.velocity import SentVelocity
 from wmr_ctrl.core.signals import ASKED, FORCE, TORQUE, VELOCITY
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.model.system import Output, Parameters, System, outputs, port, ports, stack
+
+from .applied import Applied, remembered
+from .guard.bounds import ROUNDING, pair_of
+from .guard.delay import Tails, delayed_push
+from .guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possible
+from .guard.monitor import GuardMonitor, LateMotion
+from .laws.context import LawContext
+from .laws.law import TorqueLimited
+from .setup import Setup
+from .velocity import SentVelocity
 
 
 def controller(setup: Setup) -> System:

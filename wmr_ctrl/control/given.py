@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeAlias
 
-from wmr_ctrl.control.setup import check_name, check_scenario
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 from wmr_ctrl.world.scenario.toml_io import naming_file
+
+from .setup import check_name, check_scenario
 
 Overrides: TypeAlias = Mapping[str, object]
 """Values of a scenario's fields by key path, such as ``{"clock.control": 0.02}``."""

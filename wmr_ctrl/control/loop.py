@@ -13,10 +13,6 @@ from typing import Any, cast
 
 import casadi as ca
 
-from wmr_ctrl.control.controller import watched_controller, wheel_limit
-from wmr_ctrl.control.laws.context import own_diagnostics
-from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.control.wiring import Named, Stream, Wiring, held_signals, pushes
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import (
     BODY_FORCE,
@@ -45,6 +41,11 @@ from wmr_ctrl.world.model.system import Parameters, Port, System, port, stack, v
 from wmr_ctrl.world.phases import demanded
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.speed_loop import EXERTED
+
+from .controller import watched_controller, wheel_limit
+from .laws.context import own_diagnostics
+from .setup import Setup
+from .wiring import Named, Stream, Wiring, held_signals, pushes
 
 SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "needed", "saturated")
 """Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, the same

@@ -10,10 +10,6 @@ import math
 from collections.abc import Hashable, Iterable
 from dataclasses import fields
 
-from wmr_ctrl.control.guard.bounds import LATENESS
-from wmr_ctrl.control.laws import LAWS
-from wmr_ctrl.control.laws.registry import NAMES
-from wmr_ctrl.control.setup import KINEMATICS, Setup
 from wmr_ctrl.core.fields.section import Section, quantities
 from wmr_ctrl.core.fields.values import Range as Admitted
 from wmr_ctrl.core.signals import LARGEST
@@ -23,6 +19,11 @@ from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.scenario import sections
 from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .guard.bounds import LATENESS
+from .laws import LAWS
+from .laws.registry import NAMES
+from .setup import KINEMATICS, Setup
 
 
 def structure_of(setup: Setup) -> Hashable:

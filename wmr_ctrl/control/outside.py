@@ -1,12 +1,13 @@
 """Outputs that hold only a part of the loop, and the effects that they would miss."""
 
-from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.signals import TORQUE_NOISE
 from wmr_ctrl.core.symbolic import ca
 from wmr_ctrl.world.effect import Effect, EffectRole
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .setup import Setup
 
 
 def check_plain_loop(setup: Setup, holder: str) -> None:

@@ -8,25 +8,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import TypeVar
 
-from wmr_ctrl.control.filter.filter import derived_numbers
-from wmr_ctrl.control.filter.hypotheses import check_velocity_base
-from wmr_ctrl.control.guard.bounds import GuardNumbers, assumptions, derived_guard
-from wmr_ctrl.control.guard.contradictions import (
-    Contradiction,
-    beyond_belief,
-    contradictions,
-    refuse_contradictions,
-)
-from wmr_ctrl.control.guard.price import speed_price
-from wmr_ctrl.control.guard.refusals import feasible_guard
-from wmr_ctrl.control.laws.law import (
-    Law,
-    OwnKinematics,
-    Predicting,
-    TorqueLimited,
-    commands_predicted,
-)
-from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.section import Section, build, number_of, numbers_in
 from wmr_ctrl.core.signals import COMMAND, TORQUE, Signal
@@ -40,6 +21,26 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario, override, preset_names
 from wmr_ctrl.world.scenario.units import asking_about_units
 from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .filter.filter import derived_numbers
+from .filter.hypotheses import check_velocity_base
+from .guard.bounds import GuardNumbers, assumptions, derived_guard
+from .guard.contradictions import (
+    Contradiction,
+    beyond_belief,
+    contradictions,
+    refuse_contradictions,
+)
+from .guard.price import speed_price
+from .guard.refusals import feasible_guard
+from .laws.law import (
+    Law,
+    OwnKinematics,
+    Predicting,
+    TorqueLimited,
+    commands_predicted,
+)
+from .laws.registry import LAWS
 
 KINEMATICS = "kinematics"
 GUARD_ALONE = "guard"

@@ -18,18 +18,6 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.control.applied import followed
-from wmr_ctrl.control.filter.channels import (
-    BOUNDS_LEFT,
-    FLAGS,
-    SENT,
-    has_bit,
-    usable_command,
-    within,
-)
-from wmr_ctrl.control.filter.filter import filter_system
-from wmr_ctrl.control.filter.governor_step import ODOMETRY
-from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core import signals
 from wmr_ctrl.world.delay import in_periods
 from wmr_ctrl.world.model.dynamics import force_to_wheel, reduced_mass
@@ -38,6 +26,19 @@ from wmr_ctrl.world.model.system import Output, Parameters, Port, System, output
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
 from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS
+
+from .applied import followed
+from .filter.channels import (
+    BOUNDS_LEFT,
+    FLAGS,
+    SENT,
+    has_bit,
+    usable_command,
+    within,
+)
+from .filter.filter import filter_system
+from .filter.governor_step import ODOMETRY
+from .setup import Setup
 
 NEAR = 1e-6
 """Share by which a velocity may differ from what was asked for, and yet be the same."""

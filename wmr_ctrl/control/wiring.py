@@ -12,11 +12,12 @@ from typing import TypeAlias
 
 import casadi as ca
 
-from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core import signals
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.world.effect import EffectRole, Rate
 from wmr_ctrl.world.model.system import NORMAL, Draw, Parameters, Port, System, port, stack
+
+from .setup import Setup
 
 Named: TypeAlias = dict[str, ca.SX]
 STREAMS = {"torque": 0, "pose": 1, "velocity": 2}

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from wmr_ctrl.core.signals import Signal
+from .signals import Signal
 
 Signals = tuple[Signal, ...]
 

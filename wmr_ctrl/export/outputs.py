@@ -16,9 +16,10 @@ from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
-    from wmr_ctrl.export.api_types import ExportOptions
     from wmr_ctrl.results import Run
     from wmr_ctrl.simulation.campaign import PhaseProgress
+
+    from .api_types import ExportOptions
 
 SCENARIO = "paper-simulation"
 """The scenario where none is named."""

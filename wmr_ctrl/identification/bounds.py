@@ -11,12 +11,13 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 import tomlkit
 
-from wmr_ctrl.identification.fit import LAG_LEAST
-from wmr_ctrl.identification.kalman import BLOCKS
-from wmr_ctrl.identification.logs.log import COMMAND, Floats
-from wmr_ctrl.identification.speed_loop import AXES, Fits
-from wmr_ctrl.identification.widths import Fitted, changes
 from wmr_ctrl.world.scenario import Scenario, to_toml
+
+from .fit import LAG_LEAST
+from .kalman import BLOCKS
+from .logs.log import COMMAND, Floats
+from .speed_loop import AXES, Fits
+from .widths import Fitted, changes
 
 DETERMINED, ROUGHLY, UNDETERMINED = "determined", "roughly", "undetermined"
 SHARES = (0.1, 0.3)

@@ -8,7 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.identification.bounds import (
+from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
+from wmr_ctrl.world.scenario.scenario import multiples
+
+from .bounds import (
     SHARES,
     UNDETERMINED,
     Estimate,
@@ -16,26 +19,24 @@ from wmr_ctrl.identification.bounds import (
     informative_seconds,
     verdict,
 )
-from wmr_ctrl.identification.fit import (
+from .fit import (
     ACCEPTED,
     LAG_LEAST,
     Fit,
     LogProblem,
     scored,
 )
-from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC, NAMES
-from wmr_ctrl.identification.logs.log import Floats
-from wmr_ctrl.identification.logs.samples import AxisLog, Samples, differenced, speeds, wheels
-from wmr_ctrl.identification.speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
-from wmr_ctrl.identification.widths import (
+from .kalman import INDEX, LOGARITHMIC, NAMES
+from .logs.log import Floats
+from .logs.samples import AxisLog, Samples, differenced, speeds, wheels
+from .speed_loop import AXES, RANGES, Fits, LoopFit, forecast, likelihoods
+from .widths import (
     PHYSICAL,
     WIDEST,
     half_widths,
     plant_step,
     standard_errors,
 )
-from wmr_ctrl.world.scenario import Scenario, from_dict, scenario_dict
-from wmr_ctrl.world.scenario.scenario import multiples
 
 START_SECONDS = 30.0
 """Length of the piece on which starts are tried [s]."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.identification.kalman import (
+from .kalman import (
     BLOCKS,
     INDEX,
     LOGARITHMIC,
@@ -19,8 +19,8 @@ from wmr_ctrl.identification.kalman import (
     Events,
     PassResult,
 )
-from wmr_ctrl.identification.logs.log import Floats
-from wmr_ctrl.identification.logs.samples import LONGEST_DELAY, Samples
+from .logs.log import Floats
+from .logs.samples import LONGEST_DELAY, Samples
 
 START, PIECE_KIND, SKIPPED, COUNTED, WATCHED = range(5)
 LONGEST = 0.01

@@ -10,7 +10,13 @@ import numpy as np
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
-from wmr_ctrl.identification.bounds import (
+from wmr_ctrl.results import Run
+from wmr_ctrl.results.drive import RecordedDrive
+from wmr_ctrl.world.encoder import COUNTS, Encoder
+from wmr_ctrl.world.scenario import Scenario, override
+from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
+
+from .bounds import (
     DETERMINED,
     LEAST_LATE,
     UNDETERMINED,
@@ -25,7 +31,7 @@ from wmr_ctrl.identification.bounds import (
     sizes,
     verdict,
 )
-from wmr_ctrl.identification.estimate import (
+from .estimate import (
     FREE_RUN,
     bare_scenario,
     coloured_if_likelier,
@@ -35,11 +41,11 @@ from wmr_ctrl.identification.estimate import (
     surest,
     white_fit,
 )
-from wmr_ctrl.identification.fit import COUNTED as MEASURED
-from wmr_ctrl.identification.fit import Fit, LogProblem
-from wmr_ctrl.identification.kalman import INDEX, NAMES, CompiledFilter
-from wmr_ctrl.identification.logs import lint
-from wmr_ctrl.identification.logs.log import (
+from .fit import COUNTED as MEASURED
+from .fit import Fit, LogProblem
+from .kalman import INDEX, NAMES, CompiledFilter
+from .logs import lint
+from .logs.log import (
     COMMAND,
     KNOWN,
     TORQUES,
@@ -50,22 +56,17 @@ from wmr_ctrl.identification.logs.log import (
     with_counts,
     with_torques,
 )
-from wmr_ctrl.identification.logs.samples import Samples, held_speeds, motion_of
-from wmr_ctrl.identification.refuted import explaining, guard_bounds, held_out, usable_speeds
-from wmr_ctrl.identification.stated import (
+from .logs.samples import Samples, held_speeds, motion_of
+from .refuted import explaining, guard_bounds, held_out, usable_speeds
+from .stated import (
     LEAST_SEEN,
     believed,
     with_limits,
     within_reach,
     written,
 )
-from wmr_ctrl.identification.velocity_base import of_velocities
-from wmr_ctrl.identification.widths import intervals_of, standard_errors
-from wmr_ctrl.results import Run
-from wmr_ctrl.results.drive import RecordedDrive
-from wmr_ctrl.world.encoder import COUNTS, Encoder
-from wmr_ctrl.world.scenario import Scenario, override
-from wmr_ctrl.world.speed_loop import KINDS, BaseKind, takes_velocity
+from .velocity_base import of_velocities
+from .widths import intervals_of, standard_errors
 
 Progress = Callable[[float], None]
 USUAL = {"torque": 60, "velocity": 18}

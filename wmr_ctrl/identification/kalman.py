@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.core.signals import BODY_FORCE, PATH, TORQUE, VELOCITY
-from wmr_ctrl.identification.logs.log import Floats
 from wmr_ctrl.world.lag import followed
 from wmr_ctrl.world.model.dynamics import plant, rk4_step
 from wmr_ctrl.world.model.system import Port, System, stack
 from wmr_ctrl.world.resistance import build as resistance
 from wmr_ctrl.world.resistance import load_of_wheel
 from wmr_ctrl.world.scenario import Scenario
+
+from .logs.log import Floats
 
 BLOCKS = 15
 DIRECTIONS = 2

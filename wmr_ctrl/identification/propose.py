@@ -14,14 +14,19 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.identification.bounds import BaseIdentification, sizes, verdict
-from wmr_ctrl.identification.estimate import PHYSICAL
-from wmr_ctrl.identification.fit import Fit, LogProblem
-from wmr_ctrl.identification.identification import Identification
-from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC, NAMES, stepped
-from wmr_ctrl.identification.logs.log import Floats
-from wmr_ctrl.identification.logs.samples import AxisLog, Samples
-from wmr_ctrl.identification.speed_loop import (
+from wmr_ctrl.world.lag import followed
+from wmr_ctrl.world.model.dynamics import force_to_wheel
+from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.scenario import Scenario
+
+from .bounds import BaseIdentification, sizes, verdict
+from .estimate import PHYSICAL
+from .fit import Fit, LogProblem
+from .identification import Identification
+from .kalman import INDEX, LOGARITHMIC, NAMES, stepped
+from .logs.log import Floats
+from .logs.samples import AxisLog, Samples
+from .speed_loop import (
     ORDER,
     PLACE,
     LoopFit,
@@ -30,11 +35,7 @@ from wmr_ctrl.identification.speed_loop import (
     set_of,
     whitener,
 )
-from wmr_ctrl.identification.velocity_base import VelocityIdentification
-from wmr_ctrl.world.lag import followed
-from wmr_ctrl.world.model.dynamics import force_to_wheel
-from wmr_ctrl.world.model.evaluate import evaluated
-from wmr_ctrl.world.scenario import Scenario
+from .velocity_base import VelocityIdentification
 
 TONES = (0.1, 0.25, 0.45, 0.7, 1.1, 1.6, 2.1)
 """Frequencies [Hz]: from turning about slowly to what delay and lag show in."""

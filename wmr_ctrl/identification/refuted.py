@@ -19,15 +19,16 @@ from wmr_ctrl.control.guard.monitor import least_push
 from wmr_ctrl.control.guard.price import speed_price
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.identification.bounds import UNITS, GuardBounds
-from wmr_ctrl.identification.estimate import cut_of, fitted_part
-from wmr_ctrl.identification.fit import COUNTED, LAG_LEAST, Fit, at_rest
-from wmr_ctrl.identification.kalman import BLOCKS, INDEX, NAMES
-from wmr_ctrl.identification.logs.log import Floats
-from wmr_ctrl.identification.logs.samples import Samples
-from wmr_ctrl.identification.widths import Fitted, changes, intervals_of
 from wmr_ctrl.world.encoder import rounded_by
 from wmr_ctrl.world.scenario import Scenario
+
+from .bounds import UNITS, GuardBounds
+from .estimate import cut_of, fitted_part
+from .fit import COUNTED, LAG_LEAST, Fit, at_rest
+from .kalman import BLOCKS, INDEX, NAMES
+from .logs.log import Floats
+from .logs.samples import Samples
+from .widths import Fitted, changes, intervals_of
 
 SPANS = (0.0, 0.1, 0.2, 0.4, 0.8)
 """Halves of the windows over which the guard's monitor looks at a log [s]; 0: one sample."""

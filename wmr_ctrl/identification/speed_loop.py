@@ -23,14 +23,15 @@ import numpy as np
 from wmr_ctrl.codegen.build import lanes_library
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.identification.fit import FINEST
-from wmr_ctrl.identification.kalman import BLOCKS
-from wmr_ctrl.identification.logs.log import Floats
-from wmr_ctrl.identification.logs.samples import LONGEST_DELAY, AxisLog
-from wmr_ctrl.identification.widths import FLOOR, errors_of
 from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.model.dynamics import rk4_step
 from wmr_ctrl.world.model.system import System, port
+
+from .fit import FINEST
+from .kalman import BLOCKS
+from .logs.log import Floats
+from .logs.samples import LONGEST_DELAY, AxisLog
+from .widths import FLOOR, errors_of
 
 AXES = (1, 2)
 STEP = 0.01

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.control.given import scenario_of
-from wmr_ctrl.identification.logs.log import Log
-from wmr_ctrl.identification.logs.samples import Samples, held_speeds
 from wmr_ctrl.world.scenario import Scenario, inherited, override, scenario_dict
 from wmr_ctrl.world.scenario.raw import stated_in
 from wmr_ctrl.world.scenario.toml_io import KIND, OF_A_ROBOT, named_keys
+
+from .logs.log import Log
+from .logs.samples import Samples, held_speeds
 
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
 BARRIER_FROM, LEAST_SEEN, MOST_FAR = 0.8, 1e-3, 2.0

@@ -10,7 +10,9 @@ import numpy as np
 from wmr_ctrl.control.filter.peak_gain import PeakGain, peak_gains, pi_loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.identification.bounds import (
+from wmr_ctrl.world.scenario import Scenario, override
+
+from .bounds import (
     UNDETERMINED,
     BaseIdentification,
     Estimate,
@@ -20,11 +22,11 @@ from wmr_ctrl.identification.bounds import (
     grid_about,
     loop_remarks,
 )
-from wmr_ctrl.identification.estimate import bare_scenario, cut_of, loop_estimates, loop_score
-from wmr_ctrl.identification.logs.lint import check_following
-from wmr_ctrl.identification.logs.log import COMMAND, Floats, LogError
-from wmr_ctrl.identification.logs.samples import AxisLog, Samples, axis_log, shifted_gain
-from wmr_ctrl.identification.speed_loop import (
+from .estimate import bare_scenario, cut_of, loop_estimates, loop_score
+from .logs.lint import check_following
+from .logs.log import COMMAND, Floats, LogError
+from .logs.samples import AxisLog, Samples, axis_log, shifted_gain
+from .speed_loop import (
     AXES,
     LOOPS,
     RANGES,
@@ -37,8 +39,7 @@ from wmr_ctrl.identification.speed_loop import (
     likelihoods,
     set_of,
 )
-from wmr_ctrl.identification.stated import rounded_down
-from wmr_ctrl.world.scenario import Scenario, override
+from .stated import rounded_down
 
 LEAST_DRIVEN = 1e-3
 TRAINED = 4

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtrit
 
-from wmr_ctrl.identification.fit import Fit
-from wmr_ctrl.identification.kalman import INDEX, LOGARITHMIC
-from wmr_ctrl.identification.logs.log import Floats
-from wmr_ctrl.identification.logs.samples import AxisLog, Samples
+from .fit import Fit
+from .kalman import INDEX, LOGARITHMIC
+from .logs.log import Floats
+from .logs.samples import AxisLog, Samples
 
 PHYSICAL = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag")
 FLOOR = 2e-3

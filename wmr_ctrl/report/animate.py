@@ -18,14 +18,15 @@ from PIL import Image, ImageDraw, ImageFont
 
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.core.fields.units import length
-from wmr_ctrl.report import style
-from wmr_ctrl.report.drawing import target_of
-from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tubes
-from wmr_ctrl.report.stage import FRAME, Picture, frames
 from wmr_ctrl.results import Run, atomic_path
 from wmr_ctrl.results.drive import RecordedDrive
 from wmr_ctrl.simulation.campaign import PhaseProgress, phase
 from wmr_ctrl.simulation.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
+
+from . import style
+from .drawing import target_of
+from .scene import BODY, TRACK, WHEEL, Scene, scene_of, scene_of_drives, with_tubes
+from .stage import FRAME, Picture, frames
 
 SUFFIXES = (".gif", ".mp4", ".html")
 FILMS = (".mp4", ".gif")

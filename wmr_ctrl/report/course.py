@@ -11,12 +11,13 @@ from matplotlib.patches import Circle as CirclePatch
 from matplotlib.patches import Patch, Polygon
 
 from wmr_ctrl.control.laws.registry import LAWS
-from wmr_ctrl.report.style import GRID, INK, LIMIT, MUTED
 from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.theory.corridor import corridor_course, is_covered
 from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.scenario import Scenario, loads_scenario, override
+
+from .style import GRID, INK, LIMIT, MUTED
 
 MOST_WAYPOINTS = 60
 """More would hide the path that they are on."""

@@ -14,8 +14,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
 from wmr_ctrl.results import Floats, atomic_path, check_writable
+
+from .style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
 
 SUFFIXES = (".svg", ".png")
 Place: TypeAlias = Figure | SubFigure

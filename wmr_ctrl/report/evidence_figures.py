@@ -9,14 +9,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wmr_ctrl.report import drawing
-from wmr_ctrl.report.course import switch_time
-from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.table import RunTable, median, ratios
 from wmr_ctrl.results.windows import LATE, named, seconds
 from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.world.scenario import load_scenario
+
+from . import drawing
+from .course import switch_time
+from .style import INK, LIMIT, MUTED, look, shown
 
 Runs: TypeAlias = Mapping[tuple[str, str], Run]
 """First runs by scenario and law."""

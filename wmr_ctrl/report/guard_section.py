@@ -10,14 +10,15 @@ import numpy as np
 from wmr_ctrl.control.guard.bounds import mass_range, net, pair_of
 from wmr_ctrl.control.guard.price import speed_price, usable_speed
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.report.style import ABSENT, look, shown
-from wmr_ctrl.report.tables import TextTable, table_by_law
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import REFUSED, RunTable, median
 from wmr_ctrl.simulation.campaign import comparison
 from wmr_ctrl.world.phases import largest_friction
 from wmr_ctrl.world.scenario import load_scenario
+
+from .style import ABSENT, look, shown
+from .tables import TextTable, table_by_law
 
 ALWAYS = 0.25
 """Share of samples in clip from which on it is the guard, not the law, that steers."""

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
 
-from wmr_ctrl.report import drawing
-from wmr_ctrl.report.style import INK, LIMIT, MUTED, PAPER, page_environment, picture
 from wmr_ctrl.results import atomic_text
+
+from . import drawing
+from .style import INK, LIMIT, MUTED, PAPER, page_environment, picture
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import BaseIdentification

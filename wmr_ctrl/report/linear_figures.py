@@ -8,14 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wmr_ctrl.report.drawing import plain_ticks, save_figure, say_below
-from wmr_ctrl.report.style import DASHED, LIMIT, MUTED, house_style, look, shown
 from wmr_ctrl.results import make_folder
 from wmr_ctrl.theory.checks.radius import largest_radius
 from wmr_ctrl.theory.linear.linear_report import LinearReport
 from wmr_ctrl.theory.linear.linearise import Floats, law_loop, learned_point
 from wmr_ctrl.theory.linear.margins import frequencies, open_loop
 from wmr_ctrl.theory.linear.sampled import pull_curve, spectral_radius
+
+from .drawing import plain_ticks, save_figure, say_below
+from .style import DASHED, LIMIT, MUTED, house_style, look, shown
 
 INK, SECOND = "#1f77c9", "#e69f00"
 SIZE = (6.4, 4.0)

@@ -8,8 +8,9 @@ from importlib.resources import files
 from typing import Any
 
 from wmr_ctrl.core.paper import EVALUATIONS, PAPER_TIMES
-from wmr_ctrl.report.style import ABSENT, shown
 from wmr_ctrl.results.table import RunTable, Spread, ratios, spread
+
+from .style import ABSENT, shown
 
 
 class Verdict(StrEnum):

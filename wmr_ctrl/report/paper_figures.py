@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from wmr_ctrl.report import drawing
-from wmr_ctrl.report.course import switch_time
-from wmr_ctrl.report.style import INK, MUTED, look
 from wmr_ctrl.results import Floats, Run, distance
+
+from . import drawing
+from .course import switch_time
+from .style import INK, MUTED, look
 
 Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""

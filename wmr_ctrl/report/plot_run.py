@@ -10,9 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.report import course, drawing, style
 from wmr_ctrl.results import Floats, Run, e_rms, ise, tau_peak, tau_rms
 from wmr_ctrl.results.measures import heading_error, heading_rms
+
+from . import course, drawing, style
 
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75

@@ -15,11 +15,6 @@ import numpy as np
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import NullFormatter
 
-from wmr_ctrl.report import drawing
-from wmr_ctrl.report.course import course_of, switch_time
-from wmr_ctrl.report.plot_run import MARGINS, time_axes
-from wmr_ctrl.report.scene import names_of, scene_of
-from wmr_ctrl.report.style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
 from wmr_ctrl.results import Floats, Run, distance
 from wmr_ctrl.results.drive import (
     COMMANDS,
@@ -31,6 +26,12 @@ from wmr_ctrl.results.drive import (
     WHEEL_SPEEDS,
     RecordedDrive,
 )
+
+from . import drawing
+from .course import course_of, switch_time
+from .plot_run import MARGINS, time_axes
+from .scene import names_of, scene_of
+from .style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
 
 Lines: TypeAlias = Mapping[str, tuple[Run, str, Dash]]
 """Run, colour and dashes by name."""

@@ -9,12 +9,6 @@ from pathlib import Path
 from jinja2 import Environment
 
 from wmr_ctrl.core.paper import CITATION, PAPER_TIMES
-from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.guard_section import GuardSection
-from wmr_ctrl.report.paper_claims import RULE, Judged, Verdict, load_readings
-from wmr_ctrl.report.rigid_section import RigidSection
-from wmr_ctrl.report.style import page_environment, picture, shown
-from wmr_ctrl.report.tables import headed, ranged, scenario_table, stress_table
 from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.ledger import load
 from wmr_ctrl.results.table import RunTable
@@ -23,6 +17,13 @@ from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.simulation.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
 from wmr_ctrl.simulation.campaign.paper_runs import BARRIER_LAWS, STUDIES
 from wmr_ctrl.world.scenario import preset_titles
+
+from .drawing import Drawing
+from .guard_section import GuardSection
+from .paper_claims import RULE, Judged, Verdict, load_readings
+from .rigid_section import RigidSection
+from .style import page_environment, picture, shown
+from .tables import headed, ranged, scenario_table, stress_table
 
 _ALWAYS_COUNTED = (Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS)
 

@@ -8,8 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
-from wmr_ctrl.report.style import INK, MUTED, look, shown
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation.campaign import Campaign
@@ -21,6 +19,9 @@ from wmr_ctrl.simulation.campaign.rigid import (
     rigid_claims,
 )
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
+
+from .drawing import Drawing, Padding, heading, law_handles, row_of_axes
+from .style import INK, MUTED, look, shown
 
 ISE = "ise_total"
 FRAMES = 6

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward
 from wmr_ctrl.core.fields.units import length
-from wmr_ctrl.report.course import Course, band, course_of, course_of_tube
-from wmr_ctrl.report.style import colours_of, driver
 from wmr_ctrl.results import Floats, Run
 from wmr_ctrl.results.drive import POSES, SPEEDS, RecordedDrive
+
+from .course import Course, band, course_of, course_of_tube
+from .style import colours_of, driver
 
 BODY = (0.8, 0.5)
 """Length and width of the robot's body [m], those of the paper's Section VI."""

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
-from wmr_ctrl.report.course import FAINT
-from wmr_ctrl.report.drawing import line_handle
-from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Actor, Scene, outline
-from wmr_ctrl.report.style import DASHES, DOTTED, INK, LIMIT, MUTED, Dash, house_style, verbatim
+from .course import FAINT
+from .drawing import line_handle
+from .scene import BODY, TRACK, WHEEL, Actor, Scene, outline
+from .style import DASHES, DOTTED, INK, LIMIT, MUTED, Dash, house_style, verbatim
 
 _DPI = 100
 _SIZE = (5.6, 6.2)

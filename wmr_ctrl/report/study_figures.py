@@ -17,12 +17,13 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wmr_ctrl.report import style
-from wmr_ctrl.report.drawing import save_figure
-from wmr_ctrl.report.study_table import StudyTable, read_study
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.simulation.campaign.plan import SOBOL, SamplePlan
+
+from . import style
+from .drawing import save_figure
+from .study_table import StudyTable, read_study
 
 Floats = NDArray[np.float64]
 MOST_VALUES = 12

@@ -4,14 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from wmr_ctrl.report.course import switch_time
-from wmr_ctrl.report.paper_claims import STAND_IN_LAW
-from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results import Settings
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import RunTable, Spread
 from wmr_ctrl.results.windows import LATE, WINDOWS, named, seconds, windows_of
 from wmr_ctrl.simulation.campaign import Campaign
+
+from .course import switch_time
+from .paper_claims import STAND_IN_LAW
+from .style import ABSENT, look, shown, unit_text
 
 T = TypeVar("T")
 _KILO = {"m": "mm", "rad": "mrad"}

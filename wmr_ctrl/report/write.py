@@ -9,13 +9,6 @@ from pathlib import Path
 
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.core.paper import CITATION
-from wmr_ctrl.report.comparison_figures import comparison_figures
-from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.evidence_figures import evidence_figures
-from wmr_ctrl.report.paper_claims import RULE, Judged, Measured, Verdict, load_readings
-from wmr_ctrl.report.paper_figures import paper_figure
-from wmr_ctrl.report.report_page import Reproduction, write_page
-from wmr_ctrl.report.rigid_section import rigid_figures
 from wmr_ctrl.results import atomic_text, check_writable, json_safe, make_folder
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import STATISTICS, RunTable
@@ -23,6 +16,14 @@ from wmr_ctrl.simulation.campaign import PAPER_LAWS, Campaign, PhaseProgress, ph
 from wmr_ctrl.simulation.campaign.comparison import COMPARED
 from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
 from wmr_ctrl.simulation.campaign.rigid import COMPARED as RIGID_COMPARED
+
+from .comparison_figures import comparison_figures
+from .drawing import Drawing
+from .evidence_figures import evidence_figures
+from .paper_claims import RULE, Judged, Measured, Verdict, load_readings
+from .paper_figures import paper_figure
+from .report_page import Reproduction, write_page
+from .rigid_section import rigid_figures
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
 COMPARISON_FILE, RIGID_FILE = "ours.csv", "rigid.csv"

@@ -22,9 +22,10 @@ import numpy as np
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.core.fields.files import note_input
 from wmr_ctrl.core.fields.orientation import outward
-from wmr_ctrl.results import drive
-from wmr_ctrl.results.frames import library
-from wmr_ctrl.results.run import Floats, Run
+
+from . import drive
+from .frames import library
+from .run import Floats, Run
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection

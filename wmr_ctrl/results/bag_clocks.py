@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results.bag import SECOND
-from wmr_ctrl.results.run import Floats
+
+from .bag import SECOND
+from .run import Floats
 
 Integers: TypeAlias = NDArray[np.int64]
 APART = 0.5

@@ -12,15 +12,16 @@ import numpy as np
 from wmr_ctrl.core.errors import ArgumentError, ResultFileError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.orientation import theta_of
-from wmr_ctrl.results import bag, drive
-from wmr_ctrl.results.bag_clocks import Topic, clocks_of
-from wmr_ctrl.results.formats import load_run
-from wmr_ctrl.results.run import Floats, Run
+
+from . import bag, drive
+from .bag_clocks import Topic, clocks_of
+from .formats import load_run
+from .run import Floats, Run
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
-    from wmr_ctrl.results.bag import Messages
+    from .bag import Messages
 
 Source: TypeAlias = Run | drive.RecordedDrive
 ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.orientation import ORIENTATIONS, inward
-from wmr_ctrl.results.drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive, drive_of
-from wmr_ctrl.results.run import Floats, Run
+
+from .drive import COMMANDS, POSES, TORQUES, UNITS, RecordedDrive, drive_of
+from .run import Floats, Run
 
 Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
 

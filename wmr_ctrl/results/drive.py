@@ -20,8 +20,9 @@ from wmr_ctrl.core.fields.orientation import inward
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.results.files import atomic_write
-from wmr_ctrl.results.run import Floats, Run
+
+from .files import atomic_write
+from .run import Floats, Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

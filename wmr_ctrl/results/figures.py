@@ -15,11 +15,12 @@ import numpy as np
 
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.fields.plugins import blamed, loaded
-from wmr_ctrl.results import measures
-from wmr_ctrl.results.windows import BEFORE, LATE, WINDOWS, Span, named
+
+from . import measures
+from .windows import BEFORE, LATE, WINDOWS, Span, named
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import Run
+    from .run import Run
 
 GROUP = "wmr_ctrl.figures"
 Take = Callable[["Run"], float | None]

@@ -25,13 +25,14 @@ from wmr_ctrl.core.fields.files import note_input
 from wmr_ctrl.core.fields.values import may_unpack
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.suffixes import RUNS
-from wmr_ctrl.results.bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
-from wmr_ctrl.results.drive import NEVER
-from wmr_ctrl.results.files import atomic_write
-from wmr_ctrl.results.frames import library
-from wmr_ctrl.results.outcomes import Monitor, Outcome
-from wmr_ctrl.results.run import Floats, Run, split_columns
-from wmr_ctrl.results.settings import Settings
+
+from .bag import holds_run, is_bag, rows_of_mcap, run_as_mcap
+from .drive import NEVER
+from .files import atomic_write
+from .frames import library
+from .outcomes import Monitor, Outcome
+from .run import Floats, Run, split_columns
+from .settings import Settings
 
 _FORMAT = "wmr_ctrl run, version 1"
 _LABELS = ("scenario", "law", "guard", "seed", "engine")

@@ -17,17 +17,18 @@ import numpy as np
 
 from wmr_ctrl.core.errors import MissingExtraError
 from wmr_ctrl.core.signals import TIME
-from wmr_ctrl.results.figures import FIGURES, READINGS, values_of
-from wmr_ctrl.results.measures import tracked
-from wmr_ctrl.results.settings import COUNTED
-from wmr_ctrl.results.windows import driving
+
+from .figures import FIGURES, READINGS, values_of
+from .measures import tracked
+from .settings import COUNTED
+from .windows import driving
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from numpy.typing import ArrayLike
 
-    from wmr_ctrl.results.run import Run
+    from .run import Run
 
 ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")

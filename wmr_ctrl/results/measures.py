@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results import windows
+from . import windows
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import Floats, Run
+    from .run import Floats, Run
 
 Pair = tuple[float, float]
 AT_LIMIT = 1 - 1e-9

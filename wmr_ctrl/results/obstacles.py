@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import Run
+    from .run import Run
 
 Floats: TypeAlias = NDArray[np.float64]
 Shape: TypeAlias = tuple[float, ...] | tuple[tuple[float, float], ...]

@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.measures import torques
-from wmr_ctrl.results.windows import rows_of, working
+from .measures import torques
+from .windows import rows_of, working
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import Floats, Run
+    from .run import Floats, Run
 
 LINE = 1 / 3
 """Share of the fast swing's power that has to be in one line."""

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.results.settings import UNCOVERED, WIDER, Event
+
+from .settings import UNCOVERED, WIDER, Event
 
 DIVERGENCE = 1e3
 """A run ends where |v1| [m/s] or |omega| [rad/s] reaches this."""

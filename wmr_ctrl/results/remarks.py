@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results import measures
-from wmr_ctrl.results.obstacles import nearest
-from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
-from wmr_ctrl.results.outcomes import Outcome, beyond_bounds
-from wmr_ctrl.results.settings import TIGHTER
-from wmr_ctrl.results.windows import at_rest, drive, driving, rows_of, working
+from . import measures
+from .obstacles import nearest
+from .oscillation import fast_swing_rms, oscillation
+from .outcomes import Outcome, beyond_bounds
+from .settings import TIGHTER
+from .windows import at_rest, drive, driving, rows_of, working
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import Run
+    from .run import Run
 
 HELD_BACK = 0.25
 """Share of the drive's samples from which the guard holds a run back."""

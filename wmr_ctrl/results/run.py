@@ -17,16 +17,17 @@ from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.core.late_bound import late_bound
 from wmr_ctrl.core.signals import REFERENCE, TIME, Signal, places
-from wmr_ctrl.results.outcomes import Monitor, Outcome, outcome_of
-from wmr_ctrl.results.settings import Settings
+
+from .outcomes import Monitor, Outcome, outcome_of
+from .settings import Settings
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.figure import Figure
 
-    from wmr_ctrl.results.remarks import Remark
-    from wmr_ctrl.results.verdicts import CorridorLeft, Outlook
+    from .remarks import Remark
+    from .verdicts import CorridorLeft, Outlook
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -90,7 +91,7 @@ class Run:
         )
 
     def _repr_html_(self) -> str:
-        from wmr_ctrl.results.frames import run_html
+        from .frames import run_html
 
         return run_html(self)
 
@@ -134,7 +135,7 @@ class Run:
     @checks_arguments
     def summary(self) -> dict[str, object]:
         """Labels, outcome and figures as ``wmr-ctrl run --json`` prints them: plain values."""
-        from wmr_ctrl.results.frames import summary  # it reads Runs, and so stands above
+        from .frames import summary  # it reads Runs, and so stands above
 
         return summary(self)
 
@@ -144,14 +145,14 @@ class Run:
 
         Raises MissingExtraError without pandas.
         """
-        from wmr_ctrl.results.frames import run_frame
+        from .frames import run_frame
 
         return run_frame(self)
 
     @checks_arguments
     def to_xarray(self) -> xarray.Dataset:
         """A variable per signal over ``t`` [s], with units; raises MissingExtraError."""
-        from wmr_ctrl.results.frames import run_dataset
+        from .frames import run_dataset
 
         return run_dataset(self)
 
@@ -208,13 +209,13 @@ class Run:
 
         What `wmr-ctrl check` objects to is part of it, looked up once for scenario and law.
         """
-        from wmr_ctrl.results.remarks import remarks_on  # it reads Runs, and so stands above
+        from .remarks import remarks_on  # it reads Runs, and so stands above
 
         return remarks_on(self)
 
     def _judged(self) -> str:
         """End of a completed run's sentence."""
-        from wmr_ctrl.results.remarks import in_short
+        from .remarks import in_short
 
         if self.outcome is not Outcome.COMPLETED:
             return ""

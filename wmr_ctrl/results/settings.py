@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.orientation import PAPER
-from wmr_ctrl.results.obstacles import Shape
+
+from .obstacles import Shape
 
 Pair: TypeAlias = tuple[float, float]
 Event: TypeAlias = tuple[float, int]

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
-from wmr_ctrl.results.figures import FIGURES
-from wmr_ctrl.results.frames import figure, table_frame, table_html
-from wmr_ctrl.results.outcomes import Outcome
+
+from .figures import FIGURES
+from .frames import figure, table_frame, table_html
+from .outcomes import Outcome
 
 if TYPE_CHECKING:
     import pandas

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.results.settings import Settings
+from .settings import Settings
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results.run import Run
+    from .run import Run
 
 Span = tuple[int, int]
 WINDOWS: tuple[Span, ...] = ((30, 40), (40, 45), (70, 80))

@@ -28,9 +28,9 @@ def _run(given: list[str]) -> int:
             "Python: python3 -m venv --system-site-packages, and install wmr_ctrl there.\n"
         )
         return 2
-    from wmr_ctrl.ros2.drive_node import DriveNode
-    from wmr_ctrl.ros2.filter_node import FilterNode
-    from wmr_ctrl.ros2.spin import spin
+    from .drive_node import DriveNode
+    from .filter_node import FilterNode
+    from .spin import spin
 
     return spin(FilterNode if given[0] == "filter" else DriveNode, given[1:])
 

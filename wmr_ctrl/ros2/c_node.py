@@ -11,11 +11,12 @@ from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, GateSettings
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.results import write_all
-from wmr_ctrl.ros2.diagnosis import ERRORS, WARNINGS
-from wmr_ctrl.ros2.filter_core import core_files
-from wmr_ctrl.ros2.native import HAPPENINGS, in_ns
-from wmr_ctrl.ros2.parameters import FILTER, TRIGGERS, Default
 from wmr_ctrl.world.scenario import Scenario
+
+from .diagnosis import ERRORS, WARNINGS
+from .filter_core import core_files
+from .native import HAPPENINGS, in_ns
+from .parameters import FILTER, TRIGGERS, Default
 
 LIBRARIES = ("rcl", "rcl_yaml_param_parser", "rcutils", "rmw", "rosidl_runtime_c")
 INTERFACES = (

@@ -3,7 +3,7 @@
 from ctypes import byref
 from dataclasses import dataclass
 
-from wmr_ctrl.ros2.native import HAPPENINGS, ClocksStruct, MomentStruct, in_ns, node_functions
+from .native import HAPPENINGS, ClocksStruct, MomentStruct, in_ns, node_functions
 
 BACK, FORTH, FROZEN = HAPPENINGS
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 
-from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN
-from wmr_ctrl.ros2.drive_core import (
+from .clocks import BACK, FORTH, FROZEN
+from .drive_core import (
     ARRIVED,
     JUMPED,
     MISSED,

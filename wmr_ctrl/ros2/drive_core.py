@@ -14,11 +14,12 @@ from wmr_ctrl.control.filter.filter import STANDING
 from wmr_ctrl.control.filter.gate import Gated, GateSettings
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.errors import ScenarioError, WmrError
-from wmr_ctrl.ros2.clocks import BACK, Clocks, Moment, longest_pause
-from wmr_ctrl.ros2.compiled_system import NONE, PAIR, Gate
-from wmr_ctrl.ros2.drive_law import DesiredMotion, DriveLaw, check_follows, path_motion
-from wmr_ctrl.ros2.intake import Intake, Pace, is_rotation
-from wmr_ctrl.ros2.native import NS, in_ns
+
+from .clocks import BACK, Clocks, Moment, longest_pause
+from .compiled_system import NONE, PAIR, Gate
+from .drive_law import DesiredMotion, DriveLaw, check_follows, path_motion
+from .intake import Intake, Pace, is_rotation
+from .native import NS, in_ns
 
 CALM = 3
 """Messages that must agree with each other before the law acts again."""

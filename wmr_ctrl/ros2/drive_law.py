@@ -29,13 +29,14 @@ from wmr_ctrl.core.signals import (
     Signal,
 )
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.ros2.compiled_system import PAIR, CompiledSystem
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.model.kinematics import tracking_error
 from wmr_ctrl.world.model.system import Output, System, port, stack
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.references.waypoints import Waypoints
 from wmr_ctrl.world.scenario import Scenario, override
+
+from .compiled_system import PAIR, CompiledSystem
 
 QUATERNION = Signal("quaternion", "1", "orientation (x, y, z, w), REP-103", 4)
 NEAR = Signal("theta_near", "rad", "orientation of the sample before")

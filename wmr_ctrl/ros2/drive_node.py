@@ -8,12 +8,13 @@ from std_msgs.msg import Float64MultiArray
 from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import WmrError
-from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
-from wmr_ctrl.ros2.graph import KEPT, LATEST, SURE
-from wmr_ctrl.ros2.node import SafeNode, guarded, stamp_of
-from wmr_ctrl.ros2.parameters import DRIVE, REFERENCES
-from wmr_ctrl.ros2.twists import command_kind, twist_message
 from wmr_ctrl.world.scenario import Scenario
+
+from .drive_core import DriveCore, DriveSettings
+from .graph import KEPT, LATEST, SURE
+from .node import SafeNode, guarded, stamp_of
+from .parameters import DRIVE, REFERENCES
+from .twists import command_kind, twist_message
 
 SIDES = ("right", "left")
 """Order of the wheels in a law's torques."""

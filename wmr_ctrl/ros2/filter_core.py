@@ -15,10 +15,12 @@ from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.toolchain import build_library
 from wmr_ctrl.control.filter.gate import GATE_FLAGS, Gated, GateSettings, gate_system
 from wmr_ctrl.results.bag_topics import UNIT
-from wmr_ctrl.ros2.clocks import Clocks, Moment, longest_pause, named_happenings
-from wmr_ctrl.ros2.compiled_system import PAIR, VISIBLE
-from wmr_ctrl.ros2.intake import IntakeCounts, fits
-from wmr_ctrl.ros2.native import (
+from wmr_ctrl.world.scenario import Scenario
+
+from .clocks import Clocks, Moment, longest_pause, named_happenings
+from .compiled_system import PAIR, VISIBLE
+from .intake import IntakeCounts, fits
+from .native import (
     NODE_CORE,
     ClocksStruct,
     IntakeStruct,
@@ -26,7 +28,6 @@ from wmr_ctrl.ros2.native import (
     in_ns,
     reason_words,
 )
-from wmr_ctrl.world.scenario import Scenario
 
 _RETURNS: dict[str, type | None] = {
     **dict.fromkeys(("size", "see", "command", "odometry", "due", "overdue", "reset"), c_int64),

@@ -9,12 +9,13 @@ from rclpy.parameter import Parameter
 
 from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.core.errors import WmrError
-from wmr_ctrl.ros2.filter_core import FilterCore
-from wmr_ctrl.ros2.graph import LATEST, SURE
-from wmr_ctrl.ros2.node import SafeNode, guarded, stamp_of
-from wmr_ctrl.ros2.parameters import FILTER, SCALE, SPEED_SCALE, TRIGGERS
-from wmr_ctrl.ros2.twists import command_kind, twist_message
 from wmr_ctrl.world.scenario import Scenario
+
+from .filter_core import FilterCore
+from .graph import LATEST, SURE
+from .node import SafeNode, guarded, stamp_of
+from .parameters import FILTER, SCALE, SPEED_SCALE, TRIGGERS
+from .twists import command_kind, twist_message
 
 
 class FilterNode(SafeNode[FilterCore]):

@@ -18,7 +18,7 @@ from rclpy.qos import (
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from wmr_ctrl.ros2.diagnosis import rivals, two_senders
+from .diagnosis import rivals, two_senders
 
 EVER = {"deadline": Infinite, "liveliness_lease_duration": Infinite}
 """Durations that the graph reports of endpoints without them; left out, they pass for another."""

@@ -6,8 +6,9 @@ from statistics import median
 from typing import Generic, TypeVar
 
 from wmr_ctrl.results.bag_topics import UNIT
-from wmr_ctrl.ros2.clocks import Moment
-from wmr_ctrl.ros2.native import IntakeStruct, node_functions, reason_words
+
+from .clocks import Moment
+from .native import IntakeStruct, node_functions, reason_words
 
 Numbers = TypeVar("Numbers", bound=tuple[float, ...])
 FOLLOWED = 0.1

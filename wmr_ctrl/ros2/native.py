@@ -7,7 +7,8 @@ from typing import TypeAlias
 
 from wmr_ctrl.codegen.resources import c_texts
 from wmr_ctrl.codegen.toolchain import build_library
-from wmr_ctrl.ros2.compiled_system import VISIBLE
+
+from .compiled_system import VISIBLE
 
 NS = 1e-9
 """Second of a nanosecond."""

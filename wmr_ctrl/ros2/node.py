@@ -24,11 +24,12 @@ from std_srvs.srv import Trigger
 
 from wmr_ctrl.control.filter.gate import Gated
 from wmr_ctrl.core.errors import WmrError
-from wmr_ctrl.ros2 import diagnosis, graph
-from wmr_ctrl.ros2.clocks import Clocks, Moment
-from wmr_ctrl.ros2.graph import KEPT
-from wmr_ctrl.ros2.parameters import Declared, Table
 from wmr_ctrl.world.scenario import Scenario, load_scenario
+
+from . import diagnosis, graph
+from .clocks import Clocks, Moment
+from .graph import KEPT
+from .parameters import Declared, Table
 
 LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
 

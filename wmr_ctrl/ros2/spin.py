@@ -15,7 +15,8 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.signals import SignalHandlerOptions
 
 from wmr_ctrl.core.errors import WmrError
-from wmr_ctrl.ros2.node import Core, SafeNode
+
+from .node import Core, SafeNode
 
 LAST_ZERO = 1.0
 """Time [s] in which whoever hears a node has to take its last zero; no longer is waited."""

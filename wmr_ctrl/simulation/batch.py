@@ -19,9 +19,10 @@ from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.values import MOST_JOBS
 from wmr_ctrl.results import Floats, Monitor
 from wmr_ctrl.results.windows import windows_of
-from wmr_ctrl.simulation.figures import Figures, empty_figures, monitors, put
-from wmr_ctrl.simulation.gpu import LAUNCHES, is_for_gpu, launched, robots_of
-from wmr_ctrl.simulation.memory import Results, Task, laid_out, vector_set
+
+from .figures import Figures, empty_figures, monitors, put
+from .gpu import LAUNCHES, is_for_gpu, launched, robots_of
+from .memory import Results, Task, laid_out, vector_set
 
 Progress = Callable[[float], None]
 T = TypeVar("T")

@@ -10,7 +10,8 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.paper import EVALUATIONS
 from wmr_ctrl.core.signals import LARGEST
 from wmr_ctrl.results import Floats
-from wmr_ctrl.simulation.memory import opened
+
+from .memory import opened
 
 START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
 """A sample near the paper's start: reference, pose, velocity."""

@@ -7,8 +7,9 @@ import numpy as np
 
 from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.simulation.figures import monitor
-from wmr_ctrl.simulation.memory import LoopSettings, Numbers, aligned, noise_key, opened, pointer_to
+
+from .figures import monitor
+from .memory import LoopSettings, Numbers, aligned, noise_key, opened, pointer_to
 
 
 class Coupled:

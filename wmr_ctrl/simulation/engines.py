@@ -10,15 +10,16 @@ from wmr_ctrl.core.compiled import CompiledLoop
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.results.table import RunTable
-from wmr_ctrl.simulation.batch import Progress
-from wmr_ctrl.simulation.gpu import processor
-from wmr_ctrl.simulation.interpreted import run_interpreted
-from wmr_ctrl.simulation.many import each_task, later, planned_tasks, run_each, tabulated
-from wmr_ctrl.simulation.memory import Task
-from wmr_ctrl.simulation.physics.rigid import mujoco
-from wmr_ctrl.simulation.physics.run import rigid_table, run_rigid_each
-from wmr_ctrl.simulation.runnable import RunnableLoop, assemble_run, settings_of
 from wmr_ctrl.world.scenario import Scenario
+
+from .batch import Progress
+from .gpu import processor
+from .interpreted import run_interpreted
+from .many import each_task, later, planned_tasks, run_each, tabulated
+from .memory import Task
+from .physics.rigid import mujoco
+from .physics.run import rigid_table, run_rigid_each
+from .runnable import RunnableLoop, assemble_run, settings_of
 
 DEVICES = ("cpu", "gpu")
 """Where many runs are made: in vectors on this processor's cores, or on a graphics processor."""

@@ -12,8 +12,9 @@ from wmr_ctrl.results.figures import STATE, SUMMED, Sum
 from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS
 from wmr_ctrl.results.settings import Event
 from wmr_ctrl.results.windows import at_rest, windows_of
-from wmr_ctrl.simulation.memory import Results, Task
-from wmr_ctrl.simulation.runnable import RunnableLoop
+
+from .memory import Results, Task
+from .runnable import RunnableLoop
 
 Floats = NDArray[np.float64]
 Figures = dict[str, NDArray[np.float64]]

@@ -20,7 +20,8 @@ from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import CompilerError, DeviceError
 from wmr_ctrl.core.signals import PLANT_STATE
 from wmr_ctrl.results.frames import library
-from wmr_ctrl.simulation.memory import LONG, Results, Task
+
+from .memory import LONG, Results, Task
 
 SUFFIX = ".cu"
 """Of a CUDA text."""

@@ -15,7 +15,8 @@ from wmr_ctrl.core.signals import PLANT_STATE, VELOCITY
 from wmr_ctrl.results import Floats, Monitor, Settings, split_columns
 from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS
 from wmr_ctrl.results.settings import Event
-from wmr_ctrl.simulation.memory import noise_key
+
+from .memory import noise_key
 
 if TYPE_CHECKING:
     from wmr_ctrl.codegen.functions import LoopFunctions, StreamNumbers

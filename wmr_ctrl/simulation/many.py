@@ -14,11 +14,12 @@ from wmr_ctrl.core.fields.values import MOST_SEEDS, SEED_END
 from wmr_ctrl.results import Monitor, Run, split_columns
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.table import RunTable, table_of_rows
-from wmr_ctrl.simulation.batch import Floats, Progress, run_logged, run_tasks
-from wmr_ctrl.simulation.gpu import is_for_gpu
-from wmr_ctrl.simulation.memory import Task
-from wmr_ctrl.simulation.runnable import RunnableLoop, assemble_run
 from wmr_ctrl.world.scenario import Scenario
+
+from .batch import Floats, Progress, run_logged, run_tasks
+from .gpu import is_for_gpu
+from .memory import Task
+from .runnable import RunnableLoop, assemble_run
 
 
 def tabulated(

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from wmr_ctrl.core.compiled import LoopLayout, elements
 from wmr_ctrl.core.errors import ArgumentError, CompilerError, UnknownNameError
 from wmr_ctrl.core.signals import PLANT_STATE
-from wmr_ctrl.simulation.runnable import RunnableLoop
+
+from .runnable import RunnableLoop
 
 Floats = NDArray[np.float64]
 Numbers: TypeAlias = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]

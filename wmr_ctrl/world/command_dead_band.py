@@ -6,8 +6,9 @@ Source: firmware that does not let motors hum at rest.
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.system import Parameters, System, outputs, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.system import Parameters, System, outputs, ports, stack
 
 
 class CommandDeadBand(Section, key="base"):

@@ -8,11 +8,12 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.fields.values import check_count
 from wmr_ctrl.core.signals import COMMAND
-from wmr_ctrl.world.delay import queued
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.history import MOST_REMEMBERED
-from wmr_ctrl.world.model.system import Output, Parameters, System, ports
-from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .delay import queued
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .history import MOST_REMEMBERED
+from .model.system import Output, Parameters, System, ports
+from .speed_loop import takes_velocity
 
 
 class CommandDelay(Section, key="base"):

@@ -19,8 +19,9 @@ import math
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND, LARGEST, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.system import Parameters, System, outputs, port, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.system import Parameters, System, outputs, port, ports, stack
 
 ROUNDED = Signal("v_rounded", "m/s, rad/s", "command behind the jerk limit", 2)
 RATE = Signal("v_rounded_rate", "m/s2, rad/s2", "rate of the command behind the jerk limit", 2)

@@ -9,9 +9,10 @@ import math
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND, STEP, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import ROUNDING, Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.jitter import whole
-from wmr_ctrl.world.model.system import (
+
+from .effect import ROUNDING, Bound, Effect, EffectRole, Rate, Scenario
+from .jitter import whole
+from .model.system import (
     UNIFORM,
     Parameters,
     System,

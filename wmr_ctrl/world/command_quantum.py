@@ -6,8 +6,9 @@ Source: protocols that carry integers (mm/s), and drivers with few steps.
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.system import Parameters, System, outputs, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.system import Parameters, System, outputs, ports, stack
 
 
 class CommandQuantum(Section, key="base"):

@@ -12,8 +12,9 @@ from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.core.signals import COMMAND, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.system import Parameters, System, outputs, port, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.system import Parameters, System, outputs, port, ports, stack
 
 RAMPED = Signal("v_ramped", "m/s, rad/s", "command behind the acceleration limit", 2)
 FREE = (math.inf, math.inf)

@@ -7,9 +7,10 @@ at; this System passes them on.
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.fields.values import check_count
 from wmr_ctrl.core.signals import TORQUE
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.history import MOST_REMEMBERED, multiple
-from wmr_ctrl.world.model.system import Output, Parameters, System, ports
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .history import MOST_REMEMBERED, multiple
+from .model.system import Output, Parameters, System, ports
 
 MOST_QUEUED = 100_000
 """Plant steps that a command may be under way."""

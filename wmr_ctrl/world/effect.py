@@ -44,11 +44,12 @@ from wmr_ctrl.core.signals import (
     TRAVEL,
     Signal,
 )
-from wmr_ctrl.world.model.system import NORMAL, UNIFORM, System
-from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .model.system import NORMAL, UNIFORM, System
+from .speed_loop import takes_velocity
 
 if TYPE_CHECKING:
-    from wmr_ctrl.world import scenario
+    from . import scenario
 
 Scenario: TypeAlias = "scenario.Scenario"
 """By name only: a scenario's tables are those of its effects, so it imports them."""

@@ -14,10 +14,11 @@ from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
-from wmr_ctrl.world.gyro import axes_without_gyro
-from wmr_ctrl.world.history import MOST_REMEMBERED, history
-from wmr_ctrl.world.model.system import (
+
+from .effect import Bound, Effect, EffectRole, Scenario, on_axes
+from .gyro import axes_without_gyro
+from .history import MOST_REMEMBERED, history
+from .model.system import (
     Number,
     Output,
     Parameters,
@@ -28,7 +29,7 @@ from wmr_ctrl.world.model.system import (
     ports,
     stack,
 )
-from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
+from .wheels import Wheels, misread, true_wheels
 
 DIFFERENCE, TIME = "difference", "time"
 COUNTS = Signal("wheel_counts", "1", "whole counts of the wheels' turn (right, left)", 2)

@@ -19,10 +19,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.world.phases import phases
+from .phases import phases
 
 if TYPE_CHECKING:
-    from wmr_ctrl.world.scenario import Robot, Scenario
+    from .scenario import Robot, Scenario
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ from __future__ import annotations
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import BODY_FORCE, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
-from wmr_ctrl.world.model.system import UNIFORM, Parameters, System, draw, outputs, port
+
+from .effect import Bound, Effect, EffectRole, Scenario
+from .model.system import UNIFORM, Parameters, System, draw, outputs, port
 
 NUMBERS = Signal("gust", "1", "uniform numbers on [-1, 1)", 2)
 SHARE = Signal("gust_share", "1", "force and moment as shares of their size", 2)

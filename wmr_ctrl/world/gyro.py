@@ -6,8 +6,9 @@ of what other sensors make of it.
 
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import MEASURED_VELOCITY, VELOCITY, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
-from wmr_ctrl.world.model.system import UNIFORM, Number, Output, Parameters, System, draw, port
+
+from .effect import Bound, Effect, EffectRole, Scenario
+from .model.system import UNIFORM, Number, Output, Parameters, System, draw, port
 
 NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.model.system import Port, ports, stack
+
+from .model.system import Port, ports, stack
 
 MOST_REMEMBERED = 500
 """Samples that a sensor or an observer may remember: each is a state that is compiled."""

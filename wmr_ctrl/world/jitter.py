@@ -8,9 +8,10 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.signals import STEP, TORQUE, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.history import multiple
-from wmr_ctrl.world.model.system import (
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .history import multiple
+from .model.system import (
     UNIFORM,
     Parameters,
     System,

@@ -12,8 +12,9 @@ import math
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import TORQUE, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model import system
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model import system
 
 ACTING = Signal("tau_lagging", "N.m", "torque behind the lag (right, left)", 2)
 NUMBERS = Signal("lag", "1", "uniform numbers on [-1, 1) of a sample", 2)

@@ -13,8 +13,9 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import TORQUE, VELOCITY
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.system import Number, Parameters, System, outputs, ports, stack
 
 
 class Motor(Section, key="motor"):

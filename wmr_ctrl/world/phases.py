@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.model.dynamics import NAMES, force_to_wheel, reduced_mass
-from wmr_ctrl.world.model.evaluate import Floats, evaluated
-from wmr_ctrl.world.model.friction import friction, largest_force, largest_slope
+
+from .model.dynamics import NAMES, force_to_wheel, reduced_mass
+from .model.evaluate import Floats, evaluated
+from .model.friction import friction, largest_force, largest_slope
 
 if TYPE_CHECKING:
-    from wmr_ctrl.world.scenario import Robot, Scenario
+    from .scenario import Robot, Scenario
 
 
 @dataclass(frozen=True)

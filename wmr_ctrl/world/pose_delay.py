@@ -6,9 +6,10 @@ late pose as if it were new, which is what a controller does that does not know 
 
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.signals import MEASURED_POSE, SAMPLE, Signal
-from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing
-from wmr_ctrl.world.history import history, remembered
-from wmr_ctrl.world.model.system import System, outputs, port, ports, stack
+
+from .effect import Effect, EffectRole, Scenario, adds_nothing
+from .history import history, remembered
+from .model.system import System, outputs, port, ports, stack
 
 OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 

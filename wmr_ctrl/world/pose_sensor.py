@@ -9,8 +9,9 @@ from __future__ import annotations
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing
-from wmr_ctrl.world.model.system import (
+
+from .effect import Effect, EffectRole, Scenario, adds_nothing
+from .model.system import (
     UNIFORM,
     Parameters,
     System,

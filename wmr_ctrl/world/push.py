@@ -7,9 +7,10 @@ acts as torque at the wheels and is held over a control period.
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import TORQUE_NOISE, VELOCITY
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
-from wmr_ctrl.world.model.dynamics import force_to_wheel
-from wmr_ctrl.world.model.system import Parameters, System, outputs, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Scenario
+from .model.dynamics import force_to_wheel
+from .model.system import Parameters, System, outputs, ports, stack
 
 
 class Push(Section, key="disturbance"):

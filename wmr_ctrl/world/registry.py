@@ -13,37 +13,38 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.plugins import loaded
 from wmr_ctrl.core.fields.section import Section, quantity
-from wmr_ctrl.world.command_dead_band import COMMAND_DEAD_BAND, CommandDeadBand
-from wmr_ctrl.world.command_delay import COMMAND_DELAY, CommandDelay
-from wmr_ctrl.world.command_jerk import COMMAND_JERK, CommandJerk
-from wmr_ctrl.world.command_loss import COMMAND_LOSS, CommandLoss
-from wmr_ctrl.world.command_quantum import COMMAND_QUANTUM, CommandQuantum
-from wmr_ctrl.world.command_ramp import COMMAND_RAMP, CommandRamp
-from wmr_ctrl.world.delay import DELAY, Delay
-from wmr_ctrl.world.effect import Effect, EffectRole
-from wmr_ctrl.world.encoder import ENCODER
-from wmr_ctrl.world.gust import GUST
-from wmr_ctrl.world.gyro import GYRO
-from wmr_ctrl.world.jitter import JITTER, Jitter
-from wmr_ctrl.world.lag import LAG, Lag
-from wmr_ctrl.world.motor import MOTOR
-from wmr_ctrl.world.pose_delay import POSE_DELAY, PoseDelay
-from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
-from wmr_ctrl.world.push import PUSH, Push
-from wmr_ctrl.world.resistance import RESISTANCE
-from wmr_ctrl.world.slope import SLOPE
-from wmr_ctrl.world.speed_loop import BaseKind
-from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER, FirstOrderGains
-from wmr_ctrl.world.speed_loop_pi import PI, PiLoopGains
-from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
-from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS, VelocityLoss
-from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN, VelocityMean
-from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
-from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT, WheelSpeedLimit
-from wmr_ctrl.world.wheels import WHEELS
+
+from .command_dead_band import COMMAND_DEAD_BAND, CommandDeadBand
+from .command_delay import COMMAND_DELAY, CommandDelay
+from .command_jerk import COMMAND_JERK, CommandJerk
+from .command_loss import COMMAND_LOSS, CommandLoss
+from .command_quantum import COMMAND_QUANTUM, CommandQuantum
+from .command_ramp import COMMAND_RAMP, CommandRamp
+from .delay import DELAY, Delay
+from .effect import Effect, EffectRole
+from .encoder import ENCODER
+from .gust import GUST
+from .gyro import GYRO
+from .jitter import JITTER, Jitter
+from .lag import LAG, Lag
+from .motor import MOTOR
+from .pose_delay import POSE_DELAY, PoseDelay
+from .pose_sensor import POSE_SENSOR, PoseSensor
+from .push import PUSH, Push
+from .resistance import RESISTANCE
+from .slope import SLOPE
+from .speed_loop import BaseKind
+from .speed_loop_first_order import FIRST_ORDER, FirstOrderGains
+from .speed_loop_pi import PI, PiLoopGains
+from .torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
+from .velocity_loss import VELOCITY_LOSS, VelocityLoss
+from .velocity_mean import VELOCITY_MEAN, VelocityMean
+from .velocity_noise import VELOCITY_NOISE, VelocityNoise
+from .wheel_speed_limit import WHEEL_SPEED_LIMIT, WheelSpeedLimit
+from .wheels import WHEELS
 
 if TYPE_CHECKING:
-    from wmr_ctrl.world.scenario import Scenario
+    from .scenario import Scenario
 
 OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, VELOCITY_LOSS, POSE_DELAY, POSE_SENSOR,

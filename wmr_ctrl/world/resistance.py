@@ -9,9 +9,10 @@ from __future__ import annotations
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario, heaviest
-from wmr_ctrl.world.model.friction import shape
-from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, ports
+
+from .effect import Bound, Effect, EffectRole, Pair, Rate, Scenario, heaviest
+from .model.friction import shape
+from .model.system import Number, Parameters, System, outputs, ports
 
 
 class Resistance(Section, key="resistance"):

@@ -12,8 +12,9 @@ import math
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import BODY_FORCE, POSE
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario, heaviest
-from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, port
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario, heaviest
+from .model.system import Number, Parameters, System, outputs, port
 
 
 class Slope(Section, key="slope"):

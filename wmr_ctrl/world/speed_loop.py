@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND, TORQUE, VELOCITY, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, reduced_mass
-from wmr_ctrl.world.model.friction import friction
-from wmr_ctrl.world.model.system import Parameters, Port, System, outputs, port, ports, stack
+
+from .model.dynamics import KEYS, force_to_wheel, reduced_mass
+from .model.friction import friction
+from .model.system import Parameters, Port, System, outputs, port, ports, stack
 
 if TYPE_CHECKING:
-    from wmr_ctrl.world.scenario import Scenario
+    from .scenario import Scenario
 
 KINDS = ("torque", "velocity")
 LOOPS = ("first-order", "pi")

@@ -13,9 +13,10 @@ from functools import partial
 
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.system import System
-from wmr_ctrl.world.speed_loop import Drive, Servo, has_loop, speed_loop
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.system import System
+from .speed_loop import Drive, Servo, has_loop, speed_loop
 
 
 class FirstOrderGains(Section, key="base"):

@@ -12,10 +12,11 @@ from functools import partial
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.dynamics import wheel_to_force
-from wmr_ctrl.world.model.system import System, port
-from wmr_ctrl.world.speed_loop import Drive, Servo, has_loop, speed_loop
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.dynamics import wheel_to_force
+from .model.system import System, port
+from .speed_loop import Drive, Servo, has_loop, speed_loop
 
 INTEGRAL = Signal("f_integral", "N, N.m", "integral force of the speed loop", 2)
 

@@ -7,8 +7,9 @@ import math
 
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import TORQUE_NOISE, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
-from wmr_ctrl.world.model.system import NORMAL, Number, Parameters, System, draw, outputs
+
+from .effect import Bound, Effect, EffectRole, Scenario
+from .model.system import NORMAL, Number, Parameters, System, draw, outputs
 
 SIGMAS = 3.0
 """Bound of noise without truncation, in standard deviations: it holds with a probability only."""

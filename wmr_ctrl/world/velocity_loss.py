@@ -8,8 +8,9 @@ age of the velocity that is shown is an output; a governor of commands uses it (
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import MEASURED_VELOCITY, ODOMETRY_AGE, SAMPLE, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
-from wmr_ctrl.world.model.system import (
+
+from .effect import Bound, Effect, EffectRole, Scenario
+from .model.system import (
     UNIFORM,
     Output,
     Parameters,
@@ -19,8 +20,8 @@ from wmr_ctrl.world.model.system import (
     ports,
     stack,
 )
-from wmr_ctrl.world.speed_loop import takes_velocity
-from wmr_ctrl.world.velocity_mean import VelocityMean
+from .speed_loop import takes_velocity
+from .velocity_mean import VelocityMean
 
 NUMBERS = Signal("velocity_loss", "1", "uniform numbers on [-1, 1)", 2)
 HEARD = Signal("velocity_heard", "m/s, rad/s", "last measured velocity that was not lost", 2)

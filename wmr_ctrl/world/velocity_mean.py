@@ -6,10 +6,11 @@ adds.  An ideal one: it counts nothing in steps (see `encoder`).
 
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
-from wmr_ctrl.world.gyro import axes_without_gyro
-from wmr_ctrl.world.history import history, remembered
-from wmr_ctrl.world.model.system import Parameters, System, outputs, port, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Scenario, on_axes
+from .gyro import axes_without_gyro
+from .history import history, remembered
+from .model.system import Parameters, System, outputs, port, ports, stack
 
 PLACE = Signal("mean_place", "m, rad", "way and orientation", 2)
 OLD_VELOCITY = Signal("mean_v", "m/s, rad/s", "true velocity", 2)

@@ -3,8 +3,9 @@
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import MEASURED_VELOCITY, Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
-from wmr_ctrl.world.model.system import UNIFORM, Parameters, System, draw, outputs, ports, stack
+
+from .effect import Bound, Effect, EffectRole, Scenario
+from .model.system import UNIFORM, Parameters, System, draw, outputs, ports, stack
 
 NUMBERS = Signal("velocity", "1", "uniform numbers on [-1, 1)", 2)
 

@@ -10,8 +10,9 @@ import math
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import COMMAND
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
-from wmr_ctrl.world.model.system import Parameters, System, outputs, ports
+
+from .effect import Bound, Effect, EffectRole, Rate, Scenario
+from .model.system import Parameters, System, outputs, ports
 
 
 class WheelSpeedLimit(Section, key="base"):

@@ -11,10 +11,11 @@ import math
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import TORQUE
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario
-from wmr_ctrl.world.model.dynamics import force_to_wheel
-from wmr_ctrl.world.model.system import Number, Parameters, System, outputs, ports
-from wmr_ctrl.world.motor import largest_torque
+
+from .effect import Bound, Effect, EffectRole, Pair, Rate, Scenario
+from .model.dynamics import force_to_wheel
+from .model.system import Number, Parameters, System, outputs, ports
+from .motor import largest_torque
 
 
 class Wheels(Section, key="wheels"):

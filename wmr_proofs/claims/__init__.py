@@ -75,7 +75,7 @@ def all_claims() -> tuple[Claim, ...]:
 
 def forget() -> None:
     """Drop graphs that were kept, after a change of the product's functions in memory."""
-    from wmr_proofs.claims.network_axis import network_axis
+    from .network_axis import network_axis
 
     network_axis.cache_clear()
 

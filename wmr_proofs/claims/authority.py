@@ -10,13 +10,14 @@ from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier.lyapunov import authority_limit
 from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims import authority_table as table
-from wmr_proofs.claims.common import OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_proofs.methods.spec import Ball, Point, Ring, Table
 from wmr_proofs.regions import at, axis_case, off_target_cases, open_cases
 from wmr_proofs.relation import above, at_least, equal
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from . import authority_table as table
+from .common import OFF_EDGES, BarrierAxis, barrier_axis
 
 LIMIT_BOX = {"s": (Fraction("1e-300"), Fraction("0.99"))}
 LIMIT_CUTS = {"s": [Fraction(f"1e-{k}") for k in (120, 40, 12, 6, 4, 3, 2, 1)]}

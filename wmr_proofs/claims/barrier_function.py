@@ -5,11 +5,12 @@ import casadi as ca
 from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier.lyapunov import total_barrier
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_proofs.methods.spec import Z3, Both, Refute, Ring
 from wmr_proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
 from wmr_proofs.relation import above, at_least, equal
 from wmr_proofs.statement import Statement
+
+from .common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
 
 PAIRS = paired_cases()
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)

@@ -14,7 +14,13 @@ from wmr_ctrl.control.barrier.proximal import resolvent
 from wmr_ctrl.control.barrier.stable import Barrier, smooth_barrier
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import (
+from wmr_proofs.methods.spec import Ring
+from wmr_proofs.regions import POSITIVE, Case
+from wmr_proofs.relation import at_least, equal
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+from .common import (
     ALL_LIMITS,
     CLOSED_FORM,
     FINITE,
@@ -22,11 +28,6 @@ from wmr_proofs.claims.common import (
     BarrierAxis,
     barrier_axis,
 )
-from wmr_proofs.methods.spec import Ring
-from wmr_proofs.regions import POSITIVE, Case
-from wmr_proofs.relation import at_least, equal
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
 
 
 def _within(sign: int) -> Case:

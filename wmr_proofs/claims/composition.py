@@ -18,14 +18,15 @@ from wmr_ctrl.control.laws.prediction import acts_for, slowed
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
 from wmr_ctrl.world.references import curves
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import OFF_EDGES, LawGraph, barrier_axis
-from wmr_proofs.claims.guard_axis import DELAYED, GuardAxis
-from wmr_proofs.claims.guard_sent import only
 from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.regions import POSITIVE, Case, target_cases
 from wmr_proofs.relation import Relation, above, at_least, between, equal, every, when, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .common import OFF_EDGES, LawGraph, barrier_axis
+from .guard_axis import DELAYED, GuardAxis
+from .guard_sent import only
 
 HARD = Z3(effort=150)
 DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)

@@ -15,13 +15,14 @@ from wmr_ctrl.control.guard.guard import Bounds, clipped
 from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loop_pi, wheel_speed_limit
 from wmr_ctrl.world.pose_sensor import reckoned
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.drive_bounds import Jittering
-from wmr_proofs.claims.guard_axis import NUMBERS
-from wmr_proofs.claims.wheels_and_encoders import EffectGraph
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .drive_bounds import Jittering
+from .guard_axis import NUMBERS
+from .wheels_and_encoders import EffectGraph
 
 claim = Claims(by=Z3(effort=150))
 

@@ -12,13 +12,14 @@ from wmr_ctrl.control.laws.prox import carried_plainly, mixture
 from wmr_ctrl.control.laws.velocity_loop import cut
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import BARRIERS
-from wmr_proofs.claims.guard_axis import NUMBERS
-from wmr_proofs.claims.prox import Step
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import above, at_least, equal, every, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .common import BARRIERS
+from .guard_axis import NUMBERS
+from .prox import Step
 
 claim = Claims(by=Z3(effort=150))
 

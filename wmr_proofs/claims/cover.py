@@ -8,11 +8,12 @@ from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier.stable import SmoothAxis
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import barrier_axis
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .common import barrier_axis
 
 
 def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX, ca.SX | None]]:

@@ -7,11 +7,12 @@ from wmr_ctrl.control.guard.delay import integral, moved
 from wmr_ctrl.world import delay, jitter, lag, motor
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.wheels_and_encoders import EffectGraph
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import above, at_least, between, equal, every, positive, when, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .wheels_and_encoders import EffectGraph
 
 claim = Claims(by=Z3(effort=150))
 

@@ -21,12 +21,13 @@ from wmr_ctrl.world import (
 from wmr_ctrl.world.effect import ROUNDING
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.wheels_and_encoders import EffectGraph
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.regions import at
 from wmr_proofs.relation import Relation, above, at_least, between, equal, every, within
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import symbols
+
+from .wheels_and_encoders import EffectGraph
 
 HEAVIEST = {"robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1}
 ALONG = at(**HEAVIEST, sine=1, **{"slope.offset": 0}, along=1, across=0)

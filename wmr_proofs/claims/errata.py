@@ -5,13 +5,14 @@ import casadi as ca
 from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.claims.common import barrier_axis
-from wmr_proofs.claims.tracking import PAPER, Tracking
 from wmr_proofs.methods.spec import Z3, Refute
 from wmr_proofs.regions import at
 from wmr_proofs.relation import above, at_least, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
+
+from .common import barrier_axis
+from .tracking import PAPER, Tracking
 
 BACKWARDS = ({**at(e1=0, e2=0, **PAPER), "e3": "1 pi"},)
 TURNED = (at(e1=0, e2=0, e3="11/10", k2=5, r="1/2"),)

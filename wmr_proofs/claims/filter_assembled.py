@@ -13,12 +13,13 @@ from wmr_ctrl.control.filter.governor import NEAR, drive, drive_back
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.command_filter import COMMANDS, INTERVALS, highest
-from wmr_proofs.claims.common import elements_of
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, equal, positive, when
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .command_filter import COMMANDS, INTERVALS, highest
+from .common import elements_of
 
 claim = Claims(by=Z3(effort=60))
 STATED = {

@@ -8,11 +8,12 @@ import casadi as ca
 from wmr_ctrl.control.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
 from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.filter_band import TABLES, WAYS, BandAxis, BandStep, bound_of
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .filter_band import TABLES, WAYS, BandAxis, BandStep, bound_of
 
 STEP = 2.0**-46
 """Share of c by which a change of the command may leave a computed forecast too low."""

@@ -7,13 +7,14 @@ from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.command_filter import COMMANDS
-from wmr_proofs.claims.common import AXES, elements_of
-from wmr_proofs.claims.filter_band import WAYS
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import at_least, between, equal, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
+
+from .command_filter import COMMANDS
+from .common import AXES, elements_of
+from .filter_band import WAYS
 
 claim = Claims(by=Z3(effort=100))
 BANDED = {

@@ -15,8 +15,6 @@ from wmr_ctrl.world.model.friction import friction, largest_slope
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import AXES, PRESET, scalars
-from wmr_proofs.claims.wheels_and_encoders import EffectGraph
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Relation,
@@ -32,6 +30,9 @@ from wmr_proofs.relation import (
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
+
+from .common import AXES, PRESET, scalars
+from .wheels_and_encoders import EffectGraph
 
 claim = Claims(by=Z3(effort=60))
 STAGES = ("half", "again", "end")

@@ -11,13 +11,14 @@ from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.command_filter import COMMANDS
-from wmr_proofs.claims.common import AXES, elements_of
-from wmr_proofs.claims.filter_assembled import STATED
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .command_filter import COMMANDS
+from .common import AXES, elements_of
+from .filter_assembled import STATED
 
 claim = Claims(by=Z3(effort=60))
 LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0)}

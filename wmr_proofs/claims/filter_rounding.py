@@ -13,11 +13,12 @@ from wmr_ctrl.control.filter.governor import FirstOrder, drive, largest_command,
 from wmr_ctrl.control.filter.governor_step import contradiction
 from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.command_filter import INTERVALS, NUMBERS, sound
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, when, within
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
+
+from .command_filter import INTERVALS, NUMBERS, sound
 
 SLACK = 2.0**-28
 """Share of V by which the speed may be above its computed bound."""

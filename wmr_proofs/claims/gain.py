@@ -21,8 +21,14 @@ from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.authority_table import AXES, Numbers
-from wmr_proofs.claims.common import (
+from wmr_proofs.methods.spec import Z3, Point, Ring, Table
+from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
+from wmr_proofs.relation import Relation, above, at_least, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+from .authority_table import AXES, Numbers
+from .common import (
     ALL_LIMITS,
     CLOSED_FORM,
     NO_SERIES,
@@ -30,12 +36,7 @@ from wmr_proofs.claims.common import (
     LawGraph,
     barrier_axis,
 )
-from wmr_proofs.claims.sampled import SETTINGS
-from wmr_proofs.methods.spec import Z3, Point, Ring, Table
-from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Relation, above, at_least, equal, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from .sampled import SETTINGS
 
 
 def reach(delta: Any, B: Any) -> Any:

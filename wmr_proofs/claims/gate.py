@@ -11,11 +11,12 @@ from wmr_ctrl.control.filter.clip import Clip
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import elements_of, named_ports
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, equal
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import exchanged
+
+from .common import elements_of, named_ports
 
 STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
 SOUND = (

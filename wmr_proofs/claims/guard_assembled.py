@@ -8,13 +8,14 @@ from wmr_ctrl.control.guard.monitor import LateMotion, least_push
 from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, plant, rk4_step, wheel_to_force
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import PRESET, scalars
-from wmr_proofs.claims.guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
-from wmr_proofs.claims.guard_sample import NUMBERS_FREE, solver
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
+
+from .common import PRESET, scalars
+from .guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
+from .guard_sample import NUMBERS_FREE, solver
 
 claim = Claims(by=solver)
 

@@ -13,13 +13,14 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import floor
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims import guard_delay_sums as sums
-from wmr_proofs.claims.guard_axis import DELAYED
-from wmr_proofs.claims.guard_delay_sums import ROUNDS
-from wmr_proofs.claims.guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, at_least, between, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
+
+from . import guard_delay_sums as sums
+from .guard_axis import DELAYED
+from .guard_delay_sums import ROUNDS
+from .guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
 
 SPREAD = 16
 """Largest (G1 + G2/l)/K1 max(1, alpha delay), and the same for the second axis: the range."""

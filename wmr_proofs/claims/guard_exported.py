@@ -16,14 +16,15 @@ from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CLAIMED, Claims, Mutation, rows
-from wmr_proofs.claims.common import PRESET, named_ports, scalars
-from wmr_proofs.claims.guard_axis import DELAYED, NUMBERS, GuardAxis
-from wmr_proofs.claims.guard_sample import anchor, solver, upper
-from wmr_proofs.claims.guard_sample import feasible as not_empty
-from wmr_proofs.claims.guard_sent import added, caps, room
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when
 from wmr_proofs.statement import Statement, instance, valued
 from wmr_proofs.symbols import symbols
+
+from .common import PRESET, named_ports, scalars
+from .guard_axis import DELAYED, NUMBERS, GuardAxis
+from .guard_sample import anchor, solver, upper
+from .guard_sample import feasible as not_empty
+from .guard_sent import added, caps, room
 
 PERIOD = 0.01
 INSIDE = "|v| <= u1"

@@ -31,10 +31,11 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.guard_exported import ON_MAPS, PERIOD, Assembled, exported, setup
-from wmr_proofs.claims.guard_sample import solver
 from wmr_proofs.relation import Relation, every, positive
 from wmr_proofs.statement import Statement
+
+from .guard_exported import ON_MAPS, PERIOD, Assembled, exported, setup
+from .guard_sample import solver
 
 STEADY = {
     "sensor.velocity_window": PERIOD, "actuator.delay": 0.5 * PERIOD, "actuator.lag": 0.4 * PERIOD,

@@ -13,14 +13,15 @@ from wmr_ctrl.world.lag import ACTING, LAG
 from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import scalars
-from wmr_proofs.claims.guard_delay_rounding import QueuedAxis
-from wmr_proofs.claims.guard_exported import PERIOD, Assembled, setup
-from wmr_proofs.claims.guard_rounding import DOUBLE
-from wmr_proofs.claims.guard_sample import solver
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, within
 from wmr_proofs.statement import Statement, valued
 from wmr_proofs.symbols import Symbols, symbols
+
+from .common import scalars
+from .guard_delay_rounding import QueuedAxis
+from .guard_exported import PERIOD, Assembled, setup
+from .guard_rounding import DOUBLE
+from .guard_sample import solver
 
 NEAR = 2.0**-50
 SIGNS = (

@@ -10,12 +10,13 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.delay import integral, moved, push, waiting
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.guard_axis import LAGGING, GuardAxis
-from wmr_proofs.claims.guard_sample import HARD, SIGNS, left, on
-from wmr_proofs.claims.guard_sent import larger, spares
 from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .guard_axis import LAGGING, GuardAxis
+from .guard_sample import HARD, SIGNS, left, on
+from .guard_sent import larger, spares
 
 EXPONENTIALS = (
     "0 <= a <= b, 0 <= exp(-J/a) <= exp(-J/b) <= 1, b (1 - exp(-J/b)) <= J, c(t) = (b - a)(1 - "

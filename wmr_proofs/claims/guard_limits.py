@@ -11,13 +11,14 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import InFlight, waiting
 from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
-from wmr_proofs.claims.guard_sample import FREE, HARD, NUMBERS_FREE, upper
-from wmr_proofs.claims.guard_sent import FEASIBLE, only
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import above, at_least, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .guard_axis import AT_ONCE, DELAYED, LATE, GuardAxis
+from .guard_sample import FREE, HARD, NUMBERS_FREE, upper
+from .guard_sent import FEASIBLE, only
 
 claim = Claims(by=Z3(effort=150))
 

@@ -16,11 +16,12 @@ from wmr_ctrl.control.guard.bounds import rounding
 from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.guard_axis import GuardAxis
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, at_least, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
+
+from .guard_axis import GuardAxis
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,11 @@ from typing import Any
 import casadi as ca
 
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least
 from wmr_proofs.statement import Statement
+
+from .guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
 
 SIGNS = (
     "u1, T, alpha > 0, 0 < M_min <= M_max, 0 <= f_speed < u1, dbar, nbar, brake, f_min >= 0, 2 "

@@ -10,11 +10,12 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.guard_axis import DELAYED, LATE, GuardAxis
-from wmr_proofs.claims.guard_sample import CAPS, HARD, SIGNS, on, solver
 from wmr_proofs.relation import Relation, at_least, between, equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, symbols
+
+from .guard_axis import DELAYED, LATE, GuardAxis
+from .guard_sample import CAPS, HARD, SIGNS, on, solver
 
 FEASIBLE = (
     f"{SIGNS}, late > 0, 2 net (1 + alpha late) <= M_min alpha (u1 - f_speed), net = dbar - f_min, "

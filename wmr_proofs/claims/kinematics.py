@@ -8,12 +8,13 @@ from wmr_ctrl.world.model.friction import friction
 from wmr_ctrl.world.model.kinematics import constraint, error_rate, pose_rate, velocity_map
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.claims.common import PRESET, scalars
 from wmr_proofs.methods.spec import Ring
 from wmr_proofs.regions import POSITIVE, Case
 from wmr_proofs.relation import equal, every
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
+
+from .common import PRESET, scalars
 
 ANY = "any pose, velocity and parameters"
 MASSES = (Case("all", {"m": POSITIVE, "I": POSITIVE, "r": POSITIVE, "l": POSITIVE}, dict),)

@@ -8,7 +8,13 @@ from wmr_ctrl.results.ledger import HAND
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import regions
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.claims.common import (
+from wmr_proofs.methods.spec import Refute, Ring
+from wmr_proofs.regions import at
+from wmr_proofs.relation import above, at_least, equal
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+from .common import (
     CLOSED_FORM,
     NO_SERIES,
     OFF_EDGES,
@@ -16,11 +22,6 @@ from wmr_proofs.claims.common import (
     LawGraph,
     named_axes,
 )
-from wmr_proofs.methods.spec import Refute, Ring
-from wmr_proofs.regions import at
-from wmr_proofs.relation import above, at_least, equal
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
 
 
 class Moving(BarrierAxis):

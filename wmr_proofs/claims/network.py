@@ -5,8 +5,14 @@ import casadi as ca
 from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_ctrl.control.laws import nn
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.claims.common import barrier_axis, named_axes
-from wmr_proofs.claims.network_axis import (
+from wmr_proofs.methods.spec import Z3, Refute, Ring
+from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
+from wmr_proofs.relation import above, at_least, equal, every
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import column, stacked, symbols
+
+from .common import barrier_axis, named_axes
+from .network_axis import (
     DIMENSIONS,
     NODES,
     NetworkAxis,
@@ -16,11 +22,6 @@ from wmr_proofs.claims.network_axis import (
     residual_chart,
     vanishing_chart,
 )
-from wmr_proofs.methods.spec import Z3, Refute, Ring
-from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
-from wmr_proofs.relation import above, at_least, equal, every
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import column, stacked, symbols
 
 
 def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:

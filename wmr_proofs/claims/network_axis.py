@@ -10,9 +10,10 @@ from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_ctrl.control.laws import nn
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.world.model.dynamics import acceleration
-from wmr_proofs.claims.common import LawGraph
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
+
+from .common import LawGraph
 
 
 class NetworkAxis:

@@ -13,11 +13,12 @@ import casadi as ca
 from wmr_ctrl.control.barrier.proximal import LARGEST, resolvent, root, transported
 from wmr_ctrl.control.laws.prox import mixture, prox_step
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import BARRIERS
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import AT_LEAST, Relation, above, at_least, equal, nonnegative, when
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
+
+from .common import BARRIERS
 
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
 

@@ -10,11 +10,12 @@ import casadi as ca
 from wmr_ctrl.control.laws.prox import next_velocity, prox_step
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import VELOCITY_NAMES, LawGraph, named_axes
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, equal, every, positive, when, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
+
+from .common import VELOCITY_NAMES, LawGraph, named_axes
 
 AXES = named_axes()
 

@@ -7,13 +7,14 @@ from typing import Any
 import casadi as ca
 
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.common import VELOCITY_NAMES
-from wmr_proofs.claims.prox_push import AXES, Sampled
 from wmr_proofs.methods.spec import Z3, Both, Ring
 from wmr_proofs.regions import FREE, POSITIVE, Case
 from wmr_proofs.relation import above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .common import VELOCITY_NAMES
+from .prox_push import AXES, Sampled
 
 
 def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:

@@ -19,12 +19,13 @@ import casadi as ca
 from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.common import NO_SERIES, VELOCITY_NAMES, LawGraph
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
 from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .common import NO_SERIES, VELOCITY_NAMES, LawGraph
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,14 @@ from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_proofs.claim import PRINTED, Claims, Mutation
-from wmr_proofs.claims.common import barrier_axis
-from wmr_proofs.claims.tracking import Tracking
 from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
 from wmr_proofs.relation import Relation, above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
+
+from .common import barrier_axis
+from .tracking import Tracking
 
 PAPER = (("v1d", 5, 1), ("v2d", 10, 1), ("k1", 1, 10), ("k2", 1, 5), ("k3", 1, 4), ("eps", 50, 1))
 """Numbers b/a of the paper and of eps, by name, as a and b."""

@@ -4,7 +4,13 @@ import casadi as ca
 
 from wmr_ctrl.control.barrier import printed as barrier
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import (
+from wmr_proofs.methods.spec import Z3, Ring
+from wmr_proofs.regions import all_cases, target_cases
+from wmr_proofs.relation import above, at_least, between, equal, positive
+from wmr_proofs.statement import Statement
+from wmr_proofs.symbols import symbols
+
+from .common import (
     ALL_LIMITS,
     CLOSED_FORM,
     FINITE,
@@ -14,11 +20,6 @@ from wmr_proofs.claims.common import (
     LawGraph,
     barrier_axis,
 )
-from wmr_proofs.methods.spec import Z3, Ring
-from wmr_proofs.regions import all_cases, target_cases
-from wmr_proofs.relation import above, at_least, between, equal, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
 
 NO_CORNER = tuple(c for c in all_cases() if "middle" not in c.label and "edge" not in c.label)
 claim = Claims(by=Ring(all_cases(), log_lemma=True))

@@ -5,12 +5,13 @@ import casadi as ca
 from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_ctrl.results.ledger import HAND
 from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
-from wmr_proofs.claims.tracking import GAINS, Tracking
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import at
 from wmr_proofs.relation import above, at_least, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
+
+from .tracking import GAINS, Tracking
 
 
 def conditions(names: Symbols, printed: bool = False) -> ca.SX:

@@ -4,13 +4,14 @@ import casadi as ca
 
 from wmr_ctrl.control.barrier import lyapunov as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.claims.theorem1 import conditions
-from wmr_proofs.claims.tracking import Tracking
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
 from wmr_proofs.relation import Relation, above, at_least, between, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
+
+from .theorem1 import conditions
+from .tracking import Tracking
 
 BARELY_PAST = tuple(
     at(e3=angle, z1=0, z2=0, k1=1, k2=1, k3=1, root="0.1", eps1="0.01", x="0.1")

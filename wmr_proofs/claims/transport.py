@@ -11,11 +11,12 @@ from wmr_ctrl.control.barrier.printed import f, lyapunov, minimiser
 from wmr_ctrl.control.barrier.proximal import level_share, resolvent, transported
 from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.claims.common import BARRIERS
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import Relation, above, at_least, between, equal, nonnegative, when
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
+
+from .common import BARRIERS
 
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 

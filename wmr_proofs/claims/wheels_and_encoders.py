@@ -12,13 +12,14 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.claims.common import scalars
 from wmr_proofs.methods.spec import Z3, Both, Ring
 from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_proofs.relation import Relation, above, at_least, equal, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, exchanged, symbols
 from wmr_proofs.traced import Tracing, expression, functions_for_traced, traced
+
+from .common import scalars
 
 WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 """Structure of the graphs alone: their numbers stay symbols."""

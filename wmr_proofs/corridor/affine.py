@@ -24,7 +24,8 @@ import numpy as np
 from wmr_ctrl.theory.checks.error_coordinates import Floats
 from wmr_ctrl.world.model.evaluate import InPlace
 from wmr_ctrl.world.model.graph import SELECT, Graph, read
-from wmr_proofs.corridor.enclosure import OpenBoxError
+
+from .enclosure import OpenBoxError
 
 STEEPER = (1.0, 1.1, 1.2, 1.3, 1.5, 0.0)
 """Shares of tanh's mean slope over a box that are tried."""

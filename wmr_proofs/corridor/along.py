@@ -17,13 +17,14 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
 from wmr_ctrl.theory.checks.loop import IntArray
 from wmr_ctrl.world.scenario import Scenario
-from wmr_proofs.corridor.enclosure import OpenBoxError
-from wmr_proofs.corridor.inputs import NoCorridorError, check_size, conditions
-from wmr_proofs.corridor.loop import UP
-from wmr_proofs.corridor.midradius import ROUNDED, MidRadius, hull, widened
-from wmr_proofs.corridor.motion import MovingLoop, laps_of, motion_of
-from wmr_proofs.corridor.secants import SecantCurve
-from wmr_proofs.corridor.stretch import Stretch, forgets, stretch
+
+from .enclosure import OpenBoxError
+from .inputs import NoCorridorError, check_size, conditions
+from .loop import UP
+from .midradius import ROUNDED, MidRadius, hull, widened
+from .motion import MovingLoop, laps_of, motion_of
+from .secants import SecantCurve
+from .stretch import Stretch, forgets, stretch
 
 DIRECTIONS = 12
 CHUNK, KNOT = 1.0, 0.02

@@ -5,10 +5,11 @@ from contextlib import suppress
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_proofs.corridor.along import Along
-from wmr_proofs.corridor.enclosure import OpenBoxError
-from wmr_proofs.corridor.inputs import product
-from wmr_proofs.corridor.midradius import MidRadius
+
+from .along import Along
+from .enclosure import OpenBoxError
+from .inputs import product
+from .midradius import MidRadius
 
 PARTS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 """Of a box on which it is looked which term grows."""

@@ -6,10 +6,11 @@ import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
 from wmr_ctrl.theory.checks.loop import IntArray
-from wmr_proofs.corridor.inputs import Inputs
-from wmr_proofs.corridor.loop import MOST_NUMBERS, UP
-from wmr_proofs.corridor.midradius import MidRadius, rounding
-from wmr_proofs.corridor.stretch import Stretch
+
+from .inputs import Inputs
+from .loop import MOST_NUMBERS, UP
+from .midradius import MidRadius, rounding
+from .stretch import Stretch
 
 DOT = rounding(MOST_NUMBERS)
 """Share by which a sum of products over a state can err."""

@@ -9,8 +9,9 @@ import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import Floats
 from wmr_ctrl.theory.checks.loop import IntArray
-from wmr_proofs.corridor.loop import UP
-from wmr_proofs.corridor.midradius import ROUNDED
+
+from .loop import UP
+from .midradius import ROUNDED
 
 SINGLE, FAINT = 2.0**-24, 1e-30
 """Share by which a single-precision result errs, and a size that it may take for 0."""

@@ -21,9 +21,10 @@ import numpy as np
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_proofs.corridor.enclosure import OpenBoxError, upper
-from wmr_proofs.corridor.gains import DIRECTIONS, PAIRS, loop_gains
-from wmr_proofs.corridor.inputs import (
+
+from .enclosure import OpenBoxError, upper
+from .gains import DIRECTIONS, PAIRS, loop_gains
+from .inputs import (
     Inputs,
     NoCorridorError,
     bounded_inputs,
@@ -33,13 +34,13 @@ from wmr_proofs.corridor.inputs import (
     product,
     steady_motion,
 )
-from wmr_proofs.corridor.late_guard import counts_late, sizes_of_forces
-from wmr_proofs.corridor.loop import NOTHING, UP, SampledLoop
-from wmr_proofs.corridor.overlap import ALONE, Overlap, jitter_overlap, ramp_overlap, ramps
-from wmr_proofs.corridor.peaks import Peaks, Tube, reference_gap
-from wmr_proofs.corridor.reckoning import Reckoning
-from wmr_proofs.corridor.responses import Gains
-from wmr_proofs.corridor.sample import SlowLoopError
+from .late_guard import counts_late, sizes_of_forces
+from .loop import NOTHING, UP, SampledLoop
+from .overlap import ALONE, Overlap, jitter_overlap, ramp_overlap, ramps
+from .peaks import Peaks, Tube, reference_gap
+from .reckoning import Reckoning
+from .responses import Gains
+from .sample import SlowLoopError
 
 ROUNDS, CLOSE, INFLATED, LEAP = 60, 1e-7, 1e-6, 20
 """Rounds of the fixed point, the change at which they end, what each of them adds, and after how

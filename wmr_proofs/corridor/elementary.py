@@ -8,7 +8,8 @@ from math import factorial, log
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_proofs.corridor.midradius import OUTWARD, MidRadius, widened
+
+from .midradius import OUTWARD, MidRadius, widened
 
 ANGLE, EXPONENT, SATURATED = 0.5, 300.0, 20.0
 """Largest arguments of sine and of exp, and that from which on tanh is within ONE_OFF of 1."""

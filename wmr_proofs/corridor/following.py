@@ -11,16 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_proofs.corridor.along import Along
-from wmr_proofs.corridor.blame import blamed
-from wmr_proofs.corridor.blocks import DOT, each
-from wmr_proofs.corridor.carried import CarriedColumns
-from wmr_proofs.corridor.inputs import Inputs, NoCorridorError
-from wmr_proofs.corridor.instant import Guess, Instant, OtherBoxError
-from wmr_proofs.corridor.loop import MOST_COLUMNS, UP
-from wmr_proofs.corridor.midradius import MidRadius
-from wmr_proofs.corridor.motion import UNSURE
-from wmr_proofs.corridor.remainders import Remainders
+
+from .along import Along
+from .blame import blamed
+from .blocks import DOT, each
+from .carried import CarriedColumns
+from .inputs import Inputs, NoCorridorError
+from .instant import Guess, Instant, OtherBoxError
+from .loop import MOST_COLUMNS, UP
+from .midradius import MidRadius
+from .motion import UNSURE
+from .remainders import Remainders
 
 FAR, NEAR, SLOW_NEAR, TRIES = 30.0, 1e-3, 0.3, 40
 """Growth over the linear loop, and more [m, rad], with which a sample counts as lost, the latter

@@ -15,10 +15,11 @@ import numpy as np
 from flint import arb, ctx
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_proofs.corridor.loop import UP, SampledLoop
-from wmr_proofs.corridor.reckoning import Reckoning
-from wmr_proofs.corridor.responses import Gains, Responses, largest, stacked
-from wmr_proofs.corridor.sample import (
+
+from .loop import UP, SampledLoop
+from .reckoning import Reckoning
+from .responses import Gains, Responses, largest, stacked
+from .sample import (
     ROUNDING,
     OutputRows,
     SampleMatrices,

@@ -38,10 +38,11 @@ from wmr_ctrl.world.speed_loop_pi import PI
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
 from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT
-from wmr_proofs.corridor.condition import AXES, Condition
-from wmr_proofs.corridor.late_guard import counts_late, is_plain
-from wmr_proofs.corridor.loop import MOST_NUMBERS, SampledLoop, punctual
-from wmr_proofs.corridor.overlap import ramps
+
+from .condition import AXES, Condition
+from .late_guard import counts_late, is_plain
+from .loop import MOST_NUMBERS, SampledLoop, punctual
+from .overlap import ramps
 
 OF_BASE = (
     COMMAND_DELAY, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT, COMMAND_RAMP, FIRST_ORDER,

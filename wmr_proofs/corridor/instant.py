@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_proofs.corridor.blocks import FollowedBlock
-from wmr_proofs.corridor.motion import UNSURE
-from wmr_proofs.corridor.stretch import Stretch
+
+from .blocks import FollowedBlock
+from .motion import UNSURE
+from .stretch import Stretch
 
 AGAIN, FASTEST = 1.005, 1.2
 """Growth of what is guessed from block to block, and the most of it."""

@@ -20,9 +20,10 @@ from wmr_ctrl.theory.checks.error_coordinates import Floats
 from wmr_ctrl.theory.corridor.answer import bounds
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import Scenario, override
-from wmr_proofs.corridor.certificate import Certifier
-from wmr_proofs.corridor.inputs import Inputs, NoCorridorError
-from wmr_proofs.corridor.monitor import DISTANCE, IN_CORRIDOR, LEFT, MOST, Latch, monitor, seen
+
+from .certificate import Certifier
+from .inputs import Inputs, NoCorridorError
+from .monitor import DISTANCE, IN_CORRIDOR, LEFT, MOST, Latch, monitor, seen
 
 LARGER = (1.6, 1.4, 1.2, 1.1, 1.05, 1.02)
 """Multiples of the corridor's box that are tried for Y."""

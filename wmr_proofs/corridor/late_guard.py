@@ -23,7 +23,8 @@ from wmr_ctrl.control.guard.guard import numeric_bounds
 from wmr_ctrl.control.guard.lateness import Counting
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_proofs.corridor.condition import AXES, Condition
+
+from .condition import AXES, Condition
 
 ROOM = 1.6
 """Of the linear loop's largest forces, up to which commands under way are counted."""

@@ -33,11 +33,12 @@ from wmr_ctrl.world.model.kinematics import error_rotation, tracking_error
 from wmr_ctrl.world.model.system import System, port, stack
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
 from wmr_ctrl.world.scenario import Robot, Scenario, override
-from wmr_proofs.corridor.condition import AXES, Asked, Condition
-from wmr_proofs.corridor.enclosure import Balls, BentEnclosure, Enclosure, upper
-from wmr_proofs.corridor.late_guard import commands_counted, late_conditions
-from wmr_proofs.corridor.overlap import ALONE, Overlap
-from wmr_proofs.corridor.sender import balanced, sending
+
+from .condition import AXES, Asked, Condition
+from .enclosure import Balls, BentEnclosure, Enclosure, upper
+from .late_guard import commands_counted, late_conditions
+from .overlap import ALONE, Overlap
+from .sender import balanced, sending
 
 BODY = ("robot.m", "robot.I")
 """Numbers of the robot that may lie in an interval."""

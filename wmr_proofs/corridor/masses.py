@@ -21,11 +21,12 @@ from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
 from wmr_ctrl.theory.corridor.answer import ALONE, Corridor
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.scenario import Change, override
-from wmr_proofs.corridor.certificate import Certifier
-from wmr_proofs.corridor.enclosure import OpenBoxError
-from wmr_proofs.corridor.inputs import Inputs, NoCorridorError, at_first, without_pose
-from wmr_proofs.corridor.loop import BODY
-from wmr_proofs.corridor.peaks import Tube
+
+from .certificate import Certifier
+from .enclosure import OpenBoxError
+from .inputs import Inputs, NoCorridorError, at_first, without_pose
+from .loop import BODY
+from .peaks import Tube
 
 Body: TypeAlias = "tuple[float | None, float | None]"
 """Mass and inertia."""

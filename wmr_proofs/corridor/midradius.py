@@ -10,7 +10,8 @@ import numpy as np
 from flint import arb
 
 from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_proofs.corridor.enclosure import OpenBoxError
+
+from .enclosure import OpenBoxError
 
 ROUNDED, OUTWARD, SMALLEST = 2.0**-52, 1 + 2.0**-48, 1e-300
 """Twice what a result is off by, what widens a radius for its own rounding, and what is added."""

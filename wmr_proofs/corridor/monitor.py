@@ -20,8 +20,9 @@ from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.kinematics import tracking_error
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port, ports, stack
-from wmr_proofs.corridor.certificate import Certifier
-from wmr_proofs.corridor.inputs import Inputs
+
+from .certificate import Certifier
+from .inputs import Inputs
 
 SEEN = (FORCE_HAT, OLD_VELOCITY, STARTED)
 """Memory of a law that a monitor knows of; there is none of a law that has more."""

@@ -22,11 +22,12 @@ from wmr_ctrl.theory.checks.loop import IntArray
 from wmr_ctrl.world.model.evaluate import InPlace, evaluated
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario
-from wmr_proofs.corridor.condition import Asked
-from wmr_proofs.corridor.enclosure import BentEnclosure
-from wmr_proofs.corridor.loop import SampledLoop
-from wmr_proofs.corridor.midradius import OUTWARD, ROUNDED, MidRadius
-from wmr_proofs.corridor.spans import MidRadiusGraph
+
+from .condition import Asked
+from .enclosure import BentEnclosure
+from .loop import SampledLoop
+from .midradius import OUTWARD, ROUNDED, MidRadius
+from .spans import MidRadiusGraph
 
 UNSURE, OPERATIONS = 1e-12, 16.0
 """A size far below all that matters, and roundings of a coordinate in a step of `carried`."""

@@ -9,15 +9,16 @@ from typing import TypeAlias
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
-from wmr_proofs.corridor.along import Along
-from wmr_proofs.corridor.blame import blamed
-from wmr_proofs.corridor.blocks import FollowedBlock, blocks_of
-from wmr_proofs.corridor.carried import CarriedColumns, sizes_of
-from wmr_proofs.corridor.following import TRIES, Following, OtherBoxError
-from wmr_proofs.corridor.inputs import Inputs, NoCorridorError
-from wmr_proofs.corridor.instant import Guess, Instant, RunBounds
-from wmr_proofs.corridor.loop import UP
-from wmr_proofs.corridor.motion import UNSURE
+
+from .along import Along
+from .blame import blamed
+from .blocks import FollowedBlock, blocks_of
+from .carried import CarriedColumns, sizes_of
+from .following import TRIES, Following, OtherBoxError
+from .inputs import Inputs, NoCorridorError
+from .instant import Guess, Instant, RunBounds
+from .loop import UP
+from .motion import UNSURE
 
 HELD, RAISED, HELD_TRIES, AGAIN_AFTER = 1.002, 1.005, 20, 4
 """Bound on what samples of a standing set add, as a share of the latest; growth where that was too

@@ -18,11 +18,12 @@ import numpy as np
 from flint import ctx
 
 from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_proofs.corridor.enclosure import upper
-from wmr_proofs.corridor.inputs import Inputs, NoCorridorError
-from wmr_proofs.corridor.loop import UP, SampledLoop
-from wmr_proofs.corridor.peaks import reference_gap
-from wmr_proofs.corridor.sample import doubles
+
+from .enclosure import upper
+from .inputs import Inputs, NoCorridorError
+from .loop import UP, SampledLoop
+from .peaks import reference_gap
+from .sample import doubles
 
 MOST_ROW_SAMPLES = 400
 """Samples at most that are summed up with their signs; of more, such sums are added up.  The sums

@@ -3,14 +3,15 @@
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_proofs.corridor.along import Along
-from wmr_proofs.corridor.blame import blamed
-from wmr_proofs.corridor.enclosure import OpenBoxError
-from wmr_proofs.corridor.inputs import Inputs, NoCorridorError
-from wmr_proofs.corridor.instant import Instant
-from wmr_proofs.corridor.loop import UP
-from wmr_proofs.corridor.motion import UNSURE
-from wmr_proofs.corridor.secants import LEAST
+
+from .along import Along
+from .blame import blamed
+from .enclosure import OpenBoxError
+from .inputs import Inputs, NoCorridorError
+from .instant import Instant
+from .loop import UP
+from .motion import UNSURE
+from .secants import LEAST
 
 ROOM, MORE_ROOM, LITTLE, FIRST_ROOM = 1.03, 1.06, 0.4, 2.0
 """Growth of the box that a bend holds on, at first and where it was left; below that share of the

@@ -8,8 +8,9 @@ import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
 from wmr_ctrl.theory.checks.loop import IntArray
-from wmr_proofs.corridor.loop import UP
-from wmr_proofs.corridor.sample import FLOOR, ROUNDING, OutputRows
+
+from .loop import UP
+from .sample import FLOOR, ROUNDING, OutputRows
 
 
 @dataclass(frozen=True)

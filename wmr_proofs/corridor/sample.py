@@ -8,7 +8,8 @@ from flint import arb, arb_mat
 from numpy.typing import NDArray
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_proofs.corridor.loop import SampledLoop
+
+from .loop import SampledLoop
 
 BallArray: TypeAlias = NDArray[np.object_]
 """Balls in an array, whose products are enclosures."""

@@ -12,10 +12,11 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_proofs.corridor.affine import AffineGraph
-from wmr_proofs.corridor.loop import UP
-from wmr_proofs.corridor.midradius import MidRadius
-from wmr_proofs.corridor.motion import MovingCurve
+
+from .affine import AffineGraph
+from .loop import UP
+from .midradius import MidRadius
+from .motion import MovingCurve
 
 LEAST = 1e-9
 """Half-width of a box that would have less, so that there is a slope."""

@@ -23,7 +23,8 @@ from wmr_ctrl.world.model.system import Output, Parameters, Port, System
 from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop_pi import INTEGRAL
-from wmr_proofs.corridor.condition import Asked, Condition
+
+from .condition import Asked, Condition
 
 
 def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condition]]:

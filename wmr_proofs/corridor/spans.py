@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.theory.checks.error_coordinates import Floats
 from wmr_ctrl.world.model.graph import SELECT, read
-from wmr_proofs.corridor import elementary
-from wmr_proofs.corridor.enclosure import OpenBoxError
-from wmr_proofs.corridor.midradius import OUTWARD, ROUNDED, MidRadius
+
+from . import elementary
+from .enclosure import OpenBoxError
+from .midradius import OUTWARD, ROUNDED, MidRadius
 
 
 class MidRadiusGraph:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_proofs.corridor.midradius import OUTWARD, ROUNDED, SMALLEST, MidRadius, rounding
-from wmr_proofs.corridor.motion import MovingLoop
-from wmr_proofs.corridor.secants import Secants
+
+from .midradius import OUTWARD, ROUNDED, SMALLEST, MidRadius, rounding
+from .motion import MovingLoop
+from .secants import Secants
 
 
 @dataclass(frozen=True)

@@ -10,25 +10,26 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.theory.checks.error_coordinates import Floats
 from wmr_ctrl.theory.corridor.answer import Corridor
 from wmr_ctrl.world.references.kind import reference
-from wmr_proofs.corridor.along import Along
-from wmr_proofs.corridor.inputs import (
+
+from .along import Along
+from .inputs import (
     Inputs,
     NoCorridorError,
     at_first,
     bounded_inputs,
     check_covered,
 )
-from wmr_proofs.corridor.instant import RunBounds
-from wmr_proofs.corridor.late_guard import counts_late
-from wmr_proofs.corridor.masses import (
+from .instant import RunBounds
+from .late_guard import counts_late
+from .masses import (
     changes_body,
     mass_courses,
     mass_ranges,
     refused_open,
     with_inputs,
 )
-from wmr_proofs.corridor.overlap import ramps
-from wmr_proofs.corridor.passage import Passing
+from .overlap import ramps
+from .passage import Passing
 
 OPEN = "the undisturbed loop cannot be followed"
 BY_START = "; corridor.start alone is too large for it, also without pushes and errors"

@@ -12,12 +12,13 @@ from flint import arb
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import Arithmetic, UndecidedError, Walk, paths
-from wmr_proofs.methods import interval as iv
-from wmr_proofs.methods.interval import Interval
-from wmr_proofs.methods.point import first_violation, judge
-from wmr_proofs.methods.spec import Ball, Finding
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement
+
+from . import interval as iv
+from .interval import Interval
+from .point import first_violation, judge
+from .spec import Ball, Finding
 
 
 class EmptyWayError(Exception):

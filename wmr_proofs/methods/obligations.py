@@ -6,9 +6,10 @@ from typing import Any
 
 import z3
 
-from wmr_proofs.methods.smt import Problem, posed
-from wmr_proofs.methods.spec import Z3, Both, Method
 from wmr_proofs.statement import Statement
+
+from .smt import Problem, posed
+from .spec import Z3, Both, Method
 
 COMMANDS = frozenset({"assert", "echo", "exit", "pop", "push", "reset"})
 """Words of the language that may be a symbol's name here; z3 alone reads them as one."""

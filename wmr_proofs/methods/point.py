@@ -12,9 +12,10 @@ from flint import arb, ctx, fmpq
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
-from wmr_proofs.methods.spec import Finding, Point, Refute, Table
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement
+
+from .spec import Finding, Point, Refute, Table
 
 BITS = 300
 

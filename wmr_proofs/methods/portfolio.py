@@ -8,7 +8,7 @@ from typing import Any
 
 import z3
 
-from wmr_proofs.methods.spec import Z3
+from .spec import Z3
 
 ENGINES: Mapping[str, Callable[[z3.Context], Any]] = {
     "z3's order": lambda context: _by_cells(context),

@@ -10,13 +10,14 @@ from typing import Any
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import UndecidedError, Walk, paths
-from wmr_proofs.methods.field import Algebra, Exponents, Quotient
-from wmr_proofs.methods.point import first_violation, judge
-from wmr_proofs.methods.ring_arithmetic import RingArithmetic
-from wmr_proofs.methods.spec import Finding, Point, Ring
 from wmr_proofs.regions import Case
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement
+
+from .field import Algebra, Exponents, Quotient
+from .point import first_violation, judge
+from .ring_arithmetic import RingArithmetic
+from .spec import Finding, Point, Ring
 
 SAMPLES = 8
 

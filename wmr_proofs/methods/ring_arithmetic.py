@@ -8,8 +8,9 @@ from flint import fmpq
 from flint.utils.flint_exceptions import DomainError
 
 from wmr_proofs.graph import ARITHMETIC, Arithmetic, UndecidedError
-from wmr_proofs.methods.field import Algebra
 from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
+
+from .field import Algebra
 
 HUGE = 1e100
 """A bound on targets beyond this is taken as not reached (stated with the claims that use it)."""

@@ -18,11 +18,12 @@ import z3
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, UndecidedError, Walk
-from wmr_proofs.methods.point import first_violation, judge
-from wmr_proofs.methods.portfolio import Answer, ask, other_models
-from wmr_proofs.methods.spec import Z3, Finding, Point
 from wmr_proofs.relation import ABOVE, EQUAL
 from wmr_proofs.statement import Statement, behind
+
+from .point import first_violation, judge
+from .portfolio import Answer, ask, other_models
+from .spec import Z3, Finding, Point
 
 
 class TermArithmetic(Arithmetic):

@@ -25,7 +25,7 @@ and theta is 0 or 1 so that v* has no jump as v enters.
 
 import casadi as ca
 
-from wmr_ctrl.control.barrier.stable import root, smooth_barrier, stable_barrier
+from .stable import root, smooth_barrier, stable_barrier
 
 LARGEST = 1e150
 """|c| beyond this is treated as this: its square must not overflow."""

@@ -5,6 +5,6 @@ too for chains that never overshoot and, by their peak gain, for linear loops th
 `docs/filter.md` has the theorems and their hypotheses.
 """
 
-from wmr_ctrl.control.filter.filter import CommandFilter, command_filter, filter_system
+from .filter import CommandFilter, command_filter, filter_system
 
 __all__ = ["CommandFilter", "command_filter", "filter_system"]

@@ -23,7 +23,12 @@ from functools import cached_property, lru_cache
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.control.filter.channels import (
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
+from wmr_ctrl.world.scenario import Scenario
+
+from .channels import (
     AXES,
     DELTA,
     ELAPSED,
@@ -40,7 +45,7 @@ from wmr_ctrl.control.filter.channels import (
     usable_command,
     within,
 )
-from wmr_ctrl.control.filter.forecast import (
+from .forecast import (
     HELD,
     PIECES,
     SPARE,
@@ -52,13 +57,9 @@ from wmr_ctrl.control.filter.forecast import (
     spread_of,
     stays_of,
 )
-from wmr_ctrl.control.filter.governor import NEAR, largest_command
-from wmr_ctrl.control.filter.peak_gain import PiLoop, peak_gains, pi_loop
-from wmr_ctrl.control.filter.step_response import Band, band, pi_cells, second_order_cells
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
-from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
-from wmr_ctrl.world.scenario import Scenario
+from .governor import NEAR, largest_command
+from .peak_gain import PiLoop, peak_gains, pi_loop
+from .step_response import Band, band, pi_cells, second_order_cells
 
 MOST_COMMANDS = 128
 LARGEST_LEFT = 0.2

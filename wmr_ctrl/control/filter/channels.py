@@ -15,10 +15,11 @@ from functools import reduce
 
 import casadi as ca
 
-from wmr_ctrl.control.filter.governor import NEAR, FirstOrder, admitted
 from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import Scenario
+
+from .governor import NEAR, FirstOrder, admitted
 
 AXES = (0, 1)
 WAYS = (1, -1)

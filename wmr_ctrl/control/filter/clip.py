@@ -18,7 +18,11 @@ from functools import cached_property, reduce
 
 import casadi as ca
 
-from wmr_ctrl.control.filter.channels import (
+from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
+from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
+from wmr_ctrl.world.scenario import Scenario
+
+from .channels import (
     AXES,
     DELTA,
     ELAPSED,
@@ -35,13 +39,10 @@ from wmr_ctrl.control.filter.channels import (
     usable_command,
     usable_time,
 )
-from wmr_ctrl.control.filter.governor import admitted, largest_command
-from wmr_ctrl.control.filter.governor_step import stated
-from wmr_ctrl.control.filter.peak_gain import peak_gains
-from wmr_ctrl.control.filter.step_response import longest_swing
-from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
-from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
-from wmr_ctrl.world.scenario import Scenario
+from .governor import admitted, largest_command
+from .governor_step import stated
+from .peak_gain import peak_gains
+from .step_response import longest_swing
 
 LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
 REACH = Signal("filter.slew_reach", "s", "speed beyond a command that changes by 1 a second", 2)

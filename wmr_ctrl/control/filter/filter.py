@@ -12,13 +12,6 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.control.filter.band import NAMES, BandGovernor, check_beat
-from wmr_ctrl.control.filter.channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
-from wmr_ctrl.control.filter.clip import Clip, slew_reach
-from wmr_ctrl.control.filter.enclosure import Floats
-from wmr_ctrl.control.filter.governor import largest_command
-from wmr_ctrl.control.filter.governor_step import Governor, check_jitter
-from wmr_ctrl.control.filter.peak_gain import peak_gains, pi_loop, refuse_all
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.section import quantities
@@ -29,6 +22,14 @@ from wmr_ctrl.world.model.system import Output, System, port, stack, values
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 from wmr_ctrl.world.scenario.command_filter import Filter
 from wmr_ctrl.world.scenario.units import asking_about_units, unit_questions
+
+from .band import NAMES, BandGovernor, check_beat
+from .channels import AXES, ELAPSED, FLAG_NAMES, ROUNDING
+from .clip import Clip, slew_reach
+from .enclosure import Floats
+from .governor import largest_command
+from .governor_step import Governor, check_jitter
+from .peak_gain import peak_gains, pi_loop, refuse_all
 
 
 def _damped(scenario: Scenario, axis: int) -> str:

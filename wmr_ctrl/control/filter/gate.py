@@ -12,13 +12,14 @@ from functools import reduce
 
 import casadi as ca
 
-from wmr_ctrl.control.filter.channels import AXES, FLAG_NAMES, LIMITED, usable_time, within
-from wmr_ctrl.control.filter.filter import filter_system
-from wmr_ctrl.control.filter.governor_step import ELAPSED, ODOMETRY
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.system import Output, System, port
 from wmr_ctrl.world.scenario import Scenario
+
+from .channels import AXES, FLAG_NAMES, LIMITED, usable_time, within
+from .filter import filter_system
+from .governor_step import ELAPSED, ODOMETRY
 
 COMMAND_AGE = Signal("command_age", "s", "time since the command came; negative: there is none")
 STOP = Signal("stop", "1", "1: stop at once, and stay stopped")

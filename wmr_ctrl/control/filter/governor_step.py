@@ -8,7 +8,15 @@ from typing import TypeAlias
 
 import casadi as ca
 
-from wmr_ctrl.control.filter.channels import (
+from wmr_ctrl.control.guard.lateness import Times
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
+from wmr_ctrl.world.model.system import Output, Parameters, System, port
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
+from wmr_ctrl.world.scenario.units import asking_about_units
+
+from .channels import (
     AXES,
     BOUNDS_LEFT,
     ELAPSED,
@@ -26,7 +34,7 @@ from wmr_ctrl.control.filter.channels import (
     usable_command,
     within,
 )
-from wmr_ctrl.control.filter.governor import (
+from .governor import (
     NEAR,
     Schedule,
     SpeedBound,
@@ -34,13 +42,6 @@ from wmr_ctrl.control.filter.governor import (
     drive_back,
     largest_command,
 )
-from wmr_ctrl.control.guard.lateness import Times
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
-from wmr_ctrl.world.model.system import Output, Parameters, System, port
-from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
-from wmr_ctrl.world.scenario.units import asking_about_units
 
 Sides: TypeAlias = list[list[ca.SX]]
 """A number of every channel, of its speed first, then of the speed's negative."""

@@ -24,7 +24,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.control.filter.enclosure import Floats, Span, exp, increasing, root, square
 from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.world.effect import ROUNDING, Bound, Pair
 from wmr_ctrl.world.model.system import Number
@@ -33,6 +32,8 @@ from wmr_ctrl.world.resistance import Resistance
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_pi import PiLoopGains
+
+from .enclosure import Floats, Span, exp, increasing, root, square
 
 STABLE = 2.785
 """Steps of Runge and Kutta in such times up to which v goes between none and all of its way."""

@@ -4,14 +4,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from wmr_ctrl.control.filter.held_loop import (
-    counts_on_rims,
-    friction_at_a_rim,
-    held_friction,
-    kick_of_friction,
-    push_speeds,
-    too_quick,
-)
 from wmr_ctrl.control.laws.law import Predicting
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section
@@ -24,6 +16,15 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import Resistance, against, rolling_against
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop import has_loop
+
+from .held_loop import (
+    counts_on_rims,
+    friction_at_a_rim,
+    held_friction,
+    kick_of_friction,
+    push_speeds,
+    too_quick,
+)
 
 UNITS = ("m/s", "rad/s")
 CAPPED = " Here actuator.traction limits tau_max; false leaves that as it is stated."

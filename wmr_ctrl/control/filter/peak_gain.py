@@ -24,10 +24,11 @@ from math import inf
 
 import numpy as np
 
-from wmr_ctrl.control.filter.enclosure import Floats, Span, exp, increasing, root, square
-from wmr_ctrl.control.filter.held_loop import PI, HeldLoop, Through, held_loop
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import Scenario
+
+from .enclosure import Floats, Span, exp, increasing, root, square
+from .held_loop import PI, HeldLoop, Through, held_loop
 
 NEAR_ONE = 2.0**-5
 """Dampings nearer to 1 have bounds of their own, where w hardly differs from 0."""

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 
-from wmr_ctrl.control.filter.governor import Schedule
-from wmr_ctrl.control.filter.governor_step import schedule
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import Scenario
+
+from .governor import Schedule
+from .governor_step import schedule
 
 OLDEST = 60.0
 """Largest age of odometry, over the least time constant."""

@@ -20,7 +20,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.control.filter.enclosure import (
+from wmr_ctrl.world.scenario import Scenario
+
+from .enclosure import (
     Floats,
     Span,
     above,
@@ -31,9 +33,8 @@ from wmr_ctrl.control.filter.enclosure import (
     sine_over,
     square,
 )
-from wmr_ctrl.control.filter.governor import NEAR
-from wmr_ctrl.control.filter.peak_gain import PiLoop, pi_loop
-from wmr_ctrl.world.scenario import Scenario
+from .governor import NEAR
+from .peak_gain import PiLoop, pi_loop
 
 GRID = 64
 """Cells along each side of the family."""

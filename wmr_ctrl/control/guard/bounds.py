@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 
-from wmr_ctrl.control.guard.lateness import Counting, Since, Times, lateness, since_last
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.results.settings import stopping_force
@@ -12,6 +11,8 @@ from wmr_ctrl.world.effect import Bound, Effect, mass_bounds
 from wmr_ctrl.world.model.dynamics import full_thrust
 from wmr_ctrl.world.scenario import Guard, Scenario
 from wmr_ctrl.world.scenario.sections import Clock
+
+from .lateness import Counting, Since, Times, lateness, since_last
 
 Pair = tuple[float, float]
 

@@ -3,7 +3,14 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from wmr_ctrl.control.guard.bounds import (
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.units import rounded
+from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.lag import stepped
+from wmr_ctrl.world.phases import drag, phases
+from wmr_ctrl.world.scenario import Robot, Scenario
+
+from .bounds import (
     AXES,
     MASS_KEYS,
     MASS_UNITS,
@@ -15,12 +22,6 @@ from wmr_ctrl.control.guard.bounds import (
     masses,
     pair_of,
 )
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.units import rounded
-from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.lag import stepped
-from wmr_ctrl.world.phases import drag, phases
-from wmr_ctrl.world.scenario import Robot, Scenario
 
 ROUNDING = 1e-9
 """Share by which a stated bound may be missed without contradiction: decimals of a file."""

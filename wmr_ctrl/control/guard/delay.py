@@ -35,13 +35,14 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from wmr_ctrl.control.guard.lateness import Counting, Piece, Since
-from wmr_ctrl.control.guard.varying import Passage, Varying
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.system import Port, port
 
+from .lateness import Counting, Piece, Since
+from .varying import Passage, Varying
+
 if TYPE_CHECKING:
-    from wmr_ctrl.control.guard.guard import Bounds
+    from .guard import Bounds
 
 Sent = Sequence[tuple[ca.SX, ca.SX | float]]
 """Forces (2, n) of which any may act [N, N m], with the periods for which they count."""

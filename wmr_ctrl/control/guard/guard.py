@@ -27,11 +27,12 @@ from functools import reduce
 
 import casadi as ca
 
-from wmr_ctrl.control.guard.bounds import GuardNumbers, aim, mass_range, pair_of, rounding
-from wmr_ctrl.control.guard.delay import InFlight, largest_force
-from wmr_ctrl.control.guard.lateness import Counting
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import Scenario
+
+from .bounds import GuardNumbers, aim, mass_range, pair_of, rounding
+from .delay import InFlight, largest_force
+from .lateness import Counting
 
 TIMES = ("delay", "jitter", "mixed")
 NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")

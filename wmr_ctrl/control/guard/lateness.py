@@ -21,7 +21,7 @@ from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 from functools import lru_cache
 
-from wmr_ctrl.control.guard.varying import Varying, less, number, ramp, varying
+from .varying import Varying, less, number, ramp, varying
 
 Pair = tuple[float, float]
 DIGITS = 50

@@ -25,14 +25,15 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from wmr_ctrl.control.guard.delay import Tails, moved_since
-from wmr_ctrl.control.guard.lateness import AT_ONCE, Since
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS, Signal
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import Output, Port, port
 
+from .delay import Tails, moved_since
+from .lateness import AT_ONCE, Since
+
 if TYPE_CHECKING:
-    from wmr_ctrl.control.guard.guard import Bounds
+    from .guard import Bounds
 
 OLD_VELOCITY = Signal("guard_v", "m/s, rad/s", "measured velocity of the previous sample", 2)
 STARTED = Signal("guard_started", "1", "0 before the first sample, then 1")

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmr_ctrl.control.guard.bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
 from wmr_ctrl.world.phases import largest_friction
 from wmr_ctrl.world.references.kind import reference_bounds
 from wmr_ctrl.world.scenario import Robot, Scenario
+
+from .bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,13 @@ import math
 from collections.abc import Callable
 from typing import TypeAlias
 
-from wmr_ctrl.control.guard.bounds import (
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.units import rounded
+from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.model.dynamics import full_thrust
+from wmr_ctrl.world.scenario import Guard, Scenario, override
+
+from .bounds import (
     AXES,
     MASS_UNITS,
     SPEED_UNITS,
@@ -21,12 +27,7 @@ from wmr_ctrl.control.guard.bounds import (
     pair_of,
     reach,
 )
-from wmr_ctrl.control.guard.lateness import GRID
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.units import rounded
-from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.model.dynamics import full_thrust
-from wmr_ctrl.world.scenario import Guard, Scenario, override
+from .lateness import GRID
 
 BoundOf: TypeAlias = Callable[[Scenario], Bound]
 LATE = ("delay", "unmodelled_delay", "jitter")

@@ -8,7 +8,6 @@ from typing import Protocol, TypeVar
 import casadi as ca
 
 from wmr_ctrl.control.barrier.stable import Barrier, smooth_barrier, stable_barrier
-from wmr_ctrl.control.laws.law import BarrierChoice, commands_predicted
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Signal
 from wmr_ctrl.world.model.dynamics import reduced_mass
@@ -21,6 +20,8 @@ from wmr_ctrl.world.model.kinematics import (
 )
 from wmr_ctrl.world.model.system import KeyedNumbers, Output, Parameters, Port, System, ports, stack
 from wmr_ctrl.world.scenario import Scenario
+
+from .law import BarrierChoice, commands_predicted
 
 AXES = (0, 1)
 KINEMATIC = "gains.kinematics.k"

@@ -13,12 +13,13 @@ Choose it to have something plain and good to compare with, or behind the guard.
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.law import Inside, Law, Traits
-from wmr_ctrl.control.laws.velocity_loop import CHANGE, VelocityLoopGains, with_command, with_torque
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .context import LawContext
+from .law import Inside, Law, Traits
+from .velocity_loop import CHANGE, VelocityLoopGains, with_command, with_torque
 
 TITLE = "kinematic tracking with limited commands (kanayama)"
 

@@ -13,7 +13,7 @@ from wmr_ctrl.world.model.system import System
 if TYPE_CHECKING:
     import casadi as ca
 
-    from wmr_ctrl.control.laws.context import LawContext
+    from .context import LawContext
 
 BARRIERS = ("paper", "smooth")
 """Forms of the barrier function: the paper's, and the one whose slope is continuous."""

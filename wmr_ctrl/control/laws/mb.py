@@ -11,10 +11,11 @@ well below the stable limit.
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.law import BarrierChoice, Inside, Law, Traits
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.model.system import System
+
+from .context import LawContext
+from .law import BarrierChoice, Inside, Law, Traits
 
 
 class ModelBasedGains(BarrierChoice, key="gains.mb"):

@@ -13,11 +13,12 @@ import math
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import AXES, LawContext
-from wmr_ctrl.control.laws.law import BarrierChoice, Law, Traits
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.system import Output, System, ports
+
+from .context import AXES, LawContext
+from .law import BarrierChoice, Law, Traits
 
 NODES = 64
 LANES = 8

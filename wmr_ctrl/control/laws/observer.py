@@ -13,10 +13,11 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.core.signals import D_HAT, TAU_APPLIED, Signal
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import Output, ports
+
+from .context import LawContext
 
 FORCE_HAT = Signal("f_hat", "N, N.m", "force that makes up for the disturbance", 2)
 OLD_VELOCITY = Signal("v_previous", "m/s, rad/s", "measured velocity of the previous sample", 2)

@@ -8,11 +8,12 @@ believable wheel torques).  Choose it only to compare with: it knows no velocity
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.law import Law, OwnKinematics, Traits
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.system import System, port
+
+from .context import LawContext
+from .law import Law, OwnKinematics, Traits
 
 Z_OLD = Signal("z_previous", "m/s, rad/s", "velocity error of the previous sample", 2)
 STARTED = Signal("started", "1", "0 before the first sample, then 1")

@@ -20,11 +20,12 @@ is a field of its own, ``delay`` of the law's gains.
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.core.signals import tau_sent
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.kinematics import pose_rate
 from wmr_ctrl.world.model.system import Port, ports
+
+from .context import LawContext
 
 
 def ahead(context: LawContext, made_up: ca.SX) -> tuple[LawContext, tuple[Port, ...]]:

@@ -30,8 +30,11 @@ from math import log1p
 import casadi as ca
 
 from wmr_ctrl.control.barrier.proximal import resolvent, transported
-from wmr_ctrl.control.laws.context import AXES, LawContext
-from wmr_ctrl.control.laws.law import (
+from wmr_ctrl.core.fields.section import quantity
+from wmr_ctrl.world.model.system import System
+
+from .context import AXES, LawContext
+from .law import (
     BarrierChoice,
     Inside,
     Law,
@@ -40,10 +43,8 @@ from wmr_ctrl.control.laws.law import (
     TorqueLimited,
     Traits,
 )
-from wmr_ctrl.control.laws.observer import Observer
-from wmr_ctrl.control.laws.prediction import ahead
-from wmr_ctrl.core.fields.section import quantity
-from wmr_ctrl.world.model.system import System
+from .observer import Observer
+from .prediction import ahead
 
 TRANSPORTS = ("two-part", "level")
 """Part of the target's way that the velocity is carried along: the reference's share, or all."""

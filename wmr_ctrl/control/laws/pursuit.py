@@ -19,12 +19,13 @@ No barrier and no theorem.  Choose it to compare with what most robots with ROS 
 
 import casadi as ca
 
-from wmr_ctrl.control.laws import velocity_loop
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.law import Law, Traits
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario.sections import check_intervals
+
+from . import velocity_loop
+from .context import LawContext
+from .law import Law, Traits
 
 TITLE = "regulated pure pursuit"
 TINY = 1e-6

@@ -10,9 +10,10 @@ from functools import cached_property
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 
-from wmr_ctrl.control.laws.law import Law
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.core.fields.plugins import load
+
+from .law import Law
 
 NAMES = ("pid", "smc", "mb", "nn", "prox", "kanayama", "pursuit")
 GROUP = "wmr_ctrl.laws"

@@ -8,11 +8,12 @@ zero.  Choose it to compare with: it tracks best of the four because it ignores 
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.law import Law, Traits
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.model.system import Output, System, port
+
+from .context import LawContext
+from .law import Law, Traits
 
 MASS = Signal("m_hat", "kg, kg.m2", "estimated mass and inertia, after the sample's update", 2)
 FRICTION = Signal("F_hat", "N, N.m", "estimated Coulomb friction, after the sample's update", 2)

@@ -16,13 +16,14 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from wmr_ctrl.control.laws.context import LawContext
-from wmr_ctrl.control.laws.law import Predicting
-from wmr_ctrl.control.laws.observer import STARTED, Observer
-from wmr_ctrl.control.laws.prediction import ahead
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, Signal
 from wmr_ctrl.world.model.system import System, port
+
+from .context import LawContext
+from .law import Predicting
+from .observer import STARTED, Observer
+from .prediction import ahead
 
 COMMAND = Signal("v_command", "m/s, rad/s", "velocity commanded at the previous sample", 2)
 

@@ -13,7 +13,8 @@ from types import NoneType, UnionType
 from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.core.fields.problems import show
+
+from .problems import show
 
 LOOKED_AT = 1000
 """Elements of a collection whose type is looked at; there may be millions of seeds."""

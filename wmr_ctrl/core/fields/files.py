@@ -13,7 +13,8 @@ from contextvars import ContextVar
 from pathlib import Path
 
 from wmr_ctrl.core.errors import ResultFileError, ScenarioError
-from wmr_ctrl.core.fields.problems import printable
+
+from .problems import printable
 
 LARGEST_FILE = 1_000_000
 """Bytes; a scenario is far smaller."""

@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from wmr_ctrl.core.errors import ScenarioError, choices
-from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.signals import MEASURED_POSE, POSE, REFERENCE
+
+from .problems import show
 
 if TYPE_CHECKING:
     import numpy as np

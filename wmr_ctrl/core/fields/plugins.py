@@ -6,7 +6,8 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar
 
 from wmr_ctrl.core.errors import ArgumentError, WmrError
-from wmr_ctrl.core.fields.problems import show
+
+from .problems import show
 
 T = TypeVar("T")
 _REMEDY = "Mend or uninstall the package that has it."

@@ -13,9 +13,10 @@ from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, cast, dataclass_transform
 
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.core.fields.problems import UnknownKeyError, show
-from wmr_ctrl.core.fields.values import Quantity, Range, kind_of
 from wmr_ctrl.core.signals import Signal
+
+from .problems import UnknownKeyError, show
+from .values import Quantity, Range, kind_of
 
 REQUIRED = dataclasses.MISSING
 """Default of a field that every scenario must give (a number)."""

@@ -12,8 +12,9 @@ from numbers import Real
 from typing import Any, TypeVar, cast
 
 from wmr_ctrl.core.errors import ScenarioError, choices
-from wmr_ctrl.core.fields.problems import show
-from wmr_ctrl.core.fields.units import USUAL, is_usual, meant, written
+
+from .problems import show
+from .units import USUAL, is_usual, meant, written
 
 SEED_END = 2**63
 """Seeds are whole numbers from 0 up, below this."""

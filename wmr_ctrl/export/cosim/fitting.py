@@ -9,13 +9,14 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.export.cosim.mapping import STATE
-from wmr_ctrl.export.cosim.parts import Part
 from wmr_ctrl.export.fmi.blocks import law_model
 from wmr_ctrl.export.fmi.extra import GRAPH
 from wmr_ctrl.export.fmi.model_description import FmuModel
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.scenario import Scenario, override
+
+from .mapping import STATE
+from .parts import Part
 
 _REACHING = {
     "noise_right": {"noise_right", "torque_right"},

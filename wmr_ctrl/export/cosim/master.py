@@ -19,10 +19,11 @@ import numpy as np
 from wmr_ctrl.codegen.build import build_outside, first_step_at
 from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.export.cosim.mapping import DESIRED, STATE
-from wmr_ctrl.export.cosim.parts import GuardedController, Part, limiter, ready
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.world.scenario import Change, Scenario
+
+from .mapping import DESIRED, STATE
+from .parts import GuardedController, Part, limiter, ready
 
 Progress = Callable[[float], None]
 _ROWS_PER_REPORT = 100

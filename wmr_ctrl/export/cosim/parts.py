@@ -10,10 +10,11 @@ from wmr_ctrl.control.guard.guard import linear_first
 from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import FORCE, GUARD_DIAGNOSTICS, VELOCITY, Signal
-from wmr_ctrl.export.cosim import mapping
-from wmr_ctrl.export.cosim.slave import Slave
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.scenario import Robot
+
+from . import mapping
+from .slave import Slave
 
 GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
 """Sources of a guard."""

@@ -16,10 +16,6 @@ from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.core import signals
 from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
-from wmr_ctrl.export.cosim import fitting, parts
-from wmr_ctrl.export.cosim.mapping import NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
-from wmr_ctrl.export.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
-from wmr_ctrl.export.cosim.slave import FmuError, Slave
 from wmr_ctrl.export.fmi.blocks import guard_model, parallel
 from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
 from wmr_ctrl.export.fmi.model_description import FmuModel, Role
@@ -29,6 +25,11 @@ from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.simulation.runnable import assemble_run
 from wmr_ctrl.world.model.kinematics import tracking_error
 from wmr_ctrl.world.scenario import Change, Scenario
+
+from . import fitting, parts
+from .mapping import NOISES, TORQUES, MapRow, PartMap, load_map, parameter_rows
+from .master import HEAD, MASTERS, Master, Outside, Parts, Progress
+from .slave import FmuError, Slave
 
 UNTOLD = (
     "Under the master jacobi each torque acts one control period later than the guard is told, and "

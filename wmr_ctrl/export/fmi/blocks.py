@@ -22,7 +22,16 @@ from wmr_ctrl.control.numbers import Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import ASKED, POSE, REFERENCE, VELOCITY, Signal
 from wmr_ctrl.core.signals import TIME as SECONDS
-from wmr_ctrl.export.fmi.model_description import (
+from wmr_ctrl.theory.corridor import corridor_monitor
+from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.model.dynamics import plant, rk4_step
+from wmr_ctrl.world.model.system import Output, Parameters, System, port, stack
+from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Scenario
+
+from .model_description import (
     TIME,
     FmuModel,
     Variable,
@@ -32,14 +41,6 @@ from wmr_ctrl.export.fmi.model_description import (
     rate_rows,
     state_rows,
 )
-from wmr_ctrl.theory.corridor import corridor_monitor
-from wmr_ctrl.world.effect import EffectRole
-from wmr_ctrl.world.model.dynamics import plant, rk4_step
-from wmr_ctrl.world.model.system import Output, Parameters, System, port, stack
-from wmr_ctrl.world.references import sample
-from wmr_ctrl.world.references.kind import reference
-from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import Scenario
 
 CHANGED = ("robot.m", "robot.I", "robot.mu")
 """The plant's parameters that may be changed while it runs, as the paper does at 40 s."""

@@ -12,7 +12,13 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.fields.section import number_of, quantities
 from wmr_ctrl.core.signals import LARGEST, POSE, VELOCITY, Signal
-from wmr_ctrl.export.fmi.model_description import (
+from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.model.system import Output, Parameters, Port, port, stack
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.scenario import Change, Scenario
+from wmr_ctrl.world.scenario.scenario import SECTIONS
+
+from .model_description import (
     TIME,
     FmuModel,
     Role,
@@ -21,11 +27,6 @@ from wmr_ctrl.export.fmi.model_description import (
     output_rows,
     parameter_rows,
 )
-from wmr_ctrl.world.effect import EffectRole
-from wmr_ctrl.world.model.system import Output, Parameters, Port, port, stack
-from wmr_ctrl.world.registry import EFFECTS
-from wmr_ctrl.world.scenario import Change, Scenario
-from wmr_ctrl.world.scenario.scenario import SECTIONS
 
 START = {"initial.pose": POSE, "initial.velocity": VELOCITY}
 """Parameters that the state starts from, and which of it."""

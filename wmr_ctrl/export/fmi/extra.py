@@ -16,8 +16,9 @@ from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.export.fmi.files import render
-from wmr_ctrl.export.fmi.model_description import FmuModel, Role
+
+from .files import render
+from .model_description import FmuModel, Role
 
 EXTRA = "extra/org.wmr-ctrl"
 GRAPH = f"{EXTRA}/evaluate.casadi"

@@ -17,8 +17,9 @@ from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.source import sources as kernel_sources
-from wmr_ctrl.export.fmi.model_description import KINDS, RUNTIME, FmuModel, Variable, orders
 from wmr_ctrl.results import atomic_path, new_folder
+
+from .model_description import KINDS, RUNTIME, FmuModel, Variable, orders
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 LEVEL = 4

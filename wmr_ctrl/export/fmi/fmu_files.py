@@ -14,11 +14,14 @@ from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.export.fmi import blocks, extra, xml
-from wmr_ctrl.export.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.export.fmi.files import LEVEL, render, sources_of, write_archive
-from wmr_ctrl.export.fmi.model_description import FmuModel
-from wmr_ctrl.export.fmi.targets import (
+from wmr_ctrl.version import __version__
+from wmr_ctrl.world.scenario import Scenario, load_scenario, to_toml
+
+from . import blocks, extra, xml
+from .closed_loop import closed_loop_model
+from .files import LEVEL, render, sources_of, write_archive
+from .model_description import FmuModel
+from .targets import (
     TARGETS,
     PartlyBuiltError,
     Target,
@@ -26,8 +29,6 @@ from wmr_ctrl.export.fmi.targets import (
     host,
     targets_of,
 )
-from wmr_ctrl.version import __version__
-from wmr_ctrl.world.scenario import Scenario, load_scenario, to_toml
 
 TOOL = f"wmr_ctrl {__version__}"
 VERSIONS = {"2": (2,), "3": (3,), "both": (2, 3)}

@@ -18,9 +18,11 @@ from wmr_ctrl.core import signals
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.export.cosim import mapping
 from wmr_ctrl.export.cosim.slave import FmuFile
-from wmr_ctrl.export.fmi.blocks import parallel
-from wmr_ctrl.export.fmi.files import render, write_archive
-from wmr_ctrl.export.fmi.fmu_files import (
+from wmr_ctrl.world.scenario import Scenario, title_of
+
+from .blocks import parallel
+from .files import render, write_archive
+from .fmu_files import (
     TOOL,
     Progress,
     model_of,
@@ -28,10 +30,9 @@ from wmr_ctrl.export.fmi.fmu_files import (
     versions_of,
     write_fmu,
 )
-from wmr_ctrl.export.fmi.model_description import FmuModel, Role
-from wmr_ctrl.export.fmi.targets import targets_of
-from wmr_ctrl.export.fmi.units import units_of
-from wmr_ctrl.world.scenario import Scenario, title_of
+from .model_description import FmuModel, Role
+from .targets import targets_of
+from .units import units_of
 
 MARGIN = next(signal for signal in signals.DIAGNOSTICS if signal.name == "margin")
 SHOWN = {

@@ -15,7 +15,8 @@ from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags, zig_command
 from wmr_ctrl.core.errors import CompilerError, UnknownNameError
-from wmr_ctrl.export.fmi.files import Sources
+
+from .files import Sources
 
 VARIABLE = "WMR_CTRL_FMU_CC"
 """Environment variable that names the C compiler of FMUs for this machine."""

@@ -10,9 +10,10 @@ from wmr_ctrl.control.filter.governor_step import ODOMETRY
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import ASKED, POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
-from wmr_ctrl.export.fmi.files import Sources, render, row_size
-from wmr_ctrl.export.fmi.model_description import FmuModel, Role, Variable
-from wmr_ctrl.export.fmi.units import NamedUnit, unit_of, units_of
+
+from .files import Sources, render, row_size
+from .model_description import FmuModel, Role, Variable
+from .units import NamedUnit, unit_of, units_of
 
 Attributes = list[tuple[str, str]]
 TERMINALS = (

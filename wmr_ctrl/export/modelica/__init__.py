@@ -1,5 +1,5 @@
 """The Systems as a Modelica package: one file that compiles as it is."""
 
-from wmr_ctrl.export.modelica.package import FILE, export_modelica, modelica_package
+from .package import FILE, export_modelica, modelica_package
 
 __all__ = ["FILE", "export_modelica", "modelica_package"]

@@ -22,14 +22,15 @@ from wmr_ctrl.control.setup import check_scenario, settle
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.signals import TIME, Signal
-from wmr_ctrl.export.modelica import diagram
-from wmr_ctrl.export.modelica.statements import algorithm, equations, literal
 from wmr_ctrl.results import write_all
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.model.system import Output, Port, System, stack
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import Change, Scenario
+
+from . import diagram
+from .statements import algorithm, equations, literal
 
 FILE = "WheeledRobot.mo"
 CLOCK = "clock.control"

@@ -1,5 +1,5 @@
 """One HTML file in which the compiled closed loop runs live; see docs/page.md."""
 
-from wmr_ctrl.export.page.write import write_page as write_page
+from .write import write_page as write_page
 
 __all__ = ["write_page"]

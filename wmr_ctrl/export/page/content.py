@@ -12,21 +12,22 @@ from wmr_ctrl.core.compiled import elements
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.core.signals import Signal
-from wmr_ctrl.export.page.controls import GROUPS, Control, controls_of
-from wmr_ctrl.export.page.module import PageLoop, PageLoops, Room
-from wmr_ctrl.export.page.scenes import (
-    PageMember,
-    PageScene,
-    SettledVariant,
-    members_of,
-    settled_variants,
-)
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import unit_text
 from wmr_ctrl.theory.corridor import corridor_course
 from wmr_ctrl.version import __version__
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .controls import GROUPS, Control, controls_of
+from .module import PageLoop, PageLoops, Room
+from .scenes import (
+    PageMember,
+    PageScene,
+    SettledVariant,
+    members_of,
+    settled_variants,
+)
 
 Plain = dict[str, Any]
 Row = dict[str, float]

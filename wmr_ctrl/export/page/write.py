@@ -8,14 +8,15 @@ from pathlib import Path
 
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.export.page.content import Content, content_of
-from wmr_ctrl.export.page.module import build_module, toolchain
-from wmr_ctrl.export.page.scenes import SENDING, scenes
 from wmr_ctrl.report.style import page_environment
 from wmr_ctrl.results.files import atomic_text, check_writable
 from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .content import Content, content_of
+from .module import build_module, toolchain
+from .scenes import SENDING, scenes
 
 ALONE = ("engine.js", "run.js")
 """Scripts that need no document, in order: node runs them too."""

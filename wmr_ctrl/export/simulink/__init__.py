@@ -1,5 +1,5 @@
 """A law as a Simulink S-function, with a script that builds the loop."""
 
-from wmr_ctrl.export.simulink.kit import export_simulink, kit_files
+from .kit import export_simulink, kit_files
 
 __all__ = ["export_simulink", "kit_files"]

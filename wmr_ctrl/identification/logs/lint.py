@@ -8,9 +8,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wmr_ctrl.identification.logs.log import POSES, TORQUES, Floats, Log, LogError, unit_of
-from wmr_ctrl.identification.logs.samples import LONGEST_SHIFT, Samples, differenced, speeds, wheels
 from wmr_ctrl.world.encoder import COUNTS
+
+from .log import POSES, TORQUES, Floats, Log, LogError, unit_of
+from .samples import LONGEST_SHIFT, Samples, differenced, speeds, wheels
 
 FEWEST_ROWS, SHORTEST_LOG, LEAST_MOVING = 50, 10.0, 0.2
 SLOW = 0.01

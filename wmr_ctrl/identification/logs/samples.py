@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.identification.logs.log import TORQUES, Floats, Log
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario
+
+from .log import TORQUES, Floats, Log
 
 GAP = 5.0
 """Steps without a row from which on a log is in two stretches."""

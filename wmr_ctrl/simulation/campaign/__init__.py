@@ -5,7 +5,7 @@ with and without the guard) and the studies of users (`study_plan`, `study_run`,
 What compiles is imported within functions, so that a worker that only runs starts without CasADi.
 """
 
-from wmr_ctrl.simulation.campaign.engine import Campaign as Campaign
-from wmr_ctrl.simulation.campaign.engine import PhaseProgress as PhaseProgress
-from wmr_ctrl.simulation.campaign.engine import phase as phase
-from wmr_ctrl.simulation.campaign.paper_runs import PAPER_LAWS as PAPER_LAWS
+from .engine import Campaign as Campaign
+from .engine import PhaseProgress as PhaseProgress
+from .engine import phase as phase
+from .paper_runs import PAPER_LAWS as PAPER_LAWS

@@ -11,8 +11,9 @@ from types import MappingProxyType
 
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
-from wmr_ctrl.simulation.campaign.engine import PhaseProgress, run_campaign
-from wmr_ctrl.simulation.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
+
+from .engine import PhaseProgress, run_campaign
+from .plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
 
 SCENARIO = "paper-simulation"
 OUR_LAWS = ("pid", "smc", "mb", "nn", "prox", "kanayama")

@@ -12,10 +12,11 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.results.figures import FIGURES, values_of
 from wmr_ctrl.results.table import REFUSED, RunTable, table_of_rows
 from wmr_ctrl.simulation.batch import check_jobs
-from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
-from wmr_ctrl.simulation.campaign.plan import PlannedCase, PlannedRun
 from wmr_ctrl.simulation.many import run_each
 from wmr_ctrl.simulation.runnable import RunnableLoop
+
+from .paper_runs import REPORTED
+from .plan import PlannedCase, PlannedRun
 
 T = TypeVar("T")
 

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.results.windows import WINDOWS, named
-from wmr_ctrl.simulation.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
+
+from .plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
 
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
 """The four laws of the paper's Sections V and VI, in its order."""

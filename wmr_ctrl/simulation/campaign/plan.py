@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.results.figures import Figure
 from wmr_ctrl.results.frames import library
-from wmr_ctrl.simulation.campaign.intervals import StopRule
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override, scenario_dict
+
+from .intervals import StopRule
 
 Overrides: TypeAlias = Mapping[str, object]
 """Fields of a scenario by key path, such as ``clock.control``."""

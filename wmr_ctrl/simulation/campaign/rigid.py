@@ -14,8 +14,9 @@ import numpy as np
 from wmr_ctrl.results import PLANTS, Floats
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
-from wmr_ctrl.simulation.campaign.engine import Campaign, PhaseProgress, run_campaign
-from wmr_ctrl.simulation.campaign.plan import Overrides, Study
+
+from .engine import Campaign, PhaseProgress, run_campaign
+from .plan import Overrides, Study
 
 RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
 """Seeds with which nothing about the body was chosen."""

@@ -16,16 +16,17 @@ from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.table import REFUSED
 from wmr_ctrl.simulation.batch import cores, deaf_to_interrupts
-from wmr_ctrl.simulation.campaign.engine import (
+from wmr_ctrl.simulation.many import tabulated
+from wmr_ctrl.simulation.memory import Task
+from wmr_ctrl.simulation.runnable import RunnableLoop
+
+from .engine import (
     Refusal,
     accepted,
     built_loops,
     case_key,
 )
-from wmr_ctrl.simulation.campaign.plan import CORRIDOR, PlannedCase
-from wmr_ctrl.simulation.many import tabulated
-from wmr_ctrl.simulation.memory import Task
-from wmr_ctrl.simulation.runnable import RunnableLoop
+from .plan import CORRIDOR, PlannedCase
 
 THREADS, DASK, SCHEME = "threads", "dask", "dask://"
 PATIENCE = 20.0

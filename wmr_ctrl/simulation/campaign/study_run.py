@@ -15,18 +15,19 @@ from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.files import one_command
 from wmr_ctrl.simulation.batch import check_jobs
-from wmr_ctrl.simulation.campaign.engine import PhaseProgress, build_loop, phase
-from wmr_ctrl.simulation.campaign.plan import PlannedCase, Study
-from wmr_ctrl.simulation.campaign.study_chunks import (
+from wmr_ctrl.version import __version__
+from wmr_ctrl.world.scenario import Scenario
+
+from .engine import PhaseProgress, build_loop, phase
+from .plan import PlannedCase, Study
+from .study_chunks import (
     THREADS,
     StudyChunk,
     chunk_rows,
     executor_named,
 )
-from wmr_ctrl.simulation.campaign.study_plan import load_plan, plan_of
-from wmr_ctrl.simulation.campaign.study_store import Rows, StudyFolder, opened
-from wmr_ctrl.version import __version__
-from wmr_ctrl.world.scenario import Scenario
+from .study_plan import load_plan, plan_of
+from .study_store import Rows, StudyFolder, opened
 
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""

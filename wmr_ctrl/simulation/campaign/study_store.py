@@ -26,8 +26,9 @@ from wmr_ctrl.results import atomic_path, atomic_text
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.frames import library
-from wmr_ctrl.simulation.campaign.plan import CORRIDOR, Study
 from wmr_ctrl.world.scenario import Section, quantities
+
+from .plan import CORRIDOR, Study
 
 Rows = Mapping[str, NDArray[np.generic]]
 """``index``, ``outcome``, ``refusal`` and an array a figure, one row a run."""

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, WmrError
 from wmr_ctrl.results import Floats, Run
-from wmr_ctrl.simulation.physics.rigid import CHASSIS, description, mujoco
-from wmr_ctrl.simulation.physics.run import Coupling
-from wmr_ctrl.simulation.physics.workers import Worker
 from wmr_ctrl.simulation.runnable import RunnableLoop
+
+from .rigid import CHASSIS, description, mujoco
+from .run import Coupling
+from .workers import Worker
 
 Picture: TypeAlias = NDArray[np.uint8]
 HEIGHT, WIDTH = 480, 640

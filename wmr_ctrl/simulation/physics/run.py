@@ -17,11 +17,12 @@ from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.simulation.figures import final_state
 from wmr_ctrl.simulation.many import not_summed
 from wmr_ctrl.simulation.memory import Task
-from wmr_ctrl.simulation.physics.rigid import RigidBody, mujoco
-from wmr_ctrl.simulation.physics.workers import Progress, make_each
 from wmr_ctrl.simulation.runnable import RunnableLoop, assemble_run
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.sections import Initial
+
+from .rigid import RigidBody, mujoco
+from .workers import Progress, make_each
 
 T = TypeVar("T")
 _ROWS_PER_REPORT = 100

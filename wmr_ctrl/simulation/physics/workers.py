@@ -18,8 +18,9 @@ from typing import TypeAlias, TypeVar
 
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.simulation.batch import Progress, check_jobs, cores
-from wmr_ctrl.simulation.physics.rigid import mujoco
 from wmr_ctrl.simulation.runnable import RunnableLoop
+
+from .rigid import mujoco
 
 T = TypeVar("T")
 _BEGIN = f"from {__name__} import serve; serve()"

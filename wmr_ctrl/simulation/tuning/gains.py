@@ -32,12 +32,13 @@ from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation.engines import table_of
 from wmr_ctrl.simulation.many import checked_seeds
-from wmr_ctrl.simulation.tuning import search
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
 from wmr_ctrl.theory.door import proofs
 from wmr_ctrl.world.model.kinematics import KinematicGains
 from wmr_ctrl.world.scenario import Scenario, inherited, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
+
+from . import search
 
 Progress = Callable[[float], None]
 MASSES = (0.6, 1.6)

@@ -10,10 +10,11 @@ from functools import lru_cache
 
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.results.verdicts import Warning as Warning
-from wmr_ctrl.theory.checks.budget import OF_RUN, budget
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.network import network
-from wmr_ctrl.theory.checks.preconditions import (
+
+from .budget import OF_RUN, budget
+from .loop import Loop
+from .network import network
+from .preconditions import (
     coarse_step,
     late_drives,
     noise,
@@ -21,20 +22,20 @@ from wmr_ctrl.theory.checks.preconditions import (
     start,
     units,
 )
-from wmr_ctrl.theory.checks.sample_time import sample_time
-from wmr_ctrl.theory.checks.sending import loop_of
-from wmr_ctrl.theory.checks.stable_ranges import Stability as Stability
-from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period as largest_stable_period
-from wmr_ctrl.theory.checks.stable_ranges import stability as stability
-from wmr_ctrl.theory.checks.torques import first_torques as first_torques
-from wmr_ctrl.theory.checks.torques import grip_warnings as grip_warnings
-from wmr_ctrl.theory.checks.torques import noise_gain, weak_drives
-from wmr_ctrl.theory.checks.torques import reference_torque as reference_torque
-from wmr_ctrl.theory.checks.velocity_base import filter_advice as filter_advice
-from wmr_ctrl.theory.checks.velocity_base import filter_facts as filter_facts
-from wmr_ctrl.theory.checks.velocity_base import velocity_base
-from wmr_ctrl.theory.checks.velocity_guard import contradicted, guard_price, violent_alpha
-from wmr_ctrl.theory.checks.wrong_model import pushed_through, unmodelled, wrong_model
+from .sample_time import sample_time
+from .sending import loop_of
+from .stable_ranges import Stability as Stability
+from .stable_ranges import largest_stable_period as largest_stable_period
+from .stable_ranges import stability as stability
+from .torques import first_torques as first_torques
+from .torques import grip_warnings as grip_warnings
+from .torques import noise_gain, weak_drives
+from .torques import reference_torque as reference_torque
+from .velocity_base import filter_advice as filter_advice
+from .velocity_base import filter_facts as filter_facts
+from .velocity_base import velocity_base
+from .velocity_guard import contradicted, guard_price, violent_alpha
+from .wrong_model import pushed_through, unmodelled, wrong_model
 
 CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     units,

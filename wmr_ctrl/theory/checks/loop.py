@@ -13,9 +13,6 @@ from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.laws.law import Traits, commands_predicted
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
-from wmr_ctrl.theory.checks.sampled_plant import Point
-from wmr_ctrl.theory.checks.surroundings import DriveTimes, Surroundings, surroundings
 from wmr_ctrl.world.model import kinematics
 from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.evaluate import evaluated
@@ -23,6 +20,10 @@ from wmr_ctrl.world.model.system import Port, System
 from wmr_ctrl.world.phases import drag
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Robot, Scenario
+
+from .error_coordinates import COMMAND, ROBOT, Floats
+from .sampled_plant import Point
+from .surroundings import DriveTimes, Surroundings, surroundings
 
 PERIOD = "clock.control"
 IntArray = NDArray[np.intp]

@@ -10,9 +10,10 @@ import numpy as np
 
 from wmr_ctrl.control.laws.nn import NetworkGains, corner_basis
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.theory.checks.loop import PERIOD, Loop
-from wmr_ctrl.theory.checks.radius import operating_points
-from wmr_ctrl.theory.checks.warning import SPEEDS
+
+from .loop import PERIOD, Loop
+from .radius import operating_points
+from .warning import SPEEDS
 
 
 def network(loop: Loop) -> Iterator[Warning]:

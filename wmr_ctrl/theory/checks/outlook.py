@@ -16,13 +16,14 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.results import NOT_CHECKED, OBJECTED, Floats, Run
 from wmr_ctrl.results.verdicts import Outlook, Warning
-from wmr_ctrl.theory.checks import grip_warnings, warnings_for
-from wmr_ctrl.theory.checks.torques import GRIP
 from wmr_ctrl.world.encoder import Encoder
 from wmr_ctrl.world.phases import needed_torque
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
+
+from . import grip_warnings, warnings_for
+from .torques import GRIP
 
 TEXT = "scenario_toml"
 """Provenance key of a run's scenario."""

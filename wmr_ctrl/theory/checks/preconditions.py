@@ -8,12 +8,13 @@ import numpy as np
 from wmr_ctrl.control.filter.held_loop import STABLE
 from wmr_ctrl.control.laws.law import WHOLE
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.warning import FORCE_UNITS, SPEEDS, UNITS, joined
-from wmr_ctrl.theory.checks.wrong_model import largest_pull
 from wmr_ctrl.world.phases import phases, steepness
 from wmr_ctrl.world.references import reference_bounds
 from wmr_ctrl.world.scenario.units import unit_questions
+
+from .loop import Loop
+from .warning import FORCE_UNITS, SPEEDS, UNITS, joined
+from .wrong_model import largest_pull
 
 REACHED = 4.0
 """Standard deviations that noise passes about once in a run of 80 s at 10 ms, by either wheel."""

@@ -7,13 +7,14 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.theory.checks.budget import spend
-from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.sampled_plant import Point
-from wmr_ctrl.theory.checks.surroundings import DriveTimes
 from wmr_ctrl.world.references import reference_bounds, sample
 from wmr_ctrl.world.scenario import Robot, Scenario
+
+from .budget import spend
+from .error_coordinates import Floats
+from .loop import Loop
+from .sampled_plant import Point
+from .surroundings import DriveTimes
 
 POINTS = 9
 INSIDE = 0.99

@@ -11,15 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmr_ctrl.core.signals import PATH, SKID
-from wmr_ctrl.theory.checks.budget import spend
-from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats, World
-from wmr_ctrl.theory.checks.sampled_plant import Point, steps_in
 from wmr_ctrl.world.model.evaluate import evaluated
 
+from .budget import spend
+from .error_coordinates import COMMAND, ROBOT, Floats, World
+from .sampled_plant import Point, steps_in
+
 if TYPE_CHECKING:
-    from wmr_ctrl.theory.checks.loop import Loop
-    from wmr_ctrl.theory.checks.surroundings import Surroundings
     from wmr_ctrl.world.scenario import Robot
+
+    from .loop import Loop
+    from .surroundings import Surroundings
 
 STEPS, STRIDE = 200, 0.2
 """Newton steps at most; the largest change of error or velocity in one [m, rad, m/s, rad/s]."""

@@ -13,23 +13,24 @@ import numpy as np
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import NOT_CHECKED
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.theory.checks.budget import OverBudgetError
-from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_ctrl.theory.checks.loop import PERIOD, Loop
-from wmr_ctrl.theory.checks.radius import MARGIN, RATIO, largest_radius, only_forwards
-from wmr_ctrl.theory.checks.sending import loop_of
-from wmr_ctrl.theory.checks.stable_ranges import (
+from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.model.dynamics import plant, rk4_step
+from wmr_ctrl.world.scenario import override
+
+from .budget import OverBudgetError
+from .error_coordinates import Floats
+from .loop import PERIOD, Loop
+from .radius import MARGIN, RATIO, largest_radius, only_forwards
+from .sending import loop_of
+from .stable_ranges import (
     distance_at_rest,
     shortest_tried,
     stable_masses,
     stable_periods,
 )
-from wmr_ctrl.theory.checks.surroundings import delays_by_name
-from wmr_ctrl.theory.checks.torques import first_torques
-from wmr_ctrl.theory.checks.warning import SPEEDS, UNITS, gains_that_fit, joined
-from wmr_ctrl.world.effect import EffectRole
-from wmr_ctrl.world.model.dynamics import plant, rk4_step
-from wmr_ctrl.world.scenario import override
+from .surroundings import delays_by_name
+from .torques import first_torques
+from .warning import SPEEDS, UNITS, gains_that_fit, joined
 
 SAFE = 0.5
 """Share of a stability limit that the remedies propose."""

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.core.signals import PATH, SKID, TORQUE
-from wmr_ctrl.theory.checks.error_coordinates import (
+from wmr_ctrl.world.model.evaluate import evaluated
+
+from .error_coordinates import (
     COMMAND,
     HELD,
     POSE,
@@ -24,7 +26,6 @@ from wmr_ctrl.theory.checks.error_coordinates import (
     World,
     names_of,
 )
-from wmr_ctrl.world.model.evaluate import evaluated
 
 GRID = 1e-9
 """Share of a period within which an instant counts as one of its ends."""

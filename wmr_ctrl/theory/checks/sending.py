@@ -15,13 +15,14 @@ from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph, velocity_sender
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, places
-from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.rest import rest
-from wmr_ctrl.theory.checks.sampled_plant import Point
-from wmr_ctrl.theory.checks.surroundings import idle_base, surroundings
 from wmr_ctrl.world.model.system import Output, System
 from wmr_ctrl.world.scenario import Robot
+
+from .error_coordinates import Floats
+from .loop import Loop
+from .rest import rest
+from .sampled_plant import Point
+from .surroundings import idle_base, surroundings
 
 LONG = 0.1
 """A control period in which laws may change their command much [s]."""

@@ -11,9 +11,12 @@ from wmr_ctrl.control.filter.filter import passing_commands
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.fields.values import LARGEST
-from wmr_ctrl.theory.checks.budget import counted
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.radius import (
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loop import has_loop
+
+from .budget import counted
+from .loop import Loop
+from .radius import (
     MARGIN,
     RATIO,
     SHORTEST,
@@ -23,11 +26,9 @@ from wmr_ctrl.theory.checks.radius import (
     stretches_of,
     supremum,
 )
-from wmr_ctrl.theory.checks.sampled_plant import Point
-from wmr_ctrl.theory.checks.sending import loop_of
-from wmr_ctrl.theory.checks.surroundings import oldest_shown
-from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import has_loop
+from .sampled_plant import Point
+from .sending import loop_of
+from .surroundings import oldest_shown
 
 MOST_UNDER_WAY = 40
 """Commands that the shortest period that is tried leaves under way in a delay."""

@@ -12,16 +12,6 @@ import numpy as np
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import SAMPLE, STEP, TIME
-from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats, World, world_of
-from wmr_ctrl.theory.checks.sampled_plant import (
-    GRID,
-    Assembly,
-    Motion,
-    SampledPlant,
-    by_age,
-    divided,
-    steps_in,
-)
 from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.graph import rounds
 from wmr_ctrl.world.phases import drag
@@ -31,6 +21,17 @@ from wmr_ctrl.world.registry import EFFECTS, OURS
 from wmr_ctrl.world.scenario import Model, Robot, Scenario, override
 from wmr_ctrl.world.speed_loop import takes_velocity
 from wmr_ctrl.world.velocity_loss import VelocityLoss
+
+from .error_coordinates import COMMAND, Floats, World, world_of
+from .sampled_plant import (
+    GRID,
+    Assembly,
+    Motion,
+    SampledPlant,
+    by_age,
+    divided,
+    steps_in,
+)
 
 IDLE = {
     "base.quantum": [0.0, 0.0], "base.deadband": [0.0, 0.0], "base.w_max": math.inf,

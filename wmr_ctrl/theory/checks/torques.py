@@ -14,15 +14,16 @@ from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.signals import PLANT_STATE, REFERENCE
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.warning import gains_that_fit
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
 from wmr_ctrl.world.phases import largest_friction, needed_torque, phases
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Robot, Scenario
+
+from .error_coordinates import Floats
+from .loop import Loop
+from .warning import gains_that_fit
 
 KEY = "actuator.tau_max"
 GRIP = "grip, docs/physics.md"

@@ -15,11 +15,12 @@ from wmr_ctrl.control.filter.rounding_ranges import unproved_roundings
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.warning import is_taken
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.torque_noise import SIGMAS, unbounded
 from wmr_ctrl.world.velocity_mean import VelocityMean
+
+from .loop import Loop
+from .warning import is_taken
 
 STATEMENTS = {
     "clip": "memoryless clip, for every base that never overshoots",

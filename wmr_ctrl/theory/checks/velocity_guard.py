@@ -14,9 +14,10 @@ from wmr_ctrl.control.guard.price import (
 from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.results.settings import TIGHTER
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.warning import SPEEDS, UNITS, is_taken
 from wmr_ctrl.world.phases import largest_friction
+
+from .loop import Loop
+from .warning import SPEEDS, UNITS, is_taken
 
 PLACE = "guard, docs/guarantee.md"
 REMEDIES = {"disturbance.truncate": "Set disturbance.truncate = 3 for a guarantee."}

@@ -5,10 +5,11 @@ from collections.abc import Callable, Iterable, Mapping
 from wmr_ctrl.control.laws.prox import ProxGains, guide
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.world.references import reference_bounds
 from wmr_ctrl.world.scenario import Scenario, override
+
+from .loop import Loop
+from .sending import loop_of
 
 SPEEDS = ("v1", "omega")
 UNITS = ("m/s", "rad/s")

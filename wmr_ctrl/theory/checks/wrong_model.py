@@ -6,12 +6,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmr_ctrl.results.verdicts import Warning
-from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_ctrl.theory.checks.loop import Loop
-from wmr_ctrl.theory.checks.radius import operating_points
-from wmr_ctrl.theory.checks.torques import largest_force
-from wmr_ctrl.theory.checks.warning import FORCE_UNITS, SPEEDS, UNITS
 from wmr_ctrl.world.phases import Phase, drag, full_friction, phases
+
+from .error_coordinates import Floats
+from .loop import Loop
+from .radius import operating_points
+from .torques import largest_force
+from .warning import FORCE_UNITS, SPEEDS, UNITS
 
 GRID = 200
 NOTABLE = 0.01

@@ -17,13 +17,14 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.verdicts import CorridorLeft as CorridorLeft
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
-from wmr_ctrl.theory.corridor.answer import Corridor as Corridor
-from wmr_ctrl.theory.corridor.clearance import Clearance as Clearance
-from wmr_ctrl.theory.corridor.clearance import find_clearance
 from wmr_ctrl.theory.door import LEFT_OUT, is_open, proofs
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import Scenario
+
+from .answer import Corridor as Corridor
+from .clearance import Clearance as Clearance
+from .clearance import find_clearance
 
 NOT_CHECKED = f"NOT_CHECKED: {LEFT_OUT}"
 BITS = 53

@@ -10,7 +10,8 @@ from dataclasses import asdict, dataclass, field
 
 from wmr_ctrl.core.fields.units import length, rounded
 from wmr_ctrl.theory.checks.error_coordinates import Floats
-from wmr_ctrl.theory.corridor.clearance import Clearance
+
+from .clearance import Clearance
 
 ALONE = "around that mass alone (others were not tried) it"
 """Scope of a smaller corridor that is named where cells of masses are refused."""

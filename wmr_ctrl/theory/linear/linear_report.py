@@ -18,7 +18,10 @@ from wmr_ctrl.results import json_safe
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.theory.checks.radius import largest_radius
 from wmr_ctrl.theory.checks.stable_ranges import largest_period, largest_stable_delay, stable_masses
-from wmr_ctrl.theory.linear.linearise import (
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .linearise import (
     Floats,
     Point,
     check_inactive,
@@ -28,14 +31,14 @@ from wmr_ctrl.theory.linear.linearise import (
     learned_point,
     on_reference,
 )
-from wmr_ctrl.theory.linear.margins import Margins, ModelError, margins_at, model_errors, worst
-from wmr_ctrl.theory.linear.sampled import (
+from .margins import Margins, ModelError, margins_at, model_errors, worst
+from .sampled import (
     kink_periods,
     largest_learning_period,
     one_step_period,
     radius_of,
 )
-from wmr_ctrl.theory.linear.state_space import (
+from .state_space import (
     MEMORY,
     SADDLE,
     constant_speed,
@@ -43,8 +46,6 @@ from wmr_ctrl.theory.linear.state_space import (
     late,
     poles_at,
 )
-from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 T = TypeVar("T")
 Progress: TypeAlias = Callable[[float], None]
@@ -172,7 +173,7 @@ class LinearReport:
 
     def table(self, width: int = 100) -> str:
         """The same as text of at most ``width`` columns: a line each, then the warnings."""
-        from wmr_ctrl.theory.linear.table import lines_of
+        from .table import lines_of
 
         return "\n".join(lines_of(self, width))
 

@@ -16,7 +16,10 @@ from scipy.optimize import brentq
 
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
-from wmr_ctrl.theory.linear.linearise import (
+from wmr_ctrl.world.scenario import Model, Scenario, override
+from wmr_ctrl.world.speed_loop import has_loop
+
+from .linearise import (
     STATES,
     Floats,
     Point,
@@ -26,9 +29,7 @@ from wmr_ctrl.theory.linear.linearise import (
     sent_names,
     unguarded,
 )
-from wmr_ctrl.theory.linear.state_space import late, law_at, plant_at, with_inputs
-from wmr_ctrl.world.scenario import Model, Scenario, override
-from wmr_ctrl.world.speed_loop import has_loop
+from .state_space import late, law_at, plant_at, with_inputs
 
 LOWEST, POINTS = 1e-3, 1000
 HIGHEST = 1e5

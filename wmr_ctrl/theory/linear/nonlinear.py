@@ -17,12 +17,13 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.signals import BODY_FORCE, TORQUE_NOISE
 from wmr_ctrl.theory.checks.loop import PERIOD
-from wmr_ctrl.theory.linear.linearise import Floats, column, element_names
-from wmr_ctrl.theory.linear.state_space import is_learning
 from wmr_ctrl.world.model.dynamics import plant, rk4_step
 from wmr_ctrl.world.model.system import System, stack
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import Scenario
+
+from .linearise import Floats, column, element_names
+from .state_space import is_learning
 
 
 def to_nlsys(system: System) -> ct.NonlinearIOSystem:

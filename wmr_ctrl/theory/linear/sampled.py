@@ -16,7 +16,10 @@ from wmr_ctrl.theory.checks.radius import from_pose_to_pose, radius, supremum
 from wmr_ctrl.theory.checks.sample_time import kink_limits
 from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period as largest_stable_period
 from wmr_ctrl.theory.checks.stable_ranges import shortest_tried
-from wmr_ctrl.theory.linear.linearise import (
+from wmr_ctrl.world.phases import drag
+from wmr_ctrl.world.scenario import Scenario
+
+from .linearise import (
     Floats,
     Point,
     check_axis,
@@ -25,9 +28,7 @@ from wmr_ctrl.theory.linear.linearise import (
     lowest,
     on_reference,
 )
-from wmr_ctrl.theory.linear.state_space import is_learning
-from wmr_ctrl.world.phases import drag
-from wmr_ctrl.world.scenario import Scenario
+from .state_space import is_learning
 
 SPEEDS = 400
 

@@ -15,7 +15,13 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.core.signals import TRACKING_ERROR
 from wmr_ctrl.theory.checks.radius import from_pose_to_pose
 from wmr_ctrl.theory.checks.surroundings import DriveTimes, is_sampled, surroundings
-from wmr_ctrl.theory.linear.linearise import (
+from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+from wmr_ctrl.world.model.system import Output, System, port
+from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .linearise import (
     DISTURBANCES,
     STATES,
     V_D,
@@ -29,11 +35,6 @@ from wmr_ctrl.theory.linear.linearise import (
     sent_names,
     unguarded,
 )
-from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
-from wmr_ctrl.world.model.system import Output, System, port
-from wmr_ctrl.world.references import sample
-from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 MEMORY = ("frozen", "learning")
 GONE = 1e-6

@@ -11,10 +11,11 @@ import numpy as np
 
 from wmr_ctrl.theory.checks.stable_ranges import MASSES
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rare_poses, rounded_effects
-from wmr_ctrl.theory.linear.linearise import Floats, reference_velocity
+
+from .linearise import Floats, reference_velocity
 
 if TYPE_CHECKING:
-    from wmr_ctrl.theory.linear.linear_report import LinearReport
+    from .linear_report import LinearReport
 
 _NAMES = 46
 """Columns of a figure's name."""

@@ -15,9 +15,10 @@ from wmr_ctrl.core.signals import (
     Signal,
 )
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.model.friction import friction
-from wmr_ctrl.world.model.kinematics import pose_rate, velocity_map
-from wmr_ctrl.world.model.system import Number, Output, Parameters, System, ports, stack
+
+from .friction import friction
+from .kinematics import pose_rate, velocity_map
+from .system import Number, Output, Parameters, System, ports, stack
 
 if TYPE_CHECKING:
     from wmr_ctrl.world.scenario import Scenario

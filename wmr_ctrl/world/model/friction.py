@@ -5,7 +5,8 @@ bounds, so that a new shape with old bounds is noticed.
 """
 
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.model.system import Number
+
+from .system import Number
 
 
 def shape(v: ca.SX, v_s: ca.SX) -> ca.SX:

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.references.kind import Reference, ReferenceKind, speeds, timed
+
+from .kind import Reference, ReferenceKind, speeds, timed
 
 
 class Circle(Reference):

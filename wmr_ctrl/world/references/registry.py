@@ -9,9 +9,10 @@ from functools import cached_property
 
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.fields.plugins import loaded
-from wmr_ctrl.world.references import rounded_square, waypoints
-from wmr_ctrl.world.references.curves import CIRCLE, LEMNISCATE, LINE, STOP_AND_GO
-from wmr_ctrl.world.references.kind import Reference, ReferenceKind
+
+from . import rounded_square, waypoints
+from .curves import CIRCLE, LEMNISCATE, LINE, STOP_AND_GO
+from .kind import Reference, ReferenceKind
 
 OURS = (CIRCLE, LINE, LEMNISCATE, rounded_square.KIND, STOP_AND_GO, waypoints.KIND)
 GROUP = "wmr_ctrl.references"

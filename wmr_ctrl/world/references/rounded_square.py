@@ -6,8 +6,9 @@ import numpy as np
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantity
-from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, timed
-from wmr_ctrl.world.references.spline import Array, SplinePath, fit, path_numbers, trajectory
+
+from .kind import Numbers, Reference, ReferenceKind, timed
+from .spline import Array, SplinePath, fit, path_numbers, trajectory
 
 CORNER_STEPS = 6
 GROWTH = 2.5

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.world.references.spline import Array, SplinePath
+from .spline import Array, SplinePath
 
 MOST_ROWS = 256
 """Cells of a path of few segments; one of many has at least two on each."""

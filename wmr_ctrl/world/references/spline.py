@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.references.kind import Numbers, cross, speeds
+
+from .kind import Numbers, cross, speeds
 
 Array = NDArray[np.float64]
 

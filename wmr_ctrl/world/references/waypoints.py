@@ -23,10 +23,11 @@ from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import quantity
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.core.symbolic import ca
-from wmr_ctrl.world.references import spline
-from wmr_ctrl.world.references.kind import Numbers, Raw, Reference, ReferenceKind, timed
-from wmr_ctrl.world.references.point_files import SAME, read_points, read_poses
-from wmr_ctrl.world.references.speed_profile import PathLimits, SpeedProfile, fastest
+
+from . import spline
+from .kind import Numbers, Raw, Reference, ReferenceKind, timed
+from .point_files import SAME, read_points, read_poses
+from .speed_profile import PathLimits, SpeedProfile, fastest
 
 MOST_POINTS = 400
 SLOWEST = 0.1

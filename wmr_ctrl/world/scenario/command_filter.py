@@ -2,7 +2,8 @@
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section, quantity
-from wmr_ctrl.world.scenario.sections import check_intervals
+
+from .sections import check_intervals
 
 FILTERS = ("none", "clip", "governor", "band")
 LOOPS = ("first-order", "second-order", "pi")

@@ -21,8 +21,9 @@ from wmr_ctrl.core.fields.problems import UnknownKeyError, show
 from wmr_ctrl.core.fields.section import Section, build, default, quantities
 from wmr_ctrl.core.fields.values import as_list
 from wmr_ctrl.world.references import REFERENCES, Reference, Waypoints
-from wmr_ctrl.world.scenario.scenario import OTHER_KEYS, SECTIONS, Scenario, sections
-from wmr_ctrl.world.scenario.sections import Change
+
+from .scenario import OTHER_KEYS, SECTIONS, Scenario, sections
+from .sections import Change
 
 Raw = dict[str, object]
 Step = str | int

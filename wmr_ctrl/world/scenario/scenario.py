@@ -17,8 +17,9 @@ from wmr_ctrl.results.frames import table_html
 from wmr_ctrl.world.references import REFERENCES, Circle, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
 from wmr_ctrl.world.registry import EFFECTS, Actuator, Base, Disturbance, Sensor
-from wmr_ctrl.world.scenario.command_filter import Filter
-from wmr_ctrl.world.scenario.sections import (
+
+from .command_filter import Filter
+from .sections import (
     Body,
     Change,
     Clock,

@@ -23,7 +23,8 @@ from wmr_ctrl.core.fields.orientation import PAPER, described, field_outward
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, quantities
 from wmr_ctrl.world.references import REFERENCES
-from wmr_ctrl.world.scenario.raw import (
+
+from .raw import (
     Raw,
     apply,
     copied,
@@ -35,8 +36,8 @@ from wmr_ctrl.world.scenario.raw import (
     stated_in,
     with_defaults,
 )
-from wmr_ctrl.world.scenario.scenario import Scenario, sections
-from wmr_ctrl.world.scenario.sections import Change, Model
+from .scenario import Scenario, sections
+from .sections import Change, Model
 
 _SUFFIX = ".toml"
 _PRESETS = files("wmr_ctrl.world.scenario") / "presets"

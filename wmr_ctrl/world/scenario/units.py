@@ -9,7 +9,8 @@ from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import Section, put_behind, questions
 from wmr_ctrl.core.fields.units import USUAL, meant
 from wmr_ctrl.world.references import Waypoints
-from wmr_ctrl.world.scenario.scenario import Scenario, sections
+
+from .scenario import Scenario, sections
 
 LONGEST_WAY = 3600.0
 """Time [s] that the way to a goal usually takes at most."""
