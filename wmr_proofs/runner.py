@@ -19,17 +19,10 @@ from pathlib import Path
 
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.results import atomic_text, write_all
-from wmr_ctrl.results.ledger import (
-    COMMITTED,
-    PROVED,
-    Entry,
-    Ledger,
-    differences,
-    exit_code,
-    load,
-    stale,
-)
+from wmr_ctrl.results.ledger import COMMITTED, PROVED, Entry, Ledger, load
 from wmr_ctrl.simulation.batch import deaf_to_interrupts
+
+from .comparison import differences, exit_code, stale
 
 PROCESSES = 2
 AT_ONCE = 2.0

@@ -15,11 +15,12 @@ import pytest
 
 from tests.proofs import second_solvers
 from wmr_ctrl.core.errors import UnknownNameError
-from wmr_ctrl.results.ledger import Entry, Ledger, differences, exit_code, load, stale
+from wmr_ctrl.results.ledger import Entry, Ledger, load
 from wmr_proofs import check, prove, runner
 from wmr_proofs.alterations import function_named
 from wmr_proofs.claim import CLAIMED, MUTATED, Claim, Mutation
 from wmr_proofs.claims import all_claims
+from wmr_proofs.comparison import differences, exit_code, stale
 from wmr_proofs.methods.point import judge
 from wmr_proofs.methods.spec import versions
 from wmr_proofs.runner import hashes, selected

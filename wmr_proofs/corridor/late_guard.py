@@ -17,12 +17,13 @@ from itertools import product
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.control.guard.bounds import aim, net, pair_of, slope
+from wmr_ctrl.control.guard.bounds import GuardNumbers, aim, mass_range, net, pair_of, slope
 from wmr_ctrl.control.guard.delay import largest_force
-from wmr_ctrl.control.guard.guard import numeric_bounds
+from wmr_ctrl.control.guard.guard import Bounds
 from wmr_ctrl.control.guard.lateness import Counting
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.world.scenario import Scenario
 
 from .condition import AXES, Condition
 
@@ -99,3 +100,18 @@ def _lines(late: Counting, alpha: float) -> list[tuple[float, list[tuple[tuple[i
     if not late.jitter:
         return [(1.0, pieces)]
     return [(1.0, [*pieces, ((1,), late.jitter)]), (1.0 + alpha * late.jitter, pieces)]
+
+
+def numeric_bounds(scenario: Scenario, guard: GuardNumbers, axis: int) -> Bounds:
+    """Numbers of one axis of the guard, as values."""
+    period, late = scenario.clock.control, guard.lateness(scenario.clock)[axis]
+    (low, high), alpha = mass_range(guard, axis), float(guard.alpha or 0.0)
+    pairs = (guard.dbar, guard.nbar, guard.brake, guard.f_min, guard.f_speed)
+    dbar, nbar, brake, f_min, f_speed = (ca.SX(pair_of(pair)[axis]) for pair in pairs)
+    times = (late.most, late.jitter, late.mixed)
+    delay, jitter, mixed = (ca.SX(period * time) if time else None for time in times)
+    return Bounds(
+        u1=ca.SX(aim(scenario, guard, axis)), period=ca.SX(period), M_min=ca.SX(low),
+        M_max=ca.SX(high), dbar=dbar, nbar=nbar, alpha=ca.SX(alpha), brake=brake, f_min=f_min,
+        f_speed=f_speed, delay=delay, jitter=jitter, mixed=mixed,
+    )  # fmt: skip

@@ -28,9 +28,8 @@ from functools import reduce
 import casadi as ca
 
 from wmr_ctrl.world.model.system import Parameters
-from wmr_ctrl.world.scenario import Scenario
 
-from .bounds import GuardNumbers, aim, mass_range, pair_of, rounding
+from .bounds import rounding
 from .delay import InFlight, largest_force
 from .lateness import Counting
 
@@ -105,21 +104,6 @@ def bounds_of(p: Parameters, late: tuple[Counting, Counting]) -> Bounds:
         mixed=_times(period, [item.mixed for item in late]),
         **read,
     )
-
-
-def numeric_bounds(scenario: Scenario, guard: GuardNumbers, axis: int) -> Bounds:
-    """The same numbers of one axis, as values."""
-    period, late = scenario.clock.control, guard.lateness(scenario.clock)[axis]
-    (low, high), alpha = mass_range(guard, axis), float(guard.alpha or 0.0)
-    pairs = (guard.dbar, guard.nbar, guard.brake, guard.f_min, guard.f_speed)
-    dbar, nbar, brake, f_min, f_speed = (ca.SX(pair_of(pair)[axis]) for pair in pairs)
-    times = (late.most, late.jitter, late.mixed)
-    delay, jitter, mixed = (ca.SX(period * time) if time else None for time in times)
-    return Bounds(
-        u1=ca.SX(aim(scenario, guard, axis)), period=ca.SX(period), M_min=ca.SX(low),
-        M_max=ca.SX(high), dbar=dbar, nbar=nbar, alpha=ca.SX(alpha), brake=brake, f_min=f_min,
-        f_speed=f_speed, delay=delay, jitter=jitter, mixed=mixed,
-    )  # fmt: skip
 
 
 def _times(period: ca.SX, each: Sequence[float]) -> ca.SX | None:

@@ -4,6 +4,8 @@ All that hangs on the shape stands here.  `tests/model/test_friction.py` scans t
 bounds, so that a new shape with old bounds is noticed.
 """
 
+from __future__ import annotations
+
 from wmr_ctrl.core.symbolic import ca
 
 from .system import Number
