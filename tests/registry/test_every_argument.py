@@ -93,7 +93,9 @@ def refused_in_a_sentence(call: Callable[[], object]) -> bool:
 
 
 def test_every_public_name_is_walked():
-    assert set(GOOD) == set(wmr_ctrl.__all__)
+    functions = {n for n in wmr_ctrl.__all__ if inspect.isfunction(getattr(wmr_ctrl, n))}
+
+    assert {name for name in GOOD if GOOD[name]} <= functions <= set(GOOD)
 
 
 @pytest.mark.parametrize("name", [name for name in GOOD if GOOD[name]])

@@ -102,7 +102,7 @@ def test_a_failing_last_step_leaves_nothing(
 
 FILL = """
 import resource, sys
-from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.results.files import atomic_write
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:
