@@ -182,9 +182,7 @@ def head(answers: Answers) -> Iterator[str]:
         yield wrapped(check_sentences.rest(case.reference.arrival, case.clock.duration))
     if answers.taken:
         listed = ", ".join(item.key for item in answers.taken)
-        yield wrapped(
-            f"Not stated, so assumed, from the paper or the preset (--only inherited): {listed}."
-        )
+        yield wrapped(f"Not stated, so assumed (--only inherited): {listed}.")
     if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
 
