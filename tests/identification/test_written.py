@@ -96,6 +96,17 @@ def test_a_limit_beyond_the_commands_of_the_log_switches_the_filter_off():
     )
 
 
+def test_a_filter_that_is_refused_is_off():
+    """A single reading far off makes a deviation above the limit."""
+    log = LOG | {"v1_measured [m/s]": [*LOG["v1_measured [m/s]"][:300], 9.0]}
+    log["v1_measured [m/s]"] += LOG["v1_measured [m/s]"][301:]
+
+    found = of_velocities(log)
+
+    assert found.scenario.filter.kind == "none"
+    assert any("the filter is off: with these numbers it is refused" in x for x in found.remarks)
+
+
 def test_a_governor_needs_a_log_with_its_own_commands():
     """It sends far more than its limit for moments: here that is in the log, else it is a clip."""
     slow = {"limits__v_u1": [0.018, 0.06], "limits__v_u2": [0.01, 0.05]}

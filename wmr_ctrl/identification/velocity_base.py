@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 
+from wmr_ctrl.control.filter.filter import check_filter
 from wmr_ctrl.control.filter.peak_gain import PeakGain, peak_gains, pi_loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
@@ -190,6 +191,7 @@ def _scenario(
     stated = override(stated, {"filter.kind": kind})
     try:
         settle(stated, None)
+        check_filter(stated)
     except ScenarioError as error:
         remarks.append(f"the filter is off: with these numbers it is refused. {error}")
         return bounds, result
