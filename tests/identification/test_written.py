@@ -15,10 +15,12 @@ from tests.identification.conftest import TRUTH
 from tests.identification.test_velocity_base import FIRST, steps
 from wmr_ctrl import identify
 from wmr_ctrl.control.filter import command_filter
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.identification.estimate import bare_scenario
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.stated import believed
-from wmr_ctrl.world.scenario import Scenario, inherited, load_scenario, override
+from wmr_ctrl.world.scenario import Scenario, inherited, load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import preset_names
 
 VELOCITY = [name for name in preset_names() if load_scenario(name).base.kind == "velocity"]
@@ -93,6 +95,18 @@ def test_a_limit_beyond_the_commands_of_the_log_switches_the_filter_off():
     assert (
         of_velocities(limits__v_u1=[most, 0.9], limits__v_u2=[0.1, 0.5]).scenario.filter.kind
         == "clip"
+    )
+
+
+def test_numbers_of_a_filter_that_is_off_are_assumed_and_check_says_so():
+    found = of_velocities(limits__v_u1=[0.8, 0.9], limits__v_u2=[0.6, 0.5])
+    scenario = loads_scenario(found.to_toml())
+
+    assert {"filter.gain", "filter.d"} <= {*scenario.assumed}
+    said = promise(settle(scenario, "kanayama"))
+    assert "state filter.gain, filter.d: nobody did" in said
+    assert "within assumed bounds" in promise(
+        settle(override(scenario, {"filter.kind": "clip"}), "kanayama")
     )
 
 
@@ -250,6 +264,7 @@ def test_limits_beyond_the_log_widen_a_guard_or_switch_it_off(found, far, enable
     assert made.guard.dbar == pytest.approx([far * item for item in found.bounds.dbar])
     assert any("the log shows speeds up to" in text for text in remarks) is (far > 1.0)
     assert any("the guard is off" in text for text in remarks) is not enabled
+    assert ("guard.dbar" in made.assumed) is (far > 1.0)
 
 
 def test_the_limits_of_a_saved_run_are_stated_ones():

@@ -107,7 +107,7 @@ def promise(setup: Setup) -> str:
         late = any(abs(v) > V for v, V in zip(case.initial.velocity, case.limits.v_u1, strict=True))
         return (
             f"Filtered: {limits} are guaranteed{' for starts within them alone,' * late} while the "
-            f"base is within its stated bounds (--only filter); {NOT_THE_PATH}."
+            f"base is within {_whose(case, 'filter')} bounds (--only filter); {NOT_THE_PATH}."
         )
     if not case.guard.enabled:
         try:
@@ -116,6 +116,8 @@ def promise(setup: Setup) -> str:
             first, _, _ = str(error).partition(". ")
             return f"Not guarded: {limits} are not guaranteed. --guard is refused: {first}."
         would = f"would not guarantee them either: {void}" if void else "would guarantee them."
+        if "guard.dbar" in case.assumed:
+            would = "would count on guard.dbar, which nobody stated."
         return f"Not guarded: {limits} are not guaranteed. --guard {would}"
     if setup.void:
         return f"Guarded, but {limits} are not guaranteed: {setup.void}"
@@ -123,9 +125,15 @@ def promise(setup: Setup) -> str:
     late = any(abs(speed) + gained > most for speed, gained, most in starts)
     return (
         f"Guarded: {limits} are guaranteed{', once the speed is back from its start,' * late} "
-        f"while masses, pushes and errors stay within the guard's bounds (--only guard); "
-        f"{NOT_THE_PATH}."
+        f"while masses, pushes and errors stay within {_whose(case, 'guard')} bounds "
+        f"(--only guard); {NOT_THE_PATH}."
     )
+
+
+def _whose(scenario: Scenario, table: str) -> str:
+    """Whose the bounds of a table are: nobody's, where one of them is assumed."""
+    assumed = any(key.startswith(f"{table}.") for key in scenario.assumed)
+    return "assumed" if assumed else {"filter": "its stated", "guard": "the guard's"}[table]
 
 
 def guard_numbers(setup: Setup) -> dict[str, object] | None:

@@ -178,7 +178,9 @@ def identify(
 
     fit = _of_torques if base == "torque" else of_velocities
     identified = fit(raw.name, samples, scenario, remarks, tell)
-    identified = replace(identified, scenario=written(identified.scenario), words=words)
+    result = written(identified.scenario)
+    words |= {key: UNFOUNDED for key in result.assumed if key.startswith(("filter.", "guard."))}
+    identified = replace(identified, scenario=result, words=words)
     if progress:
         progress(1.0)
     return identified
@@ -327,6 +329,7 @@ def _scenario(
         "guard.dbar": [max(x, 1.0) * d for x, d in zip(far, bounds.dbar, strict=True)],
         **({"guard.delay": None} if bounds.wide else {}),
     })  # fmt: skip
+    founded, result = result, replace(result, assumed=(*result.assumed, "guard.dbar"))
     if bounds.refuted:
         remarks.append(
             "the guard is off: a part of the log contradicts what the rest of it gives. "
@@ -348,7 +351,7 @@ def _scenario(
     if not within_reach(result, far, remarks):
         return result
     try:
-        return scenario_of(result, guard=True)
+        return scenario_of(result if max(far) > 1 else founded, guard=True)
     except ScenarioError as error:
         remarks.append(f"the guard is off: with these numbers it is refused. {error}")
         return result

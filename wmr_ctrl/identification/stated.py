@@ -18,8 +18,9 @@ from .logs.samples import Samples, held_speeds
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
 BARRIER_FROM, LEAST_SEEN, MOST_FAR = 0.8, 1e-3, 2.0
 """Share of a limit from which the barrier acts; least speed [m/s, rad/s] that is motion; largest
-limit of a guard over the largest speed of the log."""
+limit of a guard over the largest speed of the log, and command over one that is near it."""
 SEEN = "seen in the log, not your limit"
+UNFOUNDED = "the log does not show that it holds up to limits.v_u1"
 
 
 def believed(

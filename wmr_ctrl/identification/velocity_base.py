@@ -57,6 +57,8 @@ PLACES = {
     "base.accel": ("accel1", "accel2"), "filter.gain": ("gain1", "gain2"),
 }  # fmt: skip
 """Keys of the scenario, and the parameters whose intervals stand beside them."""
+UNFOUNDED = ("filter.gain", "filter.d", "filter.kp", "filter.push")
+"""Keys that are assumed where a log does not show what they promise up to the limits."""
 
 
 @dataclass(frozen=True)
@@ -180,21 +182,22 @@ def _scenario(
         f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
     )
     bounds = FilterBounds(loop, (peak[0], peak[1]), (d1, d2), ends, sentence)
+    off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     missing = [column for fit, column in zip(fits, COMMAND, strict=True) if fit is None]
     if missing:
         remarks.append(f"the filter is off: {missing[0]} never changed. Drive both axes.")
-        return bounds, result
+        return bounds, off
     quickest = None if loop != "first-order" or any(map(math.isfinite, accel)) else hull["tau"][0]
     kind = _filter_kind(stated, seen, peaks, quickest, remarks)
     if kind == "none":
-        return bounds, result
+        return bounds, off
     stated = override(stated, {"filter.kind": kind})
     try:
         settle(stated, None)
         check_filter(stated)
     except ScenarioError as error:
         remarks.append(f"the filter is off: with these numbers it is refused. {error}")
-        return bounds, result
+        return bounds, off
     return bounds, stated
 
 

@@ -217,6 +217,8 @@ def _cost(
 
 def filter_advice(setup: Setup) -> str:
     """Which filter to set, of those that hold with what the scenario states for it."""
+    if assumed := [key for key in setup.scenario.assumed if key.startswith("filter.")]:
+        return f"Before you set filter.kind, state {', '.join(assumed)}: nobody did."
     tried = (({"filter.kind": kind, "filter.trust": False}, kind) for kind in ("clip", "governor"))
     kinds = [f'"{kind}"' for keys, kind in tried if is_taken(setup.scenario, keys, None)]
     if kinds:
