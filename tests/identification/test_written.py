@@ -24,7 +24,7 @@ from wmr_ctrl.world.scenario import Scenario, inherited, load_scenario, loads_sc
 from wmr_ctrl.world.scenario.toml_io import preset_names
 
 VELOCITY = [name for name in preset_names() if load_scenario(name).base.kind == "velocity"]
-LOG = steps(FIRST, 12.0)
+LOG = steps(FIRST, 12.0, 1)
 FASTEST = [max(map(abs, LOG[name])) for name in ("v1_measured [m/s]", "omega_measured [rad/s]")]
 
 
@@ -119,6 +119,30 @@ def test_a_filter_that_is_refused_is_off():
 
     assert found.scenario.filter.kind == "none"
     assert any("the filter is off: with these numbers it is refused" in x for x in found.remarks)
+
+
+@pytest.mark.parametrize(
+    ("commands", "backwards"), [(lambda u: np.abs(u), True), (lambda u: 0.5 * np.sign(u), False)]
+)
+def test_commands_that_were_never_sent_are_told_and_the_filter_rests_on_what_is_assumed(
+    commands, backwards
+):
+    """A log that drives one way, and one of a single speed: most of what is sent is in neither."""
+    sent, v, seen = commands(np.array(LOG["v_command [m/s]"])), 0.0, []
+    for k, _ in enumerate(sent):
+        seen.append(v)
+        v += (sent[max(k - 1, 0)] - v) * -np.expm1(-0.02 / 0.2)
+    log = LOG | {"v_command [m/s]": sent.tolist()}
+    log["v1_measured [m/s]"] = (
+        seen + np.random.default_rng(0).normal(size=len(seen)) * 3e-3
+    ).tolist()
+
+    found = of_velocities(log)
+
+    assert found.scenario.filter.kind == "clip"
+    told = [text for text in found.remarks if text.startswith("v_command was never from")]
+    assert len(told) == (1 if backwards else 2)
+    assert {"filter.gain", "filter.d"} <= {*found.scenario.assumed}
 
 
 def test_a_governor_needs_a_log_with_its_own_commands():

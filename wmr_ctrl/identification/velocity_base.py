@@ -40,7 +40,7 @@ from .speed_loop import (
     likelihoods,
     set_of,
 )
-from .stated import rounded_down
+from .stated import MOST_FAR, rounded_down
 
 LEAST_DRIVEN = 1e-3
 TRAINED = 4
@@ -198,6 +198,8 @@ def _scenario(
     except ScenarioError as error:
         remarks.append(f"the filter is off: with these numbers it is refused. {error}")
         return bounds, off
+    if _never_sent(stated, seen, peaks, remarks):
+        stated = replace(stated, assumed=off.assumed)
     return bounds, stated
 
 
@@ -237,6 +239,24 @@ def _filter_kind(
         f"{known[0]:.3g} m/s and {known[1]:.3g} rad/s."
     )
     return "clip"
+
+
+def _never_sent(
+    stated: Scenario, fits: list[LoopFit], peaks: list[PeakGain], remarks: list[str]
+) -> bool:
+    """Whether the log has no command near the largest that is sent, in a direction, and remarks."""
+    before = len(remarks)
+    rows = zip(stated.limits.v_u1, fits, peaks, COMMAND, ("m/s", "rad/s"), strict=True)
+    for V, fit, item, column, unit in rows:
+        most = (V - item.push) / item.gain
+        for ahead in (1, -1):
+            sent = ahead * fit.log.sent
+            if not ((sent >= most / MOST_FAR) & (sent <= most)).any():
+                remarks.append(
+                    f"{column} was never from {ahead * most / MOST_FAR:.3g} to {ahead * most:.3g} "
+                    f"{unit}: that the base follows in proportion there is assumed. Drive there."
+                )
+    return len(remarks) > before
 
 
 def _largest_command(fit: LoopFit) -> float:
