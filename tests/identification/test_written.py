@@ -14,9 +14,9 @@ from benchmarks.own_plant import log_of
 from tests.identification.conftest import TRUTH
 from tests.identification.test_velocity_base import FIRST, steps
 from wmr_ctrl import identify
+from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.control.filter import command_filter
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.cli.check_sentences import promise
 from wmr_ctrl.identification.estimate import bare_scenario
 from wmr_ctrl.identification.logs.log import LogError
 from wmr_ctrl.identification.stated import believed
@@ -121,27 +121,30 @@ def test_a_filter_that_is_refused_is_off():
     assert any("the filter is off: with these numbers it is refused" in x for x in found.remarks)
 
 
-@pytest.mark.parametrize(
-    ("commands", "backwards"), [(lambda u: np.abs(u), True), (lambda u: 0.5 * np.sign(u), False)]
-)
-def test_commands_that_were_never_sent_are_told_and_the_filter_rests_on_what_is_assumed(
-    commands, backwards
-):
-    """A log that drives one way, and one of a single speed: most of what is sent is in neither."""
+def followed(commands):
+    """`LOG` with other commands of v, and a base that follows them."""
     sent, v, seen = commands(np.array(LOG["v_command [m/s]"])), 0.0, []
     for k, _ in enumerate(sent):
         seen.append(v)
         v += (sent[max(k - 1, 0)] - v) * -np.expm1(-0.02 / 0.2)
-    log = LOG | {"v_command [m/s]": sent.tolist()}
-    log["v1_measured [m/s]"] = (
-        seen + np.random.default_rng(0).normal(size=len(seen)) * 3e-3
-    ).tolist()
+    noise = np.random.default_rng(0).normal(size=len(seen)) * 3e-3
+    return LOG | {"v_command [m/s]": sent.tolist(), "v1_measured [m/s]": (seen + noise).tolist()}
 
-    found = of_velocities(log)
+
+def test_a_log_of_one_direction_switches_the_filter_off():
+    found = of_velocities(followed(np.abs))
+
+    assert found.scenario.filter.kind == "none"
+    assert any("does not show what the base does in the other" in text for text in found.remarks)
+    assert {"filter.gain", "filter.d"} <= {*found.scenario.assumed}
+
+
+def test_a_filter_rests_on_what_is_assumed_between_the_speeds_of_a_log():
+    """A log of a single speed in each direction: most of what the filter sends is not in it."""
+    found = of_velocities(followed(lambda u: 0.5 * np.sign(u)))
 
     assert found.scenario.filter.kind == "clip"
-    told = [text for text in found.remarks if text.startswith("v_command was never from")]
-    assert len(told) == (1 if backwards else 2)
+    assert sum(text.startswith("v_command was never from") for text in found.remarks) == 2
     assert {"filter.gain", "filter.d"} <= {*found.scenario.assumed}
 
 

@@ -60,6 +60,7 @@ from .logs.samples import Samples, held_speeds, motion_of
 from .refuted import explaining, guard_bounds, held_out, usable_speeds
 from .stated import (
     LEAST_SEEN,
+    UNFOUNDED,
     believed,
     with_limits,
     within_reach,

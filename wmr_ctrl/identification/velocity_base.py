@@ -171,36 +171,51 @@ def _scenario(
         result = _of_relaxing(result, loop, values, hull, (d1, d2))
     result = replace(result, assumed=(*result.assumed, *own))
     remarks += _said_of(loop, base.robot.m)
-    stated = override(result, {"filter.kind": "clip"})
     if loop == "first-order":
         peaks = [PeakGain(hull["gain"][1], d) for d in (d1, d2)]
     else:
-        peaks = list(peak_gains(stated))
+        peaks = list(peak_gains(override(result, {"filter.kind": "clip"})))
     peak = [k.gain if fit is not None else math.inf for k, fit in zip(peaks, fits, strict=True)]
     sentence = (
         f"largest deviation, averaged over {SMOOTHED:g} s, that was seen in "
         f"{log.t[-1] - log.t[0]:.3g} s, on this floor, with this load: no bound that is proved"
     )
     bounds = FilterBounds(loop, (peak[0], peak[1]), (d1, d2), ends, sentence)
+    quickest = None if loop != "first-order" or any(map(math.isfinite, accel)) else hull["tau"][0]
+    return bounds, _filtered(result, fits, peaks, quickest, remarks)
+
+
+def _filtered(
+    result: Scenario,
+    fits: Fits,
+    peaks: list[PeakGain],
+    quickest: float | None,
+    remarks: list[str],
+) -> Scenario:
+    """The scenario with the filter that its log supports; without one, bounds are assumed.
+
+    ``quickest`` as in `_filter_kind`.
+    """
     off = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     missing = [column for fit, column in zip(fits, COMMAND, strict=True) if fit is None]
     if missing:
         remarks.append(f"the filter is off: {missing[0]} never changed. Drive both axes.")
-        return bounds, off
-    quickest = None if loop != "first-order" or any(map(math.isfinite, accel)) else hull["tau"][0]
+        return off
+    seen = [fit for fit in fits if fit is not None]
+    stated = override(result, {"filter.kind": "clip"})
     kind = _filter_kind(stated, seen, peaks, quickest, remarks)
     if kind == "none":
-        return bounds, off
+        return off
     stated = override(stated, {"filter.kind": kind})
     try:
         settle(stated, None)
         check_filter(stated)
     except ScenarioError as error:
         remarks.append(f"the filter is off: with these numbers it is refused. {error}")
-        return bounds, off
+        return off
     if _never_sent(stated, seen, peaks, remarks):
-        stated = replace(stated, assumed=off.assumed)
-    return bounds, stated
+        return replace(stated, assumed=off.assumed)
+    return stated
 
 
 def _filter_kind(
@@ -224,6 +239,14 @@ def _filter_kind(
                 f"{u:.3g} {unit}, and the log shows what the base does with commands up to "
                 f"{most:.3g} {unit}. Drive faster, or state a limit of at most "
                 f"{rounded_down(item.gain * most + item.push):g} {unit}."
+            )
+            return "none"
+    for fit, u, column, unit in zip(fits, sent, COMMAND, units, strict=True):
+        least, largest = float(fit.log.sent.min()), float(fit.log.sent.max())
+        if min(-least, largest) < u / MOST_FAR:
+            remarks.append(
+                f"the filter is off: {column} was from {least:.3g} to {largest:.3g} {unit}, which "
+                "does not show what the base does in the other direction. Drive both ways."
             )
             return "none"
     if quickest is None:
