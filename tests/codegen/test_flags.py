@@ -6,6 +6,7 @@ import ctypes as ct
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from platform import machine
 from subprocess import CompletedProcess, run
 
 import numpy as np
@@ -114,6 +115,21 @@ def test_refusal_names_the_flag(tmp_path: Path) -> None:
         assert flag in compiled(tmp_path, "gcc", flag, "-S", "wmr_nn.c").stderr
     said = compiled(tmp_path, "gcc", "-fsingle-precision-constant", "-S", "wmr_nn.c").stderr
     assert "wmr_needs_doubles_compile_without_fsingle_precision_constant" in said
+
+
+@pytest.mark.skipif(machine() not in ("x86_64", "aarch64"), reason="NOT RUN: not recognised there")
+@pytest.mark.parametrize("flag", ["", *(flag for flag in FLAGS if flag != "-fassociative-math")])
+def test_gcc_before_12_refuses_without_its_newer_macros(flag: str, tmp_path: Path) -> None:
+    """Its version and macros are feigned: it tells such flags by __GCC_IEC_559 alone.
+
+    It ignores -fassociative-math without -fno-signed-zeros.
+    """
+    needs("gcc")
+    written("law", tmp_path)
+    macros = ("GNUC__", "ASSOCIATIVE_MATH__", "RECIPROCAL_MATH__", "FAST_MATH__")
+    older = [*(f"-U__{name}" for name in macros), "-D__GNUC__=11"]
+    done = compiled(tmp_path, "gcc", *flag.split(), *older, "-fsyntax-only", "wmr_nn.c")
+    assert bool(flag) == (REFUSALS[0] in done.stderr), done.stderr
 
 
 @pytest.mark.parametrize("flag", FLAGS)
