@@ -114,7 +114,11 @@ def test_no_file_that_is_read_is_replaced_in_a_folder(wmr, place, name, option):
 
 
 @pytest.mark.parametrize(
-    "path", ["path.csv", "./path.csv", "folder/../path.csv", "absolute", "hard.csv", "symbolic.csv"]
+    "path",
+    [
+        *("path.csv", "./path.csv", "folder/../path.csv", "nowhere/../path.csv"),
+        *("absolute", "hard.csv", "symbolic.csv"),
+    ],
 )
 def test_any_spelling_is_seen(wmr, place, path):
     Path("folder").mkdir()

@@ -63,7 +63,7 @@ def note_output(file: str | os.PathLike[str]) -> None:
 
 def _refuse_same(output: Path, source: Path, what: str) -> None:
     try:
-        same = os.path.samefile(output, source)
+        same = os.path.samefile(os.path.realpath(output), source)  # as it will be written
     except (OSError, ValueError):  # one of them does not exist
         return
     if same:
