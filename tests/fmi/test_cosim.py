@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import _ctypes
 import json
+import os
 import re
+import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -355,3 +357,16 @@ def test_unknown_master_and_names_list_the_near_ones(exported, mapped):
         cosimulate(
             SHORT, "pid", plant=exported("plant", 2), map_file=mapped("[plant.outputs]\nx='xx'\n")
         )
+
+
+@pytest.mark.parametrize("fault", ["ImportError('no libxml2')", "OSError('no libxml2')"])
+def test_fmpy_that_cannot_be_imported_is_said_in_words(fault, tmp_path):
+    (tmp_path / "fmpy.py").write_text(f"raise {fault}\n")
+    program = "from wmr_ctrl.__main__ import main; main()"
+    command = [sys.executable, "-c", program, "cosim", "paper-simulation"]
+    found = os.pathsep.join((str(tmp_path), *sys.path))
+    environment = {**os.environ, "PYTHONPATH": found}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+    assert done.returncode == 2
+    assert "FMPy, which cannot be imported (no libxml2)" in " ".join(done.stderr.split())

@@ -14,14 +14,19 @@ from pathlib import Path
 from typing import Any
 from weakref import WeakValueDictionary
 
-import fmpy
-from fmpy import fmi2, fmi3
-
-from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError, WmrError
 from wmr_ctrl.core.fields.files import note_input
 from wmr_ctrl.core.fields.values import may_unpack
 from wmr_ctrl.export.fmi.targets import TARGETS, host
 from wmr_ctrl.export.fmi.units import BASE, NamedUnit
+
+try:
+    import fmpy
+    from fmpy import fmi2, fmi3
+except (ImportError, OSError) as error:
+    raise MissingExtraError(
+        f"this needs FMPy, which cannot be imported ({error}): pip install --force-reinstall fmpy."
+    ) from None
 
 _WARNING = 1  # the highest status of a call that did what it should
 _NEAR = 1e-3
