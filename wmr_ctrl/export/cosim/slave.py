@@ -7,7 +7,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import chdir, suppress
 from functools import cached_property, partial
 from importlib import import_module
 from pathlib import Path
@@ -63,7 +63,8 @@ class FmuFile:
 
     def __init__(self, path: str | Path, name: str, *, checked: bool = True) -> None:
         self.name, self.path = name, os.fspath(path)
-        note_input(path, name)
+        if checked:  # others this command wrote
+            note_input(path, name)
         try:
             with zipfile.ZipFile(self.path) as archive:
                 unpacked = sum(item.file_size for item in archive.infolist())
@@ -216,13 +217,14 @@ class Slave(FmuFile):
             place = _place(Path(folder), self.version, model)
             if not ours and sys.executable:
                 _try_to_load(Path(folder), place)
-            self._fmu = (fmi2.FMU2Slave if self.version == 2 else fmi3.FMU3Slave)(
-                guid=self.description.guid,
-                unzipDirectory=str(folder),
-                instanceName=self.name,
-                modelIdentifier=model,
-                libraryPath=str(Path(folder).absolute() / place),
-            )
+            with chdir("."):  # FMPy stays in another folder if it cannot load the library
+                self._fmu = (fmi2.FMU2Slave if self.version == 2 else fmi3.FMU3Slave)(
+                    guid=self.description.guid,
+                    unzipDirectory=str(folder),
+                    instanceName=self.name,
+                    modelIdentifier=model,
+                    libraryPath=str(Path(folder).absolute() / place),
+                )
             self._instantiate()
         except AttributeError as error:  # a symbol that FMPy looks for
             raise self.unusable(

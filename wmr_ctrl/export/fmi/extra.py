@@ -8,6 +8,7 @@ structs.
 
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import chdir
 from pathlib import Path
 
 from wmr_ctrl.codegen.package import FILTER, c_name, package_files
@@ -109,17 +110,18 @@ def reference_result(model: FmuModel, files: Mapping[str, bytes]) -> bytes:
             path = Path(folder) / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
-        result = simulate_fmu(
-            folder,
-            validate=False,
-            stop_time=_seconds(model),
-            output_interval=step,
-            step_size=step,
-            start_values=_starts_of(model),
-            output=names,
-            fmi_type="CoSimulation",
-            debug_logging=False,
-        )
+        with chdir("."):  # FMPy stays in another folder if it cannot load the library
+            result = simulate_fmu(
+                folder,
+                validate=False,
+                stop_time=_seconds(model),
+                output_interval=step,
+                step_size=step,
+                start_values=_starts_of(model),
+                output=names,
+                fmi_type="CoSimulation",
+                debug_logging=False,
+            )
     lines = [",".join(f'"{name}"' for name in result.dtype.names or ())]
     lines += [",".join(repr(float(number)) for number in row) for row in result]
     return "\n".join([*lines, ""]).encode()
