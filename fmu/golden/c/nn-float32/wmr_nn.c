@@ -6,10 +6,13 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Flags that let a compiler compute other values than those written, or assume that none is NaN.  Clang
-   has no macro for some of them: the pragma keeps the order of operations under these. */
+/* Flags that let a compiler compute other values than those written, or assume that none is NaN.  Before
+   version 12 GCC tells some of them only by __GCC_IEC_559, which is always 0 on some small processors.
+   Clang has no macro for some of them: the pragma keeps the order of operations under these. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
-    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || defined(_M_FP_FAST)
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || defined(_M_FP_FAST) \
+    || (defined(__GCC_IEC_559) && __GCC_IEC_559 == 0 && __GNUC__ < 12 && !defined(__clang__) \
+        && (defined(__x86_64__) || defined(__aarch64__)))
 #error "these formulas need IEEE arithmetic as written: compile without -ffast-math, -Ofast, -funsafe-math-optimizations, -fassociative-math, -freciprocal-math, -ffinite-math-only and /fp:fast"
 #elif defined(__clang__) && __clang_major__ >= 13
 #pragma clang fp reassociate(off) contract(off)
