@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
-RECORD = Path(__file__).resolve().parents[1] / "wmr_ctrl" / "proofs" / "ledger.json"
+RECORD = Path(__file__).resolve().parents[1] / "wmr_ctrl" / "results" / "ledger.json"
 COLOURS = {
     "PROVED": ("#2e7d32", "proved by machine"),
     "LEMMA": ("#00838f", "algebra, by machine"),

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-COPIED = ("wmr_ctrl", "fmu", "tests", "pyproject.toml")
+COPIED = ("wmr_ctrl", "wmr_proofs", "fmu", "tests", "pyproject.toml")
 PROVE = "prove "
 PATIENCE = 300
 """Seconds for the tests of one alteration."""
@@ -83,10 +83,10 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/", EMITTED,
-        ("model/graph.py", "(*one.operands[:2], other.operands[1])",
+        ("world/model/graph.py", "(*one.operands[:2], other.operands[1])",
          "(one.operands[0], other.operands[1], one.operands[1])"),
-        ("model/graph.py", "[CHANGING, STEADY]", "[STEADY, CHANGING]"),
-        ("model/graph.py", "if node.op == ca.OP_DIV and", "if node.op == ca.OP_INV and"),
+        ("world/model/graph.py", "[CHANGING, STEADY]", "[STEADY, CHANGING]"),
+        ("world/model/graph.py", "if node.op == ca.OP_DIV and", "if node.op == ca.OP_INV and"),
         ("codegen/dialect.py", '"wmr_min({0}, {1})"', '"wmr_max({0}, {1})"'),
         ("codegen/dialect.py", '"{0} <= {1}"', '"{0} < {1}"'),
         ("codegen/dialect.py", 'f"{condition} ? {yes} : {no}"', 'f"{condition} ? {no} : {yes}"'),
@@ -95,7 +95,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         CODEGEN, "tests/codegen/test_branches.py",
         ("items.py", "for side in (0, 1)]", "for side in (1, 0)]"),
         ("items.py", "if item not in dependent]", "if True]"),
-        ("items.py", "self.condition, then, other,", "self.condition, other, then,"),
+        ("items.py", "self.condition, then, other)", "self.condition, other, then)"),
     ),
     *_rows(
         CODEGEN, f"{EMITTER}a_loop_of_which_something_else_reads_one_element_keeps_its_array",
@@ -165,12 +165,12 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/", "tests/guard/test_derived.py",
-        ("guard/bounds.py", "_sum(bound.dbar, given.d_model)",
+        ("control/guard/bounds.py", "_sum(bound.dbar, given.d_model)",
          "_sum(bound.dbar, (given.d_model[0], 0.0))"),
         ("world/effect.py", "return mass_bounds(scenario)[1][0]",
          "return mass_bounds(scenario)[0][0]"),
-        ("guard/bounds.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
-        ("guard/price.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
+        ("control/guard/bounds.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
+        ("control/guard/price.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
     ),
     *_rows(
         "wmr_ctrl/", "tests/control/test_delay_steps.py",
@@ -179,19 +179,20 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     *_rows(
         "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
         ("world/phases.py", "return max(full_friction", "return min(full_friction"),
-        ("guard/price.py", "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
+        ("control/guard/price.py",
+         "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
-        ("guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),
-        ("checks/velocity_guard.py", "start <= u1 <", "start < u1 <"),
-        ("checks/preconditions.py", "if abs(v) > u1:", "if abs(v) >= u1:"),
+        ("control/guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),
+        ("theory/checks/velocity_guard.py", "start <= u1 <", "start < u1 <"),
+        ("theory/checks/preconditions.py", "if abs(v) > u1:", "if abs(v) >= u1:"),
     ),
     *_rows(
         "wmr_ctrl/", "tests/linear/test_margins.py",
-        ("linear/margins.py", "a % (2 * math.pi) / w", "abs(a) / w"),
+        ("theory/linear/margins.py", "a % (2 * math.pi) / w", "abs(a) / w"),
     ),
     *_rows(
         "wmr_ctrl/", "tests/report/test_claims.py",
-        ("report/claims.py", "return Verdict.FAILS\n    own",
+        ("report/paper_claims.py", "return Verdict.FAILS\n    own",
          "return Verdict.HOLDS\n    own"),
     ),
     *_rows(
@@ -296,12 +297,12 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("clip.py", "max(jitter, UNTOLD)", "jitter"),
     ),
     *_rows(
-        "wmr_ctrl/theory/corridor/", "tests/corridor/test_enclosures.py::"
+        "wmr_proofs/corridor/", "tests/corridor/test_enclosures.py::"
         "test_products_of_wide_matrices_hold_those_of_all_that_is_in_them",
         ("midradius.py", "self.radius @ other.most", "self.radius @ np.abs(other.middle)"),
     ),
     *_rows(
-        "wmr_ctrl/theory/corridor/", "tests/corridor/test_certifier.py",
+        "wmr_proofs/corridor/", "tests/corridor/test_certifier.py",
         ("certificate.py", " + law.sum(axis=(1, 2))", ""),
         ("masses.py", "zip(scenario.changes, later", "zip(scenario.changes, robots"),
     ),
@@ -330,7 +331,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/theory/checks/", "tests/checks/test_barrier.py",
-        ("barrier.py", "limits.v_u1).any()", "limits.v_u1).all()"),
+        ("wrong_model.py", "limits.v_u1).any()", "limits.v_u1).all()"),
     ),
     *_rows(
         "wmr_ctrl/simulation/campaign/", "tests/campaign/test_intervals.py::"

@@ -9,9 +9,9 @@ import pytest
 
 from wmr_ctrl import load_run, simulate
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.units import length
+from wmr_ctrl.core.fields.units import length, rounded
 from wmr_ctrl.results.obstacles import distance, nearest
-from wmr_ctrl.theory.corridor.clearance import find_clearance, rounded
+from wmr_ctrl.theory.corridor.clearance import find_clearance
 from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
 

@@ -129,7 +129,7 @@ def test_the_scenario_runs_behind_its_filter(found):
     scenario = loads_scenario(found.to_toml())
 
     assert scenario == found.scenario
-    assert scenario.filter.kind == "governor"
+    assert scenario.filter.kind == "clip"
     command_filter(scenario)
     run = simulate(scenario, "kanayama", overrides={"clock.duration": 1.0})
     assert run.monitor.violations == 0

@@ -108,7 +108,7 @@ def test_what_was_found_is_told_in_order(guarded, monkeypatch, tmp_path):
     monkeypatch.setattr(gains, "table_of", table_of)
     monkeypatch.setattr(gains, "certified_corridor", corridor)
     monkeypatch.setattr(gains, "find_corridor", corridor)
-    monkeypatch.setattr(gains, "library", lambda *_: None)
+    monkeypatch.setattr(gains, "proofs", lambda: None)
     told = {"seeds": [1], "test_seeds": [2], "trials": 12, "merit": "corridor"}
     found = tune(guarded, "mb", tmp_path / "a.toml", **told)
     first, last = (cost.sentence for cost in found.objective)
