@@ -254,12 +254,12 @@ def public_names() -> str:
 
 
 def results() -> str:
-    """What the functions take and return."""
+    """Public types: arguments and results of the functions."""
     return "\n\n".join(_documented(f"wmr_ctrl.{name}") for name in _public(classes=True))
 
 
 def building() -> str:
-    """What an extension is made of, without its constants."""
+    """Public names for authors of extensions, without the constants."""
     names = (name for name in extend.__all__ if callable(getattr(extend, name)))
     return "\n\n".join(_documented(f"wmr_ctrl.extend.{name}") for name in names)
 

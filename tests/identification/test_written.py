@@ -1,4 +1,4 @@
-"""What `identify` writes: what was stated or found; anything else is called assumed."""
+"""`identify` writes what was stated or found, and lists everything else as assumed."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ from .logs.samples import Samples, held_speeds, motion_of
 from .refuted import explaining, guard_bounds, held_out, usable_speeds
 from .stated import (
     LEAST_SEEN,
-    UNFOUNDED,
+    NOT_SHOWN,
     believed,
     with_limits,
     within_reach,
@@ -180,7 +180,7 @@ def identify(
     fit = _of_torques if base == "torque" else of_velocities
     identified = fit(raw.name, samples, scenario, remarks, tell)
     result = written(identified.scenario)
-    words |= {key: UNFOUNDED for key in result.assumed if key.startswith(("filter.", "guard."))}
+    words |= {key: NOT_SHOWN for key in result.assumed if key.startswith(("filter.", "guard."))}
     identified = replace(identified, scenario=result, words=words)
     if progress:
         progress(1.0)

@@ -16,11 +16,14 @@ from .logs.log import Log
 from .logs.samples import Samples, held_speeds
 
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
-BARRIER_FROM, LEAST_SEEN, MOST_FAR = 0.8, 1e-3, 2.0
-"""Share of a limit from which the barrier acts; least speed [m/s, rad/s] that is motion; largest
-limit of a guard over the largest speed of the log, and command over one that is near it."""
+BARRIER_FROM = 0.8
+"""Share of a limit from which the barrier acts."""
+LEAST_SEEN = 1e-3
+"""Least speed that counts as motion [m/s, rad/s]."""
+MOST_FAR = 2.0
+"""Largest ratio of a limit to a speed, or of two commands, over which a log is extrapolated."""
 SEEN = "seen in the log, not your limit"
-UNFOUNDED = "the log does not show that it holds up to limits.v_u1"
+NOT_SHOWN = "the log does not show that it holds up to limits.v_u1"
 
 
 def believed(

@@ -202,11 +202,10 @@ def _filtered(
         remarks.append(f"the filter is off: {missing[0]} never changed. Drive both axes.")
         return off
     seen = [fit for fit in fits if fit is not None]
-    stated = override(result, {"filter.kind": "clip"})
-    kind = _filter_kind(stated, seen, peaks, quickest, remarks)
+    kind = _filter_kind(result, seen, peaks, quickest, remarks)
     if kind == "none":
         return off
-    stated = override(stated, {"filter.kind": kind})
+    stated = override(result, {"filter.kind": kind})
     try:
         settle(stated, None)
         check_filter(stated)
@@ -231,7 +230,7 @@ def _filter_kind(
     """
     limits, units = stated.limits.v_u1, ("m/s", "rad/s")
     known = [_largest_command(fit) for fit in fits]
-    sent = [(V - item.push) / item.gain for V, item in zip(limits, peaks, strict=True)]
+    sent = _largest_sent(stated, peaks)
     for V, u, item, most, unit in zip(limits, sent, peaks, known, units, strict=True):
         if most * (1 + 1e-9) < u:
             remarks.append(
@@ -269,9 +268,8 @@ def _never_sent(
 ) -> bool:
     """Whether the log has no command near the largest that is sent, in a direction, and remarks."""
     before = len(remarks)
-    rows = zip(stated.limits.v_u1, fits, peaks, COMMAND, ("m/s", "rad/s"), strict=True)
-    for V, fit, item, column, unit in rows:
-        most = (V - item.push) / item.gain
+    rows = zip(_largest_sent(stated, peaks), fits, COMMAND, ("m/s", "rad/s"), strict=True)
+    for most, fit, column, unit in rows:
         for ahead in (1, -1):
             sent = ahead * fit.log.sent
             if not ((sent >= most / MOST_FAR) & (sent <= most)).any():
@@ -280,6 +278,11 @@ def _never_sent(
                     f"{unit}: that the base follows in proportion there is assumed. Drive there."
                 )
     return len(remarks) > before
+
+
+def _largest_sent(stated: Scenario, peaks: list[PeakGain]) -> list[float]:
+    """Largest command of each axis that a clip sends [m/s, rad/s]."""
+    return [(V - item.push) / item.gain for V, item in zip(stated.limits.v_u1, peaks, strict=True)]
 
 
 def _largest_command(fit: LoopFit) -> float:
