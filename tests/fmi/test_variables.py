@@ -24,7 +24,7 @@ from wmr_ctrl.export.fmi.files import Sources, write_archive
 from wmr_ctrl.export.fmi.fmu_files import model_of
 from wmr_ctrl.export.fmi.model_description import FmuModel, Role, orders
 from wmr_ctrl.export.fmi.ssp import SAME_AS, _joined
-from wmr_ctrl.export.fmi.units import unit_of
+from wmr_ctrl.export.fmi.units import per_second, unit_of
 from wmr_ctrl.export.fmi.xml import _structure, _unknown, description
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -169,6 +169,24 @@ def test_a_unit_is_so_many_of_the_base_units(unit: str, factor: float) -> None:
 )  # fmt: skip
 def test_a_unit_measures_what_its_definition_does(unit: str, same: str) -> None:
     assert unit_of(unit).exponents == unit_of(same).exponents
+
+
+@pytest.mark.parametrize(
+    ("unit", "rate"),
+    [("m", "m/s"), ("m/s", "m/s2"), ("rad/s2", "rad/s3"), ("kg.m2/s", "kg.m2/s2"), ("N.m", "N.m/s"),
+     ("N/m", "N/m/s"), ("1/s", "1/s2"), ("m/s/kg", "m/s/kg/s"), ("m/ms", "m/ms/s"), ("1", "1/s")],
+)  # fmt: skip
+def test_rate_of_a_unit_is_that_unit_over_seconds(unit: str, rate: str) -> None:
+    state, found = unit_of(unit), unit_of(per_second(unit))
+    seconds = {key: state.exponents.get(key, 0) - (key == "s") for key in ("kg", "m", "s", "rad")}
+
+    assert found.name == rate
+    assert found.factor == state.factor
+    assert found.exponents == {key: power for key, power in seconds.items() if power}
+
+
+def test_rate_of_a_state_without_unit_has_none() -> None:
+    assert per_second("") == ""
 
 
 @pytest.mark.parametrize("name", ["rad", "rad/s"])

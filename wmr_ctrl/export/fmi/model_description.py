@@ -16,6 +16,8 @@ from wmr_ctrl.core.signals import LARGEST, Signal
 from wmr_ctrl.world.model.system import Port
 from wmr_ctrl.world.scenario import Scenario
 
+from .units import per_second
+
 ARRAY_FROM = 8
 """Vectors of one unit with at least so many elements are arrays in FMI 3."""
 
@@ -109,10 +111,9 @@ def state_rows(
 def rate_rows(states: Iterable[Variable]) -> Iterator[Variable]:
     """Rows of the states' rates, der(x)."""
     for state in states:
-        name, unit = state.name, state.unit
-        rate = f"{unit}/s" if "/" not in unit else f"{unit.split('/')[0]}/s2"
+        name, unit = state.name, per_second(state.unit)
         meaning = f"rate of {name}"
-        yield Variable(f"der({name})", rate, meaning, Role.CALCULATED, rate_of=name)
+        yield Variable(f"der({name})", unit, meaning, Role.CALCULATED, rate_of=name)
 
 
 def output_rows(

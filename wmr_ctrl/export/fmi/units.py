@@ -77,6 +77,15 @@ def unit_of(name: str) -> NamedUnit:
     return NamedUnit(name, factor, {key: value for key, value in exponents.items() if value})
 
 
+def per_second(name: str) -> str:
+    """Name of the unit of a quantity's rate: ``m/s2`` for ``m/s``; "" where none is stated."""
+    if not name:
+        return ""
+    if seconds := re.search(r"(?<=/)s(\d*)$", name):
+        return f"{name[: seconds.start()]}s{int(seconds[1] or 1) + 1}"
+    return f"{name}/s"
+
+
 def units_of(names: Iterable[str]) -> list[NamedUnit]:
     """The different units among ``names``, in the order of their names."""
     return [unit_of(name) for name in sorted(set(names))]
