@@ -68,3 +68,12 @@ def test_python_example_runs() -> None:
 
     assert fewer != code
     exec(compile(fewer, "README.md", "exec"), {})
+
+
+def test_fmu_readme_lists_every_folder_and_nothing_else():
+    folder = ROOT / "fmu"
+    tables = (folder / "README.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| `([\w/]+)/` \|", tables, flags=re.M)
+    found = {path.name for path in folder.iterdir() if path.is_dir()}
+
+    assert sorted(listed) == sorted({*found, "fmi/headers"})
