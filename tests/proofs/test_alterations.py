@@ -1,27 +1,22 @@
 """One altered sign or constant in barrier, laws or model, and the ledger's verdict changes.
 
-A copy of the altered function runs in place of the original for the time of the test; only entries
-whose graph holds the altered part are checked.
+Only entries whose graph holds the altered part are checked.
 """
 
 from __future__ import annotations
 
-import inspect
-import textwrap
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FunctionType
+from collections.abc import Callable
 
 import pytest
 
+from tests.proofs.anew import altered, claim_of, verdict
 from wmr_ctrl.control.barrier import printed as barrier
 from wmr_ctrl.control.barrier import stable as stable_barrier
 from wmr_ctrl.control.laws import mb, nn
 from wmr_ctrl.results.ledger import load
 from wmr_ctrl.world.model import dynamics, kinematics
 from wmr_proofs.check import graph_hash
-from wmr_proofs.claim import CLAIMED, Claim
-from wmr_proofs.claims import all_claims, forget
+from wmr_proofs.claims import all_claims
 
 AXIS, SMOOTH = stable_barrier.Axis, stable_barrier.SmoothAxis
 GRADIENT = '0.5 * context.per_axis("w") / context.per_axis("q")'
@@ -61,30 +56,6 @@ ALTERATIONS = [
 ]
 
 
-@contextmanager
-def altered(function: Callable, old: str, new: str) -> Iterator[None]:
-    """The function with ``new`` for the first ``old``, wherever it was imported to."""
-    assert isinstance(function, FunctionType)
-    lines = textwrap.dedent(inspect.getsource(function)).splitlines()
-    source = "\n".join(line for line in lines if not line.startswith("@"))
-    head, body = source.split('"""', 1)[0], source.split('"""', 2)[2]
-    assert old in body, source
-    space: dict = {}
-    exec(
-        compile(head + "pass" + body.replace(old, new, 1), "altered", "exec"),
-        dict(function.__globals__),
-        space,
-    )
-    original = function.__code__
-    function.__code__ = space[function.__name__].__code__
-    forget()
-    try:
-        yield
-    finally:
-        function.__code__ = original
-        forget()
-
-
 @pytest.mark.parametrize(
     ("function", "old", "new", "ids"),
     ALTERATIONS,
@@ -105,15 +76,8 @@ def changes_a_verdict(function: Callable, old: str, new: str, ids: str) -> str:
         return next(changed, "")
 
 
-def verdict(claim: Claim) -> str:
-    """What the methods say of a claim now; which functions it names does not matter here."""
-    assert claim.statement is not None
-    assert claim.method is not None
-    return claim.method.decide(claim.statement(CLAIMED)).verdict
-
-
 def test_the_original_is_put_back() -> None:
-    claim = next(claim for claim in all_claims() if claim.id == "eq74")
+    claim = claim_of("eq74")
     before = graph_hash(claim)
     with altered(barrier.a_term, "v - c", "v + c"):
         assert graph_hash(claim) != before

@@ -1,0 +1,59 @@
+"""Prove a claim from the graphs as they are now, without the committed ledger."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FunctionType
+
+from wmr_proofs.claim import CLAIMED, MUTATED, Claim
+from wmr_proofs.claims import all_claims, forget
+
+
+def claim_of(key: str) -> Claim:
+    """The claim with this id."""
+    return next(claim for claim in all_claims() if claim.id == key)
+
+
+def verdict(claim: Claim) -> str:
+    """What the claim's own method says of its statement."""
+    assert claim.statement is not None
+    assert claim.method is not None
+    return claim.method.decide(claim.statement(CLAIMED)).verdict
+
+
+def assert_proved(key: str) -> None:
+    """The claim is proved, some point meets its hypotheses, and the claim altered is refuted."""
+    claim = claim_of(key)
+    assert claim.statement is not None
+    assert claim.method is not None
+    found = claim.method.decide(claim.statement(CLAIMED))
+    assert found.verdict == "PROVED", key
+    assert found.point is not None, f"{key}: no point meets the hypotheses"
+    assert claim.method.decide(claim.statement(MUTATED)).verdict == "REFUTED", key
+
+
+@contextmanager
+def altered(function: Callable, old: str, new: str) -> Iterator[None]:
+    """Run the function with ``new`` in place of the first ``old``, wherever it was imported."""
+    assert isinstance(function, FunctionType)
+    lines = textwrap.dedent(inspect.getsource(function)).splitlines()
+    source = "\n".join(line for line in lines if not line.startswith("@"))
+    head, body = source.split('"""', 1)[0], source.split('"""', 2)[2]
+    assert old in body, source
+    space: dict = {}
+    exec(
+        compile(head + "pass" + body.replace(old, new, 1), "altered", "exec"),
+        dict(function.__globals__),
+        space,
+    )
+    original = function.__code__
+    function.__code__ = space[function.__name__].__code__
+    forget()
+    try:
+        yield
+    finally:
+        function.__code__ = original
+        forget()
