@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from fnmatch import fnmatch
 from fractions import Fraction
 from pathlib import Path
 
@@ -26,22 +25,8 @@ from wmr_proofs.methods.spec import versions
 from wmr_proofs.runner import hashes, selected
 
 IDS = [claim.id for claim in all_claims()]
-LONG = ("eq57", "eq58", "eq6", "eq7", "eq8", "authority.", "filter.slew-sent")
-LATER = (
-    "authority.*-angular", "eq6[79]*", "eq7[0-3]", "eq82-83",
-    "guard.assembled.*rotation-first-*",
-)  # fmt: skip
-"""Entries of long graphs or tables whose function or network others speak of too."""
-QUICK = [
-    "eq03",
-    "eq25",
-    "eq25.printed",
-    "eq79.printed",
-    "eq86",
-    "thm1.global",
-    "authority.limit-reached",
-    "lemma.log",
-]
+EACH = 6
+"""Of the entries in their order every sixth is looked at by default, and all with ``slow``."""
 
 
 def test_ids_are_unique_and_those_of_the_committed_ledger() -> None:
@@ -49,40 +34,13 @@ def test_ids_are_unique_and_those_of_the_committed_ledger() -> None:
     assert [entry.id for entry in load().entries] == IDS
 
 
-def one_of_each_function() -> set[str]:
-    """An entry of each function that claims, but for those whose graphs or tables take long."""
-    by_function = {
-        getattr(claim.statement, "func", claim.statement): claim.id
-        for claim in all_claims()
-        if claim.statement and not claim.id.startswith(LONG)
-    }
-    return set(by_function.values())
-
-
-def seen_by_default() -> set[str]:
-    """Every third of them in their order, so that each file of claims has its share."""
-    return {*[key for key in IDS if key in one_of_each_function()][::3]}
-
-
 def test_no_committed_verdict_is_about_another_graph() -> None:
-    ids = seen_by_default()
-
-    assert len(ids) > 70
-    assert stale(hashes(ids), load()) == []
+    assert stale(hashes(set(IDS[::EACH])), load()) == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("later", [False, True])
-def test_nor_is_any_about_another_graph_network_or_table(later: bool) -> None:
-    """Entries that neither the test above nor the one that proves again looks at.
-
-    tests/many_cases.txt leaves those that are LATER to `--every-case`.
-    """
-    apart = {key for key in IDS if any(fnmatch(key, pattern) for pattern in LATER)}
-    others = (apart if later else set(IDS) - apart) - seen_by_default() - set(proved_again())
-
-    assert len(apart) > 20
-    assert stale(hashes(others), load()) == []
+def test_nor_is_that_of_any_other_entry() -> None:
+    assert stale(hashes(set(IDS) - set(IDS[::EACH])), load()) == []
 
 
 def test_what_other_versions_decided_is_proved_again() -> None:
@@ -120,10 +78,17 @@ def test_committed_counterexamples_still_refute() -> None:
     assert [c.id for c in refuted if not refutes(c, committed[c.id])] == []
 
 
+def cheapest_of_each_verdict() -> list[str]:
+    """One entry of each verdict that the ledger has."""
+    costliest_first = sorted(load().entries, key=lambda entry: -entry.seconds)
+    return list({entry.verdict: entry.id for entry in costliest_first}.values())
+
+
 def test_a_selection_runs_and_agrees_with_the_committed_ledger() -> None:
     seen = []
+    ids = cheapest_of_each_verdict()
 
-    ledger = prove(QUICK, lambda share, entry: seen.append(share), processes=1)
+    ledger = prove(ids, lambda share, entry: seen.append(share), processes=1)
 
     assert exit_code(ledger, load(), complete=False) == 0
     assert len(seen) == len(ledger.entries)
@@ -279,7 +244,7 @@ the committed one, so is what was proved."""
 
 def proved_again() -> list[str]:
     """Every sixth of those that cost less: what solves is tested on them, and by the methods."""
-    return [entry.id for entry in load().entries if entry.seconds < COSTLY][::6]
+    return [entry.id for entry in load().entries if entry.seconds < COSTLY][::EACH]
 
 
 @pytest.mark.slow

@@ -1,8 +1,8 @@
 """The velocity guard that acts at once, as docs/guarantee.md states it.
 
 M v' = F - F1 + d on each axis, F held over the period T.  M lies between M_min and M_max and may
-change, friction never accelerates, |d| <= dbar, and the measured velocity is within nbar.  Then, for
-every law: inside stays inside, outside comes back, and there is always a safe force.
+change, friction never accelerates, |d| <= dbar, and the measured velocity is within nbar.  Then for
+every law inside stays inside, outside comes back, and there is always a safe force.
 """
 
 from __future__ import annotations

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from wmr_ctrl.results.ledger import Entry, load
-from wmr_proofs.check import check
 from wmr_proofs.claim import PRINTED, Claim
 from wmr_proofs.claims import all_claims
 
@@ -18,18 +17,6 @@ LATE = {"guard.delay.longer", "guard.delay.ignored", "guard.delay.uncapped"}
 LATEST = {"guard.late.half", "guard.late.unmixed", "guard.varying.unvaried"}
 REFUTED = {"guard.too-fast", "wheels.per-wheel", *LATE, *LATEST}
 KNOWN = load().by_id()
-SAMPLE = (
-    "gain.none guard.too-fast guard.graceful guard.delay.room guard.late.tail guard.late.half "
-    "guard.varying.moved guard.rounding.single wheels.reach world.push prox.margin-smooth "
-    "prox.newton-angular transport.root smooth.convex"
-)
-"""Quick ones of each kind and method; test_claims.py proves all, the slow test of it."""
-
-
-@pytest.mark.parametrize("key", SAMPLE.split())
-def test_verdict(key: str) -> None:
-    """The committed functions are tried first, which is faster."""
-    assert_as_due(CLAIMS[key], check(CLAIMS[key], KNOWN[key]))
 
 
 def test_committed_verdicts_are_those_that_are_due() -> None:
