@@ -1,0 +1,118 @@
+"""Compare a result that another tool wrote with the reference result of one of our FMUs.
+
+    python -m tests.importers.match result.csv wmr_plant.fmi2.fmu
+
+Exit code 0: every common column agrees in every common instant; 1: one does not; 2: there is
+nothing to compare.  Only the standard library is used, so that it runs beside any tool.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import sys
+import zipfile
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+REFERENCE = "extra/org.wmr-ctrl/reference.csv"
+SAME_TIME = 1e-6
+"""Times [s] that are nearer to each other are the same instant."""
+LEAST = 10
+"""Fewer common instants are no comparison."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Times [s] and columns of a result."""
+
+    times: list[float]
+    columns: dict[str, list[float]]
+
+
+class NothingToCompareError(Exception):
+    """A file that is no result, or two that have no columns or instants in common."""
+
+
+def table(text: str, where: str) -> Table:
+    """The result in a CSV text whose first column, or that named time, is the time."""
+    rows = [row for row in csv.reader(io.StringIO(text)) if row]
+    try:
+        names = [name.strip().strip('"') for name in rows[0]]
+        numbers = [[float(cell) for cell in row] for row in rows[1:]]
+        columns = {name: [row[i] for row in numbers] for i, name in enumerate(names)}
+    except (IndexError, ValueError) as error:
+        raise NothingToCompareError(f"{where} is no table of numbers: {error}.") from None
+    times = columns.pop("time" if "time" in columns else names[0])
+    return Table(times, columns)
+
+
+def read(path: Path) -> Table:
+    """A result in a CSV file, or the reference result inside of an FMU."""
+    try:
+        if not zipfile.is_zipfile(path):
+            return table(path.read_text(encoding="utf-8"), str(path))
+        with zipfile.ZipFile(path) as archive:
+            return table(archive.read(REFERENCE).decode(), f"{REFERENCE} of {path}")
+    except (OSError, KeyError, UnicodeDecodeError) as error:
+        raise NothingToCompareError(f"{path} cannot be read: {error}.") from None
+
+
+def pairs(found: Sequence[float], wanted: Sequence[float]) -> list[tuple[int, int]]:
+    """Rows of the same instant.
+
+    A tool may write two rows for an instant at which something is sampled: the last one counts.
+    """
+    rows, place = [], 0
+    for k, time in enumerate(wanted):
+        while place < len(found) and found[place] < time - SAME_TIME:
+            place += 1
+        last = place
+        while last < len(found) and found[last] <= time + SAME_TIME:
+            last += 1
+        if last > place:
+            rows.append((last - 1, k))
+    return rows
+
+
+def differences(found: Table, wanted: Table, only: Iterable[str] = ()) -> dict[str, float]:
+    """Largest difference of each common column, in its unit."""
+    asked = set(only) or set(wanted.columns)
+    common = [name for name in wanted.columns if name in asked and name in found.columns]
+    if missing := set(only) - set(common):
+        raise NothingToCompareError(f"{', '.join(sorted(missing))}: not in both results.")
+    rows = pairs(found.times, wanted.times)
+    if not common or len(rows) < LEAST:
+        raise NothingToCompareError(
+            f"{len(common)} common columns at {len(rows)} common instants: nothing to compare. The "
+            f"result has {', '.join(found.columns)}."
+        )
+    return {
+        name: max(abs(found.columns[name][i] - wanted.columns[name][k]) for i, k in rows)
+        for name in common
+    }
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("result", type=Path)
+    parser.add_argument("reference", type=Path, help="one of our FMUs, or a CSV file")
+    parser.add_argument("--tolerance", type=float, default=1e-9, help="in each column's unit")
+    parser.add_argument("--columns", nargs="*", default=[], help="only these; all must be there")
+    given = parser.parse_args(arguments)
+    try:
+        worst = differences(read(given.result), read(given.reference), given.columns)
+    except NothingToCompareError as error:
+        print(error, file=sys.stderr)
+        return 2
+    for name, difference in sorted(worst.items(), key=lambda item: -item[1]):
+        print(f"{name:24} {difference:.3g}")
+    kept = all(difference <= given.tolerance for difference in worst.values())
+    print(f"{'AGREES' if kept else 'DIFFERS'} to {given.tolerance:g} in {len(worst)} columns")
+    return 0 if kept else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
