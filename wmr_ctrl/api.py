@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
-from wmr_ctrl.control.given import scenario_of
+from wmr_ctrl.control.given import law_of, scenario_of
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.export import api_types as types
@@ -42,7 +42,7 @@ ENGINES = ("native", "numpy", "fmu")
 @checks_arguments
 def simulate(
     scenario: str | Path | Scenario,
-    law: str = "nn",
+    law: str | None = None,
     *,
     seed: int = 0,
     engine: str = "native",
@@ -53,12 +53,13 @@ def simulate(
 ) -> Run:
     """Run ``law`` on ``scenario`` and return the Run.
 
-    ``engine`` is "native" (compiled C), "numpy" (the same graphs without a compiler, slower) or
-    "fmu" (our own FMUs of reference, controller and plant, coupled in order); ``plant`` is "ode"
-    (the paper's plane model) or "mujoco" (a rigid body on tyres, [body] of the scenario: extra
-    physics, engine native); ``guard`` switches the velocity guard on or off (None: as the scenario
-    says).  A run that breaks the velocity limit, diverges or becomes non-finite is returned with
-    that outcome.  Raises UnknownNameError, ScenarioError, ArgumentError (seed) or CompilerError.
+    ``law`` None is the scenario's own, else kanayama.  ``engine`` is "native" (compiled C), "numpy"
+    (the same graphs without a compiler, slower) or "fmu" (our own FMUs of reference, controller and
+    plant, coupled in order); ``plant`` is "ode" (the paper's plane model) or "mujoco" (a rigid body
+    on tyres, [body] of the scenario: extra physics, engine native); ``guard`` switches the velocity
+    guard on or off (None: as the scenario says).  A run that breaks the velocity limit, diverges or
+    becomes non-finite is returned with that outcome.  Raises UnknownNameError, ScenarioError,
+    ArgumentError (seed) or CompilerError.
 
     >>> run = simulate("paper-simulation-nominal", "pid", overrides={"clock.duration": 5.0})
     >>> print(run.outcome)
@@ -69,6 +70,7 @@ def simulate(
     from wmr_ctrl.simulation.engines import check_plant, run_compiled, run_numpy, runnable
 
     chosen = scenario_of(scenario, overrides, guard)
+    law = law_of(chosen, law)
     checked_seeds([seed])
     check_plant(plant, engine)
     if plant == "mujoco":
@@ -87,7 +89,7 @@ def simulate(
 @checks_arguments
 def simulate_runs(
     scenario: str | Path | Scenario,
-    law: str = "nn",
+    law: str | None = None,
     seeds: Iterable[int] = range(20),
     *,
     plant: str = "ode",
@@ -112,14 +114,15 @@ def simulate_runs(
     from wmr_ctrl.simulation.engines import check_device, runs_of
 
     check_device(device, plant)
-    run = plant, scenario_of(scenario, overrides, guard), law
+    chosen = scenario_of(scenario, overrides, guard)
+    run = plant, chosen, law_of(chosen, law)
     return runs_of(*run, checked_seeds(seeds), jobs, progress, device)
 
 
 @checks_arguments
 def simulate_many(
     scenario: str | Path | Scenario,
-    law: str = "nn",
+    law: str | None = None,
     seeds: Iterable[int] = range(20),
     overrides: types.Overrides | Sequence[types.Overrides] | None = None,
     *,
@@ -154,7 +157,8 @@ def simulate_many(
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
     rows = None if starts is None else checked_starts(starts, scenarios)
-    return table_of(plant, scenarios, law, listed, rows, tuple(figures), jobs, progress, device)
+    own = law_of(scenarios[0], law)
+    return table_of(plant, scenarios, own, listed, rows, tuple(figures), jobs, progress, device)
 
 
 @checks_arguments
@@ -257,12 +261,19 @@ def cosimulate(
 
 @checks_arguments
 def linearize(
-    scenario: str | Path | Scenario, law: str = "nn", at: float | None = None, guard: bool = False
+    scenario: str | Path | Scenario,
+    law: str | None = None,
+    at: float | None = None,
+    guard: bool = False,
 ) -> LinearReport:
-    """Poles, margins, limits at time ``at`` [s]; with ``guard``, refused where it acts then."""
+    """Poles, margins, limits at time ``at`` [s]; with ``guard``, refused where it acts then.
+
+    ``law``: as in `simulate`.
+    """
     from wmr_ctrl.theory.linear import report_linear
 
-    return report_linear(scenario_of(scenario), law, at, guard=guard)
+    chosen = scenario_of(scenario)
+    return report_linear(chosen, law_of(chosen, law), at, guard=guard)
 
 
 @checks_arguments

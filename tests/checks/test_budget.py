@@ -65,7 +65,7 @@ def test_known_instability_is_told_without_its_limit():
 
 
 def test_run_whose_law_was_not_checked_says_so(monkeypatch):
-    monkeypatch.setattr(outlook, "warnings_for", lambda setup: warnings_for(setup, LITTLE))
+    monkeypatch.setattr(outlook, "warnings_heard", lambda setup, _: warnings_for(setup, LITTLE))
     outlook._outlook.cache_clear()
     run = simulate("turtlebot3-burger", "nn", overrides={"clock.duration": 2.0}, engine="numpy")
     (said,) = [item.text for item in run.remarks if item.key == NOT_CHECKED]

@@ -37,7 +37,7 @@ def test_result_goes_to_stdout_and_talk_to_stderr(program):
 
     assert done.returncode == 0
     assert json.loads(done.stdout)["outcome"] == "completed"
-    assert done.stderr.startswith("warning: ")
+    assert done.stderr.startswith("law nn: stated in the scenario\nwarning: ")
 
 
 def test_the_package_is_the_program_too(environment, tmp_path):
@@ -144,7 +144,7 @@ def test_what_is_done_is_named_where_a_library_makes_an_error_of_an_interruption
 def test_interruption_is_exit_code_130_and_leaves_nothing(started, tmp_path):
     args = ("run", "--engine", "numpy", "--set", "clock.duration=4000", "--out", "a.npz")
     process = started(*args, stdout=PIPE)
-    assert process.stderr.readline().startswith("warning: ")
+    assert process.stderr.readline().startswith("law nn: ")
     stdout, stderr = interrupted(process)
 
     assert process.returncode == 130

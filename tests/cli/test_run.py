@@ -306,7 +306,7 @@ def test_a_co_simulation_names_gains_of_other_laws_than_its_own(law, idle, monke
     stated = ("--set", "gains.nn.eta=1", "--set", "gains.mb.rho=15,57")
     found = CliRunner().invoke(root, ["cosim", *law, *stated])
 
-    assert found.stderr.startswith(f"note: without effect here: gains.{idle}.")
+    assert f"note: without effect here: gains.{idle}." in found.stderr
 
 
 def test_export_says_why_a_reference_result_is_missing(wmr, tmp_path, monkeypatch):

@@ -54,14 +54,14 @@ def asked(monkeypatch: pytest.MonkeyPatch, run: Run) -> list[tuple[str, int]]:
 
 def test_every_law_is_compared_with_the_seed_that_was_given(asked) -> None:
     list(compare._simulated(["far-start"], ["pid", "mb"], 7, (), None))
-    runs._simulated(Scenario(), "prox", 5, "numpy", "ode")
+    runs._simulated(Scenario(), "prox", True, 5, "numpy", "ode")
 
     assert asked == [("pid", 7), ("mb", 7), ("prox", 5)]
 
 
 def test_before_a_run_objections_are_warnings_and_notes_are_notes(asked, monkeypatch, capsys):
-    monkeypatch.setattr(checks, "warnings_for", lambda *_: (ONE, NOTED))
-    runs._simulated(Scenario(), "prox", 0, "numpy", "ode")
+    monkeypatch.setattr(checks, "warnings_heard", lambda *_: (ONE, NOTED))
+    runs._simulated(Scenario(), "prox", True, 0, "numpy", "ode")
     said = capsys.readouterr().err
 
     assert "warning: `wmr-ctrl check` objects to robot.m, and says why." in said
@@ -171,7 +171,7 @@ def test_stable_periods_are_in_milliseconds(shortest: float, period: float, cell
 
 
 def test_grip_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "warnings_for", lambda *_: (ONE,))
+    monkeypatch.setattr(checks, "warnings_heard", lambda *_: (ONE,))
     monkeypatch.setattr(checks, "grip_warnings", lambda _: (OTHER,))
     monkeypatch.setattr(checks, "stability", lambda *_: Stability(0.0, inf, None, None, 1e-4))
     monkeypatch.setattr(check, "_runs", lambda *_: {})

@@ -103,7 +103,7 @@ def test_simulations():
 def test_defaults_are_the_simulation_without_the_switch():
     preset = load_scenario("paper-simulation-no-switch")
 
-    assert Scenario(name=preset.name, title=preset.title) == preset
+    assert Scenario(name=preset.name, title=preset.title, law="nn") == preset
 
 
 def test_experiment():

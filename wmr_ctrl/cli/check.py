@@ -50,7 +50,7 @@ def check(
     laws, work = (named, inf) if named else (tuple(LAWS), OF_LAW)
     opt.note_idle(case, scenario, assignments, laws)
     note_missing_proofs()
-    answers = about.find_answers(case, laws, taken, None if as_json else only, work)
+    answers = about.find_answers(case, laws, taken, None if as_json else only, work, named)
     if as_json:
         print_json(about.document(answers))
     elif only:

@@ -70,11 +70,12 @@ def find_answers(
     taken: Sequence[InheritedValue],
     only: str | None,
     work: float = inf,
+    asked: Sequence[str] = (),
 ) -> Answers:
     """Answers for these laws; ``only``: as far as findings on this subject need them.
 
-    ``work``: the most for warnings, and for stable ranges, of a law
-    (`wmr_ctrl.theory.checks.budget`).
+    ``asked``: those that were named; ``work``: the most for warnings, and for stable ranges, of a
+    law (`wmr_ctrl.theory.checks.budget`).
     """
     warned, stable, tubes, bare = {}, {}, {}, only == "corridor"
     with Progress("what theory says") as progress:
@@ -83,7 +84,8 @@ def find_answers(
             progress(count / len(laws))
             tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
             tyres = (replace(item, objects=False) for item in checks.grip_warnings(setup))
-            warned[law] = () if bare else (*checks.warnings_for(setup, work), *tyres)
+            heard = () if bare else checks.warnings_heard(setup, law in asked, work)
+            warned[law] = () if bare else (*heard, *tyres)
             if not bare:
                 stable[law] = _stability(case, law, work)
         runs = {} if only in UNRUN else _runs(case, laws, progress)

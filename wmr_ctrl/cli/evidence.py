@@ -151,7 +151,7 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
 @opt.json_option("Print all figures as one JSON document.")
 def linearize(
     scenario: str,
-    law: str,
+    law: str | None,
     assignments: tuple[str, ...],
     at: float | None,
     guard: bool,
@@ -170,9 +170,10 @@ def linearize(
     if plot:
         opt.check_folder(plot, "--plot")
     case = opt.load(scenario, assignments)
-    opt.note_idle(case, scenario, assignments, [law])
-    with Progress(f"{law}, linearised") as progress:
-        report = report_linear(case, law, at, guard=guard, progress=progress)
+    chosen = opt.law_of(case, law)
+    opt.note_idle(case, scenario, assignments, [chosen])
+    with Progress(f"{chosen}, linearised") as progress:
+        report = report_linear(case, chosen, at, guard=guard, progress=progress)
         progress.start(1, "pictures")
         paths = report.plots(plot, progress) if plot else ()
     if as_json:

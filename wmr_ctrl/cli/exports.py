@@ -38,9 +38,8 @@ WITHOUT_LAW = ("plant", "reference", "guard", "filter")
 )
 @click.option(
     "--law",
-    default="nn",
     metavar="NAME",
-    help=f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}.",
+    help=f"Law for {', '.join(WITH_LAW[:-1])} and {WITH_LAW[-1]}.  {opt.OWN_LAW}",
 )
 @opt.scenario_option
 @opt.set_option
@@ -80,7 +79,9 @@ def export(
     _refuse_unread(what, options.keys() - given)
     opt.check_folder(out, "--out")
     case = opt.load(scenario, assignments)
-    _note_idle(what, options.get("law"), case, scenario, assignments)
+    if what in WITH_LAW:
+        given["law"] = opt.law_of(case, cast("str | None", options["law"]))
+    _note_idle(what, given.get("law"), case, scenario, assignments)
     given |= {"scenario": case, "out": out}
     with Progress(f"export {what}", measured=False), catch_warnings(record=True) as lacking:
         paths = api.export_fmu(what, **cast("ExportOptions", given))
@@ -139,10 +140,10 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
     "wmr-ctrl codegen filter --scenario mine.toml --ros2 --out node",
     "wmr-ctrl codegen corridor --law prox --scenario mine.toml --out c",
 )
-@click.argument("law")
+@click.argument("law", required=False)
 @opt.scenario_option
 @opt.set_option
-@click.option("--law", "watched", metavar="NAME", help="corridor: the law whose corridor it is.")
+@click.option("--law", "watched", metavar="NAME", help="corridor: its law.  " + opt.OWN_LAW)
 @click.option("--float32", is_flag=True, help="Single precision throughout.")
 @click.option(
     "--ros2", is_flag=True, help="Write the filter as a ROS 2 node in C that needs only rcl."
@@ -156,7 +157,7 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
 )
 @click.option("--out", required=True, metavar="DIR", help="Folder to write into.")
 def codegen(
-    law: str,
+    law: str | None,
     scenario: str,
     assignments: tuple[str, ...],
     watched: str | None,
@@ -167,9 +168,9 @@ def codegen(
 ) -> None:
     """Write a law as C99: header, source, example, test vectors and build files.
 
-    LAW may be `filter`: the command filter of a scenario with filter.kind = "clip", "governor" or
-    "band"; or `corridor`: a monitor that says from when on the robot is in the certified corridor
-    of --law, and whether it has left it.
+    Without LAW it is the scenario's own, else kanayama. LAW may be `filter`: the command filter of
+    a scenario with filter.kind = "clip", "governor" or "band"; or `corridor`: a monitor that says
+    from when on the robot is in the certified corridor of --law, and whether it has left it.
 
     The code uses no heap, no input or output and no globals: the caller owns the law's memory.
     """
@@ -181,11 +182,10 @@ def codegen(
             "it works only with --ros2. Add --ros2, or leave --param out.", param_hint="--param"
         )
     case = opt.load(scenario, assignments)
+    law = opt.law_of(case, law)
     _refuse_unread(f"codegen {law}", ("float32", "ros2") if law == CORRIDOR else ("watched",))
-    if law == CORRIDOR and watched is None:
-        raise click.BadParameter(
-            "codegen corridor needs one: the law that drives.", param_hint="--law"
-        )
+    if law == CORRIDOR:
+        watched = opt.law_of(case, watched)
     _note_idle(law, watched, case, scenario, assignments)
     if watched is not None:
         from wmr_ctrl.results import write_all
@@ -222,7 +222,9 @@ def codegen(
 @opt.new_file("--out", "File to write", ".html", required=True)
 @opt.scenario_option
 @opt.set_option
-@opt.laws_option("laws", "A law to offer on the page instead of all.")
+@opt.laws_option(
+    "laws", "A law to offer on the page (default: the story's, else the scenario's own)."
+)
 @opt.seed_option
 def page(
     out: str, scenario: str, assignments: tuple[str, ...], laws: tuple[str, ...], seed: int
@@ -235,9 +237,12 @@ def page(
     page takes a minute or two to compile.
     """
     from wmr_ctrl import api
+    from wmr_ctrl.export.page.scenes import is_story
 
     case = opt.load(scenario, assignments)
     note_missing_proofs()
+    if not laws and not is_story(case):
+        laws = (opt.law_of(case, None),)
     with Progress("compiling the page") as progress:
         path = api.write_page(out, case, laws=laws or None, seed=seed, progress=progress)
     say("wrote", str(path))

@@ -96,7 +96,8 @@ def _seed(_: click.Context, __: click.Parameter, value: str) -> int:
 
 
 LAW = "Control law; see `wmr-ctrl laws`."
-law_option = click.option("--law", callback=one_law, default="nn", metavar="NAME", help=LAW)
+OWN_LAW = "[default: the scenario's own, else kanayama]"
+law_option = click.option("--law", callback=one_law, metavar="NAME", help=f"{LAW}  {OWN_LAW}")
 
 
 def laws_option(name: str, text: str) -> Callable[[F], F]:
@@ -176,6 +177,17 @@ def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = No
     from wmr_ctrl.world.scenario import parse_assignments
 
     return scenario_of(scenario, parse_assignments(assignments), guard)
+
+
+def law_of(case: Scenario, law: str | None) -> str:
+    """The law that is named, else the scenario's own, which is told on stderr."""
+    from wmr_ctrl.control.given import default_law
+
+    if law is not None:
+        return law
+    own = default_law(case)
+    say(f"law {own.name}", own.why)
+    return own.name
 
 
 def note_idle(

@@ -55,7 +55,7 @@ figures_option = opt.json_option("Print outcome and figures as one JSON document
 @figures_option
 def run(
     scenario: str,
-    law: str,
+    law: str | None,
     guard: bool | None,
     seed: int,
     engine: str,
@@ -77,8 +77,10 @@ def run(
 
         check_film(files["film"], plant)
     case = opt.load(scenario, assignments, guard)
-    opt.note_idle(case, scenario, assignments, [law])
-    finished = _simulated(case, law, seed, engine, plant)
+    _check_engine(engine, plant)
+    chosen = opt.law_of(case, law)
+    opt.note_idle(case, scenario, assignments, [chosen])
+    finished = _simulated(case, chosen, law is not None, seed, engine, plant)
     deliver(finished, as_json, **files)
 
 
@@ -122,18 +124,25 @@ def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None
     show(saved, as_json)
 
 
-def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str) -> Run:
+def _check_engine(engine: str, plant: str) -> None:
     from wmr_ctrl import api
-    from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.results import NOT_CHECKED
     from wmr_ctrl.simulation.engines import check_plant
-    from wmr_ctrl.theory.checks import grip_warnings, warnings_for
 
     if engine not in api.ENGINES:
         raise UnknownNameError("engine", engine, api.ENGINES)
     check_plant(plant)
+
+
+def _simulated(
+    scenario: Scenario, law: str, asked: bool, seed: int, engine: str, plant: str
+) -> Run:
+    from wmr_ctrl import api
+    from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.results import NOT_CHECKED
+    from wmr_ctrl.theory.checks import grip_warnings, warnings_heard
+
     setup = settle(scenario, law)
-    theory = (*warnings_for(setup), *(grip_warnings(setup) if plant == "mujoco" else ()))
+    theory = (*warnings_heard(setup, asked), *(grip_warnings(setup) if plant == "mujoco" else ()))
     theory = tuple(item for item in theory if item.key != NOT_CHECKED)  # the run's remarks say it
     for label, verb, objects in (("warning", "objects to", True), ("note", "has notes on", False)):
         keys = dict.fromkeys(item.key for item in theory if item.objects is objects)
@@ -186,7 +195,7 @@ def show(run: Run, as_json: bool) -> None:
     callback=opt.one_law,
     metavar="NAME",
     help=f"{opt.LAW} Not with a foreign controller.  [default: that of the controller if it is "
-    "ours, else nn]",
+    "ours, else the scenario's own, else kanayama]",
 )
 @opt.guard_option
 @click.option("--plant", metavar="FILE.fmu", help="Plant to use instead of ours.")
@@ -228,11 +237,10 @@ def cosim(
     """
     from wmr_ctrl import api
     from wmr_ctrl.export.cosim.fitting import law_within
-    from wmr_ctrl.export.cosim.run import STAND_IN
 
     case = opt.load(scenario, assignments, guard)
     file = options.get("controller")
-    read = law or (law_within(file) if file else STAND_IN)
+    read = law_within(file) if file and not law else opt.law_of(case, law)
     opt.note_idle(case, scenario, assignments, [read] if read else [])
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress

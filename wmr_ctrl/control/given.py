@@ -1,4 +1,4 @@
-"""The scenario that a caller means: a preset, a file or a Scenario, with fields overridden."""
+"""What a caller means: a preset, a file or a Scenario, with fields overridden; and its law."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,6 +8,10 @@ from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.world.scenario import Scenario, load_scenario, override
 from wmr_ctrl.world.scenario.toml_io import naming_file
 
+from .default_law import DefaultLaw as DefaultLaw
+from .default_law import default_law as default_law
+from .default_law import judges_gains as judges_gains
+from .default_law import law_of as law_of
 from .setup import check_name, check_scenario
 
 Overrides: TypeAlias = Mapping[str, object]

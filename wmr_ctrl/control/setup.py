@@ -246,8 +246,10 @@ def check_name(scenario: str) -> None:
 def check_scenario(scenario: Scenario) -> None:
     """Raise the errors of `settle` that every law has: invalid gains, reference or guard.
 
-    Of the guard that is on, what no law's own torque limit changes.
+    Of the guard that is on, what no law's own torque limit changes; UnknownNameError for its law.
     """
+    if scenario.law is not None:
+        _ = LAWS[scenario.law]
     check_gains(scenario)
     _finite_reference(scenario)
     if scenario.guard.enabled:

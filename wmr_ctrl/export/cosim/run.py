@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.given import law_of
 from wmr_ctrl.control.laws.context import own_diagnostics
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
@@ -37,8 +38,6 @@ UNTOLD = (
 )
 TELL = "Build the controller for it: --know-delay, or delay_known=True."
 IN_ORDER = "No such delay is possible here: step the parts in order (the master gauss-seidel)."
-STAND_IN = "nn"
-"""The law of a setup where none is named: sensors, drives and guard do not ask which it is."""
 
 
 @dataclass(frozen=True)
@@ -104,12 +103,12 @@ def cosimulate(
 ) -> Run:
     """Co-simulate reference, controller and plant FMUs through FMPy and return the Run.
 
-    ``law``: None is that of ``controller`` where it is one of ours, else "nn"; refused beside
-    somebody else's controller.  ``plant``, ``controller``: FMU files to use in place of those that
-    are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3).  With guard.enabled the
-    guard stands behind somebody else's controller as a further FMU, and behind one of ours that was
-    exported without it.  ``map_file``: TOML map of the names and units of FMUs that are not ours,
-    see ``cosim.mapping``.
+    ``law``: None is that of ``controller`` where it is one of ours, else the scenario's own;
+    refused beside somebody else's controller.  ``plant``, ``controller``: FMU files to use in place
+    of those that are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3).  With
+    guard.enabled the guard stands behind somebody else's controller as a further FMU, and behind
+    one of ours that was exported without it.  ``map_file``: TOML map of the names and units of FMUs
+    that are not ours, see ``cosim.mapping``.
 
     ``master``: "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step
     later); for the latter with ``delay_known`` the controller is built for drives that are one
@@ -163,7 +162,8 @@ def _cosim_setup(
             f"law = {law!r} has no effect: the controller {controller} is a foreign FMU with a "
             "law of its own. Leave the law out."
         )
-    setup = settle(scenario_given(scenario), law if law is not None else within or STAND_IN)
+    case = scenario_given(scenario)
+    setup = settle(case, law_of(case, law or within))
     check_takes_torques(setup.scenario, "co-simulation couples FMUs")
     own = one_period_later(setup) if delay_known else setup
     foreign = theirs or "controller" in maps

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from wmr_ctrl.control.given import law_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
@@ -41,7 +42,7 @@ _ALIGNMENT = 14  # of each slice, as a power of two: 16 KiB pages
 def export_fmu(
     what: str,
     *,
-    law: str = "nn",
+    law: str | None = None,
     scenario: str | Path | Scenario = "paper-simulation",
     fmi: str | int = "both",
     target: str = "host",
@@ -52,14 +53,16 @@ def export_fmu(
     """Write ``wmr_<what>.fmi2.fmu`` and ``wmr_<what>.fmi3.fmu`` into ``out``; returns their paths.
 
     ``what``: "plant", "reference", "guard", "filter", a law's name; or, of ``law``, "corridor" or
-    "closed-loop".  ``fmi``: "2", "3" or "both".  ``target``: "host", "all", or a platform such as
-    "aarch64-linux".  ``arrays``: whether long vectors are arrays in FMI 3; False gives flat names
-    there too.  ``progress`` is called with a line for each file.
+    "closed-loop" (None: the scenario's own, else kanayama).  ``fmi``: "2", "3" or "both".
+    ``target``: "host", "all", or a platform such as "aarch64-linux".  ``arrays``: whether long
+    vectors are arrays in FMI 3; False gives flat names there too.  ``progress`` is called with a
+    line for each file.
 
     Raises UnknownNameError, ScenarioError or CompilerError; of several platforms those that could
     be built are in the files all the same (PartlyBuiltError, at the end).
     """
-    model = model_of(what, law, scenario_given(scenario))
+    case = scenario_given(scenario)
+    model = model_of(what, law_of(case, law), case)
     paths, lost = [], list[PartlyBuiltError]()
     for version in versions_of(fmi):
         path = Path(out) / f"wmr_{what}.fmi{version}.fmu"

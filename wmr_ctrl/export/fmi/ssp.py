@@ -12,6 +12,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from wmr_ctrl.control.given import law_of
 from wmr_ctrl.control.outside import check_plain_loop
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.core import signals
@@ -80,7 +81,7 @@ def has_conversions(package: Path) -> bool:
 
 def export_ssp(
     *,
-    law: str = "nn",
+    law: str | None = None,
     scenario: str | Path | Scenario = "paper-simulation",
     fmi: str | int = "2",
     target: str = "host",
@@ -110,7 +111,9 @@ def export_ssp(
             f"fmi = {fmi!r}: an SSP 1.0 package holds FMUs of FMI 2.0. Leave fmi out, or export "
             "the parts by themselves for FMI 3."
         )
-    setup = settle(scenario_given(scenario), law)
+    case = scenario_given(scenario)
+    law = law_of(case, law)
+    setup = settle(case, law)
     check_plain_loop(setup, "an SSP package")
     own = one_period_later(setup) if delay_known else setup
     maps = mapping.load_map(map_file) if map_file is not None else {}

@@ -42,8 +42,6 @@ class PageMember:
         return settle(override(scenario, self.overrides), self.law)
 
 
-SENDING = ("pursuit",)
-"""Laws that a page of a base that takes velocities has, unless others are named."""
 UNLIMITED = 1e3
 """Rate of commands [m/s2, rad/s2] that nothing holds back."""
 SLOW = 0.25
@@ -154,6 +152,11 @@ def story() -> tuple[PageScene, ...]:
         own = load_scenario(step.pop("preset"), step.pop("overrides", {}))
         steps.append(PageScene(scenario=own, **{**step, "shown": tuple(step["shown"])}))
     return tuple(steps)
+
+
+def is_story(scenario: Scenario) -> bool:
+    """True for the scenario that the story begins with."""
+    return scenario == story()[0].scenario
 
 
 def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:

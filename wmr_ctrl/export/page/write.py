@@ -6,17 +6,17 @@ import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from wmr_ctrl.control.given import default_law
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.report.style import page_environment
 from wmr_ctrl.results.files import atomic_text, check_writable
 from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.speed_loop import takes_velocity
 
 from .content import Content, content_of
 from .module import build_module, toolchain
-from .scenes import SENDING, scenes
+from .scenes import is_story, scenes
 
 ALONE = ("engine.js", "run.js")
 """Scripts that need no document, in order: node runs them too."""
@@ -40,10 +40,10 @@ def write_page(
     """Write the page to the file ``out``, whole or not at all; returns its path.
 
     For the paper's simulation it tells a story in five steps; of a base that takes velocities it
-    shows ways to limit commands side by side.  ``laws``: which can be chosen; without, all, of such
-    a base pursuit.  ``progress`` is called with the share that is done.  Raises UnknownNameError
-    for a law, ArgumentError for the seed, ScenarioError for what the scenario cannot be,
-    CompilerError without zig, ResultFileError where the file cannot be written.
+    shows ways to limit commands side by side.  ``laws``: which can be chosen; without, all in the
+    story, else the scenario's own.  ``progress`` is called with the share that is done.  Raises
+    UnknownNameError for a law, ArgumentError for the seed, ScenarioError for what the scenario
+    cannot be, CompilerError without zig, ResultFileError where the file cannot be written.
     """
     checked_seeds([seed])
     if seed >= LARGEST_SEED:
@@ -55,7 +55,7 @@ def write_page(
     for name in laws or ():
         if name not in LAWS:
             raise UnknownNameError("law", name, tuple(LAWS))
-    usual = SENDING if takes_velocity(scenario) else LAWS
+    usual = LAWS if is_story(scenario) else (default_law(scenario).name,)
     chosen = tuple(dict.fromkeys(laws or usual))
 
     tell = progress or (lambda share: None)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.codegen.package import c_name, comment, package_files, packaged, text_engine
+from wmr_ctrl.control.given import law_of
 from wmr_ctrl.control.numbers import ranges_of
 from wmr_ctrl.control.outside import check_plain_loop
 from wmr_ctrl.control.setup import Setup, settle
@@ -34,12 +35,14 @@ CLOCK = "clock.control"
 """The one parameter that is fixed: the S-function's sample time."""
 
 
-def export_simulink(*, law: str = "nn", scenario: Scenario, out: str | Path = ".") -> list[Path]:
+def export_simulink(
+    *, law: str | None = None, scenario: Scenario, out: str | Path = "."
+) -> list[Path]:
     """Write the kit of ``law`` into the folder ``out``, all files or none; returns their paths.
 
     Raises what `kit_files` raises, and ResultFileError where it cannot be written.
     """
-    return write_all(kit_files(law, scenario), Path(out))
+    return write_all(kit_files(law_of(scenario, law), scenario), Path(out))
 
 
 def kit_files(law: str, scenario: Scenario) -> dict[str, str]:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
+from wmr_ctrl.control.default_law import UNSTATED, default_law
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.files import parse_toml, read_text
 from wmr_ctrl.core.fields.problems import show
@@ -38,7 +39,7 @@ def _table(doc: str) -> Mapping[str, object]:
 class PlanTable(Section):
     """Keys of a plan beside its scenario."""
 
-    laws: tuple[str, ...] = quantity(("nn",), "", "control laws", kind="texts")
+    laws: tuple[str, ...] = quantity((UNSTATED,), "", "control laws", kind="texts")
     guard: tuple[bool, ...] = quantity((), "", "which runs have the guard", kind="flags")
     plant: str = quantity("ode", "", "plane model, or rigid body", options=PLANTS)
     seeds: Mapping[str, object] = _table("first seed and number of seeds")
@@ -115,7 +116,7 @@ def plan_of(raw: Raw, folder: Path = Path()) -> Study:
     study = Study(
         scenario,
         seeds.count,
-        laws=table.laws,
+        laws=table.laws if "laws" in raw else (default_law(scenario).name,),
         guards=table.guard or (scenario.guard.enabled,),
         plant=table.plant,
         first_seed=seeds.first,

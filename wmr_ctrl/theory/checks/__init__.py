@@ -8,6 +8,7 @@ theorem, of a barrier or of a believed model where its `Traits` state them.
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 
+from wmr_ctrl.control.given import judges_gains
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.results.verdicts import Warning as Warning
 
@@ -70,3 +71,14 @@ def warnings_for(setup: Setup, work: float = OF_RUN) -> tuple[Warning, ...]:
     checks = OF_VELOCITY_BASES if setup.takes_velocity else CHECKS
     with budget(work):
         return tuple(warning for check in checks for warning in check(loop))
+
+
+def warnings_heard(setup: Setup, asked: bool, work: float = OF_RUN) -> tuple[Warning, ...]:
+    """The same without those on gains that are nobody's choice (`judges_gains`).
+
+    ``asked``: whether the caller named this law.
+    """
+    warnings = warnings_for(setup, work)
+    if judges_gains(setup.scenario, setup.name, asked):
+        return warnings
+    return tuple(item for item in warnings if not item.key.startswith("gains."))

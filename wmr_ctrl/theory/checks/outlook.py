@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from wmr_ctrl.control.given import default_law
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import WmrError
@@ -22,7 +23,7 @@ from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
-from . import grip_warnings, warnings_for
+from . import grip_warnings, warnings_heard
 from .torques import GRIP
 
 TEXT = "scenario_toml"
@@ -34,11 +35,15 @@ OF_THEORY = (OBJECTED, NOT_CHECKED)
 
 
 def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
-    """The Outlook of a law on a scenario and a plant; raises what `settle` raises."""
+    """The Outlook of a law on a scenario and a plant; raises what `settle` raises.
+
+    A law that is not the scenario's `default_law` was asked for.
+    """
     setup = settle(scenario, law)
     grip = grip_warnings(setup) if plant == "mujoco" else ()
     begins = scenario.limits.v_u2 if LAWS[law].traits.barrier else None
-    warned = (*warnings_for(setup), *grip)
+    asked = law != default_law(scenario).name
+    warned = (*warnings_heard(setup, asked), *grip)
     return Outlook(setup.tau_max, warned, _has_exact_pose(scenario), barrier=begins)
 
 

@@ -51,6 +51,7 @@ def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
     return Scenario(
         name=name,
         title=values.get("title", ""),
+        law=values.get("law"),
         frames=frames,
         assumed=values.get("assumed", ()),
         gains=values.get("gains", {}),
@@ -86,6 +87,8 @@ def scenario_dict(scenario: Scenario) -> Raw:
     from a file with ``frames = "rep103"`` are off by rounding then.
     """
     raw: Raw = {"title": scenario.title}
+    if scenario.law is not None:
+        raw["law"] = scenario.law
     if scenario.assumed:
         raw["assumed"] = list(scenario.assumed)
     raw |= {key: _section_dict(getattr(scenario, key)) for key in SECTIONS}

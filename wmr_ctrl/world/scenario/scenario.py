@@ -92,11 +92,13 @@ class Scenario:
     sections of effects that have a table of their own, by its key; see `section`.  ``frames`` says
     how files, tables and runs state orientations: "paper" (0 along +Y) or "rep103" (0 along +X).
     The fields here are the paper's in either.  ``assumed`` names keys, such as "limits.v_u1", whose
-    values nobody stated.
+    values nobody stated.  ``law`` is the law that drives where a caller names none; see
+    `wmr_ctrl.control.given.default_law`.
     """
 
     name: str = "unnamed"
     title: str = ""
+    law: str | None = None
     frames: str = PAPER
     assumed: tuple[str, ...] = ()
     robot: Robot = field(default_factory=Robot)
@@ -220,7 +222,7 @@ class Scenario:
         return numbers[name]
 
 
-OTHER_KEYS = ("title", "frames", "assumed", "gains", "reference", "changes")
+OTHER_KEYS = ("title", "law", "frames", "assumed", "gains", "reference", "changes")
 SECTIONS: dict[str, type[Section]] = {
     item.name: cast("type[Section]", kind)
     for item in dataclasses.fields(Scenario)
@@ -235,6 +237,8 @@ def _check_types(scenario: Scenario) -> None:
     for name in ("name", "title"):
         if not isinstance(getattr(scenario, name), str):
             raise ScenarioError(f"{name} = {show(getattr(scenario, name))} must be text in quotes.")
+    if scenario.law is not None and not isinstance(scenario.law, str):
+        raise ScenarioError(f"law = {show(scenario.law)} must be a law's name in quotes.")
     checked_frames(scenario.frames)
     if REFERENCES.of(scenario.reference) is None:
         raise ScenarioError(f"reference must be one of the kinds {', '.join(REFERENCES)}.")

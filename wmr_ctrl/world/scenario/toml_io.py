@@ -36,7 +36,7 @@ from .raw import (
     stated_in,
     with_defaults,
 )
-from .scenario import Scenario, sections
+from .scenario import OTHER_KEYS, Scenario, sections
 from .sections import Change, Model
 
 _SUFFIX = ".toml"
@@ -254,13 +254,14 @@ def to_toml(
         raw = _sparse(raw, scenario, only)
     document = tomlkit.document()
     document.add("title", tomlkit.item(scenario.title))
+    _add_or_tell(document, "law", scenario.law, "law that drives where none is named" * comments)
     if comments or "frames" in raw:
         note = "how orientations are stated: paper (0 along +Y), rep103 (0 along +X)"
         _add(document, "frames", scenario.frames, note * comments)
     if scenario.assumed:
         note = "keys that nobody stated; take one away when you have stated it"
         _add(document, "assumed", list(scenario.assumed), note * comments)
-    rest = [key for key in raw if key not in (*ORDER, "title", "frames", "assumed", "changes")]
+    rest = [key for key in raw if key not in (*ORDER, *OTHER_KEYS)]
     for key in (*(key for key in ORDER if key in raw), *rest):
         if key == "gains":
             document.add(key, _gains(raw[key], gains_docs or {}, comments))
@@ -325,7 +326,7 @@ def _note(unit: str, doc: str) -> str:
     return f"[{unit}] {doc}" if unit else doc
 
 
-def _add_or_tell(table: Table, name: str, value: Any, note: str) -> None:
+def _add_or_tell(table: Table | tomlkit.TOMLDocument, name: str, value: Any, note: str) -> None:
     """A field; one that is left out is a comment, where there are comments."""
     if value is not None:
         _add(table, name, value, note)
