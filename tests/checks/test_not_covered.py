@@ -83,7 +83,7 @@ def test_guard_counts_on_bounded_noise(told, law):
     (warning,) = told(law, {"guard.enabled": True}, scenario="far-start")
 
     assert warning.key == "disturbance.truncate"
-    assert "with that probability only" in warning.sentence
+    assert warning.sentence.endswith("Set disturbance.truncate = 3 for a guarantee.")
 
 
 def test_guard_and_bounded_noise_leave_nothing_to_say(told):

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.cli import check_answers
-from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies
-from wmr_ctrl.control.given import scenario_of
+from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies, remedy
+from wmr_ctrl.control.given import default_law, scenario_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import CompilerError
 from wmr_ctrl.results.remarks import SHORT
@@ -114,7 +114,7 @@ def test_laws_as_json(wmr):
 
 
 def test_check_answers_first_and_on_one_screen(wmr):
-    found = wmr("check", "paper-experiment-literal")
+    found = wmr("check", "paper-experiment-literal", "--law", "all")
     lines = found.stdout.splitlines()
     promised, _, table = found.stdout.partition("\n\n")
 
@@ -140,7 +140,38 @@ def test_every_objection_and_remark_has_a_remedy():
 
     assert len(keys) > 15
     assert keys <= set(REMEDIES)
-    assert all(len(line) <= 80 for text in remedies(keys) for line in text.splitlines())
+    written = remedies(dict.fromkeys(keys, ""))
+    assert all(len(line) <= 80 for text in written for line in text.splitlines())
+
+
+@pytest.mark.parametrize("laws", [("mb",), ("mb", "pursuit")])
+def test_each_objection_is_shown_once_with_a_remedy(laws):
+    """Without --only; what looks like another unit comes before the guarantee."""
+    changes = {"robot.m": 6000.0, "model.m": 80.0, "guard.enabled": True, "clock.duration": 1.0,
+               "disturbance.std": 0.5, "encoder.counts": 1000.0}  # fmt: skip
+    case = load_scenario("paper-simulation-nominal", changes)
+    answers = check_answers.find_answers(case, laws, (), None)
+    text = flat("\n".join((*check_answers.head(answers), *check_answers.law_table(answers))))
+    objections = {w for law in laws for w in answers.warned[law] if w.objects}
+
+    assert text.index("robot.m = 6000 kg is unusual") < text.index("Guarded")
+    assert text.count("Set disturbance.truncate = 3 for a guarantee.") == 1
+    assert {"robot.m", "guard.M_max"} <= {item.key for item in objections}
+    for item in objections:
+        assert item.sentence in text or f" {item.key}: {remedy(item.key)}" in text
+    assert "see --only" not in text
+
+
+def test_check_judges_the_scenarios_own_law(wmr):
+    document = json.loads(wmr("check", *SHORT_BURGER, "--json").stdout)
+    law = default_law(load_scenario("turtlebot3-burger")).name
+
+    assert list(document["verdict"]) == [law]
+    both = json.loads(wmr("check", *SHORT_BURGER, "--law", "pid,smc", "--json").stdout)
+    assert list(both["verdict"]) == ["pid", "smc"]
+
+
+SHORT_BURGER = ("turtlebot3-burger", "--set", "clock.duration=0.2")
 
 
 def flat(text: str) -> str:

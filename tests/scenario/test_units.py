@@ -71,9 +71,9 @@ def test_a_large_robot_is_not_asked_about():
     assert asked(load_scenario("far-start", big | {"limits.v_u1[1]": 8})) == []
 
 
-def test_a_question_is_a_warning_of_every_law_and_stands_behind_a_refusal():
+def test_a_question_is_a_warning_of_every_law_and_stands_before_a_refusal():
     setup = settle(load_scenario("far-start", {"robot.r": 80}), "mb")
-    with pytest.raises(ScenarioError, match=r"guard.*Milliseconds\? 20 ms is 0\.02 s"):
+    with pytest.raises(ScenarioError, match=r"Milliseconds\? 20 ms is 0\.02 s.*If not: guard"):
         settle(load_scenario("safe-simulation", {"clock.control": 20}), "mb")
 
     assert warnings_for(setup)[0].key == "robot.r"
@@ -82,7 +82,7 @@ def test_a_question_is_a_warning_of_every_law_and_stands_behind_a_refusal():
 
 @pytest.mark.parametrize("name", ["robot-10ms", "safe-experiment", "paper-experiment"])
 @pytest.mark.parametrize("more", [{}, {"clock.duration": 50}])
-def test_a_question_stands_once_behind_times_that_do_not_fit(name, more):
+def test_a_question_stands_once_before_times_that_do_not_fit(name, more):
     with pytest.raises(ScenarioError, match="whole multiple") as refused:
         load_scenario(name, {"clock.control": 20, **more})
 

@@ -10,7 +10,7 @@ from .console import note_missing_proofs, print_json
 
 @opt.command("Validate a scenario, and say what to expect of it.")
 @click.argument("scenario")
-@opt.laws_option("chosen", "Check this law instead of all.")
+@opt.laws_option("chosen", "Judge this law instead of the scenario's own.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every finding below the table.")
 @click.option(
     "--only",
@@ -30,13 +30,14 @@ def check(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Validate a scenario, and say what theory and one run of each law predict.
+    """Validate a scenario, and say what theory and one run of its law predict.
 
-    SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0, for at most
-    two million plant steps. The output begins with what is guaranteed; then a table compares the
-    laws, with the certified distance from the path where there is one, and lists what to change.
-    Where all laws are compared, an answer that takes much work is "not checked"; --law computes it.
-    The exit code is 0 if the scenario is valid, whatever the warnings, and 2 if it is not.
+    SCENARIO is the name of a preset or a TOML file. Without --law its own law is judged, else
+    kanayama; `--law all` compares all. Each is run once, with seed 0, for at most two million plant
+    steps. The output begins with values that look like another unit, and with what is guaranteed;
+    a table of the laws and what to change follow. An answer that takes much work is "not checked",
+    unless --law names the law. The exit code is 0 if the scenario is valid, whatever the warnings,
+    and 2 if it is not.
     """
     from wmr_ctrl.control.laws import LAWS
     from wmr_ctrl.theory.checks.budget import OF_LAW
@@ -47,7 +48,8 @@ def check(
     case = opt.load(scenario, assignments, guard)
     taken = inherited(case, scenario, parse_assignments(assignments))
     named = chosen or ((only,) if only and only in LAWS else ())
-    laws, work = (named, inf) if named else (tuple(LAWS), OF_LAW)
+    laws = named or (opt.law_of(case, None),)
+    work = inf if named and named != tuple(LAWS) else OF_LAW
     opt.note_idle(case, scenario, assignments, laws)
     note_missing_proofs()
     answers = about.find_answers(case, laws, taken, None if as_json else only, work, named)

@@ -20,10 +20,12 @@ from wmr_ctrl.theory.checks.outlook import IN_PART, OF_THEORY, CheckVerdict, ver
 from wmr_ctrl.theory.checks.sample_time import checked_by
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rounded_effects
 from wmr_ctrl.theory.checks.torques import GRIP
+from wmr_ctrl.theory.checks.velocity_guard import void_effects
 from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.toml_io import InheritedValue
+from wmr_ctrl.world.scenario.units import unit_questions
 
 from . import check_sentences
 from .console import Progress, say, table, wrapped
@@ -174,10 +176,19 @@ def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
         yield from ((law, item) for item in warnings if item not in shared)
 
 
+class Held(NamedTuple):
+    """What theory or a run holds against a law: its key, its words, whether it is an objection."""
+
+    key: str
+    text: str
+    objects: bool
+
+
 def head(answers: Answers) -> Iterator[str]:
-    """The promise, and lines on the scenario whatever the law."""
+    """Questions about units, the promise, and what concerns the scenario whatever the law."""
     case = answers.scenario
     yield wrapped(check_sentences.valid(case))
+    yield from (wrapped(question) for _, question in unit_questions(case))
     yield from (wrapped(item.sentence) for item in case.changes)
     yield wrapped(check_sentences.promise(answers.setup))
     if case.reference.arrival is not None:
@@ -187,6 +198,15 @@ def head(answers: Answers) -> Iterator[str]:
         yield wrapped(f"Not stated, so assumed (--only inherited): {listed}.")
     if any(run.settings.duration < case.clock.duration for run in answers.runs.values()):
         yield wrapped(f"Each law is run for {MOST_STEPS} plant steps only, not to the end.")
+    shared = _shared(answers)
+    if shared:
+        yield "\nWhatever the law:"
+        yield from _items(item for item in shared if item.objects)
+        yield from _items(item for item in shared if not item.objects)
+
+
+def _items(held: Iterable[Held]) -> Iterator[str]:
+    return (wrapped(f"- {item.key}: {item.text}", indent="  ", hang="  ") for item in held)
 
 
 def law_table(answers: Answers) -> Iterator[str]:
@@ -200,7 +220,7 @@ def law_table(answers: Answers) -> Iterator[str]:
         "off\n[mm]": f"RMS distance from the desired position in the {place}, seed 0",
         "guard\n[%]": "share of samples that the guard changed, on the worse axis",
         "corridor\n[mm]": "certified largest distance from the desired position, started there",
-        FINDINGS: "objections by key; in brackets notes, which need no change",
+        FINDINGS: "objections by key; in brackets: true, but not a fault of the law",
     }
     columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)
     named = dict(zip(about, columns, strict=True))
@@ -209,8 +229,8 @@ def law_table(answers: Answers) -> Iterator[str]:
     yield ""
     for name in filter(about.get, shown):
         yield wrapped(f"{name.partition(chr(10))[0]}: {about[name]}", hang="  ")
-    keys = dict.fromkeys(key for law in answers.warned for key in _reasons(answers, law))
-    yield from check_sentences.remedies(key for key in keys if not key.startswith("("))
+    alone = [item for law in answers.warned for item in _own(answers, law) if item.objects]
+    yield from check_sentences.remedies({item.key: item.text for item in reversed(alone)})
     yield wrapped("Reasons and details: --only NAME, with a law or key from the table; or -v.")
 
 
@@ -239,11 +259,33 @@ def _digits(value: float) -> str:
 
 
 def _reasons(answers: Answers, law: str) -> Iterator[str]:
-    """Keys of what is held against a law, each once; in brackets those that object to nothing."""
-    held = [(w.key, w.objects) for w in answers.warned[law] if w.equation != GRIP]
-    held += [(item.key, item.key not in IN_PART) for item in _seen(answers, law)]
-    for key in dict.fromkeys(key for key, _ in held):
-        yield key if (key, True) in held else f"({key})"
+    """Keys of what is held against a law alone; in brackets those that object to nothing."""
+    held = _own(answers, law)
+    objected = {item.key for item in held if item.objects}
+    for key in dict.fromkeys(item.key for item in held):
+        yield key if key in objected else f"({key})"
+
+
+def _held(answers: Answers, law: str) -> list[Held]:
+    """All that is held against a law, but for what the head of the output says."""
+    void = {Held("assumption-void", answers.setup.void, False)}
+    void |= {Held(text.partition(" ")[0], text, False) for text in void_effects(answers.setup)}
+    asked = {Held(*question, True) for question in unit_questions(answers.scenario)}
+    held = [Held(w.key, w.sentence, w.objects) for w in answers.warned[law] if w.equation != GRIP]
+    held += [Held(item.key, item.text, item.key not in IN_PART) for item in _seen(answers, law)]
+    return [item for item in held if item not in void | asked]
+
+
+def _shared(answers: Answers) -> list[Held]:
+    """What is held against each of several laws in the same words."""
+    first, *others = (_held(answers, law) for law in answers.warned)
+    return [item for item in first if others and all(item in each for each in others)]
+
+
+def _own(answers: Answers, law: str) -> list[Held]:
+    """What is held against a law and not against all."""
+    shared = _shared(answers)
+    return [item for item in _held(answers, law) if item not in shared]
 
 
 def _seen(answers: Answers, law: str) -> list[Remark]:

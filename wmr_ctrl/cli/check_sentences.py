@@ -15,6 +15,7 @@ from wmr_ctrl.results import Run, driving, percent, speeds, tracked
 from wmr_ctrl.results.measures import arrival, guard_share, tracking
 from wmr_ctrl.theory.checks import Stability, filter_advice, filter_facts
 from wmr_ctrl.theory.checks.velocity_base import hears
+from wmr_ctrl.theory.checks.velocity_guard import void_effects
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import against
 from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title_of
@@ -22,6 +23,8 @@ from wmr_ctrl.world.scenario.command_filter import Filter
 from wmr_ctrl.world.scenario.sections import Guard
 from wmr_ctrl.world.scenario.toml_io import InheritedValue, stated_keys
 from wmr_ctrl.world.speed_loop import takes_velocity
+
+from .console import wrapped
 
 TOLD = 1e-3
 """Distance from the reference [m] at rest that is worth a word."""
@@ -66,13 +69,17 @@ SAFE_ANYWAY = ("disturbance.std", "disturbance.truncate", "base.timeout")
 TUNE = "lower the gains (`wmr-ctrl tune`), or measure better"
 
 
-def remedies(keys: Iterable[str]) -> Iterator[str]:
-    """Lines that say what to change for each objection; beyond `REMEDIES`, where to read."""
-    for place, key in enumerate(keys):
-        other = TUNE if key.startswith("gains.") else f"see --only {key}"
+def remedies(objections: Mapping[str, str]) -> Iterator[str]:
+    """Lines that say what to change for objections, texts by key; the text without a `REMEDIES`."""
+    for place, (key, text) in enumerate(objections.items()):
         head = "" if place else "\nWhat to change:\n"
-        like = SHARED_K if key.endswith(".kinematics") else key
-        yield f"{head}  {key}: {REMEDIES.get(like, other)}"
+        yield head + wrapped(f"{key}: {remedy(key) or text}", indent="  ", hang="  ")
+
+
+def remedy(key: str) -> str | None:
+    """Short remedy of an objection or a remark."""
+    like = SHARED_K if key.endswith(".kinematics") else key
+    return REMEDIES.get(like, TUNE if key.startswith("gains.") else None)
 
 
 def rest(arrival: float, duration: float) -> str:
@@ -120,7 +127,8 @@ def promise(setup: Setup) -> str:
             would = "would count on guard.dbar, which nobody stated."
         return f"Not guarded: {limits} are not guaranteed. --guard {would}"
     if setup.void:
-        return f"Guarded, but {limits} are not guaranteed: {setup.void}"
+        why = (*void_effects(setup), *(item.sentence for item in setup.broken))
+        return f"Guarded, but {limits} are not guaranteed: {' '.join(why)}"
     starts = zip(case.initial.velocity, early_speed(setup.guard), case.limits.v_u1, strict=True)
     late = any(abs(speed) + gained > most for speed, gained, most in starts)
     return (

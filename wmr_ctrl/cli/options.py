@@ -78,8 +78,8 @@ def one_law(_: click.Context, __: click.Parameter, value: str | None) -> str | N
         listed = ", ".join(f'"{name.strip()}"' for name in names)
         raise click.BadParameter(
             f"{value!r} names {len(names)} laws, and this takes one. `wmr-ctrl compare SCENARIO "
-            f"--law {value}` runs them side by side; `wmr-ctrl check` without --law covers all "
-            f"laws; for many runs of several write a study: laws = [{listed}] in PLAN.toml, and "
+            f"--law {value}` runs them side by side; `wmr-ctrl check --law {value}` judges each; "
+            f"for many runs of several write a study: laws = [{listed}] in PLAN.toml, and "
             "`wmr-ctrl study PLAN.toml --out DIR`."
         )
     return value

@@ -15,8 +15,8 @@ SIGMAS = 3.0
 """Bound of noise without truncation, in standard deviations: it holds with a probability only."""
 NUMBERS = Signal("torque", "1", "standard normal numbers (right, left)", 2)
 _UNBOUNDED = (
-    "disturbance.truncate = inf: the torque noise is unbounded, while the guard assumes at most 3 "
-    "std (or guard.dbar), so it keeps the limit with that probability only."
+    "disturbance.truncate = inf: torque noise beyond 3 std (or guard.dbar) can break the limits, "
+    "since the guard assumes no more."
 )
 
 

@@ -147,15 +147,19 @@ def asking(*parts: tuple[str, Section]) -> Iterator[None]:
     try:
         yield
     except ScenarioError as error:
-        put_behind(error, (said for path, part in parts for _, said in questions(part, path)))
+        put_first(error, (said for path, part in parts for _, said in questions(part, path)))
         raise
 
 
-def put_behind(error: ScenarioError, asked: Iterable[str]) -> None:
-    """Put those of the sentences behind the error's that are not yet in it."""
-    for sentence in asked:
-        if sentence not in str(error):
-            error.args = (f"{error} {sentence}",)
+IF_NOT = "If not: "
+"""Words between questions about units and the error that a slip of units may have caused."""
+
+
+def put_first(error: ScenarioError, asked: Iterable[str]) -> None:
+    """Put those of the questions before the error's text that are not yet in it."""
+    text = str(error)
+    if new := [sentence for sentence in asked if sentence not in text]:
+        error.args = (f"{' '.join(new)} {'' if IF_NOT in text else IF_NOT}{text}",)
 
 
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:

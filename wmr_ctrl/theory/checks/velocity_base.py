@@ -252,9 +252,8 @@ def velocity_base(loop: Loop) -> Iterator[Warning]:
     if stated.kind != "none" and unbounded(scenario):
         yield Warning(
             "disturbance.truncate",
-            f"disturbance.truncate = inf: the torque noise has no bound, and {SIGMAS:g} std of it "
-            "count as pushes, so the filter keeps the limit with that probability only. Set it to "
-            f"{SIGMAS:g}.",
+            f"disturbance.truncate = inf: torque noise beyond {SIGMAS:g} std can break the limits, "
+            f"since the filter assumes no more. Set it to {SIGMAS:g} for a guarantee.",
             "docs/filter.md",
             objects=False,
         )

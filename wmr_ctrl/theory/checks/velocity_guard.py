@@ -11,6 +11,7 @@ from wmr_ctrl.control.guard.price import (
     torque_swing,
     usable_formula,
 )
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.core.fields.units import rounded
 from wmr_ctrl.results.settings import TIGHTER
 from wmr_ctrl.results.verdicts import Warning
@@ -46,11 +47,8 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
     """Yield reasons why the guarantee is void, an early start, and a reference that is too fast."""
     if not loop.guarded:
         return
-    for effect in loop.setup.effects:
-        bound = effect.bounded(loop.scenario)
-        void = bound.void if bound else ""
-        if void:
-            yield _void(void)
+    for text in void_effects(loop.setup):
+        yield Warning(text.partition(" ")[0], text, PLACE, objects=False)
     yield from _early_start(loop)
     price = speed_price(loop.scenario, loop.setup.guard)
     for axis, short in enumerate(price.short):
@@ -58,13 +56,16 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
             yield _too_fast(loop, price, axis)
 
 
-def _void(void: str) -> Warning:
-    """An effect that breaks an assumption: ``void`` begins with the key at fault.
+def void_effects(setup: Setup) -> Iterator[str]:
+    """Yield for each effect that breaks an assumption why, with the remedy; first the key.
 
     Runs tell it by a remark of its own, and nothing goes wrong for it.
     """
-    key, _, _ = void.partition(" ")
-    return Warning(key, f"{void} {REMEDIES.get(key, OTHER_REMEDY)}", PLACE, objects=False)
+    for effect in setup.effects:
+        bound = effect.bounded(setup.scenario)
+        if bound and bound.void:
+            key, _, _ = bound.void.partition(" ")
+            yield f"{bound.void} {REMEDIES.get(key, OTHER_REMEDY)}"
 
 
 def _early_start(loop: Loop) -> Iterator[Warning]:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from itertools import pairwise
 
 from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.core.fields.section import Section, put_behind, questions
+from wmr_ctrl.core.fields.section import Section, put_first, questions
 from wmr_ctrl.core.fields.units import USUAL, meant
 from wmr_ctrl.world.references import Waypoints
 
@@ -49,9 +49,9 @@ def _way(reference: Waypoints) -> Iterator[tuple[str, str]]:
 
 @contextmanager
 def asking_about_units(scenario: Scenario) -> Iterator[None]:
-    """Put the questions behind a refusal of the scenario: a slip of units may be its cause."""
+    """Put the questions before a refusal of the scenario: a slip of units may be its cause."""
     try:
         yield
     except ScenarioError as error:
-        put_behind(error, (sentence for _, sentence in unit_questions(scenario)))
+        put_first(error, (sentence for _, sentence in unit_questions(scenario)))
         raise
