@@ -20,9 +20,11 @@ from wmr_ctrl.theory.checks.outlook import IN_PART, OF_THEORY, CheckVerdict, ver
 from wmr_ctrl.theory.checks.sample_time import checked_by
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rounded_effects
 from wmr_ctrl.theory.checks.torques import GRIP
+from wmr_ctrl.theory.checks.unknown_zero import bounds, finest, is_undisturbed, unknown_zero
 from wmr_ctrl.theory.checks.velocity_guard import void_effects
 from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.grip import grip
+from wmr_ctrl.world.phases import robots_in_words
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_ctrl.world.scenario.toml_io import InheritedValue
 from wmr_ctrl.world.scenario.units import unit_questions
@@ -136,6 +138,8 @@ def document(answers: Answers) -> dict[str, object]:
     shown = ("position_rms", "tracking", "tracked", "arrival", *shares, "outcome", "remarks")
     figures = {law: summary(run) for law, run in runs.items()}
     warnings = [{"key": w.key, "law": law, "text": str(w)} for law, w in _merged(answers)]
+    if zero := unknown_zero(answers.setup):
+        warnings.append({"key": zero.key, "law": None, "text": str(zero)})
     inherited = check_sentences.inherited_robot(answers.taken)
     if inherited:
         warnings.append({"key": "inherited", "law": None, "text": inherited})
@@ -163,6 +167,8 @@ def document(answers: Answers) -> dict[str, object]:
         },
         "guard": check_sentences.guard_numbers(answers.setup),
         "filter": filtering and asdict(filtering),
+        "bounds": bounds(answers.setup),
+        "robots": [{"from": t, "robot": words} for t, words in robots_in_words(case)],
         "corridor": {law: tube.figures for law, tube in answers.tubes.items()},
     }
 
@@ -191,6 +197,8 @@ def head(answers: Answers) -> Iterator[str]:
     yield from (wrapped(question) for _, question in unit_questions(case))
     yield from (wrapped(item.sentence) for item in case.changes)
     yield wrapped(check_sentences.promise(answers.setup))
+    if zero := unknown_zero(answers.setup):
+        yield wrapped(f"{zero.key}: {zero}")
     if case.reference.arrival is not None:
         yield wrapped(check_sentences.rest(case.reference.arrival, case.clock.duration))
     if answers.taken:
@@ -212,14 +220,19 @@ def _items(held: Iterable[Held]) -> Iterator[str]:
 def law_table(answers: Answers) -> Iterator[str]:
     """The laws side by side, and what the columns are."""
     place = next(map(driving, answers.runs.values()), "drive")
-    period = f"{1e3 * answers.scenario.clock.control:g}"
+    case = answers.scenario
+    period = f"{1e3 * case.clock.control:g}"
+    robots = [words for _, words in robots_in_words(case)]
+    first = f"; of the robot at the start, {robots[0]}" if robots else ""
+    until = f", until {case.changes[0].t:g} s: {robots[0]}" if robots else ""
+    exact = "; nothing in the scenario disturbs robot or sensors" * is_undisturbed(case)
     about = {
         "law": "",
         "verdict": "",
-        "stable\n[ms]": f"longest stable clock.control, which is {period} here",
-        "off\n[mm]": f"RMS distance from the desired position in the {place}, seed 0",
+        "stable\n[ms]": f"longest stable clock.control, which is {period} here{first}",
+        "off\n[mm]": f"RMS distance from the desired position in the {place}, seed 0{exact}",
         "guard\n[%]": "share of samples that the guard changed, on the worse axis",
-        "corridor\n[mm]": "certified largest distance from the desired position, started there",
+        "corridor\n[mm]": f"certified largest distance from there, from a start there{until}",
         FINDINGS: "objections by key; in brackets: true, but not a fault of the law",
     }
     columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)
@@ -248,14 +261,15 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
     else:
         low = f"{_digits(1e3 * limits.shortest)} to " if limits.shortest > 0 else ""
         yield low + (_digits(1e3 * limits.period) if limits.period < inf else "any")
-    yield NONE if away is None else _digits(1e3 * away)
+    least = 1e3 * finest(answers.scenario)
+    yield NONE if away is None else _digits(1e3 * away, least)
     yield _digits(100 * max(shares)) if shares and answers.scenario.guard.enabled else NONE
-    yield NONE if most is None else _digits(float(rounded(1e3 * most, 3)))  # never less
+    yield NONE if most is None else _digits(float(rounded(1e3 * most, 3)), least)  # never less
     yield ", ".join(_reasons(answers, law)) or NONE
 
 
-def _digits(value: float) -> str:
-    return "<0.001" if 0 < value < 1e-3 else f"{float(f'{value:.3g}'):g}"
+def _digits(value: float, least: float = 1e-3) -> str:
+    return f"<{least:g}" if 0 < value < least else f"{float(f'{value:.3g}'):g}"
 
 
 def _reasons(answers: Answers, law: str) -> Iterator[str]:
@@ -299,6 +313,8 @@ def findings(answers: Answers) -> Iterator[Note]:
     about = {"guard": check_sentences.guard_lines, "filter": check_sentences.filter_lines}
     for key, lines in about.items():
         yield from (Note("", key, line) for line in lines(answers.setup))
+    if zero := unknown_zero(answers.setup):
+        yield Note("", zero.key, f"{zero.key}: {zero}")
     if answers.taken:
         yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))
     ignored = lost_samples(answers.scenario), rounded_effects(answers.scenario)

@@ -10,12 +10,15 @@ from wmr_ctrl.control.laws.law import OwnKinematics
 from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.fields.units import rounded
+from wmr_ctrl.core.fields.units import length, rounded
 from wmr_ctrl.results import Run, driving, percent, speeds, tracked
 from wmr_ctrl.results.measures import arrival, guard_share, tracking
 from wmr_ctrl.theory.checks import Stability, filter_advice, filter_facts
+from wmr_ctrl.theory.checks.outlook import scenario_of_run
+from wmr_ctrl.theory.checks.unknown_zero import exactness, finest
 from wmr_ctrl.theory.checks.velocity_base import hears
 from wmr_ctrl.theory.checks.velocity_guard import void_effects
+from wmr_ctrl.theory.checks.warning import joined
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import against
 from wmr_ctrl.world.scenario import Scenario, override, parse_assignments, title_of
@@ -103,39 +106,52 @@ def promise(setup: Setup) -> str:
     case = setup.scenario
     linear, angular = case.limits.v_u1
     limits = f"|v1| <= {linear:g} m/s and |omega| <= {angular:g} rad/s"
+    words = exactness(setup)
+    by = "filter" if setup.takes_velocity else "guard"
+    assumed = f" The {by} assumes that {words}." if words else ""
+    here = f" In this scenario {words}." if words else ""
+    while_exact = f"while {words}, and " if words else ""
     if setup.takes_velocity:
         if (rim := case.filter.wheel_speed) is not None:
             limits = f"{limits.replace(' and', ',')} and wheels' speeds <= {rim:g} m/s"
         facts = filter_facts(setup)
         if facts is None:
-            return f"No filter: {limits} are not guaranteed. {filter_advice(setup)}"
+            return f"No filter: {limits} are not guaranteed.{here} {filter_advice(setup)}"
         if facts.broken:
-            return f"Filtered, but nothing is guaranteed: {facts.broken[0]}"
+            return f"Filtered, but nothing is guaranteed: {facts.broken[0]}{assumed}"
         late = any(abs(v) > V for v, V in zip(case.initial.velocity, case.limits.v_u1, strict=True))
         return (
-            f"Filtered: {limits} are guaranteed{' for starts within them alone,' * late} while the "
-            f"base is within {_whose(case, 'filter')} bounds (--only filter); {NOT_THE_PATH}."
+            f"Filtered: {limits} are guaranteed{' for starts within them alone,' * late} "
+            f"{while_exact}while the base is within {_whose(case, 'filter')} bounds (--only "
+            f"filter); {NOT_THE_PATH}."
         )
     if not case.guard.enabled:
         try:
             void = settle(override(case, {"guard.enabled": True}), None).void
         except ScenarioError as error:
             first, _, _ = str(error).partition(". ")
-            return f"Not guarded: {limits} are not guaranteed. --guard is refused: {first}."
+            return f"Not guarded: {limits} are not guaranteed. --guard is refused: {first}.{here}"
         would = f"would not guarantee them either: {void}" if void else "would guarantee them."
         if "guard.dbar" in case.assumed:
             would = "would count on guard.dbar, which nobody stated."
-        return f"Not guarded: {limits} are not guaranteed. --guard {would}"
+        return f"Not guarded: {limits} are not guaranteed. --guard {would}{here}"
     if setup.void:
         why = (*void_effects(setup), *(item.sentence for item in setup.broken))
-        return f"Guarded, but {limits} are not guaranteed: {' '.join(why)}"
+        return f"Guarded, but {limits} are not guaranteed: {' '.join(why)}{assumed}"
     starts = zip(case.initial.velocity, early_speed(setup.guard), case.limits.v_u1, strict=True)
     late = any(abs(speed) + gained > most for speed, gained, most in starts)
     return (
         f"Guarded: {limits} are guaranteed{', once the speed is back from its start,' * late} "
-        f"while masses, pushes and errors stay within {_whose(case, 'guard')} bounds "
+        f"{while_exact}while {_held(setup)} stay within {_whose(case, 'guard')} bounds "
         f"(--only guard); {NOT_THE_PATH}."
     )
+
+
+def _held(setup: Setup) -> str:
+    """What has to stay within the guard's bounds: all but what may not be there at all."""
+    named = {"masses": True, "pushes": any(setup.value("guard.dbar")),
+             "errors": any(setup.value("guard.nbar"))}  # fmt: skip
+    return joined(name for name, there in named.items() if there)
 
 
 def _whose(scenario: Scenario, table: str) -> str:
@@ -279,7 +295,7 @@ def sight(run: Run) -> str:
     """One run in a sentence."""
     parts, shares, times = tracking(run), guard_share(run), arrival(run)
     away = " and ".join(
-        f"{part['position_rms']:.3g} m RMS from the desired position in the {place}"
+        f"{_away(run, part['position_rms'])} RMS from the desired position in the {place}"
         for place, part in zip((driving(run), "end"), parts.values(), strict=True)
         if part is not None and part["position_rms"] is not None
     )
@@ -291,6 +307,12 @@ def sight(run: Run) -> str:
         held = f", the guard changed {thrusts} of the thrusts and {moments} of the moments"
     goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
     return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"
+
+
+def _away(run: Run, distance: float) -> str:
+    """A distance, of which no digit is printed where nothing but rounding is left of it."""
+    least = finest(scenario_of_run(run))
+    return f"below {length(least)}" if distance < least else f"{distance:.3g} m"
 
 
 def stable(limits: Stability, period: float) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.results.drive import RecordedDrive
 
 LEAST = 1e-3
-"""Smaller figures [mm, m/s, rad/s, N m] are not written out."""
+"""Smaller figures [m/s, rad/s, N m] are not written out."""
 HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 COLUMNS = (
     ("tracking_drive_rms", 1e3),
@@ -195,13 +195,20 @@ def _limits(run: Run) -> str:
 
 def _row(name: str, run: Run) -> tuple[str, ...]:
     from wmr_ctrl.results.figures import FIGURES, values_of
+    from wmr_ctrl.theory.checks.outlook import scenario_of_run
+    from wmr_ctrl.theory.checks.unknown_zero import finest
 
     values: dict[str, Any] = values_of(run, [FIGURES[figure] for figure, _ in COLUMNS])
-    known = ((factor, values[figure]) for figure, factor in COLUMNS)
-    cells = ("-" if value is None else _shown(factor * value) for factor, value in known)
+    least = finest(scenario_of_run(run))
+    known = ((figure, factor, values[figure]) for figure, factor in COLUMNS)
+    cells = (
+        "-" if value is None else
+        _shown(factor * value, factor * least if figure.startswith("tracking") else LEAST)
+        for figure, factor, value in known
+    )  # fmt: skip
     return (name, *cells, run.outcome.value)
 
 
-def _shown(value: float) -> str:
+def _shown(value: float, least: float) -> str:
     """Three digits, as long as they say something: a long number breaks its neighbours' words."""
-    return f"<{LEAST:g}" if 0 < abs(value) < LEAST else f"{value:.3g}"
+    return f"<{least:g}" if 0 < abs(value) < least else f"{value:.3g}"

@@ -14,13 +14,13 @@ from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
 from wmr_ctrl.results.frames import FMUS
 from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
+from wmr_ctrl.theory.checks.unknown_zero import FINE, finest, promise_of_run
 
 from .console import print_json, say, table, wrapped, write_file
 from .options import check_output
 
+UNITS = ("m", "m", "rad")
 MISSING = "- (not reached)"
-TINY = 1e-6
-"""Errors [m, rad] of which no digit is worth printing."""
 Row = tuple[str, str, str]
 
 
@@ -39,7 +39,8 @@ def summary_text(run: Run) -> str:
         wrapped(f"{name} warned in {said}", hang="  ") for name, said in warned.items() if said
     ]
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
-    said = (wrapped(run.explanation), *remarks, *_counted(run))
+    exact = filter(None, (promise_of_run(run),))
+    said = (wrapped(run.explanation), *map(wrapped, exact), *remarks, *_counted(run))
     return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, results.summary(run)))))
 
 
@@ -127,7 +128,9 @@ def _rigid(seen: RigidMonitor) -> Iterator[Row]:
 def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     """The headline: how far the robot was from where it should have been."""
     parts, tolerance = figures["tracking"], run.settings.tolerance
-    yield "position error, RMS", _small(figures["position_rms"]["all"], "m"), "whole run"
+    least, robots = finest(scenario_of_run(run)), results.robots_over(run.settings)
+    whole = f"whole run{': ' * bool(robots)}{robots}"
+    yield "position error, RMS", _small(figures["position_rms"]["all"], "m", least), whole
     windows = {"drive": results.driving(run), "end": "after arrival"}
     for part, when in windows.items():
         if parts[part] is not None:
@@ -135,8 +138,8 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
             near = rms is not None and tolerance is not None and rms <= tolerance
             word = "tracked" if near else "NOT TRACKED"
             verdict = "" if tolerance is None else f", tolerance {_small(tolerance, 'm')}: {word}"
-            yield "position error, RMS", _small(rms, "m"), when + verdict
-            yield "position error, largest", _small(parts[part]["position_max"], "m"), when
+            yield "position error, RMS", _small(rms, "m", least), when + verdict
+            yield "position error, largest", _small(parts[part]["position_max"], "m", least), when
     if figures["arrival"]:
         robot, desired = (figures["arrival"][key] for key in ("robot", "reference"))
         stays = "" if tolerance is None else f"stays within {_small(tolerance, 'm')}; "
@@ -145,19 +148,23 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
-    ise, split = figures["ise"], run.settings.split
+    ise, split, least = figures["ise"], run.settings.split, finest(scenario_of_run(run))
     _, turns = heading_rms(run, 0.0, run.settings.duration) or (0.0, False)
     yield "ISE", _number(ise["total"]), f"m2 s + rad2 s{', with whole turns' if turns else ''}"
     windows = [(window, values) for window, values in figures["e_rms"].items() if values]
     if _changes_there(run):
-        yield f"ISE before {split:g} s", _number(ise["before"]), ""
-        yield f"ISE from {split:g} s on", _number(ise["after"]), ""
+        before, after = (results.robots_over(run.settings, *span)
+                         for span in ((0.0, split), (split, run.settings.duration)))  # fmt: skip
+        yield f"ISE before {split:g} s", _number(ise["before"]), before
+        yield f"ISE from {split:g} s on", _number(ise["after"]), after
     else:
         windows = windows[-1:]
     yield "ISE of the position", _number(ise["position"], "m2 s"), ""
     for window, values in windows:
-        errors = map(_small, values, ("m", "m", "rad"))
-        yield f"RMS of e, {window} s", ", ".join(errors), f"Eq. (8){_without_turns(run, window)}"
+        errors = (_small(value, unit, least) for value, unit in zip(values, UNITS, strict=True))
+        robots = results.robots_over(run.settings, *map(float, window.split("-")))
+        about = f"Eq. (8){', ' * bool(robots)}{robots}{_without_turns(run, window)}"
+        yield f"RMS of e, {window} s", ", ".join(errors), about
 
 
 def _without_turns(run: Run, window: str) -> str:
@@ -169,8 +176,8 @@ def _without_turns(run: Run, window: str) -> str:
 
 def _changes_there(run: Run) -> bool:
     """True if the robot changes at the time that splits the run, as far as is known."""
-    case = scenario_of_run(run)
-    return case is None or any(change.t == run.settings.split for change in case.changes)
+    split, robots = run.settings.split, run.settings.robots
+    return scenario_of_run(run) is None or any(time == split for time, _ in robots)
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -215,12 +222,12 @@ def _number(value: float | None, unit: str = "") -> str:
     return MISSING if value is None else f"{value:.4g} {unit}".strip()
 
 
-def _small(value: float | None, unit: str) -> str:
+def _small(value: float | None, unit: str, least: float = FINE) -> str:
     """An error [m, rad] in thousandths where it is below one."""
     if value is None or value >= 1:
         return _number(value, unit)
-    if 0 < value < TINY:
-        return f"below {1e3 * TINY:g} m{unit}"
+    if 0 < value < least:
+        return f"below {1e3 * least:g} m{unit}"
     return f"{1e3 * value:.3g} m{unit}"
 
 

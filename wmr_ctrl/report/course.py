@@ -23,12 +23,6 @@ MOST_WAYPOINTS = 60
 """More would hide the path that they are on."""
 
 
-def switch_time(run: Run) -> float | None:
-    """Time of the robot's first change [s], by the run's scenario; None without a change."""
-    scenario = scenario_behind(run)
-    return scenario.changes[0].t if scenario and scenario.changes else None
-
-
 def scenario_behind(run: Run) -> Scenario | None:
     """The scenario that the run says it was made from, if it says so."""
     text = run.provenance.get("scenario_toml")

@@ -1,5 +1,6 @@
 """Helpers of the figures: a figure as a value, axes placed by inches, marks, thinned traces."""
 
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from wmr_ctrl.core.errors import ResultFileError
-from wmr_ctrl.results import Floats, atomic_path, check_writable
+from wmr_ctrl.results import Floats, Settings, atomic_path, check_writable, robots_over
 
 from .style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look, shown
 
@@ -237,14 +238,15 @@ def say_below(axes: Axes, text: str) -> None:
     axes.set_xlabel(f"{axes.get_xlabel()}   ({text})")
 
 
-def switch_handles(time: float | None) -> list[Line2D]:
-    """Legend's entries for :func:`mark_switch`: one, or none."""
-    return [] if time is None else [line_handle(f"new parameters, {time:g} s", MUTED, 0.9, _SWITCH)]
+def switch_handles(settings: Settings) -> list[Line2D]:
+    """Legend's entry for :func:`mark_switch`; none where the robot never changes."""
+    words = robots_over(settings)
+    return [line_handle(words, MUTED, 0.9, _SWITCH)] if words else []
 
 
-def mark_switch(axes: Axes, time: float | None) -> None:
-    """A thin vertical line where the robot's parameters change, if they do."""
-    if time is not None:
+def mark_switch(axes: Axes, settings: Settings, end: float = math.inf) -> None:
+    """A thin vertical line at each change of the robot before ``end`` [s]."""
+    for time in (time for time, _ in settings.robots[1:] if time < end):
         axes.axvline(time, color=MUTED, lw=0.8, ls=_SWITCH, zorder=1.2)
 
 

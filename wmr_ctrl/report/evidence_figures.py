@@ -16,7 +16,6 @@ from wmr_ctrl.simulation.campaign import Campaign
 from wmr_ctrl.world.scenario import load_scenario
 
 from . import drawing
-from .course import switch_time
 from .style import INK, LIMIT, MUTED, look, shown
 
 Runs: TypeAlias = Mapping[tuple[str, str], Run]
@@ -92,7 +91,7 @@ def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
         axes.set_xticks((30, 40, 50, 60, 70))
         axes.set_title(look(law).label, color=look(law).colour, pad=3)
         axes.tick_params(labelleft=axes is row[0])
-        drawing.mark_switch(axes, switch_time(changed))
+        drawing.mark_switch(axes, changed.settings)
     row[0].set_ylabel("RMS of $e_1$ over 1 s [mm]")
     ranges = np.array([axes.get_ylim() for axes in row])
     for axes in row:
@@ -100,7 +99,7 @@ def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
     handles = [
         drawing.line_handle("with the change", INK),
         drawing.line_handle("without it, same noise", MUTED, 1.0),
-        *drawing.switch_handles(switch_time(runs[WITH, laws[0]])),
+        *drawing.switch_handles(runs[WITH, laws[0]].settings),
     ]
     title = "What the change at 40 s does to the error along the heading"
     drawing.heading(figure, title, handles, 0.26)

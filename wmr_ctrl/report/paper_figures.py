@@ -14,7 +14,6 @@ from matplotlib.patches import Rectangle
 from wmr_ctrl.results import Floats, Run, distance
 
 from . import drawing
-from .course import switch_time
 from .style import INK, MUTED, look
 
 Group: TypeAlias = Mapping[str, Run]
@@ -90,7 +89,7 @@ class Trace:
             drawing.include(start, (-1.1 * limit, 1.1 * limit))
             drawing.shade_limits(start, limit)
             drawing.shade_limits(rest, limit)
-        drawing.mark_switch(rest, switch_time(run))
+        drawing.mark_switch(rest, run.settings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +121,7 @@ class WholeTrace:
         run = next(iter(group.values()))
         axes.set(xlim=(0, run.settings.duration))
         axes.set_ylim(bottom=self.floor)
-        drawing.mark_switch(axes, switch_time(run))
+        drawing.mark_switch(axes, run.settings)
 
 
 def draw_trajectory(place: drawing.Place, group: Group, padding: drawing.Padding) -> None:
@@ -236,5 +235,6 @@ def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
 
 def _handles(group: Group, *, path: bool, switch: bool) -> list[Line2D]:
     reference = [drawing.dot_handle("reference", "white", INK, size=3.2)] if path else []
-    time = switch_time(next(iter(group.values()))) if switch else None
-    return [*drawing.law_handles(group), *reference, *drawing.switch_handles(time)]
+    run = next(iter(group.values()))
+    changes = drawing.switch_handles(run.settings) if switch else []
+    return [*drawing.law_handles(group), *reference, *changes]

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.results import Floats, Run, e_rms, ise, tau_peak, tau_rms
+from wmr_ctrl.results import Floats, Run, e_rms, ise, robots_over, tau_peak, tau_rms
 from wmr_ctrl.results.measures import heading_error, heading_rms
+from wmr_ctrl.theory.checks.unknown_zero import finest
 
 from . import course, drawing, style
 
@@ -25,8 +26,6 @@ LARGE = 10.0
 """Errors that come farther [m, rad] are in m and rad, others in mm and mrad."""
 LEAST = 1e-12
 """Values of V1 below it are drawn there."""
-TINY = 1e-6
-"""Errors [m, rad] of which no digit is worth printing."""
 START = 2.0
 """Transient [s] that may leave the view."""
 MEAN_TIME = 0.25
@@ -54,8 +53,9 @@ def _draw(figure: Figure, run: Run) -> None:
     note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
     plants = {"mujoco": ", a rigid body on tyres", "fmu": ", somebody else's plant"}
     note += plants.get(run.settings.plant_kind, "")
-    switch = course.switch_time(run)
-    note += "" if switch is None else f"; the robot changes at {switch:g} s (vertical line)"
+    robots, ends = robots_over(run.settings), run.settings.control * run.rows
+    seen = any(0 < time < ends for time, _ in run.settings.robots)
+    note += f"; {robots}{' (vertical lines)' * seen}" if robots else ""
     tube = course.course_of_tube(run)
     note += "" if tube is None else "; errors, dotted: certified from a start on the path"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=style.MUTED, va="top")
@@ -107,22 +107,24 @@ def _figures(run: Run) -> list[str]:
     begin = max(0.0, end - 10.0)
     errors = e_rms(run, begin, end) or (None, None, None)
     angle, turns = heading_rms(run, begin, end) or (None, False)
-    e1, e2, e3 = map(_error, (*errors[:2], angle), ("m", "m", "rad"))
+    say = partial(_error, least=finest(course.scenario_behind(run)))
+    e1, e2, e3 = map(say, (*errors[:2], angle), ("m", "m", "rad"))
     before, after = style.shown(square["before"]), style.shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
-    split = course.switch_time(run) == run.settings.split
+    split = any(time == run.settings.split for time, _ in run.settings.robots)
+    robots = robots_over(run.settings, begin, end)
     return [
         f"ISE {style.shown(square['total'])} m² s + rad² s{parts if split else ''}",
         f"wheel torque: peak {style.shown(tau_peak(run))} N m, RMS {style.shown(tau_rms(run))} N m",
-        f"RMS errors of the last {end - begin:g} s{of}:",
+        f"RMS errors of the last {end - begin:g} s{of}{f' ({robots})' * bool(robots)}:",
         f"    e₁ {e1}, e₂ {e2}, e₃ {e3}{' without whole turns' if turns else ''}",
     ]
 
 
-def _error(value: float | None, unit: str) -> str:
+def _error(value: float | None, unit: str, least: float) -> str:
     """An error [m, rad] in a unit that suits it."""
-    if value is not None and value < TINY:
-        return f"below 0.001 m{unit}"
+    if value is not None and value < least:
+        return f"below {1e3 * least:g} m{unit}"
     if value is not None and value >= LARGE:
         return f"{style.shown(value)} {unit}"
     return f"{style.shown(value and 1e3 * value)} m{unit}"
@@ -226,9 +228,9 @@ def _barrier(part: SubFigure, run: Run) -> None:
 
 def time_axes(part: SubFigure, run: Run, title: str) -> Axes:
     """Axes over the time of a run, in which its change of parameters is marked."""
-    axes, switch = drawing.one_axes(part, MARGINS), course.switch_time(run)
+    axes = drawing.one_axes(part, MARGINS)
     end = float(run.time[-1]) + run.settings.control
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")
-    drawing.mark_switch(axes, switch if switch is not None and switch < end else None)
+    drawing.mark_switch(axes, run.settings, end)
     return axes

@@ -28,7 +28,7 @@ from wmr_ctrl.results.drive import (
 )
 
 from . import drawing
-from .course import course_of, switch_time
+from .course import course_of
 from .plot_run import MARGINS, time_axes
 from .scene import names_of, scene_of
 from .style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
@@ -58,7 +58,7 @@ def _draw(figure: Figure, runs: Sequence[Run]) -> None:
     }
     styles = ((name, colour, dash) for name, (_, colour, dash) in lines.items())
     handles = [drawing.line_handle(name, colour, dash=dash) for name, colour, dash in styles]
-    handles += drawing.switch_handles(switch_time(runs[0]))
+    handles += drawing.switch_handles(runs[0].settings)
     drawing.heading(top, verbatim(runs[0].scenario), handles)
     parts = [figure.add_subfigure(grid[row, column]) for row in (1, 2) for column in (0, 1)]
     _path(parts[0], lines)

@@ -7,10 +7,9 @@ from typing import TypeVar
 from wmr_ctrl.results import Settings
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import RunTable, Spread
-from wmr_ctrl.results.windows import LATE, WINDOWS, named, seconds, windows_of
+from wmr_ctrl.results.windows import LATE, WINDOWS, named, robots_over, seconds, windows_of
 from wmr_ctrl.simulation.campaign import Campaign
 
-from .course import switch_time
 from .paper_claims import STAND_IN_LAW
 from .style import ABSENT, look, shown, unit_text
 
@@ -89,11 +88,18 @@ class _Line:
     def name(self, settings: Settings) -> str:
         """The label with the windows of a run in place, and its unit."""
         windows, period = windows_of(settings), settings.control
-        spans = {name: seconds(period * a, period * b) for name, (a, b) in windows.items()}
+        times = {name: (period * a, period * b) for name, (a, b) in windows.items()}
+        spans = {name: _window(settings, *ends) for name, ends in times.items()}
         label = self.label.format(**spans, split=windows["before"][1])
         unit = FIGURES[self.figure].unit
         shown_unit = _KILO.get(unit, unit_text(unit))
         return f"{label} [{shown_unit}]" if shown_unit else label
+
+
+def _window(settings: Settings, start: float, end: float) -> str:
+    """A window of time [s], with the robot there where that changes."""
+    robots = robots_over(settings, start, end)
+    return f"{seconds(start, end)}{': ' * bool(robots)}{robots}"
 
 
 _LINES = (
@@ -132,7 +138,7 @@ def scenario_table(campaign: Campaign, scenario: str, short: bool = False) -> Te
     ``short``: the few figures that tell the laws apart.
     """
     table, run = campaign.table, campaign.runs[scenario, campaign.table.laws[0]]
-    changes = switch_time(run) is not None
+    changes = bool(run.settings.robots)
     runs = {law: table.case(scenario, law) for law in table.laws}
 
     def cell(line: _Line, law: str) -> str:

@@ -34,3 +34,4 @@ from .settings import Assumptions as Assumptions
 from .settings import Settings as Settings
 from .windows import driving as driving
 from .windows import labouring as labouring
+from .windows import robots_over as robots_over

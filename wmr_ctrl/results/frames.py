@@ -56,6 +56,7 @@ def summary(run: Run) -> dict[str, object]:
         "plant": known.plant_kind,
         "watched_every": known.plant,
         "outcome": run.outcome.value,
+        "robots": [{"from": time, "robot": words} for time, words in known.robots],
         **{key: of(run) for key, of in READINGS.items()},
         "figures": values_of(run, (item for item in FIGURES if not item.key)),
         "remarks": [asdict(item) for item in run.remarks],

@@ -66,7 +66,8 @@ class Settings(CountedNumbers):
     ``plant`` is the time between two looks of the monitor; ``arrival``: time at which
     the desired motion comes to rest for good [s], None if it never does; ``keep_out``: circles
     and polygons that a body of ``radius`` [m] must not touch; ``frames``: how the columns state
-    orientations, as in a scenario.
+    orientations, as in a scenario; ``robots``: the robot from each time [s] on, as
+    "65 kg"; empty where it does not change.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -82,6 +83,7 @@ class Settings(CountedNumbers):
     keep_out: tuple[Shape, ...] = ()
     radius: float | None = None
     frames: str = PAPER
+    robots: tuple[tuple[float, str], ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):
@@ -97,6 +99,8 @@ class Settings(CountedNumbers):
             for shape in self.keep_out
         )
         object.__setattr__(self, "keep_out", tuple(shapes))
+        robots = tuple((float(time), str(words)) for time, words in self.robots)
+        object.__setattr__(self, "robots", robots)
         self._check()
 
     def _check(self) -> None:

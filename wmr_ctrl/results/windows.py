@@ -71,12 +71,33 @@ def drive(settings: Settings) -> Span:
     return goal // 2, min(goal, settings.samples)
 
 
+def robots_over(settings: Settings, start: float = 0.0, end: float = math.inf) -> str:
+    """The robots that drive in [start, end) [s], as "50 kg, from 40 s on 65 kg".
+
+    Empty where the robot never changes.
+    """
+    grid, robots = 1e-6 * settings.control, settings.robots
+    ends = [*(time for time, _ in robots[1:]), math.inf]
+    there = [item for item, last in zip(robots, ends, strict=False)
+             if item[0] < end - grid and last > start + grid]  # fmt: skip
+    words = [text if place == 0 else f"from {time:g} s on {text}"
+             for place, (time, text) in enumerate(there)]  # fmt: skip
+    return ", ".join(words)
+
+
 def driving(run: Run) -> str:
-    """The window of the drive, in words."""
-    if run.settings.arrival is None:
-        return "last quarter"
-    first, end = (sample * run.settings.control for sample in drive(run.settings))
-    return f"drive ({first:.4g} to {end:.4g} s)"
+    """The window of the drive, in words, with its robot where that changes."""
+    name = "drive" if run.settings.arrival is not None else "last quarter"
+    return _told(name, run.settings, drive(run.settings))
+
+
+def _told(name: str, settings: Settings, samples: Span) -> str:
+    """A window's name, with its times for a path that stops or a robot that changes."""
+    first, end = (sample * settings.control for sample in samples)
+    robots = robots_over(settings, first, end)
+    if settings.arrival is None and not robots:
+        return name
+    return f"{name} ({first:.4g} to {end:.4g} s{': ' * bool(robots)}{robots})"
 
 
 def at_rest(settings: Settings) -> Span:
@@ -96,7 +117,9 @@ def working(settings: Settings) -> Span:
 
 def labouring(run: Run) -> str:
     """The window of the torques, in words."""
-    return "last half" if run.settings.arrival is None else driving(run)
+    if run.settings.arrival is not None:
+        return driving(run)
+    return _told("last half", run.settings, working(run.settings))
 
 
 def rows_of(run: Run, samples: Span) -> slice | None:

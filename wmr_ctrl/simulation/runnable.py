@@ -14,6 +14,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results import Assumptions, Monitor, Run, Settings, outcome_of
 from wmr_ctrl.results.settings import CountedNumbers, first_beyond, largest_push
 from wmr_ctrl.version import __version__
+from wmr_ctrl.world.phases import robots_in_words
 from wmr_ctrl.world.scenario import Scenario, to_toml
 from wmr_ctrl.world.speed_loop import takes_velocity
 
@@ -67,7 +68,7 @@ def settings_of(scenario: Scenario) -> Settings:
         clock.control, clock.plant, clock.duration, scenario.limits.v_u1, scenario.split,
         metrics.rms_from, tolerance=metrics.tolerance, arrival=scenario.reference.arrival,
         keep_out=scenario.reference.keep_out, radius=scenario.body.radius,
-        frames=scenario.frames,
+        frames=scenario.frames, robots=robots_in_words(scenario),
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from wmr_ctrl.core.symbolic import ca
 from .model.dynamics import NAMES, force_to_wheel, reduced_mass
 from .model.evaluate import Floats, evaluated
 from .model.friction import friction, largest_force, largest_slope
+from .scenario.sections import CHANGING, robot_number
 
 if TYPE_CHECKING:
     from .scenario import Robot, Scenario
@@ -40,6 +41,26 @@ def phases(scenario: Scenario) -> Iterator[Phase]:
     for change in scenario.changes:
         robot = replace(robot, **change.values())
         yield Phase(change.t, robot)
+
+
+def robots_in_words(scenario: Scenario) -> tuple[tuple[float, str], ...]:
+    """The robot from each time [s] on, as "65 kg"; empty where it never changes.
+
+    Masses where they tell the robots apart, else all that changes.
+    """
+    states = {phase.t: phase.robot for phase in phases(scenario)}
+    numbers = {t: tuple(getattr(robot, name) for name in CHANGING) for t, robot in states.items()}
+    if len(set(numbers.values())) < 2:
+        return ()
+    places = [i for i in range(len(CHANGING)) if len({own[i] for own in numbers.values()}) > 1]
+    masses = {own[0] for own in numbers.values()}
+    places = places[:1] if len(masses) == len(set(numbers.values())) else places
+    words = {"mu": "friction "}
+    names = [(i, name) for i, name in enumerate(CHANGING) if i in places]
+    return tuple(
+        (t, ", ".join(words.get(name, "") + robot_number(name, own[i]) for i, name in names))
+        for t, own in numbers.items()
+    )
 
 
 def largest_friction(scenario: Scenario) -> float:

@@ -65,6 +65,13 @@ def rounded(value: float, digits: int, up: bool = True) -> str:
     return f"{float(Context(digits, mode).plus(exact)):.{digits}g}"
 
 
+def plain(value: float) -> str:
+    """A number of up to ten digits, without an exponent for sizes that a robot may have."""
+    text = f"{value:.10g}"
+    usual = math.isfinite(value) and (not value or 1e-6 <= abs(value) < 1e15)
+    return f"{Decimal(text):f}" if usual else text
+
+
 def length(value: float, up: bool = True) -> str:
     """A length with its unit, in mm where it is short; never below its value, or never above."""
     return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field
 
 from wmr_ctrl.core.fields.units import length, rounded
 from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.checks.unknown_zero import COARSE
 
 from .clearance import Clearance
 
@@ -122,7 +123,8 @@ class Corridor:
 
     @property
     def _off(self) -> str:
-        return length(_counted(self.position))
+        least = 0.0 if self.push or self.pose or any(self.velocity) else COARSE
+        return length(max(_counted(self.position), least))
 
     @property
     def _turned(self) -> str:

@@ -5,8 +5,11 @@ from collections.abc import Mapping
 
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import REQUIRED, Section, quantity
+from wmr_ctrl.core.fields.units import plain
 from wmr_ctrl.core.fields.values import check_multiple
 
+CHANGING = {"m": "kg", "I": "kg m2", "mu": ""}
+"""Fields of the robot that may change during a run, with their units in words."""
 MOST_SAMPLES, MOST_SUBSTEPS = 10_000_000, 100_000
 
 
@@ -175,6 +178,11 @@ class CorridorSettings(Section, key="corridor"):
     )  # fmt: skip
 
 
+def robot_number(name: str, value: float) -> str:
+    """Mass, inertia or friction of a robot with its unit, as "65 kg"."""
+    return f"{plain(value)} {CHANGING[name]}".strip()
+
+
 class Change(Section, key="changes"):
     """New parameters from the first plant step that starts at or after ``t``; others stay."""
 
@@ -192,13 +200,14 @@ class Change(Section, key="changes"):
     def sentence(self) -> str:
         """What the robot is from then on, in plain words."""
         words = {
-            "m": "weighs {:g} kg",
-            "I": "has an inertia of {:g} kg m2",
-            "mu": "has a friction coefficient of {:g}",
+            "m": "weighs",
+            "I": "has an inertia of",
+            "mu": "has a friction coefficient of",
         }
-        *others, last = (words[key].format(value) for key, value in self.values().items())
+        given = self.values().items()
+        *others, last = (f"{words[key]} {robot_number(key, value)}" for key, value in given)
         listed = f"{', '.join(others)} and {last}" if others else last
-        return f"From {self.t:g} s on the robot {listed}."
+        return f"From {plain(self.t)} s on the robot {listed}."
 
 
 class Guard(Section, key="guard"):
