@@ -23,16 +23,14 @@ TARGET = HERE.parent / "docs" / "notebooks"
 INDEX = """\
 # Notebooks: one question each
 
-Each ends in a cell of facts that asserts every number of its prose. This page and those below are
-written by `python analysis/render.py`, which runs the notebooks in `analysis/`.
+`python analysis/render.py` runs the notebooks in `analysis/` and writes these pages: their prose and figures. Each notebook
+ends in a cell that asserts every number of its prose.
 """
 LONGEST_RUN = 300
 """Seconds that one cell may take."""
 
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
-CODE = re.compile(r"^```python\n((?:.*\n)*?)```$", re.M)
-LONGEST_SHOWN = 8
-"""Lines of code that are shown; what is longer is folded, since the prose is what is read."""
+CODE = re.compile(r"^```python\n(?:.*\n)*?```\n*", re.M)
 NOTEBOOK = re.compile(r"(\]\((?:\d\d-[\w-]+))\.ipynb(#[\w-]*)?\)")
 """A link to a notebook, beside which the rendered ones have their own."""
 
@@ -80,21 +78,15 @@ def write(book: nbformat.NotebookNode, name: str) -> Path:
     clean = "\n".join(line.rstrip().replace("\t", "    ") for line in text.splitlines())
     target = TARGET / f"{name}.md"
     text = re.sub(r"\n{3,}", "\n\n", linked(COLOUR.sub("", clean)))
-    target.write_text(folded(text) + "\n", encoding="utf-8")
+    target.write_text(without_code(text, name) + "\n", encoding="utf-8")
     return target
 
 
-def folded(text: str) -> str:
-    """Text whose long code is seen when it is asked for."""
-    return CODE.sub(_fold, text)
-
-
-def _fold(found: re.Match[str]) -> str:
-    lines = found[1].count("\n")
-    if lines <= LONGEST_SHOWN:
-        return found[0]
-    summary = f"<details><summary>Code, {lines} lines</summary>"
-    return f"{summary}\n\n{found[0]}\n\n</details>"
+def without_code(text: str, name: str) -> str:
+    """Prose and figures, with one sentence that says where the code is."""
+    title, _, body = CODE.sub("", text).partition("\n\n")
+    body = body.strip().removesuffix("## Facts").strip()
+    return f"{title}\n\nThe code is in `analysis/{name}.ipynb`.\n\n{body}"
 
 
 def linked(text: str) -> str:
