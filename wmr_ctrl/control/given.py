@@ -1,7 +1,6 @@
 """What a caller means: a preset, a file or a Scenario, with fields overridden; and its law."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
@@ -17,24 +16,6 @@ from .setup import check_name, check_scenario
 
 Overrides: TypeAlias = Mapping[str, object]
 """Values of a scenario's fields by key path, such as ``{"clock.control": 0.02}``."""
-
-
-@dataclass(frozen=True, slots=True)
-class DefaultLaw:
-    """The law that drives where a caller names none, and whether the scenario states it."""
-
-    name: str
-    stated: bool
-
-    @property
-    def why(self) -> str:
-        """Where the name is from, in words."""
-        return "stated in the scenario" if self.stated else "not stated"
-
-
-def default_law(scenario: Scenario) -> DefaultLaw:
-    """The law of a scenario where none is named: its own, else kanayama."""
-    return DefaultLaw("kanayama", False)
 
 
 @checks_arguments
