@@ -23,8 +23,8 @@ TARGET = HERE.parent / "docs" / "notebooks"
 INDEX = """\
 # Notebooks: one question each
 
-`python analysis/render.py` runs the notebooks in `analysis/` and writes these pages: their prose and
-figures. Each notebook ends in a cell that asserts every number of its prose.
+`python analysis/render.py` runs the notebooks in `analysis/` and writes these pages: their prose
+and figures. Each notebook ends in a cell that asserts every number of its prose.
 """
 LONGEST_RUN = 300
 """Seconds that one cell may take."""
