@@ -60,8 +60,21 @@ def test_errors_before_and_after_a_change_are_their_own(run: Run) -> None:
     ise = figures_of(run)["ise"]
 
     assert ise["before"] > 9 * ise["after"]
-    assert told(run, "ISE before 2 s") == f"{ise['before']:.4g}, "
-    assert told(run, "ISE from 2 s on") == f"{ise['after']:.4g}, "
+    assert told(run, "ISE before 2 s") == f"{ise['before']:.4g}, 50 kg"
+    assert told(run, "ISE from 2 s on") == f"{ise['after']:.4g}, 40 kg"
+
+
+def test_figures_name_the_robot_of_their_window(run: Run) -> None:
+    """The last quarter is 40 kg's alone, and the whole run has both."""
+    errors = told(run, "position error, RMS")
+
+    assert "whole run: 50 kg, from 2 s on 40 kg" in errors
+    assert "last quarter (3 to 4 s: 40 kg)" in errors
+    assert "last half (2 to 4 s: 40 kg)" in told(run, "wheel torque, change")
+    assert figures_of(run)["robots"] == [
+        {"from": 0.0, "robot": "50 kg"},
+        {"from": 2.0, "robot": "40 kg"},
+    ]
 
 
 def test_a_heading_error_is_told_without_its_whole_turns(run: Run) -> None:

@@ -260,8 +260,8 @@ def test_the_summary_has_exactly_the_published_keys(make_run: MakeRun) -> None:
     figures = summary(run)
 
     assert " ".join(figures) == (
-        "scenario law guard seed engine plant watched_every outcome ise position_rms position_max "
-        "tracking tracked arrival guard_share filter_share usable_speed reference_speed "
+        "scenario law guard seed engine plant watched_every outcome robots ise position_rms "
+        "position_max tracking tracked arrival guard_share filter_share usable_speed reference_speed "
         "torque_change_rms torque_needed_rms saturated_share max_abs_v violations rigid "
         "d_least dbar tau_peak tau_rms e_rms figures remarks provenance"
     )

@@ -209,6 +209,6 @@ def _row(name: str, run: Run) -> tuple[str, ...]:
     return (name, *cells, run.outcome.value)
 
 
-def _shown(value: float, least: float) -> str:
+def _shown(value: float, least: float = LEAST) -> str:
     """Three digits, as long as they say something: a long number breaks its neighbours' words."""
     return f"<{least:g}" if 0 < abs(value) < least else f"{value:.3g}"

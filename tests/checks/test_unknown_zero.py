@@ -1,0 +1,164 @@
+"""Bounds of size 0 are named where something is guaranteed, and change no verdict."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from wmr_ctrl import simulate
+from wmr_ctrl.cli.check_sentences import promise
+from wmr_ctrl.cli.root import root
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.theory.checks import warnings_for
+from wmr_ctrl.theory.checks.unknown_zero import (
+    COARSE,
+    KEY,
+    bounds,
+    exactness,
+    finest,
+    is_guarded,
+    promise_of_run,
+    unknown_zero,
+)
+from wmr_ctrl.world.scenario import Scenario, load_scenario, preset_names
+
+PUSHED, MEASURED = "nothing pushes the robot", "measured exactly"
+TORQUE, VELOCITY = "paper-simulation-nominal", "turtlebot3-burger"
+
+
+def test_headlines_of_presets_name_the_bounds_that_are_zero() -> None:
+    for name in preset_names():
+        case = load_scenario(name)
+        guards = (False, True) if case.base.kind == "torque" else (case.guard.enabled,)
+        for guard in guards:
+            setup = settle(load_scenario(name, {"guard.enabled": guard}), "kanayama")
+            assumed = bounds(setup)
+            if not is_guarded(setup):
+                assumed = {"dbar": setup.bound.dbar, "nbar": setup.bound.nbar}
+            assert_named(setup, *assumed.values())
+
+
+def draws(seed: int) -> Iterator[tuple[str, dict[str, object]]]:
+    """Presets with bounds of which about a third is 0, on one axis or both."""
+    rng = np.random.default_rng(seed)
+
+    def pair(most: float) -> list[float]:
+        return [float(x) for x in rng.uniform(0.1, most, 2) * (rng.random(2) > 0.4)]
+
+    for _ in range(20):
+        still = {"disturbance.std": 0.0, "guard.enabled": bool(rng.random() < 0.7)}
+        yield TORQUE, still | {"guard.dbar": pair(3.0), "guard.nbar": pair(0.2)}
+        filtered: dict[str, object] = {"filter.d": pair(0.2), "filter.odometry": pair(0.2)}
+        filtered |= {"filter.kind": rng.choice(["clip", "governor"]), "filter.trust": True}
+        yield VELOCITY, {key: str(v) if key == "filter.kind" else v for key, v in filtered.items()}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_headlines_name_exactly_the_drawn_bounds_that_are_zero(seed: int) -> None:
+    for name, stated in draws(seed):
+        setup = settle(load_scenario(name, stated), "kanayama")
+        if setup.takes_velocity:
+            heard = stated["filter.kind"] == "governor"
+            assert_named(setup, setup.scenario.filter.d, setup.scenario.filter.odometry * heard)
+        elif is_guarded(setup):
+            assert_named(setup, setup.scenario.guard.dbar, setup.scenario.guard.nbar)
+        else:
+            assert_named(setup, setup.bound.dbar, setup.bound.nbar)
+
+
+def assert_named(
+    setup: Setup, pushed: tuple[float, ...] | None, error: tuple[float, ...] | None
+) -> None:
+    """The headline names a zero of each, and a warning that objects to nothing does so too."""
+    said = promise(setup)
+    zeros = [bound is not None and 0 in bound for bound in (pushed, error)]
+
+    assert [PUSHED in said, MEASURED in said] == zeros
+    warning = unknown_zero(setup)
+    assert (warning is not None) is (any(zeros) and is_guarded(setup))
+    if warning is not None:
+        assert not warning.objects
+        assert exactness(setup) in warning.sentence
+    assert KEY not in [item.key for item in warnings_for(setup)]
+
+
+def test_stated_zeros_count_like_derived_ones() -> None:
+    on = {"guard.enabled": True, "disturbance.std": 0.0}
+    stated = {"guard.dbar": [0.0, 0.0], "guard.nbar": [0.0, 0.0]}
+    derived, same = (settle(load_scenario(TORQUE, on | more), "mb") for more in ({}, stated))
+
+    assert promise(derived) == promise(same)
+    assert f"guaranteed while {PUSHED} and its speed is {MEASURED}" in promise(derived)
+    assert unknown_zero(derived) == unknown_zero(same)
+
+
+@pytest.mark.parametrize(
+    ("d", "words"),
+    [
+        ([0.0, 0.1], "nothing pushes the robot forwards or backwards"),
+        ([0.1, 0.0], "nothing pushes the robot into a turn"),
+    ],
+)
+def test_a_zero_of_one_axis_names_that_axis(d: list[float], words: str) -> None:
+    assert (
+        exactness(settle(load_scenario(VELOCITY, {"filter.d": d, "filter.trust": True}), "mb"))
+        == words
+    )
+
+
+def test_a_pi_loops_push_is_not_its_command_error() -> None:
+    pi = {
+        "filter.kind": "clip", "filter.loop": "pi", "filter.gain": [1.0, 1.0],
+        "filter.mass": [0.9, 1.1], "filter.inertia": [0.003, 0.005], "filter.kp": [5.0, 20.0],
+        "filter.ki": [1.0, 5.0], "filter.push": [0.1, 0.01], "filter.trust": True,
+        "filter.d": [0.0, 0.0],
+    }  # fmt: skip
+    setup = settle(load_scenario(VELOCITY, pi), "kanayama")
+
+    assert PUSHED not in promise(setup)
+    assert "its commands act exactly" in promise(setup)
+
+
+def checked(name: str, *options: str) -> Mapping[str, object]:
+    result = CliRunner().invoke(root, ["check", name, "--law", "kanayama", "--json", *options])
+    found = json.loads(result.stdout)
+    assert isinstance(found, dict)
+    return found
+
+
+def test_json_has_the_bounds_and_one_warning_for_all_laws() -> None:
+    stated = ("--guard", "--set", "guard.dbar=1,0.5", "--set", "clock.duration=1")
+    silent, told = (checked(TORQUE, *stated, *more) for more in (
+        ("--set", "guard.nbar=0.1,0.1"), ()))  # fmt: skip
+    (warning,) = (item for item in told["warnings"] if item["key"] == KEY)
+
+    assert told["bounds"] == {"dbar": [1.0, 0.5], "nbar": [0.0, 0.0]}
+    assert warning["law"] is None
+    assert "guard.nbar = [m/s, rad/s]" in warning["text"]
+    assert KEY not in [item["key"] for item in silent["warnings"]]
+    assert told["verdict"] == silent["verdict"]
+
+
+def test_runs_tell_what_is_exact_and_remark_nothing() -> None:
+    short = {"clock.duration": 0.2, "metrics.rms_from": 0.0, "disturbance.std": 0.0}
+    plain, guarded = (
+        simulate(load_scenario(TORQUE, short | {"guard.enabled": on}), "mb", engine="numpy")
+        for on in (False, True)
+    )
+
+    assert promise_of_run(plain).startswith(f"In this scenario {PUSHED} and")
+    assert promise_of_run(guarded).startswith(f"The limits are guaranteed while {PUSHED} and")
+    assert KEY not in [item.key for item in guarded.remarks]
+
+
+def test_digits_beyond_a_tape_measure_are_told_of_disturbed_loops_alone() -> None:
+    still: Scenario = load_scenario(TORQUE, {"disturbance.std": 0.0})
+
+    assert finest(still) == COARSE
+    for noise in ({"disturbance.std": 0.1}, {"sensor.pose_noise": 1e-3}, {"gyro.enabled": True,
+                  "gyro.noise": 1e-3}):  # fmt: skip
+        assert finest(load_scenario(TORQUE, {"disturbance.std": 0.0} | noise)) < COARSE
