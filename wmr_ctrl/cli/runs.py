@@ -21,6 +21,9 @@ save_option = opt.new_file("--out", "Save the run", *opt.RUNS)
 plot_option = opt.new_file("--plot", "Draw the run", *opt.PLOTS)
 animate_option = opt.new_file("--animate", "Film the robot on its path", *opt.ANIMATIONS)
 film_option = opt.new_file("--film", "Film the rigid body in 3-D (--plant mujoco)", ".mp4", ".gif")
+verbose_option = click.option(
+    "-v", "--verbose", is_flag=True, help="Print remarks in full and all figures."
+)
 figures_option = opt.json_option("Print outcome and figures as one JSON document.")
 
 
@@ -52,6 +55,7 @@ figures_option = opt.json_option("Print outcome and figures as one JSON document
 @plot_option
 @animate_option
 @film_option
+@verbose_option
 @figures_option
 def run(
     scenario: str,
@@ -61,6 +65,7 @@ def run(
     engine: str,
     plant: str,
     assignments: tuple[str, ...],
+    verbose: bool,
     as_json: bool,
     **files: str | None,
 ) -> None:
@@ -81,7 +86,7 @@ def run(
     chosen = opt.law_of(case, law)
     opt.note_idle(case, scenario, assignments, [chosen])
     finished = _simulated(case, chosen, law is not None, seed, engine, plant)
-    deliver(finished, as_json, **files)
+    deliver(finished, as_json, verbose, **files)
 
 
 @opt.command(
@@ -103,8 +108,11 @@ def run(
 @animate_option
 @film_option
 @opt.topics_option
+@verbose_option
 @figures_option
-def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None) -> None:
+def show_saved(
+    file: str, verbose: bool, as_json: bool, topics: str | None, **files: str | None
+) -> None:
     """Print how a saved run went, and draw, film or convert it; only --film simulates it again.
 
     RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote, or a robot's own ROS 2 bag (its
@@ -121,7 +129,7 @@ def show_saved(file: str, as_json: bool, topics: str | None, **files: str | None
         show_drive(saved, as_json, **files)
         return
     write_run(saved, **files)
-    show(saved, as_json)
+    show(saved, as_json, verbose)
 
 
 def _check_engine(engine: str, plant: str) -> None:
@@ -153,10 +161,10 @@ def _simulated(
         return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)
 
 
-def deliver(run: Run, as_json: bool, **files: str | None) -> None:
+def deliver(run: Run, as_json: bool, verbose: bool, **files: str | None) -> None:
     """Write a new run's files and print it; then exit with code 3 where an FMU ended it."""
     write_run(run, **files)
-    show(run, as_json)
+    show(run, as_json, verbose)
     if run.monitor.failure:
         say("error", run.monitor.failure)
         raise click.exceptions.Exit(FMU_FAILED)
@@ -170,8 +178,8 @@ def write_run(run: Run, **files: str | None) -> None:
     write_file(files.get("film"), "film_run", run, "film")
 
 
-def show(run: Run, as_json: bool) -> None:
-    """Print a finished run: a table, or the JSON document."""
+def show(run: Run, as_json: bool, verbose: bool = False) -> None:
+    """Print a finished run: verdict and table, or the JSON document."""
     from wmr_ctrl.results import summary
 
     if as_json:
@@ -179,7 +187,7 @@ def show(run: Run, as_json: bool) -> None:
     else:
         from .summary import summary_text
 
-        click.echo(summary_text(run))
+        click.echo(summary_text(run, verbose))
 
 
 @opt.command(
@@ -218,6 +226,7 @@ def show(run: Run, as_json: bool) -> None:
 @opt.set_option
 @save_option
 @plot_option
+@verbose_option
 @figures_option
 def cosim(
     scenario: str,
@@ -226,6 +235,7 @@ def cosim(
     assignments: tuple[str, ...],
     out: str | None,
     plot: str | None,
+    verbose: bool,
     as_json: bool,
     **options: Unpack[CosimulationOptions],
 ) -> None:
@@ -245,4 +255,4 @@ def cosim(
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress
         run = api.cosimulate(case, law, **options)
-    deliver(run, as_json, out=out, plot=plot)
+    deliver(run, as_json, verbose, out=out, plot=plot)

@@ -1,7 +1,8 @@
-"""A run's figures for people, and a robot's drive as ``show`` and ``compare`` print it."""
+"""A run's verdict and figures for people; a robot's drive as ``show`` and ``compare`` print it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
+from itertools import chain, islice
 from typing import Any
 
 import click
@@ -9,6 +10,7 @@ import numpy as np
 
 from wmr_ctrl import results
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.units import sized
 from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.results.drive import NEVER, RecordedDrive, drive_of
 from wmr_ctrl.results.frames import FMUS
@@ -16,16 +18,24 @@ from wmr_ctrl.results.measures import heading_rms
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.checks.unknown_zero import FINE, finest, promise_of_run
 
+from .check_sentences import remedy
 from .console import print_json, say, table, wrapped, write_file
 from .options import check_output
 
 UNITS = ("m", "m", "rad")
 MISSING = "- (not reached)"
-Row = tuple[str, str, str]
+Row = tuple[str, str]
+"""Name of a figure, and its value with what it means."""
+TOO_FAST = ": TOO FAST"
+MOST_ROWS = 8
+"""Rows of the short answer."""
 
 
-def summary_text(run: Run) -> str:
-    """Law, scenario and engine of a run, how it ended, and its figures as a table."""
+def summary_text(run: Run, verbose: bool = False) -> str:
+    """Law, scenario and engine of a run, its verdict, and the figures that matter for its base.
+
+    ``verbose``: remarks in full, what the guard relies on, and all figures.
+    """
     guarded = ", guarded" if run.guard else ""
     rigid = "" if run.monitor.rigid is None else f", {run.settings.plant_kind} plant"
     head = [f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"]
@@ -38,10 +48,19 @@ def summary_text(run: Run) -> str:
     head += [
         wrapped(f"{name} warned in {said}", hang="  ") for name, said in warned.items() if said
     ]
-    remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
+    remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run, verbose)]
     exact = filter(None, (promise_of_run(run),))
-    said = (wrapped(run.explanation), *map(wrapped, exact), *remarks, *_counted(run))
-    return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, results.summary(run)))))
+    counted = _counted(run) if verbose else ()
+    said = (wrapped(run.explanation), *map(wrapped, exact), *remarks, *counted)
+    return "\n\n".join(("\n".join(head), "\n".join(said), table(rows_of(run, verbose))))
+
+
+def rows_of(run: Run, verbose: bool = False) -> list[Row]:
+    """The figures that matter for the base of a run, at most `MOST_ROWS`; or all."""
+    figures = results.summary(run)
+    shown = [*islice(_rows(run, figures), MOST_ROWS)]
+    others = chain(_rows(run, figures), _details(run, figures)) if verbose else ()
+    return [*shown, *(row for row in others if row not in shown)]
 
 
 def changes_of(run: Run) -> list[str]:
@@ -55,45 +74,72 @@ def _theirs(run: Run) -> bool:
     return run.settings.plant_kind == "fmu"
 
 
-def _unsaid(run: Run) -> Iterator[str]:
-    """Remarks that are not the outcome's own sentence; objections by key, as `check` has them."""
-    for item in run.remarks:
-        if item.key not in (run.outcome.value, results.OBJECTED):
-            yield f"{item.key}: {item.text}"
-    keys = dict.fromkeys(item.key for item in run.outlook.objections) if run.outlook else ()
-    if keys:
-        yield f"{results.OBJECTED}: `wmr-ctrl check` objects to {', '.join(keys)}, and says why"
+def _unsaid(run: Run, verbose: bool) -> Iterator[str]:
+    """Remarks that are not the outcome's own sentence, and objections of `check`, each once.
+
+    By their short remedy where there is one, unless ``verbose``.
+    """
+    said = {item.key: item.text for item in run.remarks}
+    objections = run.outlook.objections if run.outlook else ()
+    texts = {key: text for key, text in said.items() if key not in (run.outcome, results.OBJECTED)}
+    texts |= {item.key: item.sentence for item in objections}
+    for key, text in texts.items():
+        yield f"{key}: {(not verbose and remedy(key)) or text}"
 
 
 def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    """What matters for the base of a run, the most important first."""
     yield from _position(run, figures)
-    yield from _errors(run, figures)
     yield from _velocities(run, figures)
-    if run.guard:
-        yield from _changed("guard", ("the thrust", "the moment"), figures)
-        yield from _usable(run)
-    if "filter_flags" in run:
-        yield from _changed("filter", ("v", "omega"), figures)
-    yield from _disturbance(run, figures)
-    yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
-    since = f"from {run.settings.rms_from:g} s on"
-    yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
-    changed, when = figures["torque_change_rms"], results.labouring(run)
-    yield "wheel torque, change", _number(changed, "N m"), f"RMS per sample, {when}"
-    needed = "RMS, by the motion" + (" of the scenario's robot" if _theirs(run) else "")
-    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), f"{needed}, {when}"
-    if figures["saturated_share"] is not None:
-        share = results.percent(figures["saturated_share"])
-        yield "wheel torque at its limit", share, f"of the samples, {when}"
     if run.monitor.rigid is not None:
         yield from _rigid(run.monitor.rigid)
+    if run.guard:
+        yield from (row for row in _usable(run) if row[1].endswith(TOO_FAST))
+        yield _changed("guard", ("thrust", "moment"), figures)
+    if "filter_flags" in run:
+        yield _changed("filter", ("v", "omega"), figures)
+    yield from _disturbance(run, figures) if run.monitor.bounds_left else ()
+    if not takes_velocities(run):
+        yield from _torque(run, figures)
 
 
-def _changed(by: str, axes: tuple[str, str], figures: dict[str, Any]) -> Iterator[Row]:
+def takes_velocities(run: Run) -> bool:
+    """Whether the base of a run takes velocities, whose wheel torques nobody commands."""
+    return "v_command" in run.columns
+
+
+def _torque(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    least, most = (_number(figures[key], "N m") for key in ("tau_rms", "tau_peak"))
+    at_limit, when = figures["saturated_share"], results.labouring(run)
+    limited = f"; at its limit in {results.percent(at_limit)} of the {when}" if at_limit else ""
+    yield "wheel torque", f"{least} RMS, at most {most}{limited}"
+
+
+def _details(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    """Figures for those who compare runs."""
+    whole, least = figures["position_rms"]["all"], finest(scenario_of_run(run))
+    robots = results.robots_over(run.settings)
+    yield "position error, whole run", _about(f"{_small(whole, 'm', least)} RMS", robots)
+    yield from _errors(run, figures)
+    yield from _usable(run)
+    yield from _disturbance(run, figures)
+    if takes_velocities(run):
+        return
+    changed, when = figures["torque_change_rms"], results.labouring(run)
+    yield "wheel torque, change", f"{_number(changed, 'N m')} RMS per sample, {when}"
+    needed = "RMS, by the motion" + (" of the scenario's robot" if _theirs(run) else "")
+    value = _number(figures["torque_needed_rms"], "N m")
+    yield "wheel torque, needed", f"{value} {needed}, {when}"
+
+
+def _changed(by: str, axes: tuple[str, str], figures: dict[str, Any]) -> Row:
     """Shares of the samples that guard or filter changed."""
-    for axis, share in zip(axes, figures[f"{by}_share"] or (None, None), strict=True):
-        changed = MISSING if share is None else results.percent(share)
-        yield f"{by} changed {axis}", changed, "of the samples"
+    shares = figures[f"{by}_share"] or (None, None)
+    parts = (
+        f"{axis} in {MISSING if share is None else results.percent(share)}"
+        for axis, share in zip(axes, shares, strict=True)
+    )
+    return f"{by} changed", f"{' and '.join(parts)} of the samples"
 
 
 def _counted(run: Run) -> Iterator[str]:
@@ -111,60 +157,63 @@ def _counted(run: Run) -> Iterator[str]:
 def _usable(run: Run) -> Iterator[Row]:
     usable, asked = run.settings.usable, run.settings.asked
     if usable is not None and asked is not None:
-        beyond = ": TOO FAST" if any(a > u for a, u in zip(asked, usable, strict=True)) else ""
+        beyond = TOO_FAST if any(a > u for a, u in zip(asked, usable, strict=True)) else ""
         wanted = f"reference {results.speeds(asked)}{beyond}"
-        yield "usable with the guard", results.speeds(usable), wanted
+        yield "usable with the guard", f"{results.speeds(usable)}; {wanted}"
 
 
 def _rigid(seen: RigidMonitor) -> Iterator[Row]:
-    since = "" if seen.slipped is None else f"SLIPPED, from {seen.slipped:.4g} s on"
-    yield "tread over ground, largest", _number(seen.max_slip, "m/s"), since
-    yield "wheel speed, largest", _number(seen.max_wheel_speed, "rad/s"), ""
-    fell = "" if seen.tipped is None else f"TIPPED at {seen.tipped:.4g} s"
-    yield "tilt, largest", _number(seen.max_tilt, "rad"), fell
-    yield "tip margin, least", _number(seen.least_tip_margin), "1 over the axle, 0 on an edge"
+    since = "" if seen.slipped is None else f": SLIPPED, from {seen.slipped:.4g} s on"
+    speed = _number(seen.max_wheel_speed, "rad/s")
+    yield "tread over ground", f"at most {_number(seen.max_slip, 'm/s')}{since}; wheels {speed}"
+    fell = "" if seen.tipped is None else f": TIPPED at {seen.tipped:.4g} s"
+    margin = f"least tip margin {_number(seen.least_tip_margin)} (1 over the axle, 0 on an edge)"
+    yield "tilt", f"at most {_number(seen.max_tilt, 'rad')}{fell}; {margin}"
 
 
 def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     """The headline: how far the robot was from where it should have been."""
     parts, tolerance = figures["tracking"], run.settings.tolerance
-    least, robots = finest(scenario_of_run(run)), results.robots_over(run.settings)
-    whole = f"whole run{': ' * bool(robots)}{robots}"
-    yield "position error, RMS", _small(figures["position_rms"]["all"], "m", least), whole
+    least = finest(scenario_of_run(run))
     windows = {"drive": results.driving(run), "end": "after arrival"}
     for part, when in windows.items():
         if parts[part] is not None:
-            rms = parts[part]["position_rms"]
+            rms, most = (parts[part][key] for key in ("position_rms", "position_max"))
             near = rms is not None and tolerance is not None and rms <= tolerance
             word = "tracked" if near else "NOT TRACKED"
-            verdict = "" if tolerance is None else f", tolerance {_small(tolerance, 'm')}: {word}"
-            yield "position error, RMS", _small(rms, "m", least), when + verdict
-            yield "position error, largest", _small(parts[part]["position_max"], "m", least), when
+            verdict = "" if tolerance is None else f" of {_small(tolerance, 'm')} allowed: {word}"
+            yield "position error", f"{_small(rms, 'm', least)} RMS{verdict}, {when}"
+            yield "position error, largest", f"{_small(most, 'm', least)}, {when}"
     if figures["arrival"]:
         robot, desired = (figures["arrival"][key] for key in ("robot", "reference"))
-        stays = "" if tolerance is None else f"stays within {_small(tolerance, 'm')}; "
-        when = f"{stays}the desired motion: {desired:.4g} s"
-        yield "arrival at the goal", _number(robot, "s"), when
+        stays = "" if tolerance is None else f", within {_small(tolerance, 'm')} from then on"
+        yield "arrival", f"{_number(robot, 's')}{stays}; desired {desired:.4g} s"
 
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     ise, split, least = figures["ise"], run.settings.split, finest(scenario_of_run(run))
     _, turns = heading_rms(run, 0.0, run.settings.duration) or (0.0, False)
-    yield "ISE", _number(ise["total"]), f"m2 s + rad2 s{', with whole turns' if turns else ''}"
+    unit = f"m2 s + rad2 s{', with whole turns' if turns else ''}"
+    yield "ISE", f"{_digits(ise['total'])} {unit}"
     windows = [(window, values) for window, values in figures["e_rms"].items() if values]
     if _changes_there(run):
         before, after = (results.robots_over(run.settings, *span)
                          for span in ((0.0, split), (split, run.settings.duration)))  # fmt: skip
-        yield f"ISE before {split:g} s", _number(ise["before"]), before
-        yield f"ISE from {split:g} s on", _number(ise["after"]), after
+        yield f"ISE before {split:g} s", _about(_digits(ise["before"]), before)
+        yield f"ISE from {split:g} s on", _about(_digits(ise["after"]), after)
     else:
         windows = windows[-1:]
-    yield "ISE of the position", _number(ise["position"], "m2 s"), ""
+    yield "ISE of the position", f"{_digits(ise['position'])} m2 s"
     for window, values in windows:
         errors = (_small(value, unit, least) for value, unit in zip(values, UNITS, strict=True))
         robots = results.robots_over(run.settings, *map(float, window.split("-")))
-        about = f"Eq. (8){', ' * bool(robots)}{robots}{_without_turns(run, window)}"
-        yield f"RMS of e, {window} s", ", ".join(errors), about
+        text = _about(f"{', '.join(errors)}; Eq. (8)", robots)
+        yield f"RMS of e, {window} s", f"{text}{_without_turns(run, window)}"
+
+
+def _about(text: str, robots: str) -> str:
+    """A figure, and the robots that it is about where they change."""
+    return ", ".join(filter(None, (text, robots)))
 
 
 def _without_turns(run: Run, window: str) -> str:
@@ -187,11 +236,13 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
         verdict = "kept" if run.rows == run.settings.samples else "kept until it ended"
         if value is None or (value > limit and figures["violations"]):
             verdict = "BROKEN"
-        yield f"largest {name}", _number(value, unit), f"limit {limit:g} {unit}: {verdict}"
+        elif value < limit:
+            verdict += f", {results.percent(1 - value / limit)} to spare"
+        yield f"largest {name}", f"{_number(value, unit)}, limit {limit:g} {unit}: {verdict}"
     yield from _rims(run)
     if figures["violations"]:
-        steps = f"{figures['violations']} plant steps"
-        yield "beyond a limit", steps, f"of {run.settings.plant:g} s"
+        steps = f"{figures['violations']} plant steps of {run.settings.plant:g} s"
+        yield "beyond a limit", steps
 
 
 def _rims(run: Run) -> Iterator[Row]:
@@ -204,7 +255,7 @@ def _rims(run: Run) -> Iterator[Row]:
     most = float(np.max(abs(run["v1"]) + case.robot.l * abs(run["omega"]), initial=0.0))
     broken = most > limit * (1 + 1e-9) or (first is not None and first[1] == 3)
     verdict = ": BROKEN" if broken else ": kept" if first is None else ""
-    yield "largest of a wheel", _number(most, "m/s"), f"at samples, limit {limit:g} m/s{verdict}"
+    yield "largest of a wheel", f"{_number(most, 'm/s')} at samples, limit {limit:g} m/s{verdict}"
 
 
 def _disturbance(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -215,11 +266,15 @@ def _disturbance(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     verdict = "within" if left is None else f"from {left[0]:.4g} s on BEYOND"
     late = run.provenance.get("master") == "jacobi" and "delay" not in run.provenance
     why = "; torques acted a period late, untold" if late else ""
-    yield "disturbance, at least", _force(least), f"{verdict} dbar {_force(bound)}{why}"
+    yield "disturbance, at least", f"{_force(least)}, {verdict} dbar {_force(bound)}{why}"
 
 
 def _number(value: float | None, unit: str = "") -> str:
-    return MISSING if value is None else f"{value:.4g} {unit}".strip()
+    return MISSING if value is None else sized(value, unit)
+
+
+def _digits(value: float | None) -> str:
+    return MISSING if value is None else f"{value:.4g}"
 
 
 def _small(value: float | None, unit: str, least: float = FINE) -> str:

@@ -72,6 +72,14 @@ def plain(value: float) -> str:
     return f"{Decimal(text):f}" if usual else text
 
 
+def sized(value: float, unit: str, digits: int = 4) -> str:
+    """A number with its unit, in thousandths or millionths of it where it is below 0.1."""
+    steps = ((1.0, ""), (1e3, "m"), (1e6, "µ")) if unit else ((1.0, ""),)
+    fits = (step for step in steps if abs(value) * step[0] >= 0.1 or not value)
+    size, prefix = next(fits, steps[-1])
+    return f"{value * size:.{digits}g} {prefix}{unit}".strip()
+
+
 def length(value: float, up: bool = True) -> str:
     """A length with its unit, in mm where it is short; never below its value, or never above."""
     return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"
