@@ -64,6 +64,8 @@ REMEDIES = {
     "chatter": "lower the gains, measure better, or raise limits.v_u2 if it is close",
     "saturated": "raise actuator.tau_max, or ask for a slower reference",
     "guard-holds-back": "raise guard.alpha or shorten clock.control, or drive slower",
+    "slipped": "limit the wheel torques: actuator.tau_max or actuator.traction",
+    "bounds-left": "widen guard.dbar, or guard.M_min and guard.M_max",
     "obstacle": "choose another path, or start elsewhere",
 }
 """Remedies for objections and remarks, by key."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, Unpack
 
 import click
@@ -85,7 +86,10 @@ def run(
     _check_engine(engine, plant)
     chosen = opt.law_of(case, law)
     opt.note_idle(case, scenario, assignments, [chosen])
-    finished = _simulated(case, chosen, law is not None, seed, engine, plant)
+    sets = (part for text in assignments for part in ("--set", text))
+    guarded = () if guard is None else ("--guard" if guard else "--no-guard",)
+    why = shlex.join(("wmr-ctrl", "check", scenario, *sets, *guarded, "--law", chosen))
+    finished = _simulated(case, chosen, law is not None, seed, engine, plant, why)
     deliver(finished, as_json, verbose, **files)
 
 
@@ -142,8 +146,9 @@ def _check_engine(engine: str, plant: str) -> None:
 
 
 def _simulated(
-    scenario: Scenario, law: str, asked: bool, seed: int, engine: str, plant: str
+    scenario: Scenario, law: str, asked: bool, seed: int, engine: str, plant: str, why: str
 ) -> Run:
+    """The run; first, on stderr, what theory says by key, and the command ``why`` that explains."""
     from wmr_ctrl import api
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.results import NOT_CHECKED
@@ -152,10 +157,11 @@ def _simulated(
     setup = settle(scenario, law)
     theory = (*warnings_heard(setup, asked), *(grip_warnings(setup) if plant == "mujoco" else ()))
     theory = tuple(item for item in theory if item.key != NOT_CHECKED)  # the run's remarks say it
-    for label, verb, objects in (("warning", "objects to", True), ("note", "has notes on", False)):
+    for label, noun, objects in (("warning", "objection", True), ("note", "note", False)):
         keys = dict.fromkeys(item.key for item in theory if item.objects is objects)
         if keys:
-            say(label, f"`wmr-ctrl check` {verb} {', '.join(keys)}, and says why.")
+            count = f"{len(keys)} {noun}{'s' * (len(keys) > 1)} of theory ({', '.join(keys)})"
+            say(label, f"{count}: {why} {f'--only {next(iter(keys))}' if len(keys) == 1 else '-v'}")
     measured = engine != "native" or plant == "mujoco"
     with Progress(f"{law} on {scenario.name}", measured=measured) as progress:
         return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)

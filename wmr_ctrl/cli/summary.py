@@ -123,6 +123,10 @@ def _details(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield from _errors(run, figures)
     yield from _usable(run)
     yield from _disturbance(run, figures)
+    if (seen := run.monitor.rigid) is not None:
+        yield "wheel speed, largest", _number(seen.max_wheel_speed, "rad/s")
+        margin = _number(seen.least_tip_margin)
+        yield "tip margin, least", f"{margin}, 1 over the axle, 0 on an edge"
     if takes_velocities(run):
         return
     changed, when = figures["torque_change_rms"], results.labouring(run)
@@ -164,11 +168,9 @@ def _usable(run: Run) -> Iterator[Row]:
 
 def _rigid(seen: RigidMonitor) -> Iterator[Row]:
     since = "" if seen.slipped is None else f": SLIPPED, from {seen.slipped:.4g} s on"
-    speed = _number(seen.max_wheel_speed, "rad/s")
-    yield "tread over ground", f"at most {_number(seen.max_slip, 'm/s')}{since}; wheels {speed}"
+    yield "tread over ground", f"at most {_number(seen.max_slip, 'm/s')}{since}"
     fell = "" if seen.tipped is None else f": TIPPED at {seen.tipped:.4g} s"
-    margin = f"least tip margin {_number(seen.least_tip_margin)} (1 over the axle, 0 on an edge)"
-    yield "tilt", f"at most {_number(seen.max_tilt, 'rad')}{fell}; {margin}"
+    yield "tilt", f"at most {_number(seen.max_tilt, 'rad')}{fell}"
 
 
 def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -177,9 +179,9 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     least = finest(scenario_of_run(run))
     windows = {"drive": results.driving(run), "end": "after arrival"}
     for part, when in windows.items():
-        if parts[part] is not None:
+        if parts[part] is not None and parts[part]["position_rms"] is not None:
             rms, most = (parts[part][key] for key in ("position_rms", "position_max"))
-            near = rms is not None and tolerance is not None and rms <= tolerance
+            near = tolerance is not None and rms <= tolerance
             word = "tracked" if near else "NOT TRACKED"
             verdict = "" if tolerance is None else f" of {_small(tolerance, 'm')} allowed: {word}"
             yield "position error", f"{_small(rms, 'm', least)} RMS{verdict}, {when}"

@@ -1,4 +1,8 @@
-"""One run on one page: path, velocities with their limits, errors, torques, V1, and its figures."""
+"""One run on one page: path, velocities with their limits, errors, and what its base and law have.
+
+Torques on a base that takes torques, what the filter changed on one that takes velocities; V1 of a
+law with a barrier, else the distance from the desired position.
+"""
 
 import math
 import os
@@ -8,10 +12,22 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import NullFormatter
 
+from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.core.errors import ArgumentError
-from wmr_ctrl.results import Floats, Run, e_rms, ise, robots_over, tau_peak, tau_rms
-from wmr_ctrl.results.measures import heading_error, heading_rms
+from wmr_ctrl.results import (
+    Floats,
+    Run,
+    distance,
+    e_rms,
+    ise,
+    percent,
+    robots_over,
+    tau_peak,
+    tau_rms,
+)
+from wmr_ctrl.results.measures import filter_share, heading_error, heading_rms
 from wmr_ctrl.theory.checks.unknown_zero import finest
 
 from . import course, drawing, style
@@ -30,6 +46,12 @@ START = 2.0
 """Transient [s] that may leave the view."""
 MEAN_TIME = 0.25
 """Torques and V1 are drawn as means over so long [s], with their samples faint behind."""
+LEAST_DISTANCE = 0.01
+"""Distances [mm] below it are drawn there."""
+REST = 0.02
+"""Share of a limit below which a robot is at rest."""
+AFTER, SHORT = 1.1, 0.8
+"""A run is drawn for 1.1 times the time in which it moves, if that is below 0.8 of its length."""
 NEAR = 3.0
 """A torque limit is drawn if it is at most so many times the largest torque after the start."""
 
@@ -50,10 +72,14 @@ def overview(run: Run) -> drawing.Drawing:
 def _draw(figure: Figure, run: Run) -> None:
     title = f"{style.verbatim(run.scenario)}: {style.driver(run.law, run.guard)}"
     figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
-    note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
+    ends = shown_until(run)
+    planned, early = run.settings.duration, run.rows < run.settings.samples
+    lasted = f"ended at {_ended(run):.4g} of {planned:g} s" if early else f"{planned:g} s"
+    note = f"seed {run.seed}, {run.engine} engine, {lasted}"
+    note += f", drawn to {ends:g} s: then all is at rest" * (ends < _ended(run))
     plants = {"mujoco": ", a rigid body on tyres", "fmu": ", somebody else's plant"}
     note += plants.get(run.settings.plant_kind, "")
-    robots, ends = robots_over(run.settings), run.settings.control * run.rows
+    robots = robots_over(run.settings, 0.0, ends)
     seen = any(0 < time < ends for time, _ in run.settings.robots)
     note += f"; {robots}{' (vertical lines)' * seen}" if robots else ""
     tube = course.course_of_tube(run)
@@ -70,8 +96,9 @@ def _draw(figure: Figure, run: Run) -> None:
     position = {"e₁": run["e[1]"], "e₂": run["e[2]"]}
     _errors(parts[4], run, "Position errors, Eq. (8)", position, tube)
     _errors(parts[5], run, "Orientation error e₃", {"e₃": heading_error(run)}, tube)
-    _torques(parts[6], run)
-    _barrier(parts[7], run)
+    (_filtered if "v_asked" in run else _torques)(parts[6], run)
+    has_barrier = run.law in LAWS and LAWS[run.law].traits.barrier
+    (_barrier if has_barrier else _distance)(parts[7], run)
 
 
 BAND = 800
@@ -113,12 +140,26 @@ def _figures(run: Run) -> list[str]:
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
     split = any(time == run.settings.split for time, _ in run.settings.robots)
     robots = robots_over(run.settings, begin, end)
+    ended = square["total"] is None
+    total = f"ISE {style.shown(square['total'])} m² s + rad² s{parts if split else ''}"
+    if ended:
+        return ["ISE: none, the run ended early", _effort(run)]
     return [
-        f"ISE {style.shown(square['total'])} m² s + rad² s{parts if split else ''}",
-        f"wheel torque: peak {style.shown(tau_peak(run))} N m, RMS {style.shown(tau_rms(run))} N m",
+        total,
+        _effort(run),
         f"RMS errors of the last {end - begin:g} s{of}{f' ({robots})' * bool(robots)}:",
         f"    e₁ {e1}, e₂ {e2}, e₃ {e3}{' without whole turns' if turns else ''}",
     ]
+
+
+def _effort(run: Run) -> str:
+    """What the base had to do, in words."""
+    shares = filter_share(run)
+    if "v_asked" in run and shares:
+        linear, angular = map(percent, shares)
+        return f"the filter changed v in {linear} and ω in {angular} of the samples"
+    peak, mean = style.shown(tau_peak(run)), tau_rms(run)
+    return f"wheel torque: peak {peak} N m{f', RMS {style.shown(mean)} N m' if mean else ''}"
 
 
 def _error(value: float | None, unit: str, least: float) -> str:
@@ -201,6 +242,32 @@ def _torques(part: SubFigure, run: Run) -> None:
         _focus(axes, run, list(rows.values()), unit)
 
 
+def _filtered(part: SubFigure, run: Run) -> None:
+    """What the filter changed: the command less what the law asked for, in shares of the limits."""
+    sent = np.stack([run["v_command"], run["omega_command"]], axis=1)
+    off = 100 * (sent - run["v_asked"]) / np.array(run.settings.v_u1)
+    axes = time_axes(part, run, "Changed by the filter [% of the limit]")
+    _plot_pair(axes, run, {"v₁": off[:, 0], "ω": off[:, 1]})
+
+
+def _distance(part: SubFigure, run: Run) -> None:
+    axes = time_axes(part, run, "Distance from the desired position [mm]")
+    axes.plot(*drawing.thin(run.time, np.maximum(1e3 * distance(run), LEAST_DISTANCE)),
+              color=style.look(run.law).colour, lw=0.9)  # fmt: skip
+    log_distance(axes)
+
+
+def log_distance(axes: Axes) -> None:
+    """A logarithmic axis of distances [mm], drawn from `LEAST_DISTANCE` on."""
+    if axes.dataLim.ymin <= LEAST_DISTANCE:
+        drawing.say_below(axes, f"axis starts at {LEAST_DISTANCE:g} mm")
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    low, high = axes.get_ylim()
+    few = high < 10 * low  # no power of ten may be among the ticks then
+    axes.yaxis.set_minor_formatter(axes.yaxis.get_major_formatter() if few else NullFormatter())
+
+
 def _focus(axes: Axes, run: Run, columns: list[Floats], unit: str) -> None:
     """Zoom to the samples after the start, unless they fill most of the view."""
     tail = np.concatenate([column[run.settings.index(START) :] for column in columns])
@@ -219,17 +286,40 @@ def _barrier(part: SubFigure, run: Run) -> None:
     axes = time_axes(part, run, "Barrier function V₁ [1]")
     values, colour = np.maximum(run["V1"], LEAST), style.look(run.law).colour
     if values.min() <= LEAST:
-        drawing.say_below(axes, f"less is drawn at {LEAST:g}")
+        drawing.say_below(axes, f"axis starts at {LEAST:g}")
     axes.plot(*drawing.thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
     width = max(1, round(MEAN_TIME / run.settings.control))
     axes.plot(*drawing.thin(run.time, drawing.running_mean(values, width)), color=colour, lw=1.0)
     axes.set_yscale("log")
 
 
-def time_axes(part: SubFigure, run: Run, title: str) -> Axes:
-    """Axes over the time of a run, in which its change of parameters is marked."""
+def _ended(run: Run) -> float:
+    """End of a run's last sample [s]."""
+    return float(run.time[-1]) + run.settings.control
+
+
+def shown_until(*runs: Run) -> float:
+    """Time up to which runs are drawn [s]: their end, or soon after the last motion of any."""
+    end, last = max(map(_ended, runs)), 0.0
+    for run in runs:
+        pairs = (("v1", "v1_d"), ("omega", "v2_d"))
+        moving = [
+            np.abs(run[name]) > REST * limit
+            for names, limit in zip(pairs, run.settings.v_u1, strict=True)
+            for name in names
+        ]
+        last = max(last, float(np.max(run.time, where=np.any(moving, axis=0), initial=0.0)))
+    soon = float(math.ceil(AFTER * last + 1.0))
+    return soon if soon < SHORT * end else end
+
+
+def time_axes(part: SubFigure, run: Run, title: str, end: float | None = None) -> Axes:
+    """Axes over the time up to ``end`` [s], in which the robot's changes are marked.
+
+    By default as long as the run moves.
+    """
     axes = drawing.one_axes(part, MARGINS)
-    end = float(run.time[-1]) + run.settings.control
+    end = shown_until(run) if end is None else end
     axes.set(xlabel="t [s]", xlim=(0, end))
     axes.set_title(title, weight="normal")
     drawing.mark_switch(axes, run.settings, end)

@@ -12,8 +12,8 @@ from textwrap import fill
 from typing import TypeAlias
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import NullFormatter
 
 from wmr_ctrl.results import Floats, Run, distance
 from wmr_ctrl.results.drive import (
@@ -29,7 +29,7 @@ from wmr_ctrl.results.drive import (
 
 from . import drawing
 from .course import course_of
-from .plot_run import MARGINS, time_axes
+from .plot_run import LEAST_DISTANCE, MARGINS, log_distance, shown_until, time_axes
 from .scene import names_of, scene_of
 from .style import DASHED, DASHES, DOTTED, INK, MUTED, Dash, colours_of, verbatim
 
@@ -37,8 +37,6 @@ Lines: TypeAlias = Mapping[str, tuple[Run, str, Dash]]
 """Run, colour and dashes by name."""
 _SIZE = (8.3, 7.0)
 _HEAD = 0.55
-_LEAST = 0.01
-"""Distances below it are drawn there [mm]."""
 
 
 def plot_runs(runs: Sequence[Run], path: str | os.PathLike[str]) -> None:
@@ -71,6 +69,11 @@ def _longest(lines: Lines) -> Run:
     return max((run for run, *_ in lines.values()), key=lambda run: run.rows * run.settings.control)
 
 
+def _axes(part: SubFigure, lines: Lines, title: str) -> Axes:
+    end = shown_until(*(run for run, *_ in lines.values()))
+    return time_axes(part, _longest(lines), title, end)
+
+
 def _path(part: SubFigure, lines: Lines) -> None:
     axes, longest = drawing.one_axes(part, MARGINS), _longest(lines)
     for run, colour, dash in lines.values():
@@ -82,24 +85,18 @@ def _path(part: SubFigure, lines: Lines) -> None:
 
 
 def _distance(part: SubFigure, lines: Lines) -> None:
-    axes = time_axes(part, _longest(lines), "Distance from the desired position [mm]")
+    axes = _axes(part, lines, "Distance from the desired position [mm]")
     for run, colour, dash in lines.values():
-        far = np.maximum(1e3 * distance(run), _LEAST)
+        far = np.maximum(1e3 * distance(run), LEAST_DISTANCE)
         axes.plot(*drawing.thin(run.time, far), color=colour, ls=dash, lw=0.9)
-    if axes.dataLim.ymin <= _LEAST:
-        drawing.say_below(axes, f"less is drawn at {_LEAST:g} mm")
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    low, high = axes.get_ylim()
-    few = high < 10 * low  # no power of ten may be among the ticks then
-    axes.yaxis.set_minor_formatter(axes.yaxis.get_major_formatter() if few else NullFormatter())
+    log_distance(axes)
 
 
 def _velocity(part: SubFigure, lines: Lines, axis: int) -> None:
     name, desired, text = (("v1", "v1_d", "v₁ [m/s]"), ("omega", "v2_d", "ω [rad/s]"))[axis]
     longest = _longest(lines)
     limit = longest.settings.v_u1[axis]
-    axes = time_axes(part, longest, f"{text}, limit ±{limit:g}; black, dashed: desired")
+    axes = _axes(part, lines, f"{text}, limit ±{limit:g}; black, dashed: desired")
     for run, colour, dash in lines.values():
         axes.plot(*drawing.thin(run.time, run[name]), color=colour, ls=dash, lw=0.9, alpha=0.8)
     wanted = drawing.thin(longest.time, longest[desired])
