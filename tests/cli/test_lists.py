@@ -13,7 +13,8 @@ import pytest
 
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.cli.check_sentences import REMEDIES, idle_keys, remedies, remedy
-from wmr_ctrl.control.given import default_law, scenario_of
+from wmr_ctrl.control.default_law import default_law
+from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import CompilerError
 from wmr_ctrl.results.remarks import SHORT

@@ -74,7 +74,7 @@ def test_a_limit_is_broken_where_the_outcome_says_so_and_kept_as_long_as_it_ran(
      "BEYOND dbar 0 N, 0 N m"),
 ])  # fmt: skip
 def test_table_puts_the_least_disturbance_beside_its_bound(short_run, options, told):
-    found = short_run("paper-simulation", "--law", "mb", *options)
+    found = short_run("paper-simulation", "--law", "mb", "-v", *options)
 
     line = next(x for x in found.stdout.splitlines() if x.startswith("disturbance, at least"))
     assert " N, " in line
@@ -95,8 +95,9 @@ def test_warnings_precede_the_run_on_stderr_in_one_line(short_run):
     assert json.loads(found.stdout)["scenario"] == "paper-experiment-literal"
     told = " ".join(found.stderr.split())
     assert told.count("warning: ") == 1
-    assert told.startswith("warning: `wmr-ctrl check` objects to ")
-    assert "clock.control" in told.partition("and says why.")[0]
+    assert told.startswith("warning: 2 objections of theory (clock.control, ")
+    command = "wmr-ctrl check paper-experiment-literal --set clock.duration=0.2 --law mb -v"
+    assert command in told
     assert max(map(len, found.stderr.splitlines())) <= 80
 
 
@@ -107,13 +108,13 @@ def test_only_what_is_objected_to_is_called_a_warning(wmr, short_run):
     theory = warnings_for(setup)
 
     for item in theory:
-        head = "warning: `wmr-ctrl check` objects to" if item.objects else "note: `wmr-ctrl check`"
-        assert item.key in heard.partition(head)[2].partition("and says why.")[0]
+        head = "objections of theory (" if item.objects else "notes of theory ("
+        assert item.key in heard.partition(head)[2].partition(")")[0]
         assert f"- {'' if item.objects else 'note: '}{item}" in checked
     for item in grip_warnings(setup):
         assert f"- note: {item}" in checked
     prox = short_run("paper-simulation", "--law", "prox").stderr
-    assert prox.startswith("note: `wmr-ctrl check` has notes on disturbance.std")
+    assert prox.startswith("note: 2 notes of theory (disturbance.std")
     assert "warning: " not in prox
 
 

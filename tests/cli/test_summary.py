@@ -12,12 +12,14 @@ import pytest
 from tests.results.conftest import build
 from wmr_ctrl import simulate
 from wmr_ctrl.cli import console, options, summary
-from wmr_ctrl.cli.summary import _rows
+from wmr_ctrl.cli.summary import MOST_ROWS, rows_of, summary_text
+from wmr_ctrl.control.default_law import default_law
 from wmr_ctrl.core.errors import WmrError
+from wmr_ctrl.core.fields.units import sized
 from wmr_ctrl.core.fields.values import SEED_END
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 TURN = 2 * math.pi
 
@@ -41,15 +43,13 @@ def told(run: Run, label: str, settings: dict | None = None, **monitor: object) 
         monitor=seen,
         outcome=outcome_of(seen, run.guard),
     )
-    return "; ".join(
-        f"{value}, {word}" for name, value, word in _rows(other, figures_of(other)) if name == label
-    )
+    return "; ".join(text for name, text in rows_of(other, verbose=True) if name == label)
 
 
 def test_an_error_is_tracked_up_to_the_tolerance(run: Run) -> None:
     error = figures_of(run)["tracking"]["drive"]["position_rms"]
     words = [
-        told(run, "position error, RMS", {"tolerance": share * error}).split(", tolerance")[1]
+        told(run, "position error", {"tolerance": share * error}).partition("allowed")[2]
         for share in (0.999, 1.0, 1.001)
     ]
 
@@ -82,8 +82,8 @@ def test_a_heading_error_is_told_without_its_whole_turns(run: Run) -> None:
     label = "RMS of e, 30-40 s"
     once, turned = (build(duration=40.0, e=(0.0, 0.0, angle)) for angle in (-0.25, TURN - 0.25))
 
-    assert told(once, label) == "0 mm, 0 mm, 250 mrad, Eq. (8)"
-    assert told(turned, label).endswith(" 6.033 rad, Eq. (8); 250 mrad without whole turns")
+    assert told(once, label) == "0 mm, 0 mm, 250 mrad; Eq. (8)"
+    assert told(turned, label).endswith(" 6.033 rad; Eq. (8); 250 mrad without whole turns")
     assert "turns" not in told(once, "ISE")
     assert told(turned, "ISE").endswith(", with whole turns")
 
@@ -108,18 +108,41 @@ def test_what_is_beyond_a_limit_is_counted_in_steps_of_the_plant(run: Run) -> No
     settings = {"plant": 0.002, "control": 0.01}
     broken = {"violations": 3, "first_violation": (1.0, 1)}
 
-    assert told(run, "beyond a limit", settings, **broken) == "3 plant steps, of 0.002 s"
+    assert told(run, "beyond a limit", settings, **broken) == "3 plant steps of 0.002 s"
 
 
 def test_torques_are_those_of_the_figures(run: Run) -> None:
     figures = figures_of(run)
-    keys = {"peak": "tau_peak", "RMS": "tau_rms", "change": "torque_change_rms",
-            "needed": "torque_needed_rms"}  # fmt: skip
-    values = {word: f"{figures[key]:.4g} N m" for word, key in keys.items()}
+    least, most, change, needed = (sized(figures[key], "N m") for key in (
+        "tau_rms", "tau_peak", "torque_change_rms", "torque_needed_rms"))  # fmt: skip
 
-    assert len(set(values.values())) == 4
-    for word, value in values.items():
-        assert told(run, f"wheel torque, {word}").startswith(value)
+    assert len({least, most, change, needed}) == 4
+    assert told(run, "wheel torque") == f"{least} RMS, at most {most}"
+    assert told(run, "wheel torque, change").startswith(change)
+    assert told(run, "wheel torque, needed").startswith(needed)
+
+
+@pytest.mark.parametrize("preset", preset_names())
+def test_a_run_is_told_on_one_screen_with_what_matters_for_its_base(preset: str) -> None:
+    """Rows in short are among all; a base that takes velocities has none about torques."""
+    case = load_scenario(preset, {"clock.duration": 1.0, "metrics.split": 0.5,
+                                  "metrics.rms_from": 0.2, "changes": []})  # fmt: skip
+    run = simulate(case, default_law(case).name, engine="numpy")
+    short, every = rows_of(run), rows_of(run, verbose=True)
+
+    assert len(short) <= MOST_ROWS and set(short) < set(every)
+    assert len(summary_text(run).splitlines()) <= 24
+    assert any("torque" in name for name, _ in every) is (case.base.kind == "torque")
+    assert dict(short)["largest |v1|"].startswith(sized(figures_of(run)["max_abs_v"][0], "m/s"))
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0 m/s"), (12345.6, "1.235e+04 m/s"), (0.1, "0.1 m/s"), (4.91e-5, "49.1 µm/s"),
+     (-0.02594, "-25.94 mm/s"), (7.5e-9, "0.0075 µm/s")],
+)  # fmt: skip
+def test_a_number_has_four_digits_and_a_prefix_that_fits(value: float, text: str) -> None:
+    assert sized(value, "m/s") == text
 
 
 @pytest.mark.parametrize(
