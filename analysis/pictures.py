@@ -230,12 +230,12 @@ def drive(page: str) -> Run:
 
 
 def identified() -> Figure:
-    """The fit of the tutorial's log."""
-    tutorials = ROOT / "docs" / "tutorials"
-    page = (tutorials / "log.md").read_text(encoding="utf-8")
+    """The fit of the page's log."""
+    docs = ROOT / "docs"
+    page = (docs / "identify.md").read_text(encoding="utf-8")
     (known,) = re.findall(r"<!-- file: known.toml -->\n```\w+\n(.*?)```", page, re.S)
     scenario = loads_scenario(known)
-    found = wmr_ctrl.identify(tutorials / "robot-log.csv", known=scenario)
+    found = wmr_ctrl.identify(docs / "robot-log.csv", known=scenario)
     with house_style():
         return drawing_of(found, found.traces()).figure()
 

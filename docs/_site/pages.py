@@ -13,6 +13,8 @@ import click
 import tables
 from sphinx.application import Sphinx
 
+UNSEARCHED = ("ledger", "lemmas")
+"""Pages with every word of every proof: a search that reads them finds little else."""
 BLOCK = re.compile(r"^```\{made-from\} ([\w-]+)\n```$", re.M)
 
 
@@ -25,6 +27,12 @@ def _read(app: Sphinx, name: str, source: list[str]) -> None:
     if BLOCK.search(source[0]):
         source[0] = filled(source[0])
         app.env.note_reread()  # the program may have changed though the page did not
+
+
+def _unsearched(app: Sphinx, doctree: object) -> None:
+    """A page that the search knows by its title alone."""
+    if app.env.docname in UNSEARCHED:
+        app.env.metadata[app.env.docname]["nosearch"] = "True"
 
 
 def _epilog(app: Sphinx, context: click.Context, lines: list[str]) -> None:
@@ -46,6 +54,7 @@ def _docstring(
 def setup(app: Sphinx) -> dict[str, bool]:
     """Called by Sphinx."""
     app.connect("source-read", _read)
+    app.connect("doctree-read", _unsearched)
     app.connect("sphinx-click-process-epilog", _epilog)
     app.connect("autodoc-process-docstring", _docstring)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.corridor_further import FIFTH, FINE, HEAD, NAME, row
 from tests.corridor.further import ROWS, Further
 
-PAGE = (Path(__file__).parents[2] / "docs" / "corridor.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs/explanation/corridor.md").read_text(encoding="utf-8")
 LAST = 0.011
 """The last digit of a length [mm] or a ratio may be another one elsewhere."""
 

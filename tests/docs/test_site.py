@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import re
 import subprocess
@@ -102,6 +103,17 @@ def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_p
     loaded = r"<(?:script|img|iframe)[^>]+src=\"(https?:[^\"]+)|<link[^>]+href=\"(https?:[^\"]+)"
     assert {m for page in pages for m in re.findall(loaded, page.read_text("utf-8"))} == set()
     assert leading_nowhere(out) == []
+    assert searched(out).isdisjoint({"ledger", "lemmas"})
+
+
+def searched(out: Path) -> set[str]:
+    """Pages whose text, not only their title, the search knows."""
+    text = (out / "searchindex.js").read_text("utf-8")
+    index = json.loads(text[text.index("{") : text.rindex("}") + 1])
+    numbers = [n if isinstance(n, list) else [n] for n in index["terms"].values()]
+    found = {index["docnames"][k] for each in numbers for k in each}
+    assert {"guarantee", "filter"} <= found
+    return found
 
 
 def leading_nowhere(out: Path) -> list[str]:

@@ -65,7 +65,7 @@ def test_the_peak_gain_of_a_run_is_that_of_its_held_loop_where_it_is_the_larger(
     N, pushed = swung(steps(h)), swung(steps(h, pushed=True))
     assert N / alone.gain == pytest.approx(more, abs=1e-4)
     assert N <= own.gain < N * (1 + 1e-4)
-    assert said in (ROOT / "docs" / "filter.md").read_text(encoding="utf-8")
+    assert said in (ROOT / "docs" / "explanation" / "filter.md").read_text(encoding="utf-8")
     assert pushed * 10 <= own.push
     inside = override(run, {"robot.m": 50.0, "base.kp": 150.0, "base.ki": 300.0})
     assert peak_gains(inside)[0] == alone

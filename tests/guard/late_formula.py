@@ -1,4 +1,4 @@
-"""The late guard's formula as docs/guarantee.md has it, in floats, for many robots of one axis."""
+"""The late guard's formula in docs/explanation/guarantee.md, in floats, for many robots of an axis."""
 
 from __future__ import annotations
 

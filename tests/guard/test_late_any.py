@@ -85,7 +85,7 @@ def formulas(case: Case) -> tuple[LateGuard, LateGuard]:
 
 
 def returned(found: Result, axis: int, f: LateGuard, thrown: Thrown) -> None:
-    """What docs/guarantee.md says of robots outside; speeds in the direction of the throw."""
+    """What docs/explanation/guarantee.md says of robots outside; speeds along the throw."""
     u1, h = LIMITS[axis], f.T / PARTS
     v = np.vstack([thrown.start * u1 * np.ones(len(thrown.way)), found.seen[:, axis] * thrown.way])
     assert (v >= -u1).all()

@@ -255,7 +255,7 @@ def test_a_lag_that_hardly_varies_counts_as_a_constant_one(lag: float) -> None:
 
 
 def test_usable_speed_is_where_a_robot_settles_and_below_what_no_guard_can_beat() -> None:
-    """M 45, dbar 60, friction 39: prices of the table in docs/guarantee.md."""
+    """M 45, dbar 60, friction 39: prices of the table in docs/explanation/guarantee.md."""
     told = {"T": [], "exact": [], "mean": [], "best": []}
     for period in (0.01, 0.02, 0.05, 0.1):
         stated = {"guard.dbar": [60.0, 5.0], "guard.M_min": [45.0, 4.86], "guard.trust": True}

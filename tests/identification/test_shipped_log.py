@@ -8,7 +8,7 @@ import pytest
 from benchmarks import robot_log
 from tests.docs.pages import DOCS
 
-LOG = DOCS / "tutorials" / "robot-log.csv"
+LOG = DOCS / "robot-log.csv"
 
 
 def test_it_is_small():

@@ -1,4 +1,4 @@
-"""What came out on the rigid body and is robust: the table of docs/physics.md, on other seeds."""
+"""What is robust of the findings on the rigid body in docs/physics.md, on other seeds."""
 
 from __future__ import annotations
 

@@ -39,9 +39,9 @@ SEEN = ("first", "second", "variance1", "variance2", "of_speed")
 
 NAMES = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag", "q1", "q2", "s1", "s2", "time",
          "n1", "n2")  # fmt: skip
-"""Parameters, see docs/identify.md.  m, I and what follows lag are searched as logarithms; q: rms
-white force a control period, s: rms of the coloured force and its time, n: rms of measured
-speeds."""
+"""Parameters, see docs/explanation/identify.md.  m, I and what follows lag are searched as
+logarithms; q: rms white force a control period, s: rms of the coloured force and its time, n: rms
+of measured speeds."""
 LOGARITHMIC = frozenset({"m", "I", "q1", "q2", "s1", "s2", "time", "n1", "n2"})
 INDEX = {name: k for k, name in enumerate(NAMES)}
 KNOWN = ("r", "l", "g", "v_s", "T")

@@ -2,7 +2,7 @@
 
 ``clip`` and ``governor`` for bases whose speed follows its command by a first-order lag; ``clip``
 too for chains that never overshoot and, by their peak gain, for linear loops that do.
-`docs/filter.md` has the theorems and their hypotheses.
+`docs/explanation/filter.md` has the theorems and their hypotheses.
 """
 
 from .filter import CommandFilter, command_filter, filter_system

@@ -2,7 +2,8 @@
 
 Source: a control barrier function for h = v_u1 -+ v in the worst case over mass, friction and
 disturbance, valid for a force that is held over the whole control period; the theorem with its
-proof is in docs/guarantee.md.  It is no part of the paper.  Per axis, with the measured velocity y:
+proof is in docs/explanation/guarantee.md.  It is no part of the paper.  Per axis, with the measured
+velocity y:
 
     room(y) = v_u1 - max(y + nbar, f_speed),        net = dbar - f_min
     hi(y)   = max(slope room(y) - net, -brake),     slope = M_min alpha inside, M_max/T outside

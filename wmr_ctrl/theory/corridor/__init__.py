@@ -1,6 +1,6 @@
 """The certified corridor: how far from its path a robot can be pushed, with a proof.
 
-Start with `find_corridor`; docs/corridor.md has the theorem, and what it does not cover.
+Start with `find_corridor`; docs/explanation/corridor.md has the theorem and its limits.
 """
 
 from collections.abc import Iterator
