@@ -1,8 +1,8 @@
 """Which gains: the certified corridor beside torque change, untold delay and noise.
 
 ``python -m benchmarks.gains [--quick] [--out docs/explanation/corridor.md]
-[--work build/gains]``.  Gains of ``safe-simulation``: with the k that laws share and with prox's own, that which ships, each with
-other bandwidths of the observer, and
+[--work build/gains]``.  Gains of ``safe-simulation``: with the k that laws share and with
+prox's own, that which ships, each with other bandwidths of the observer, and
 what `wmr_ctrl.tune` finds for prox and for kanayama with merit = "corridor", with the same trials
 and with all errors at once: prox from what the same search finds for the RMS, kanayama from its
 defaults.  Then prox on ``safe-experiment``: poles of `guide`, slower and faster.  What a search

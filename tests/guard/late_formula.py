@@ -1,4 +1,4 @@
-"""The late guard's formula in docs/explanation/guarantee.md, in floats, for many robots of an axis."""
+"""The late guard's formula in docs/explanation/guarantee.md, in floats, for many robots."""
 
 from __future__ import annotations
 

@@ -100,10 +100,10 @@ def export_ssp(
     co-simulation.  ``flat``: without connectors of the system itself, which ecos and libcosim do
     not read, nor of inputs that nothing is connected to: disturbances are then set in the plant.
 
-    The FMUs are set for masters that step all parts at once; docs/explanation/fmu.md says what
-    their delay does to each law, and `cosimulate` for ``delay_known``.  The package has no noise and no
-    changes of the robot: those come from outside.  Raises ArgumentError for FMI 3, for effects that
-    it cannot hold, by name, and for rows of a map with several terms; FmuError, UnknownNameError,
+    The FMUs are set for masters that step all parts at once; docs/explanation/fmu.md says
+    what their delay does to each law, and `cosimulate` for ``delay_known``.  The package has no
+    noise and no changes of the robot: those come from outside.  Raises ArgumentError for FMI 3,
+    for effects that it cannot hold, by name, and for rows of a map with several terms; FmuError, UnknownNameError,
     ScenarioError or CompilerError.
     """
     if 2 not in versions_of(fmi):
