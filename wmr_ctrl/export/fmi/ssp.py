@@ -103,8 +103,8 @@ def export_ssp(
     The FMUs are set for masters that step all parts at once; docs/explanation/fmu.md says
     what their delay does to each law, and `cosimulate` for ``delay_known``.  The package has no
     noise and no changes of the robot: those come from outside.  Raises ArgumentError for FMI 3,
-    for effects that it cannot hold, by name, and for rows of a map with several terms; FmuError, UnknownNameError,
-    ScenarioError or CompilerError.
+    for effects that it cannot hold, by name, and for rows of a map with several terms; FmuError,
+    UnknownNameError, ScenarioError or CompilerError.
     """
     if 2 not in versions_of(fmi):
         raise ArgumentError(
