@@ -5,8 +5,8 @@ with words only the statements whose titles have them, and the page keeps its ot
 filter is the C of its package; bases and adversaries are the tests' own, integrated exactly between
 all instants at which something changes.  Where both axes are scaled by one factor, a command that
 does not keep the curvature counts as a break.  Then each hypothesis is broken by 5 % (or by the
-least that can be: one loss, a lag), and the runs that leave the limit are counted: a statement whose
-hypotheses may be broken unnoticed would say nothing.
+least that can be: one loss, a lag), and the runs that leave the limit are counted: a statement
+whose hypotheses may be broken unnoticed would say nothing.
 """
 
 from __future__ import annotations
