@@ -1,9 +1,8 @@
 """Which gains: the certified corridor beside torque change, untold delay and noise.
 
-``python -m benchmarks.gains [--quick] [--out docs/explanation/corridor.md]
-[--work build/gains]``.  Gains of ``safe-simulation``: with the k that laws share and with
-prox's own, that which ships, each with other bandwidths of the observer, and
-what `wmr_ctrl.tune` finds for prox and for kanayama with merit = "corridor", with the same trials
+``python -m benchmarks.gains [--quick] [--work build/gains]``.  Gains of ``safe-simulation``: with
+the k that laws share and with prox's own, that which ships, each with other bandwidths of the
+observer, and what `wmr_ctrl.tune` finds for prox and for kanayama with merit = "corridor", with the same trials
 and with all errors at once: prox from what the same search finds for the RMS, kanayama from its
 defaults.  Then prox on ``safe-experiment``: poles of `guide`, slower and faster.  What a search
 found stays in ``--work``.
@@ -11,12 +10,13 @@ found stays in ``--work``.
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.parts import millimetres, page_parser, renew
+from benchmarks.parts import millimetres
 from wmr_ctrl.api import simulate_many
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.control.laws.prox import Guide, guide
@@ -27,7 +27,6 @@ from wmr_ctrl.simulation.tuning import tune
 from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.scenario import Scenario, override
 
-NAME = "gains"
 """Of the part of the page that this writes."""
 Fields = Mapping[str, object]
 POSES: Fields = {"sensor.pose_noise": 5e-4}
@@ -155,14 +154,14 @@ def _share(tube: Corridor) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Search what is not found yet, print both tables, and with ``--out`` renew them."""
-    parser = page_parser(__doc__, "few gains, few trials")
+    """Search what is not found yet, and print both tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="few gains, few trials")
     parser.add_argument("--work", type=Path, default=Path("build/gains"), help="what is kept")
     given = parser.parse_args(arguments)
     given.work.mkdir(parents=True, exist_ok=True)
-    made = f"{first(given.work, given.quick)}\n\n{second(given.quick)}"
-    if given.out:
-        renew(given.out, NAME, made)
+    first(given.work, given.quick)
+    second(given.quick)
 
 
 if __name__ == "__main__":

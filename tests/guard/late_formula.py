@@ -1,4 +1,4 @@
-"""The late guard's formula in docs/explanation/guarantee.md, in floats, for many robots."""
+"""The late guard's formula in docs/lemmas.md, in floats, for many robots."""
 
 from __future__ import annotations
 
