@@ -6,7 +6,7 @@ of the torque behind delay and lag, before noise, and 0 at the first sample.
 """
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import casadi as ca
 
@@ -72,20 +72,21 @@ class Applied:
         return [mean, *rest, *([end] if self.acting else [])]
 
 
+Lateness: TypeAlias = tuple[int, ca.SX | float, ca.SX | float]
+"""A delay as whole control periods and plant steps beyond, and the plant steps of a period."""
 Torque = TypeVar("Torque", ca.SX, "NDArray[np.float64]")
 
 
 def followed(
-    commands: Sequence[Torque], late: tuple[int, float, float], acting: Torque, decay: ca.SX | float
+    commands: Sequence[Torque], late: Lateness, acting: Torque, decay: ca.SX | float
 ) -> tuple[Torque, Torque]:
     """Mean torque over a sample, and the torque at its end behind a lag, for commands by age.
 
-    ``late``: a delay as whole control periods and plant steps beyond, and steps of a period.  What
-    was ``acting`` keeps the share ``decay`` in a step, 0 where nothing lags.
+    What was ``acting`` keeps the share ``decay`` in a step, 0 where nothing lags.
     """
     whole, part, steps = late
     pieces = [(commands[whole], steps - part)]
-    if part:
+    if is_partial(part):
         pieces.insert(0, (commands[whole + 1], part))
     total = 0 * acting
     for wanted, count in pieces:
@@ -94,6 +95,11 @@ def followed(
         total = total + decay * (1 - share) / (1 - decay) * (acting - wanted)
         acting = wanted + share * (acting - wanted)
     return total / steps, acting
+
+
+def is_partial(part: ca.SX | float) -> bool:
+    """True unless no plant steps are left beyond whole periods; a symbol stands for some."""
+    return isinstance(part, ca.SX) or part > 0
 
 
 def remembered(law: System) -> tuple[Port, ...]:

@@ -8,7 +8,7 @@ from wmr_ctrl.core.signals import ASKED, FORCE, TORQUE, VELOCITY
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.world.model.system import Output, Parameters, System, outputs, port, ports, stack
 
-from .applied import Applied, remembered
+from .applied import Applied, Lateness, remembered
 from .guard.bounds import ROUNDING, pair_of
 from .guard.delay import Tails, delayed_push
 from .guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possible
@@ -232,9 +232,9 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     )
 
 
-def velocity_sender(setup: Setup, core: System) -> SentVelocity:
-    """Sender of a law's command on a base that takes velocities."""
+def velocity_sender(setup: Setup, core: System, late: Lateness | None = None) -> SentVelocity:
+    """Sender of a law's command on a base that takes velocities, ``late`` as SentVelocity has it."""
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
     direct = core.outputs[0].signal == ASKED
-    return SentVelocity(setup, core, p, asked if direct else _reached(setup, p, asked))
+    return SentVelocity(setup, core, p, asked if direct else _reached(setup, p, asked), late)

@@ -27,7 +27,7 @@ from wmr_ctrl.world.speed_loop import has_loop
 from wmr_ctrl.world.speed_loop_first_order import reach
 from wmr_ctrl.world.velocity_loss import VELOCITY_LOSS
 
-from .applied import followed
+from .applied import Lateness, followed, is_partial
 from .filter.channels import (
     BOUNDS_LEFT,
     FLAGS,
@@ -50,14 +50,20 @@ class SentVelocity:
     ``wish``: what the law asks for, a force [N, N m] within the wheels' reach, or a velocity.
     """
 
-    def __init__(self, setup: Setup, core: System, p: Parameters, wish: ca.SX) -> None:
-        """Take the ports of the law's System ``core``, whose parameters ``p`` has."""
+    def __init__(
+        self, setup: Setup, core: System, p: Parameters, wish: ca.SX, late: Lateness | None = None
+    ) -> None:
+        """Take the ports of the law's System ``core``, whose parameters ``p`` has.
+
+        ``late``: the delay of commands, the scenario's unless given.
+        """
         self.setup, self.core, self.p, self.wish = setup, core, p, wish
+        clock, delay = setup.scenario.clock, setup.scenario.base.delay
+        self.late = late or (*in_periods(delay, setup.scenario), clock.substeps)
         self.v = stack(item.sym for item in core.inputs if item.signal in signals.VELOCITY)
-        self.whole, self.part = in_periods(setup.scenario.base.delay, setup.scenario)
         own = {item.signal: item for item in core.inputs}
         before = own.get(signals.SENT_BEFORE) or port(signals.SENT_BEFORE)
-        ages = range(2, 2 + self.whole + bool(self.part) - 1)
+        ages = range(2, 2 + self.late[0] + is_partial(self.late[1]) - 1)
         words = ((f"v_sent_before{age}", f"velocity sent {age} samples ago") for age in ages)
         sent = (signals.Signal(name, "m/s, rad/s", meaning, 2) for name, meaning in words)
         self.earlier = (before, *map(port, sent))
@@ -185,8 +191,7 @@ class SentVelocity:
     def _acting(self, sent: ca.SX) -> ca.SX:
         """Mean torque (2,) [N m] over the coming sample, as the believed loop exerts it."""
         commands = [sent, *(item.sym for item in self.earlier)]
-        late = (self.whole, self.part, self.setup.scenario.clock.substeps)
-        u, _ = followed(commands, late, ca.SX.zeros(2), 0.0)
+        u, _ = followed(commands, self.late, ca.SX.zeros(2), 0.0)
         a = (u - self.v) / self.reach
         midway = self.v + a * self.p.take("clock.control") / 2
         force = self.mass * a + self._friction(midway)

@@ -105,6 +105,11 @@ class Loop:
         return self
 
     @property
+    def graphs(self) -> Loop:
+        """The loop that its graphs belong to."""
+        return self
+
+    @property
     def longest(self) -> float:
         """Control period [s] beyond which a command is not held until the next one comes."""
         return np.inf
@@ -196,10 +201,9 @@ class Loop:
         count = commands_predicted(self.setup.gains, period) if commands is None else commands
         law, moving = self.over(count), learning or not self.traits.estimates
         asked = law.remembered
-        graph = law._gradient_learning if moving else law._gradient
-        forces = np.tile(at.force, len(asked))
-        numbers = law.parameters(period)
-        (whole,) = evaluated(graph, at.s, at.v_d, at.v_d_dot, at.memory, forces, numbers)
+        if (at, period, moving) not in law._slopes:
+            law._slopes[at, period, moving] = law._slopes_at(at, period, moving)
+        whole = law._slopes[at, period, moving]
         n = ROBOT + len(whole) - COMMAND
         force, memory = whole[:COMMAND], whole[COMMAND:]
         if not asked:
@@ -229,7 +233,7 @@ class Loop:
             memory = np.array(self.core.x0)
             there = Point(np.zeros(3), speed, speed, np.zeros(2), memory, force)
             self._points[key] = replace(self.after_a_sample(there), force=force)
-        return replace(self._points[key], theta=theta)
+        return self._points[key].turned(theta)
 
     def resting(
         self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
@@ -246,6 +250,16 @@ class Loop:
         return False
 
     @cached_property
+    def _slopes(self) -> dict[tuple[Point, float, bool], Floats]:
+        return {}
+
+    def _slopes_at(self, at: Point, period: float, learning: bool) -> Floats:
+        """Slopes of force, and of memory if that moves, by s, memory and forces."""
+        graph = self.graphs._gradient_learning if learning else self.graphs._gradient
+        forces, numbers = np.tile(at.force, len(self.remembered)), self.parameters(period)
+        return evaluated(graph, at.s, at.v_d, at.v_d_dot, at.memory, forces, numbers)[0]
+
+    @cached_property
     def _points(self) -> dict[tuple[float, ...], Point]:
         return {}
 
@@ -256,8 +270,9 @@ class Loop:
         """
         forces = np.tile(point.force, len(self.remembered))
         force, memory = evaluated(
-            self.act, point.s, point.v_d, point.v_d_dot, point.memory, forces, self.core.p0
-        )
+            self.graphs.act, point.s, point.v_d, point.v_d_dot, point.memory, forces,
+            self.parameters(self.own_period),
+        )  # fmt: skip
         after = point.memory if self.traits.estimates else memory.ravel()
         return replace(point, memory=after, force=force.ravel())
 
@@ -330,7 +345,17 @@ class Loop:
     def parameters(self, period: float) -> list[float]:
         """Values of the law's parameters with a control period [s]."""
         listed = ((port.signal.name, port.value) for port in self.core.params)
-        return [n for name, own in listed for n in ((period,) if name == PERIOD else own)]
+        timed = self.timed(period)
+        return [n for name, own in listed for n in timed.get(name, own)]
+
+    def timed(self, period: float) -> dict[str, tuple[float, ...]]:
+        """Parameters that a control period [s] decides."""
+        return {PERIOD: (period,)}
+
+    @property
+    def own_period(self) -> float:
+        """Control period that it is made for [s]."""
+        return self.scenario.clock.control
 
 
 @lru_cache(maxsize=128)

@@ -4,9 +4,12 @@ Plant steps follow each other between the instants at which a command takes over
 way are a shift register.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import casadi as ca
@@ -48,7 +51,7 @@ class Motion:
         return *self.e, *self.v
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Point:
     """Operating point: e (3) [m, m, rad], v (2), v_d (2) and its rate (2), memory, force (2).
 
@@ -69,7 +72,11 @@ class Point:
         """e and v in one vector (5)."""
         return np.concatenate((self.e, self.v))
 
-    @property
+    def turned(self, theta: float) -> Point:
+        """The point with the reference's orientation ``theta`` [rad]."""
+        return self if theta == self.theta else replace(self, theta=theta)
+
+    @cached_property
     def motion(self) -> Motion:
         """The robot's part of it."""
         e, v, v_d = (tuple(map(float, item)) for item in (self.e, self.v, self.v_d))
@@ -165,13 +172,27 @@ class Assembly:
         missing = np.linalg.lstsq(slopes[:, sent], v - after.ravel(), rcond=None)[0]
         return np.asarray(v + missing)
 
+    @cached_property
+    def _flows(self) -> dict[float, tuple[Floats, Floats]]:
+        return {}
+
     def flow(self, time: float) -> tuple[Floats, Floats]:
         """The fast state after a time [s] by that before, and by the held inputs."""
+        if time not in self._flows:
+            self._flows[time] = self._flow(time)
+        return self._flows[time]
+
+    def _flow(self, time: float) -> tuple[Floats, Floats]:
         world, count = self.world, steps_in(time, self.step)
         whole = np.eye(world.size + world.held)
         whole[: world.size] = self._step(world.slopes, time / count)
         whole = np.linalg.matrix_power(whole, count)
         return whole[: world.size, : world.size], whole[: world.size, world.size :]
+
+    @cached_property
+    def steady(self) -> list[Floats]:
+        """What is `sensed` in a sample with a pose, and in one without."""
+        return [self.sensed(self.every + k) for k in range(min(self.every, 2))]
 
     def sensed(self, sample: int) -> Floats:
         """Slopes of measurements, disturbances and memory after a sample."""
@@ -200,8 +221,7 @@ class Assembly:
 
     def plant(self, delay: float, sample: int | None) -> SampledPlant:
         """All of it, but for what shows in nothing, and for the way, which has no origin."""
-        steady = [self.sensed(self.every + k) for k in range(min(self.every, 2))]
-        seen, size = steady[0] if sample is None else self.sensed(sample), self.world.size
+        seen, size = self._seen(sample), self.world.size
         whole, part = divided(delay, self.period)
         queue = whole + (part > 0)
         ends = np.cumsum([0, size, COMMAND * queue, seen.shape[1] - size]).tolist()
@@ -230,7 +250,12 @@ class Assembly:
         plant = SampledPlant(
             rows[:, : ends[-1]], rows[:, ends[-1] :], pushed, sensed[:ROBOT], names
         )
-        return self._reduced(plant, steady, slow)
+        return self._reduced(plant, self.steady, slow)
+
+    def _seen(self, sample: int | None) -> Floats:
+        """What is `sensed` in a sample, or in one with a pose."""
+        after = 0 if sample is None else sample - self.every
+        return self.steady[after] if 0 <= after < len(self.steady) else self.sensed(self.every + after)
 
     def rates(self) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
         """Slopes of rates: the gradient of a plant step, by its length."""

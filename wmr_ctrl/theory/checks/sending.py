@@ -9,21 +9,25 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 
+import casadi as ca
 import numpy as np
 
-from wmr_ctrl.control.applied import remembered
+from wmr_ctrl.control.applied import Lateness, remembered
 from wmr_ctrl.control.controller import law_graph, velocity_sender
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, places
-from wmr_ctrl.world.model.system import Output, System
+from wmr_ctrl.core.signals import ASKED, SENT_BEFORE, Signal, places
+from wmr_ctrl.world.model.system import Output, Port, System
 from wmr_ctrl.world.scenario import Robot
 
+from .budget import counted
 from .error_coordinates import Floats
 from .loop import Loop
 from .rest import rest
-from .sampled_plant import Point
-from .surroundings import idle_base, surroundings
+from .sampled_plant import Point, steps_in
+from .surroundings import idle_base
 
+LATE = ("late_steps", "period_steps")
+"""Parameters of a graph that periods share: plant steps of a delay beyond whole ones, and of one."""
 LONG = 0.1
 """A control period in which laws may change their command much [s]."""
 
@@ -45,12 +49,43 @@ class SendingLoop(Loop):
         """Law, adapter and what they remember."""
         if self.sender is not None:
             return self.sender
-        period = self.scenario.clock.control if self.period is None else self.period
+        if not self._is_timed:
+            return _sent(self.setup, self.in_flight, None)
+        return self._alike.core
+
+    @property
+    def _is_timed(self) -> bool:
+        """True if it is made for a period or delay of commands that may not be the scenario's."""
+        return self.period is not None or self.delay is not None
+
+    @cached_property
+    def own_period(self) -> float:
+        """Control period that it is made for [s]."""
+        return self.scenario.clock.control if self.period is None else self.period
+
+    @cached_property
+    def _late(self) -> tuple[int, int, int]:
+        """Delay of commands: whole periods and plant steps beyond; plant steps of a period."""
         delay = self.scenario.base.delay if self.delay is None else self.delay
-        timed = surroundings(self.scenario).scenario_at(period, delay)
-        plain = replace(self.setup, scenario=timed)
-        sent = velocity_sender(plain, _law_graph(self.setup, self.in_flight))
-        return replace(sent.system(), outputs=(Output(ASKED, sent.asked),), diagnostics=())
+        steps = steps_in(self.own_period, self.scenario.clock.plant)
+        whole, part = divmod(round(delay / (self.own_period / steps)), steps)
+        return whole, part, steps
+
+    @cached_property
+    def _alike(self) -> SendingLoop:
+        """The loop whose graph has this one's plant steps as parameters."""
+        whole, part, _ = self._late
+        return _alike(self.setup, self.in_flight, whole, part > 0)
+
+    @property
+    def graphs(self) -> Loop:
+        """The loop that its graphs belong to: periods and delays of one structure share them."""
+        return self._alike if self._is_timed else self
+
+    def timed(self, period: float) -> dict[str, tuple[float, ...]]:
+        """Parameters that a control period [s] decides."""
+        late = zip(LATE, self._late[1:], strict=True) if self._is_timed else ()
+        return {**super().timed(period), **{name: (float(count),) for name, count in late}}
 
     def at_period(self, period: float) -> Loop:
         """The loop for a control period [s], which remembers the commands that are under way."""
@@ -76,7 +111,7 @@ class SendingLoop(Loop):
         key = tuple(map(float, v_d))
         if key not in self._points:
             self._points[key] = self._driving(np.array(key))
-        return replace(self._points[key], theta=theta)
+        return self._points[key].turned(theta)
 
     @property
     def learns(self) -> bool:
@@ -86,22 +121,20 @@ class SendingLoop(Loop):
     def resting(
         self, v_d: Floats, theta: float, period: float, robot: Robot | None = None
     ) -> Point | None:
-        """The point where it really rests, whose commands are all alike, however late they act.
-
-        In a short period a law may change its command little, which hides the rest from Newton's
-        method on its way; that of a long period is near.
-        """
-        own = loop_of(self.setup)
-        find, on = partial(rest, own, own.around), own.on_reference(v_d, theta)
-        at = find(on, period, robot)
-        if at is None and period < LONG and (near := find(on, LONG, robot)):
-            at = find(near, period, robot)
-        if at is None:
-            return None
+        """The point where it really rests, whose commands are all alike, however late they act."""
+        own = self._own
+        at = _at_rest(own, tuple(map(float, v_d)), theta, period, robot)
+        if at is None or self is own:
+            return at
         rows = places(item.signal for item in own.core.state)
         known = [at.memory[rows[name]] if (name := item.signal.name) in rows else at.force
                  for item in self.core.state]  # fmt: skip
         return replace(at, memory=np.concatenate((np.zeros(0), *known)))
+
+    @cached_property
+    def _own(self) -> Loop:
+        """The loop of the scenario's own period and delay."""
+        return loop_of(self.setup)
 
     def _driving(self, speed: Floats) -> Point:
         own = [speed if item.signal.name.startswith(SENT_BEFORE.name) else np.array(item.value)
@@ -110,9 +143,46 @@ class SendingLoop(Loop):
         return replace(self.after_a_sample(self.after_a_sample(there)), force=speed)
 
 
+@counted
+def _at_rest(
+    loop: Loop, v_d: tuple[float, ...], theta: float, period: float, robot: Robot | None
+) -> Point | None:
+    """The rest of a loop whose commands act at once.
+
+    In a short period a law may change its command little, which hides the rest from Newton's method
+    on its way; that of a long period is near.
+    """
+    find, on = partial(rest, loop, loop.around), loop.on_reference(np.array(v_d), theta)
+    at = find(on, period, robot)
+    if at is None and period < LONG and (near := find(on, LONG, robot)):
+        at = find(near, period, robot)
+    return at
+
+
 @lru_cache(maxsize=16)
 def _law_graph(setup: Setup, in_flight: int | None) -> System:
     return law_graph(replace(setup, scenario=idle_base(setup.scenario)), in_flight)
+
+
+def _sent(setup: Setup, in_flight: int | None, late: Lateness | None) -> System:
+    """Law, adapter and what they remember, of a base that cuts no command."""
+    law = _law_graph(setup, in_flight)
+    counts = [
+        Port(Signal(name, "1", "plant steps"), count, (1.0,))
+        for name, count in zip(LATE, late[1:] if late else (0, 0), strict=True)
+        if isinstance(count, ca.SX)
+    ]
+    law = replace(law, params=(*law.params, *counts))
+    idle = replace(setup, scenario=idle_base(setup.scenario))
+    sent = velocity_sender(idle, law, late)
+    return replace(sent.system(), outputs=(Output(ASKED, sent.asked),), diagnostics=())
+
+
+@lru_cache(maxsize=128)
+def _alike(setup: Setup, in_flight: int | None, whole: int, partial: bool) -> SendingLoop:
+    part, steps = (ca.SX.sym(name) for name in LATE)
+    late = whole, part if partial else 0, steps
+    return SendingLoop(setup, in_flight, sender=_sent(setup, in_flight, late))
 
 
 @lru_cache(maxsize=128)

@@ -106,6 +106,7 @@ class Surroundings:
         self._wheels = wheels(scenario.robot.r, scenario.robot.l)
         self._sent = np.eye(COMMAND) if sends else self._wheels
         self.known_of_drives = lru_cache(maxsize=64)(self._known_of_drives)
+        self._assembly = lru_cache(maxsize=64)(self._assembled)
         # Kept for the next law, which is tried at the same periods, delays and masses.
         self._plant = lru_cache(maxsize=1024)(
             lambda motion, period, delay, robot, sample: self._assembly(
@@ -137,19 +138,6 @@ class Surroundings:
         here, *there = (self._assembly(motion, clock).flow(clock)[0] for motion in motions)
         alike = np.abs(there - here).max() < GRID
         return (0.0,) if alike else tuple(np.arange(8) * math.pi / 4)
-
-    def scenario_at(self, period: float, delay: float) -> Scenario:
-        """The scenario at a control period [s], with a ``delay`` of commands [s].
-
-        What its sensors count is the nearest whole number of samples, and of plant steps a delay.
-        """
-        times = {
-            key: period * max(_counts(key, time / period, late))[1]
-            for key, (time, late) in self._counted.items()
-        }
-        step = period / steps_in(period, self.scenario.clock.plant)
-        times["base.delay"] = step * round(delay / step)
-        return _still(self.scenario, period, times)
 
     def samples_a_pose(self, period: float) -> int:
         """Samples from one pose to the next, at a control period [s]."""
@@ -231,7 +219,7 @@ class Surroundings:
         n = ends[-1]
         return KnownDrives(rows[:, :n], rows[:, n:], known[:, :n], COMMAND * queue)
 
-    def _assembly(self, motion: Motion, period: float, robot: Robot | None = None) -> Assembly:
+    def _assembled(self, motion: Motion, period: float, robot: Robot | None = None) -> Assembly:
         own = self.scenario.robot if robot is None else robot
         steady: Floats = wheels(own.r, own.l) @ drag(own, np.array(motion.v))[:, 0]
         return Assembly(
