@@ -322,6 +322,12 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
     return override(scenario, {"actuator.tau_max": min(most, scenario.actuator.tau_max)})
 
 
+def with_effects_of(setup: Setup, scenario: Scenario) -> Setup:
+    """The setup on another scenario with the effects that this has, its guard's numbers as before."""
+    present = tuple(item for item in EFFECTS if item.present(scenario))
+    return replace(setup, scenario=scenario, effects=present)
+
+
 def one_period_later(setup: Setup) -> Setup:
     """The same with drives that are one control period later.
 

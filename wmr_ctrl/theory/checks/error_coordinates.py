@@ -4,6 +4,8 @@ The robot's pose is seen as tracking error, Eq. (8), a remembered pose in the fr
 all else as it is.  So a motion of constant velocity has one matrix.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from functools import lru_cache
 
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.loop import PlantlessGraphs
-from wmr_ctrl.control.setup import settle
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.signals import places
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.graph import unrounded
@@ -39,18 +41,26 @@ class World:
     that of its gradient per time, for steps without length.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        """Differentiate."""
-        graphs = PlantlessGraphs(settle(scenario, next(iter(LAWS))))
-        moved = _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
+    def __init__(self, setup: Setup, like: World | None = None) -> None:
+        """Differentiate; plant steps and parameters are those of another World, if it is given."""
+        self.setup, graphs = setup, PlantlessGraphs(setup)
+        for item in like.ports if like else ():
+            graphs.parameters.take(item.signal.name)
+        moved = None if like else _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
         self.fast, self.slow, self.ports = graphs.fast, graphs.slow, graphs.parameters.ports
         self.size, self.held = len(names_of(self.fast)), graphs.u.sym.numel()
         self.rows, self.slow_rows = (
             places(item.signal for item in part) for part in (self.fast, self.slow)
         )
         x, m = (stack(item.sym for item in part) for part in (self.fast, self.slow))
-        u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
         self._sense(graphs, x, m)
+        if like:
+            assert [item.signal for item in self.ports] == [item.signal for item in like.ports]
+            self.step, self.slopes, self.rates, self.rate_slopes = (
+                like.step, like.slopes, like.rates, like.rate_slopes,
+            )  # fmt: skip
+            return
+        u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
         z, v_d, theta = ca.SX.sym("z", self.size), ca.SX.sym("v_d", 2), ca.SX.sym("theta")
         desired, angle = ca.vertcat(0, 0, theta), theta - z[2]
         pose = desired - error_rotation(angle).T @ z[:3]
@@ -137,4 +147,4 @@ def names_of(ports: tuple[Port, ...]) -> list[str]:
 @lru_cache(maxsize=256)
 def world_of(scenario: Scenario) -> World:
     """The World of a scenario, made once."""
-    return World(scenario)
+    return World(settle(scenario, next(iter(LAWS))))

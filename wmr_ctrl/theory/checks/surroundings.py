@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.applied import followed
-from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.setup import Setup, with_effects_of
 from wmr_ctrl.core.signals import SAMPLE, STEP, TIME
 from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.graph import rounds
@@ -126,7 +126,12 @@ class Surroundings:
     def _world(self, own: float, counts: tuple[int, ...]) -> World:
         if (own, *counts) not in self._worlds:
             times = {key: n * own for key, n in zip(self._counted, counts, strict=True)}
-            self._worlds[own, *counts] = world_of(_still(self.scenario, own, times))
+            like = next(iter(self._worlds.values()), None)
+            self._worlds[own, *counts] = (
+                world_of(_still(self.scenario, own, times))
+                if like is None or self._foreign
+                else World(with_effects_of(like.setup, override(like.setup.scenario, times)), like)
+            )
         return self._worlds[own, *counts]
 
     @cached_property
