@@ -3,6 +3,7 @@
 Start with `find_corridor`; docs/explanation/corridor.md has the theorem and its limits.
 """
 
+import math
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -16,6 +17,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.core.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.verdicts import CorridorLeft as CorridorLeft
+from wmr_ctrl.theory.checks.budget import OverBudgetError, budget
 from wmr_ctrl.theory.checks.outlook import scenario_of_run
 from wmr_ctrl.theory.door import LEFT_OUT, is_open, proofs
 from wmr_ctrl.world.model.system import System
@@ -27,6 +29,10 @@ from .clearance import Clearance as Clearance
 from .clearance import find_clearance
 
 NOT_CHECKED = f"NOT_CHECKED: {LEFT_OUT}"
+TOO_MUCH = (
+    "not checked: over the whole run it takes more work than is allowed here; "
+    "wmr_ctrl.corridor(scenario, law, whole=True) has no such limit"
+)
 BITS = 53
 """Python-flint's precision where a certificate asks for none of its own."""
 _ONE = RLock()
@@ -44,16 +50,19 @@ def _alone() -> Iterator[None]:
 
 
 @checks_arguments
-def find_corridor(scenario: Scenario, law: str, *, whole: bool = False) -> Corridor:
+def find_corridor(
+    scenario: Scenario, law: str, *, whole: bool = False, work: float = math.inf
+) -> Corridor:
     """The Corridor of ``law`` on ``scenario``; raises what `settle` raises.
 
     On a circle or a line it holds for good, or until the robot changes.  ``whole``: also of the
     scenario's whole run, along any path, with all changes and with drives and commands as a run
-    finds them, which takes some seconds.  Without
-    python-flint (the extra ``proofs``) its ``refused`` is NOT_CHECKED.
+    finds them, which takes some seconds; where that takes more than this ``work``
+    (`wmr_ctrl.theory.checks.budget`), it is refused as "not checked".  Without python-flint (the
+    extra ``proofs``) its ``refused`` is NOT_CHECKED.
     """
     with _alone():
-        return _of(settle(scenario, law), whole)
+        return _of(settle(scenario, law), whole, work)
 
 
 def certified_corridor(scenario: Scenario, law: str) -> Corridor:
@@ -145,19 +154,29 @@ def _course_of(setup: Setup, whole: bool) -> Corridor | None:
     return replace(tube, course=np.array([[tube.position], [tube.heading]], dtype=float))
 
 
+def _within(setup: Setup, work: float) -> Corridor:
+    """The corridor of the whole run; "not checked" where that takes more than this work."""
+    certified_run = proofs("corridor.whole").certified_run
+
+    try:
+        with budget(work):
+            return certified_run(setup)
+    except OverBudgetError:
+        return Corridor(setup.name, refused=TOO_MUCH, run=setup.scenario.clock.duration)
+
+
 @lru_cache(maxsize=256)
-def _of(setup: Setup, whole: bool) -> Corridor:
+def _of(setup: Setup, whole: bool, work: float) -> Corridor:
     tube = Corridor(setup.name, refused=NOT_CHECKED)
     if is_open():
         is_steady = proofs("corridor.inputs").is_steady
         certified = proofs("corridor.masses").certified
-        certified_run = proofs("corridor.whole").certified_run
 
         steady = is_steady(setup)
-        tube = certified(setup) if steady or not whole else certified_run(setup)
+        tube = certified(setup) if steady or not whole else _within(setup, work)
         ends = tube.until is not None or bool(tube.late)
         if whole and steady and tube.position is not None and ends:
-            tube = replace(tube, whole=certified_run(setup))
+            tube = replace(tube, whole=_within(setup, work))
     of_run = None if tube.whole is None else tube.whole.position
     position = None if tube.late and tube.run is None else tube.position  # no run begins like that
     width = position if of_run is None else of_run
