@@ -15,7 +15,7 @@ from wmr_ctrl.results import Run, driving, summary
 from wmr_ctrl.results.measures import guard_share, tracking
 from wmr_ctrl.results.remarks import Remark
 from wmr_ctrl.theory import checks
-from wmr_ctrl.theory.checks.budget import OverBudgetError, budget
+from wmr_ctrl.theory.checks.budget import OF_CORRIDOR, OverBudgetError, budget
 from wmr_ctrl.theory.checks.outlook import IN_PART, OF_THEORY, CheckVerdict, verdict
 from wmr_ctrl.theory.checks.sample_time import checked_by
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rounded_effects
@@ -52,7 +52,7 @@ class Note(NamedTuple):
 class Answers:
     """Everything that theory and one run say of a scenario, by law; a ``setup`` of any of them.
 
-    ``stable`` is None for a law whose ranges take too much work.
+    ``stable`` is None for a law whose ranges take too much work; ``tubes`` may be left out.
     """
 
     scenario: Scenario
@@ -75,18 +75,21 @@ def find_answers(
     only: str | None,
     work: float = inf,
     asked: Sequence[str] = (),
+    *,
+    corridors: bool = False,
 ) -> Answers:
     """Answers for these laws; ``only``: as far as findings on this subject need them.
 
     ``asked``: those that were named; ``work``: the most for warnings, and for stable ranges, of a
-    law (`wmr_ctrl.theory.checks.budget`).
+    law (`wmr_ctrl.theory.checks.budget`); ``corridors``: whether there are any.
     """
     warned, stable, tubes, bare = {}, {}, {}, only == "corridor"
     with Progress("what theory says") as progress:
         setups = {law: settle(case, law) for law in laws}
         for count, (law, setup) in enumerate(setups.items()):
             progress(count / len(laws))
-            tubes[law] = find_corridor(case, law, whole=len(setups) == 1)
+            if corridors:
+                tubes[law] = find_corridor(case, law, whole=True, work=OF_CORRIDOR)
             tyres = (replace(item, objects=False) for item in checks.grip_warnings(setup))
             heard = () if bare else checks.warnings_heard(setup, law in asked, work)
             warned[law] = () if bare else (*heard, *tyres)
@@ -169,7 +172,7 @@ def document(answers: Answers) -> dict[str, object]:
         "filter": filtering and asdict(filtering),
         "bounds": bounds(answers.setup),
         "robots": [{"from": t, "robot": words} for t, words in robots_in_words(case)],
-        "corridor": {law: tube.figures for law, tube in answers.tubes.items()},
+        "corridor": {law: tube.figures for law, tube in answers.tubes.items()} or None,
     }
 
 
@@ -252,7 +255,8 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
     limits, run = answers.stable.get(law), answers.runs.get(law)
     shares = run and guard_share(run)
     drive = (run and tracking(run)["drive"]) or {}
-    away, most = drive.get("position_rms"), answers.tubes[law].position
+    away, tube = drive.get("position_rms"), answers.tubes.get(law)
+    most = tube and tube.position
     yield answers.verdict(law).removeprefix("holds-").replace("-", " ")
     if limits is None:
         yield "not checked" if law in answers.stable else NONE
@@ -321,7 +325,7 @@ def findings(answers: Answers) -> Iterator[Note]:
     heads = ((law, item, "" if item.objects else "note: ") for law, item in _merged(answers))
     warnings = [Note(law, item.key, f"{head}{item}") for law, item, head in heads]
     yield from (item for item in warnings if item.law is None)
-    for law, tube in answers.tubes.items():
+    for law in answers.warned:
         if limits := answers.stable.get(law):
             stable = check_sentences.stable(limits, answers.scenario.clock.control)
             left_out = ", and ".join(filter(None, (*limits.remarks, *ignored)))
@@ -332,7 +336,8 @@ def findings(answers: Answers) -> Iterator[Note]:
         yield from (Note(law, item.key, f"{item.key}: {item.text}") for item in _seen(answers, law))
         if law in answers.runs:
             yield Note(law, "run", check_sentences.sight(answers.runs[law]))
-        yield Note(law, "corridor", tube.sentence)
+        if law in answers.tubes:
+            yield Note(law, "corridor", answers.tubes[law].sentence)
 
 
 def about(answers: Answers, name: str) -> list[Note]:

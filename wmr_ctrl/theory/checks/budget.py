@@ -17,6 +17,8 @@ OF_RUN = 2000.0
 """Work that the verdict on a run may take: about 2 s."""
 OF_LAW = 20000.0
 """Work for each law where `wmr-ctrl check` compares all of them."""
+OF_CORRIDOR = 20000.0
+"""Work for a law's corridor over its whole run in `wmr-ctrl check`."""
 LARGE = 100
 """States of a loop whose matrices take as long as everything else in an evaluation."""
 P = ParamSpec("P")
