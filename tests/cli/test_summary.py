@@ -11,12 +11,13 @@ import pytest
 
 from tests.results.conftest import build
 from wmr_ctrl import simulate
-from wmr_ctrl.cli import console, options, summary
-from wmr_ctrl.cli.summary import MOST_ROWS, rows_of, summary_text
+from wmr_ctrl.cli import console, options
+from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.default_law import default_law
 from wmr_ctrl.core.errors import WmrError
 from wmr_ctrl.core.fields.units import sized
 from wmr_ctrl.core.fields.values import SEED_END
+from wmr_ctrl.report.run_rows import MISSING, MOST_ROWS, _small, rows_of
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.results import summary as figures_of
 from wmr_ctrl.world.scenario import load_scenario, preset_names
@@ -147,11 +148,11 @@ def test_a_number_has_four_digits_and_a_prefix_that_fits(value: float, text: str
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(None, summary.MISSING), (0.0, "0 mm"), (5e-7, "below 0.001 mm"), (1e-6, "0.001 mm"),
+    [(None, MISSING), (0.0, "0 mm"), (5e-7, "below 0.001 mm"), (1e-6, "0.001 mm"),
      (0.25, "250 mm"), (1.5, "1.5 m")],
 )  # fmt: skip
 def test_errors_are_in_millimetres_below_a_metre(value: float | None, text: str) -> None:
-    assert summary._small(value, "m") == text
+    assert _small(value, "m") == text
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,7 @@ def note_missing_proofs() -> None:
         say("note", LEFT_OUT)
 
 
-DRAWS_CORRIDORS = ("plot_run", "plot_runs", "animate_runs", "film_run")
+DRAWS_CORRIDORS = ("plot_run", "write_run_page", "plot_runs", "animate_runs", "film_run")
 
 
 def write_file(path: str | None, function: str, content: object, text: str = "") -> None:

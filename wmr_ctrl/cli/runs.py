@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 save_option = opt.new_file("--out", "Save the run", *opt.RUNS)
 plot_option = opt.new_file("--plot", "Draw the run", *opt.PLOTS)
+report_option = opt.new_file(
+    "--report", "Write one page with verdict, figures and picture", ".html"
+)
 animate_option = opt.new_file("--animate", "Film the robot on its path", *opt.ANIMATIONS)
 film_option = opt.new_file("--film", "Film the rigid body in 3-D (--plant mujoco)", ".mp4", ".gif")
 verbose_option = click.option(
@@ -54,6 +57,7 @@ figures_option = opt.json_option("Print outcome and figures as one JSON document
 @opt.set_option
 @save_option
 @plot_option
+@report_option
 @animate_option
 @film_option
 @verbose_option
@@ -109,6 +113,7 @@ def run(
     help=f"Save it as {RUN_FILE}; a robot's drive as .csv.",
 )
 @plot_option
+@report_option
 @animate_option
 @film_option
 @opt.topics_option
@@ -177,9 +182,10 @@ def deliver(run: Run, as_json: bool, verbose: bool, **files: str | None) -> None
 
 
 def write_run(run: Run, **files: str | None) -> None:
-    """Save, draw and film a run, each where a file is named: out, plot, animate, film."""
+    """Save, draw and film a run, each where a file is named: out, plot, report, animate, film."""
     write_file(files.get("out"), "save_run", run)
     write_file(files.get("plot"), "plot_run", run)
+    write_file(files.get("report"), "write_run_page", run)
     write_file(files.get("animate"), "animate_runs", [run], "animation")
     write_file(files.get("film"), "film_run", run, "film")
 
@@ -232,6 +238,7 @@ def show(run: Run, as_json: bool, verbose: bool = False) -> None:
 @opt.set_option
 @save_option
 @plot_option
+@report_option
 @verbose_option
 @figures_option
 def cosim(
@@ -241,6 +248,7 @@ def cosim(
     assignments: tuple[str, ...],
     out: str | None,
     plot: str | None,
+    report: str | None,
     verbose: bool,
     as_json: bool,
     **options: Unpack[CosimulationOptions],
@@ -261,4 +269,4 @@ def cosim(
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress
         run = api.cosimulate(case, law, **options)
-    deliver(run, as_json, verbose, out=out, plot=plot)
+    deliver(run, as_json, verbose, out=out, plot=plot, report=report)

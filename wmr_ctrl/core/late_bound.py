@@ -13,6 +13,7 @@ HOMES = {
     "save_run": "wmr_ctrl.results.formats",
     "draw_linear": "wmr_ctrl.report.linear_figures",
     "plot_run": "wmr_ctrl.report.plot_run",
+    "write_run_page": "wmr_ctrl.report.run_page",
     "plot_runs": "wmr_ctrl.report.plot_runs",
     "plot_drives": "wmr_ctrl.report.plot_runs",
     "animate_runs": "wmr_ctrl.report.animate",
