@@ -20,9 +20,9 @@ ROS_MESSAGES = {
 }  # fmt: skip
 THIRD_PARTY = {
     "version": set(),
-    "core": {"casadi"},
+    "core": {"casadi", "yaml"},
     "results": {"numpy", "rosbags"},
-    "world": {"casadi", "numpy", "scipy", "tomlkit", "yaml"},
+    "world": {"casadi", "lxml", "numpy", "scipy", "tomlkit", "xacro"},
     "control": {"casadi", "numpy"},
     "codegen": {"casadi", "filelock", "jinja2", "numpy", "platformdirs"},
     "theory": {"casadi", "control", "flint", "numpy", "scipy"},

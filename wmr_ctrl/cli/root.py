@@ -20,6 +20,7 @@ from .evidence import bench, linearize, prove, reproduce
 from .exports import codegen, export, page
 from .identify import identify
 from .lists import laws, scenarios
+from .new import new
 from .options import debug_option
 from .runs import cosim, run, show_saved
 from .studies import study, tune
@@ -112,7 +113,7 @@ def root(ctx: click.Context) -> None:
 
 
 for _command in (
-    *(scenarios, laws, check, run, compare, show_saved, study, tune, identify, linearize),
+    *(new, scenarios, laws, check, run, compare, show_saved, study, tune, identify, linearize),
     *(codegen, export, cosim, page, reproduce, prove, bench),
 ):
     root.add_command(_command)

@@ -21,7 +21,7 @@ from typing import Any
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.files import read_text
 from wmr_ctrl.core.fields.problems import show
-from wmr_ctrl.core.fields.values import MOST_NODES
+from wmr_ctrl.core.fields.yaml_text import yaml_document
 
 Point = tuple[float, float]
 KEY = "reference.file"
@@ -183,7 +183,7 @@ def read_poses(file: Path) -> tuple[Point, ...]:
     """
     place = f"{KEY}: {file.name}"
     points: list[Point] = []
-    document = _document(read_text(file, KEY, SUFFIXES), place)
+    document = yaml_document(read_text(file, KEY, SUFFIXES), place)
     for number, pose in enumerate(_poses(document, place), start=1):
         point = _pose_point(pose, f"{place}, pose {number}")
         if not points or math.dist(points[-1], point) >= SAME:
@@ -193,41 +193,6 @@ def read_poses(file: Path) -> tuple[Point, ...]:
             f"{place} holds {len(points)} different position(s), but a path needs at least 2."
         )
     return tuple(points)
-
-
-def _document(text: str, place: str) -> object:
-    import yaml  # seldom needed
-
-    loader = yaml.SafeLoader(text)
-    try:
-        node = loader.get_node() if loader.check_node() else None
-        if node is None:
-            return None
-        if _size(node, {}) > MOST_NODES:
-            raise ScenarioError(
-                f"{place} has more than {MOST_NODES} values, aliases written out. Save the path "
-                "without anchors and aliases, or as CSV."
-            )
-        return loader.construct_document(node)
-    except RecursionError:
-        raise ScenarioError(f"{place} is not usable YAML: it is nested too deeply.") from None
-    except (yaml.YAMLError, ValueError) as problem:
-        if isinstance(problem, ScenarioError):
-            raise
-        detail = show(" ".join(str(problem).splitlines()[:1]))
-        raise ScenarioError(f"{place} is not YAML ({detail}). Save it as YAML or CSV.") from None
-    finally:
-        loader.dispose()
-
-
-def _size(node: Any, known: dict[int, float]) -> float:
-    """Values in a node of YAML with every alias written out; infinite if it holds itself."""
-    if id(node) not in known:
-        known[id(node)] = math.inf
-        inner = node.value if isinstance(node.value, list) else []
-        parts = (part for item in inner for part in (item if isinstance(item, tuple) else (item,)))
-        known[id(node)] = 1 + sum(_size(part, known) for part in parts)
-    return known[id(node)]
 
 
 def _poses(document: object, place: str) -> Iterator[object]:

@@ -1,0 +1,6 @@
+"""Robots as other tools describe them: URDF, xacro, Gazebo, ros2_control and nav2 files, read."""
+
+from .found import NAMES as NAMES
+from .found import Found as Found
+from .found import Sheet as Sheet
+from .read import read_robot_files as read_robot_files

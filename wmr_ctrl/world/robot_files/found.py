@@ -1,0 +1,191 @@
+"""What robot files say: a value, its key in a scenario, and where it stands."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from itertools import islice
+from statistics import mean
+from typing import TypeAlias, TypeGuard
+
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.problems import show
+
+Value: TypeAlias = float | bool | str | tuple[float, ...]
+SEPARATION, SEPARATION_FACTOR, HALF_TRACK = "separation", "separation factor", "robot.l"
+RADIUS, RADIUS_FACTOR, PERIOD = "robot.r", "radius factor", "clock.control"
+MULTIPLIED = {
+    SEPARATION: (HALF_TRACK, 0.5, SEPARATION_FACTOR),
+    RADIUS: (RADIUS, 1.0, RADIUS_FACTOR),
+}
+"""Our key, share and multiplier of a length."""
+PAIRS = ("limits.v_u1", "base.accel", "base.decel")
+"""Keys with a value for each axis, of which the smallest of several counts."""
+V, OMEGA = "limits.v_u1[1]", "limits.v_u1[2]"
+UP, TURN_UP, DOWN, TURN_DOWN = "base.accel[1]", "base.accel[2]", "base.decel[1]", "base.decel[2]"
+NAMES = ("topic ", "node ")
+COMMANDS, ODOMETRY = "topic cmd_vel", "topic odom"
+BASE_FRAME, ODOMETRY_FRAME, STAMPED = "node base_frame", "node odometry_frame", "node stamped"
+STEP = 1e-3
+"""Control periods are multiples of this time [s], the plant's step."""
+ALIKE = 0.01
+"""Share by which two values may differ that are the same."""
+
+
+class Rank(IntEnum):
+    """Kinds of sources: where two disagree, the first counts."""
+
+    CONTROLLER = 0
+    GAZEBO = 1
+    SMOOTHER = 2
+    PLANNER = 3
+    DESCRIPTION = 4
+
+
+@dataclass(frozen=True)
+class Found:
+    """A value that a file states.
+
+    ``key``: that of a scenario, with [1] or [2] for an axis; or "node NAME" and "topic NAME" of
+    this project's ROS 2 nodes.  ``source``: file and place in it, perhaps with a remark.
+    """
+
+    key: str
+    value: Value
+    source: str
+    rank: Rank
+
+    @property
+    def text(self) -> str:
+        """The value in four digits."""
+        if isinstance(self.value, tuple):
+            return f"[{', '.join(f'{part:.4g}' for part in self.value)}]"
+        return f"{self.value:.4g}" if isinstance(self.value, float) else str(self.value)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """All that robot files say: what counts, by key, and what was overruled."""
+
+    found: Mapping[str, Found]
+    overruled: tuple[Found, ...] = ()
+
+
+def merged(items: Sequence[Found]) -> Sheet:
+    """The first of each key by rank, then by order; lengths times their multipliers.
+
+    A base brakes as it speeds up unless it says otherwise.  Both axes of a pair stand under the
+    pair's key where both are known.
+    """
+    factors = {item.key: item for item in reversed(items) if item.key.endswith("factor")}
+    found: dict[str, Found] = {}
+    overruled = []
+    for raw in sorted(items, key=lambda item: item.rank):
+        item = _multiplied(raw, factors)
+        first = found.setdefault(item.key, item)
+        if first is not item and not _alike(first.value, item.value):
+            overruled.append(item)
+    for key in factors:
+        del found[key]
+    for up, down in ((UP, DOWN), (TURN_UP, TURN_DOWN)):
+        if up in found:
+            found.setdefault(down, replace(found[up], key=down))
+    for key in PAIRS:
+        ends = [found[end] for end in (f"{key}[1]", f"{key}[2]") if end in found]
+        if len(ends) == 2:
+            for end in ends:
+                del found[end.key]
+            source = "; ".join(dict.fromkeys(end.source for end in ends))
+            pair = tuple(end.value for end in ends if isinstance(end.value, float))
+            found[key] = Found(key, pair, source, max(end.rank for end in ends))
+    return Sheet(found, tuple(overruled))
+
+
+def _alike(one: Value, other: Value) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=ALIKE)
+    return one == other
+
+
+def _multiplied(item: Found, factors: Mapping[str, Found]) -> Found:
+    """A length [m] times the controller's multiplier, a separation as half of it."""
+    if item.key not in MULTIPLIED or not isinstance(item.value, float):
+        return item
+    key, share, factor_key = MULTIPLIED[item.key]
+    factor = factors.get(factor_key)
+    times = factor.value if factor is not None and isinstance(factor.value, float) else 1.0
+    words = f": {'half of ' * (share != 1)}{item.text}" * (share * times != 1)
+    if factor is not None and times != 1:
+        words += f" times {times:g} ({factor.source})"
+    value = rounded(share * times * item.value)
+    return replace(item, key=key, value=value, source=f"{item.source}{words}")
+
+
+Table: TypeAlias = Mapping[str, Sequence[str]]
+"""Names of parameters, or elements, by our key."""
+
+
+def read_table(
+    params: Mapping[str, object], table: Table, where: str, rank: Rank
+) -> Iterator[Found]:
+    """Values of the parameters in a table.
+
+    Several parameters may have one key: of limits and ramps the smallest size counts, of lengths
+    the mean, of names the first.  Rates [1/s] become the period.  0 says that nothing is stated.
+    """
+    for key, names in table.items():
+        given = {name: params[name] for name in names if params.get(name) is not None}
+        if key.startswith(NAMES):
+            texts = (Found(key, v, f"{where}{n}", rank) for n, v in given.items() if _is_name(v))
+            yield from islice(texts, 1)
+            continue
+        stated = {name: number(value, f"{where}{name}") for name, value in given.items()}
+        yield from _combined(key, {n: v for n, v in stated.items() if v is not None}, where, rank)
+
+
+def _is_name(value: object) -> TypeGuard[bool | str]:
+    return isinstance(value, bool) or (isinstance(value, str) and bool(value.strip()))
+
+
+def _combined(key: str, stated: dict[str, float], where: str, rank: Rank) -> Iterator[Found]:
+    """One value of all that are stated for a key, with words on how they differ."""
+    slowest = key.startswith(PAIRS)
+    for name, value in stated.items():
+        if value < 0 and not slowest:
+            raise ScenarioError(f"{where}{name} = {value:g} must be above 0.")
+    sizes = [abs(value) for value in stated.values() if value]
+    if not sizes:
+        return
+    note = ""
+    if key.startswith(PAIRS[0]) and 0.0 in stated.values():
+        note = " (one side is 0: it moves one way only, but limits.v_u1 holds both ways)"
+    elif len(set(sizes)) > 1:
+        note = f" ({'smaller size' if slowest else 'mean'} of {', '.join(f'{s:g}' for s in sizes)})"
+    value, source = min(sizes) if slowest else mean(sizes), f"{where}{' and '.join(stated)}{note}"
+    if key == PERIOD:
+        source, value = f"{source}: {value:g} Hz", STEP * max(1, round(1 / (value * STEP)))
+    yield Found(key, rounded(value), source, rank)
+
+
+def number(value: object, place: str) -> float | None:
+    """A finite number; None where the file leaves it open, as ``.nan`` does.
+
+    Raises ScenarioError for anything else, such as a substitution.
+    """
+    if isinstance(value, str):
+        if "$" in value:
+            raise ScenarioError(
+                f"{place} = {show(value)} is a substitution that cannot be expanded here. Write "
+                "the number in its place."
+            )
+        with suppress(ValueError):
+            value = float(value)
+    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > 1e9:
+        raise ScenarioError(f"{place} = {show(value)} must be a number of usual size.")
+    return None if math.isnan(value) else float(value)
+
+
+def rounded(value: float) -> float:
+    """A value in six digits, without the dust of its computation."""
+    return float(f"{value:.6g}")

@@ -1,0 +1,200 @@
+"""A user's first scenario: what robot files say, cautious values for the rest, and a path to drive.
+
+The shares below are ours.  They make a guard or filter that can be met and a circle that leaves it
+room, whatever the limits are.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias
+
+import tomlkit
+
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.fields.problems import printable
+from wmr_ctrl.core.fields.section import quantities
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.robot_files import NAMES, Found, Sheet
+
+from .scenario import sections
+from .toml_io import loads_scenario
+
+LAW = "kanayama"
+Value: TypeAlias = float | bool | str | tuple[float, ...]
+OPTIONAL = (
+    *("body.radius", "robot.m", "robot.I", "robot.r", "robot.l"),
+    *("base.accel", "base.decel", "base.timeout"),
+)
+"""Keys that a base that takes velocities does without, unless a file states them."""
+IDENTIFY = "`wmr-ctrl identify LOG{}` measures it"
+HOW: Mapping[str, str] = MappingProxyType(
+    {
+        "law": "`wmr-ctrl laws` lists the others",
+        "base.kind": "(v, omega), as cmd_vel has them",
+        "robot.m": "put it on scales as it drives, with battery and load",
+        "robot.I": "m l^2; " + IDENTIFY.format(""),
+        "robot.mu": "force of a spring balance at slow towing, over its weight",
+        "robot.r": "tape measure: the way of one turn, over 2 pi",
+        "robot.l": "tape measure: half the distance between the middles of both treads",
+        "limits.v_u1": "data sheet, or the fastest that you allow",
+        "base.tau": "give a step, read the time to 63 %; " + IDENTIFY.format(" --base velocity"),
+        "base.delay": "time from command to first motion; " + IDENTIFY.format(" --base velocity"),
+        "actuator.tau_max": "data sheet of motor and gear: stall torque at the wheel",
+        "filter.kind": '"governor" allows more speed once base and odometry are known',
+        "filter.gain": "10 % either way; drive 5 m by odometry, measure it by tape",
+        "filter.d": "5 % of the limits; speed on your steepest slope, less that on the level",
+        "guard.enabled": "the limits are kept while the bounds below hold",
+        "guard.mass_margin": "20 % for the load that comes and goes",
+        "guard.dbar": "3 % of its weight: your steepest slope, or a push; spring balance",
+        "guard.nbar": "2 % of the limits; standing still, the largest speed that it measures",
+        "guard.alpha": "a fifth of 1/T, less where torques would swing",
+        "clock.control": "rate of your controller's loop",
+        "reference.kind": "`wmr-ctrl scenarios --reference waypoints` shows a path of points",
+        "reference.radius": "at half of the speed limit",
+        "reference.rate": "at a quarter of the turning limit",
+    }
+)
+"""How to find each value that no file states."""
+OURS = ("law", "base.kind", "filter.kind", "guard.enabled", "guard.alpha", "reference")
+"""Choices and what follows from them: nothing that could be measured."""
+LIMITS = "limits.v_u1"
+TABLES = (
+    *("", "robot", "body", "base", "actuator"),
+    *("limits", "filter", "guard", "clock", "reference"),
+)
+"""Tables in the order in which they are written."""
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True)
+class NewScenario:
+    """Text of a scenario; what in it was found, assumed (choices of ours) or unknown.
+
+    ``unused``: what files say on keys that this base does not have, or that another overruled.
+    ``nodes``: parameters and topics for the ROS 2 nodes.
+    """
+
+    text: str
+    found: Mapping[str, Found]
+    assumed: Mapping[str, Value]
+    unknown: Mapping[str, Value]
+    unused: tuple[Found, ...]
+    nodes: Mapping[str, Found]
+
+
+def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
+    """The scenario of a base that takes "velocity" or "torque" commands.
+
+    Raises ScenarioError where a value of a file is impossible.
+    """
+    values = _values(sheet, base)
+    nodes = {key: item for key, item in sheet.found.items() if key.startswith(NAMES)}
+    found = {key: item for key, item in sheet.found.items() if key in values}
+    rest = {key: value for key, value in values.items() if key not in found}
+    assumed = {key: value for key, value in rest.items() if key.startswith(OURS)}
+    unknown = {key: value for key, value in rest.items() if key not in assumed}
+    unused = [item for key, item in sheet.found.items() if key not in {**found, **nodes}]
+    text = "\n".join(_lines(values, found, [*unknown], title))
+    try:
+        loads_scenario(text, title)
+    except ScenarioError as error:
+        sources = "; ".join(item.source for key, item in found.items() if key in str(error))
+        raise ScenarioError(f"{error} (From {sources or 'the files'}.)") from None
+    return NewScenario(text, found, assumed, unknown, (*unused, *sheet.overruled), nodes)
+
+
+def _values(sheet: Sheet, base: str) -> dict[str, Value]:
+    """Every key of the file with its value, in the order of the file."""
+    stated = {key: item.value for key, item in sheet.found.items()}
+    sizes = {key: value for key, value in stated.items() if isinstance(value, float)}
+    pair = stated.get(LIMITS, tuple(sizes.get(f"{LIMITS}[{i}]", 0.3 * i) for i in (1, 2)))
+    assert isinstance(pair, tuple)
+    v, omega = pair
+    rate = _short(0.25 * omega)
+    guess: dict[str, Value] = {"law": LAW, LIMITS: (v, omega), "reference.kind": "circle"}
+    guess |= {"reference.radius": _short(0.5 * v / rate), "reference.rate": rate}
+    if base == "velocity":
+        guess |= {"base.kind": base, "base.tau": (0.2, 0.2), "base.delay": 0.05}
+        guess |= {"filter.kind": "clip", "filter.gain": (0.9, 1.1)}
+        guess |= {"filter.d": (_short(0.05 * v), _short(0.05 * omega)), "clock.control": 0.05}
+    else:
+        body = {
+            "robot.m": 10.0,
+            "robot.mu": 0.02,
+            "robot.r": 0.08,
+            "robot.l": 0.2,
+            "clock.control": 0.01,
+        }
+        body |= sizes
+        guess |= _guarded(body, v, omega)
+    optional = OPTIONAL if base == "velocity" else OPTIONAL[:1]
+    values = guess | {key: stated[key] for key in stated if key in guess or key in optional}
+    return dict(sorted(values.items(), key=lambda item: TABLES.index(item[0].rpartition(".")[0])))
+
+
+def _guarded(body: dict[str, float], v: float, omega: float) -> dict[str, Value]:
+    """A robot, drives that give half of its weight as thrust, and a guard that counts on less."""
+    m, l, r = (body[f"robot.{name}"] for name in "mlr")
+    inertia, weight = body.get("robot.I", _short(m * l * l)), m * GRAVITY
+    thrust, errors = 0.5 * weight, (_short(0.02 * v), _short(0.02 * omega))
+    quickest = thrust / max(m * errors[0], inertia * errors[1] / l, thrust * body["clock.control"])
+    return {
+        "robot.m": m,
+        "robot.I": inertia,
+        "robot.mu": body["robot.mu"],
+        "robot.r": r,
+        "robot.l": l,
+        "actuator.tau_max": _short(thrust * r / 2),
+        "guard.enabled": True,
+        "guard.mass_margin": 0.2,
+        "guard.dbar": (_short(0.03 * weight), _short(0.03 * weight * l)),
+        "guard.nbar": errors,
+        "guard.alpha": _short(0.2 * quickest),
+        "clock.control": body["clock.control"],
+    }
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.3g}")
+
+
+def _lines(
+    values: Mapping[str, Value],
+    found: Mapping[str, Found],
+    unknown: list[str],
+    title: str,
+) -> Iterator[str]:
+    """Lines of the file: unit and meaning above each key, the source beside it."""
+    yield f"title = {_toml(title)}"
+    yield "# Nobody stated these: `wmr-ctrl check` lists them. Take one away when you state it."
+    yield f"assumed = {_toml(unknown)}"
+    table = ""
+    for key, value in values.items():
+        part, _, name = key.rpartition(".")
+        if part != table:
+            yield f"\n[{part}]"
+        table = part
+        unit, meaning = _meaning(part, name)
+        yield f"# {f'[{unit}] ' * (unit not in ('', '1'))}{meaning}"
+        if key in found:
+            beside = printable(found[key].source)
+        else:
+            beside = f"{'UNKNOWN' if key in unknown else 'ours'}: {HOW[key]}"
+        shown = list(value) if isinstance(value, tuple) else value
+        yield f"{name} = {_toml(shown)}  # {beside}"
+
+
+def _toml(value: object) -> str:
+    return tomlkit.item(value).as_string()
+
+
+def _meaning(table: str, name: str) -> tuple[str, str]:
+    """Unit and meaning of a key."""
+    if not table:
+        return "", "control law"
+    if name == "kind" and table == "reference":
+        return "", "kind of the desired motion"
+    known = {**sections(), "reference": REFERENCES["circle"].section}[table]
+    what = dict(quantities(known))[name]
+    return what.unit, what.doc
