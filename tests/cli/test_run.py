@@ -17,7 +17,8 @@ from wmr_ctrl.results import load_run, summary
 from wmr_ctrl.theory.checks import grip_warnings, warnings_for
 from wmr_ctrl.world.scenario import load_scenario
 
-KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "watched_every", "outcome", "ise",
+KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "watched_every", "outcome", "robots",
+        "ise",
         "position_rms", "position_max", "tracking", "tracked", "arrival", "guard_share",
         "filter_share", "usable_speed", "reference_speed",
         "torque_change_rms", "torque_needed_rms", "saturated_share", "max_abs_v", "violations",
