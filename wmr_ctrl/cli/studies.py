@@ -11,9 +11,10 @@ import click
 from wmr_ctrl.core.fields.values import SEED_END
 
 from . import options as opt
-from .console import DIFFERENCE, Progress, print_json, resumable, say, wrapped
+from .console import DIFFERENCE, Progress, print_json, resumable, say, table, wrapped
 
 if TYPE_CHECKING:
+    from wmr_ctrl.simulation.campaign.study_run import StudyOutcome
     from wmr_ctrl.simulation.tuning import Tuning
 
 
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     help="gpu: an NVIDIA graphics processor makes the runs (extra gpu), with the same bits.",
 )
 @opt.jobs_option
+@opt.new_file("--report", "Write one page with shares, pictures and plan", ".html")
 @opt.json_option("Print what was made as one JSON document.")
 def study(
     words: tuple[str, ...],
@@ -49,6 +51,7 @@ def study(
     executor: str,
     device: str,
     jobs: int | None,
+    report: str | None,
     as_json: bool,
 ) -> None:
     """Run everything that PLAN.toml names, and write DIR/table.csv with one row per run.
@@ -56,7 +59,8 @@ def study(
     A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
     ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
     number of jobs, and after interruptions. `study plot DIR` draws its pictures, `study parquet
-    DIR` also writes the table by columns. If the guard refused every run, the exit code is 1.
+    DIR` also writes the table by columns. At the end stand the shares of runs that kept the limits and that
+    tracked. If the guard refused every run, the exit code is 1.
     """
     if words[0] in ("plot", "parquet") and len(words) == 2:
         from wmr_ctrl.report.study_figures import plot_study
@@ -87,15 +91,29 @@ def study(
         result = api.study(
             plan, out, executor=executor, device=device, jobs=jobs, progress=progress
         )
-    if as_json:
-        print_json(
-            {key: str(v) if key in ("folder", "table") else v for key, v in asdict(result).items()}
-        )
-    else:
-        head, *refused = str(result).split("\n")
-        click.echo("\n".join((head, *(wrapped(f"- {text}", hang="  ") for text in refused))))
+    if report:
+        from wmr_ctrl.report.study_page import write_study_page
+
+        write_study_page(result.folder, report, Path(words[0]).read_text(encoding="utf-8"))
+        say("wrote", report)
+    _show_study(result, as_json)
     if result.all_refused:
         raise click.exceptions.Exit(DIFFERENCE)
+
+
+def _show_study(result: StudyOutcome, as_json: bool) -> None:
+    """Print what was made, and the shares of runs that kept the limits and that tracked."""
+    from wmr_ctrl.report.study_shares import SHARE_HEADS, shares_of
+    from wmr_ctrl.report.study_table import read_study
+
+    shares = shares_of(read_study(result.folder))
+    if as_json:
+        plain = {k: str(v) if k in ("folder", "table") else v for k, v in asdict(result).items()}
+        print_json({**plain, "shares": [asdict(share) for share in shares]})
+        return
+    head, *refused = str(result).split("\n")
+    click.echo("\n".join((head, *(wrapped(f"- {text}", hang="  ") for text in refused))))
+    click.echo(f"\n{table([share.cells for share in shares], SHARE_HEADS)}")
 
 
 WORSE = (

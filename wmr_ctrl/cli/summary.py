@@ -73,6 +73,10 @@ def show_drive(drive: RecordedDrive, as_json: bool, **files: str | None) -> None
     """Save, draw and film a drive, each where a file is named, and print it; as `write_run`."""
     out = files["out"]
     check_output(out, (".csv",), "--out of a drive")
+    if files["report"]:
+        raise ArgumentError(
+            "--report is the page of a run, which a recorded drive is not. Use --plot."
+        )
     if files["film"]:
         raise ArgumentError(
             "--film simulates a run again on the rigid body, and a recorded drive cannot be "

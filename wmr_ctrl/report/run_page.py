@@ -35,7 +35,7 @@ def write_run_page(run: Run, path: str | os.PathLike[str]) -> None:
             kept=not run.monitor.violations, promise=promise_of_run(run),
             relies=guard_relies_on(run), shown=rows[:MOST_ROWS], others=rows[MOST_ROWS:],
             scenario=run.provenance.get("scenario_toml", ""),
-            made={k: v for k, v in run.provenance.items() if k != "scenario_toml" and "\n" not in v},
+            made={k: v for k, v in run.provenance.items() if "\n" not in v},
             document=embedded(document),
             picture=lambda name: picture(drawn),
         )  # fmt: skip

@@ -45,7 +45,7 @@ def plot_study(folder: str | Path) -> list[Path]:
     table = read_study(Path(folder))
     written = []
     with style.house_style():
-        for name, figure in _drawings(table):
+        for name, figure in drawings_of(table):
             for suffix in (".svg", ".png"):
                 path = Path(folder) / f"{name}{suffix}"
                 save_figure(figure, path)
@@ -53,7 +53,8 @@ def plot_study(folder: str | Path) -> list[Path]:
     return written
 
 
-def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
+def drawings_of(table: StudyTable) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of each picture of a study."""
     yield "spread", _by_group(table)
     if not np.isfinite(table.numbers[table.figure]).any():
         return

@@ -17,7 +17,7 @@ from wmr_ctrl.simulation.campaign.study_store import counted_reasons
 Floats = NDArray[np.float64]
 PlainPlan: TypeAlias = Mapping[str, Any]
 """A plan in plain values, as study.json has it."""
-PREFERRED = ("position_rms", "ise_total")
+PREFERRED = ("tracking_drive_rms", "position_rms", "ise_total")
 SMALL = 0.1
 """Lengths are drawn in mm where their median is below this [m]."""
 CAUSE = 160
@@ -58,9 +58,21 @@ class StudyTable:
 
     @property
     def figure(self) -> str:
-        """The figure that is drawn: how well it tracked, else the first of the plan."""
+        """The figure that is drawn: of those of tracking the one that tells groups most apart."""
         names = self.plan["figures"]
-        return next((name for name in PREFERRED if name in names), names[0])
+        return max((name for name in PREFERRED if name in names), key=self._apart, default=names[0])
+
+    def _apart(self, name: str) -> float:
+        """Range of the groups' medians of a figure, over the median of all [1]."""
+        values = self.numbers.get(name, np.array([]))
+        finite = np.isfinite(values)
+        medians = [
+            np.median(values[mask])
+            for group in self.groups
+            if (mask := finite & (self.group == group)).any()
+        ]
+        middle = abs(float(np.median(medians))) if medians else 0.0
+        return float(np.ptp(medians)) / middle if middle else 0.0
 
     @property
     def point(self) -> NDArray[np.intp]:
