@@ -1,4 +1,4 @@
-"""Run every notebook and write it with its outputs into docs/notebooks.
+"""Run every notebook and write its figures into docs/notebooks.
 
 ``python analysis/render.py`` does all, with a name (``05-sample-time``) one.  A cell that raises,
 a fact that no longer holds for one, ends the command with its message.
@@ -6,8 +6,10 @@ a fact that no longer holds for one, ends the command with its message.
 
 from __future__ import annotations
 
+import base64
 import os
 import re
+import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,23 +18,17 @@ from pathlib import Path
 import nbformat
 from jupyter_client import KernelManager
 from nbclient import NotebookClient
-from nbconvert import MarkdownExporter
 
 HERE = Path(__file__).resolve().parent
 TARGET = HERE.parent / "docs" / "notebooks"
 INDEX = """\
 # Notebooks: one question each
 
-`python analysis/render.py` runs the notebooks in `analysis/` and writes these pages: their prose
-and figures. Each notebook ends in a cell that asserts every number of its prose.
+`python analysis/render.py` runs the notebooks in `analysis/` and writes their figures into these
+pages; the site adds the prose. Each notebook ends in a cell that asserts every number of it.
 """
 LONGEST_RUN = 300
 """Seconds that one cell may take."""
-
-COLOUR = re.compile(r"\x1b\[[0-9;]*m")
-CODE = re.compile(r"^```python\n(?:.*\n)*?```\n*", re.M)
-NOTEBOOK = re.compile(r"(\]\((?:\d\d-[\w-]+))\.ipynb(#[\w-]*)?\)")
-"""A link to a notebook, beside which the rendered ones have their own."""
 
 
 def notebooks(names: list[str]) -> list[Path]:
@@ -68,40 +64,38 @@ def executed(path: Path, manager: KernelManager) -> nbformat.NotebookNode:
 
 
 def write(book: nbformat.NotebookNode, name: str) -> Path:
-    """Markdown and its pictures, in TARGET."""
-    resources = {"unique_key": name, "output_files_dir": f"{name}_files"}
-    text, found = MarkdownExporter().from_notebook_node(book, resources)
-    TARGET.mkdir(parents=True, exist_ok=True)
-    for file, content in found["outputs"].items():
-        (TARGET / file).parent.mkdir(exist_ok=True)
-        (TARGET / file).write_bytes(content)
-    clean = "\n".join(line.rstrip().replace("\t", "    ") for line in text.splitlines())
+    """Pictures, and a page that shows them, in TARGET; the site adds the notebook's prose."""
+    folder = TARGET / f"{name}_files"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for place, cell in enumerate(book.cells):
+        pictures = [output.data["image/png"] for output in cell.get("outputs", ())
+                    if "image/png" in output.get("data", ())]  # fmt: skip
+        for number, picture in enumerate(pictures):
+            file = folder / f"{name}_{place}_{number}.png"
+            file.write_bytes(base64.b64decode(picture))
     target = TARGET / f"{name}.md"
-    text = re.sub(r"\n{3,}", "\n\n", linked(COLOUR.sub("", clean)))
-    target.write_text(without_code(text, name) + "\n", encoding="utf-8")
+    target.write_text(figures(book.cells[0].source, name, folder), encoding="utf-8")
     return target
 
 
-def without_code(text: str, name: str) -> str:
-    """Prose and figures, with one sentence that says where the code is."""
-    title, _, body = CODE.sub("", text).partition("\n\n")
-    body = body.strip().removesuffix("## Facts").strip()
-    return f"{title}\n\nThe code is in `analysis/{name}.ipynb`.\n\n{body}"
-
-
-def linked(text: str) -> str:
-    """Text whose links to notebooks lead to the rendered ones."""
-    return NOTEBOOK.sub(r"\1.md\2)", text)
+def figures(opening: str, name: str, folder: Path) -> str:
+    """A page with the notebook's title and its pictures."""
+    title = opening.partition("\n")[0]
+    files = sorted(folder.iterdir(), key=lambda file: int(file.stem.split("_")[-2]))
+    shown = "\n\n".join(f"![Figure]({folder.name}/{file.name})" for file in files)
+    said = f"The figures of `analysis/{name}.ipynb`, which has their captions."
+    return f"{title}\n\n{said}\n\n{shown}\n"
 
 
 def index() -> Path:
-    """The rendered notebooks' contents: questions and answers of the notebooks' own index."""
+    """The pages' contents: the questions of the notebooks' own index."""
     rows = re.findall(
-        r"^\| (.+?) \| \[(\d\d)\]\(([\w-]+)\.ipynb\) \| (.+?) \|$",
+        r"^\| (.+?) \| \[\d\d\]\(([\w-]+)\.ipynb\)",
         (HERE / "README.md").read_text(encoding="utf-8"),
         re.M,
     )
-    entries = [f"- [{question}]({name}.md) {answer}" for question, _, name, answer in rows]
+    entries = [f"- [{question}]({name}.md)" for question, name in rows]
     target = TARGET / "index.md"
     target.write_text("\n".join([INDEX, *entries, ""]), encoding="utf-8")
     return target

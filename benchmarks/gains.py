@@ -2,9 +2,9 @@
 
 ``python -m benchmarks.gains [--quick] [--work build/gains]``.  Gains of ``safe-simulation``: with
 the k that laws share and with prox's own, that which ships, each with other bandwidths of the
-observer, and what `wmr_ctrl.tune` finds for prox and for kanayama with merit = "corridor", with the same trials
-and with all errors at once: prox from what the same search finds for the RMS, kanayama from its
-defaults.  Then prox on ``safe-experiment``: poles of `guide`, slower and faster.  What a search
+observer, and what `wmr_ctrl.tune` finds for prox and for kanayama with merit = "corridor", with the
+same trials and with all errors at once: prox from what the same search finds for the RMS, kanayama
+from its defaults.  Then prox on ``safe-experiment``: poles of `guide`, slower and faster.  What a search
 found stays in ``--work``.
 """
 
@@ -27,7 +27,6 @@ from wmr_ctrl.simulation.tuning import tune
 from wmr_ctrl.theory.corridor import Corridor, find_corridor
 from wmr_ctrl.world.scenario import Scenario, override
 
-"""Of the part of the page that this writes."""
 Fields = Mapping[str, object]
 POSES: Fields = {"sensor.pose_noise": 5e-4}
 VELOCITIES: Fields = {"sensor.velocity_noise": [2e-3, 5e-3]}

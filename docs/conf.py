@@ -25,6 +25,7 @@ extensions = [
     "contents",
     "live",
     "mathml",
+    "notebooks",
     "pages",
 ]
 root_doc = "index"

@@ -57,6 +57,19 @@ def test_every_part_is_asked_for_by_a_page(tables):
     assert set(re.findall(r"\{made-from\} ([\w-]+)", text)) == set(tables.TABLES)
 
 
+def test_a_page_of_a_notebook_has_all_its_prose_and_figures(monkeypatch):
+    monkeypatch.syspath_prepend(str(DOCS / "_site"))
+    page = pytest.importorskip("notebooks", reason="needs the extra docs").page
+    for notebook in sorted((ROOT / "analysis").glob("*.ipynb")):
+        shown = page(notebook, DOCS / "notebooks").replace(".md", ".ipynb")
+        cells = json.loads(notebook.read_text("utf-8"))["cells"]
+        prose = [line for c in cells if c["cell_type"] == "markdown" for line in c["source"]]
+        figures = (DOCS / "notebooks" / f"{notebook.stem}_files").iterdir()
+
+        assert [line for line in prose if line.strip() not in shown] in ([], ["## Facts"])
+        assert {figure.name for figure in figures} == set(re.findall(r"[\w-]+\.png", shown))
+
+
 def test_indices_of_dotted_letters_stand_beside_them(monkeypatch):
     monkeypatch.syspath_prepend(str(DOCS / "_site"))
     mathml = pytest.importorskip("mathml", reason="needs the extra docs").mathml

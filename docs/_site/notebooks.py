@@ -1,0 +1,44 @@
+"""Pages of notebooks: prose from the notebooks in ``analysis``, figures from beside the pages.
+
+A page in the tree shows the figures alone; the site puts them among the notebook's prose.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+NOTEBOOKS = Path(__file__).parents[2] / "analysis"
+LINK = re.compile(r"(\]\(\d\d-[\w-]+)\.ipynb\b")
+"""A link to a notebook, beside which its page has the same name."""
+
+
+def page(notebook: Path, pages: Path) -> str:
+    """Markdown of a notebook's prose, with the figures that `analysis/render.py` drew."""
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    name = notebook.stem
+    parts = []
+    for place, cell in enumerate(cells):
+        if cell["cell_type"] == "markdown":
+            parts.append("".join(cell["source"]))
+        figures = sorted((pages / f"{name}_files").glob(f"{name}_{place}_*.png"))
+        parts += [f"![Figure]({name}_files/{figure.name})" for figure in figures]
+    title, _, body = "\n\n".join(parts).partition("\n\n")
+    body = LINK.sub(r"\1.md", body).strip().removesuffix("## Facts")
+    return f"{title}\n\nThe code is in `analysis/{notebook.name}`.\n\n{body}\n"
+
+
+def _read(app: Sphinx, name: str, source: list[str]) -> None:
+    notebook = NOTEBOOKS / f"{name.removeprefix('notebooks/')}.ipynb"
+    if name.startswith("notebooks/") and notebook.exists():
+        app.env.note_dependency(str(notebook))
+        source[0] = page(notebook, Path(app.srcdir) / "notebooks")
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Called by Sphinx."""
+    app.connect("source-read", _read)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
