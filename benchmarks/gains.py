@@ -4,8 +4,8 @@
 the k that laws share and with prox's own, that which ships, each with other bandwidths of the
 observer, and what `wmr_ctrl.tune` finds for prox and for kanayama with merit = "corridor", with the
 same trials and with all errors at once: prox from what the same search finds for the RMS, kanayama
-from its defaults.  Then prox on ``safe-experiment``: poles of `guide`, slower and faster.  What a search
-found stays in ``--work``.
+from its defaults.  Then prox on ``safe-experiment``: poles of `guide`, slower and faster.  What a
+search found stays in ``--work``.
 """
 
 from __future__ import annotations
