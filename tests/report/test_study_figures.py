@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.container import ErrorbarContainer
 
-from wmr_ctrl.report.study_figures import _bins, _by_group, _drawings, _indices, _maps
+from wmr_ctrl.report.study_figures import _bins, _by_group, drawings_of, _indices, _maps
 from wmr_ctrl.report.study_table import StudyTable
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 
@@ -42,7 +42,7 @@ def table_of(value, refused=None, **changes):
 
 
 def drawn(table):
-    return dict(_drawings(table))
+    return dict(drawings_of(table))
 
 
 def heights(axes):
@@ -67,7 +67,7 @@ def test_many_points_of_a_grid_stand_in_several_pictures():
     radii = [0.05 + 0.01 * k for k in range(9)]
     sample = {**PLAN["sample"], "n": 8}
     table = table_of(lambda r: r["robot.mu"], sample=sample, grid={"robot.r": radii}, laws=["mb"])
-    names = [name for name, _ in _drawings(table)]
+    names = [name for name, _ in drawings_of(table)]
 
     assert [name for name in names if "sobol" in name] == ["sobol", "sobol-2", "sobol-3"]
 

@@ -59,8 +59,8 @@ def study(
     A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
     ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
     number of jobs, and after interruptions. `study plot DIR` draws its pictures, `study parquet
-    DIR` also writes the table by columns. At the end stand the shares of runs that kept the limits and that
-    tracked. If the guard refused every run, the exit code is 1.
+    DIR` also writes the table by columns. The output ends with the shares of runs that kept the
+    limits and that tracked. If the guard refused every run, the exit code is 1.
     """
     if words[0] in ("plot", "parquet") and len(words) == 2:
         from wmr_ctrl.report.study_figures import plot_study
@@ -117,8 +117,8 @@ def _show_study(result: StudyOutcome, as_json: bool) -> None:
 
 
 WORSE = (
-    "In the rows marked worse, figures of the test seeds are worse than before. Take these gains "
-    "only if the robot does not drive like that; otherwise tune on that reference, or raise "
+    "What stands under worse is worse than before on the test seeds. Take these gains only "
+    "if the robot does not drive like that; otherwise tune on that reference, or raise "
     "--weight where the torque is worse."
 )
 
@@ -197,7 +197,8 @@ def tune(
     """Search for gains that track well with little torque, even if the robot's mass differs.
 
     Minimises the root of the mean of position_rms^2 + (W torque_change_rms)^2 over the training
-    seeds, for the scenario's robot and for 0.6 and 1.6 times the assumed mass, with the guard off.
+    seeds, for the scenario's robot and for 0.6 and 1.6 times the assumed mass, with the guard off;
+    on a base that takes velocities position_rms alone.
     With --merit corridor the certified corridor takes the place of position_rms; gains with a
     certificate rank above all without one, which are ranked by the linear loop's deviation. Fewer
     runs that end early rank above a smaller objective. Writes the scenario with the gains found,
@@ -230,12 +231,17 @@ def tune(
         click.echo(_text(better))
 
 
+def _least(value: float) -> str:
+    return "<0.001" if 0 < value < 1e-3 else f"{value:.3g}"
+
+
 def _text(better: Tuning) -> str:
     """Gains, the objective, and figures of the test seeds before and after."""
     import numpy as np
 
     from wmr_ctrl.core.fields.units import length
     from wmr_ctrl.simulation.tuning.search import CORRIDOR
+    from wmr_ctrl.world.speed_loop import takes_velocity
 
     first, last = better.objective
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
@@ -243,27 +249,34 @@ def _text(better: Tuning) -> str:
     if better.plan.merit == CORRIDOR:
         before, after = ("none" if most is None else length(most) for most in better.corridor)
         lines.append(f"certified corridor: {before} before, {after} after")
-    lines += [
-        "",
-        f"{'test seeds':<20}{'position RMS [mm]':>23}{'torque change [N m]':>25}"
-        f"{'worst |v|/limit':>20}",
-        f"{'reference':<14}{'mass':>6}{'before':>14}{'after':>9}{'before':>16}{'after':>9}"
-        f"{'before':>12}{'after':>8}",
-    ]
-    limits, both = better.scenario.limits.v_u1, (better.before, better.after)
-    figures = [
-        *(1e3 * test["tracking_drive_rms"] for test in both),
-        *(test["torque_change_rms"] for test in both),
-        *(np.maximum(t["max_abs_v1"] / limits[0], t["max_abs_v2"] / limits[1]) for t in both),
-    ]
-    widths = (">14.3g", ">9.3g", ">16.3g", ">9.3g", ">12.3f", ">8.3f")
-    for row, *numbers in zip(better.after.records(), *figures, strict=True):
+    v1, omega = better.scenario.limits.v_u1
+    both = better.before, better.after
+    position = [[_least(1e3 * value) for value in test["tracking_drive_rms"]] for test in both]
+    change = [[_least(value) for value in test["torque_change_rms"]] for test in both]
+    fastest = [np.maximum(test["max_abs_v1"] / v1, test["max_abs_v2"] / omega) for test in both]
+    names = {"tracking_drive_rms": "position", "torque_change_rms": "torque", "lost": "runs"}
+    columns = {
+        "reference": [row["reference"] for row in better.after.records()],
+        "mass": [f"{value:g}" for value in better.after["mass"]],
+        "position RMS\n[mm]": map(" -> ".join, zip(*position, strict=True)),
+        "torque change\n[N m]": map(" -> ".join, zip(*change, strict=True)),
+        "worst\n|v|/limit": ("{:.2f} -> {:.2f}".format(*two) for two in zip(*fastest, strict=True)),
+    }
+    if takes_velocity(better.scenario):
+        del columns["mass"], columns["torque change\n[N m]"]
+    said = []
+    for row in better.after.records():
         place = row["reference"], row["mass"]
         worse = [item.figure for item in better.worse if (item.reference, item.mass) == place]
-        lost = f"  {row['lost']} runs ended early" if row["lost"] else ""
-        lost += f"  worse: {', '.join(worse)}" if worse else ""
-        cells = "".join(map(format, numbers, widths))
-        lines.append(f"{row['reference']:<14}{row['mass']:>6g}{cells}{lost}")
+        lost = [f"{row['lost']} runs ended early"] if row["lost"] else []
+        lost += [", ".join(dict.fromkeys(names.get(name, "speed") for name in worse))]
+        said.append("; ".join(filter(None, lost)))
+    columns["worse"] = said
+    lines += [
+        "",
+        "Test seeds, before -> after:",
+        table(zip(*columns.values(), strict=True), tuple(columns)),
+    ]
     if better.worse:
         lines += ["", wrapped(WORSE)]
     return "\n".join(lines)

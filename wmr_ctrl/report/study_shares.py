@@ -64,14 +64,14 @@ def _shares(table: StudyTable, cells: list[tuple[str, NDArray[np.bool_]]]) -> It
     kept = np.isin(table.ended, KEPT)
     if "violated" in table.numbers:
         kept = table.numbers["violated"] == 0
+    tracked = table.numbers.get("tracked")
     for name, mask in cells:
         runs = mask & made
         count = int(runs.sum())
-        tracked = table.numbers["tracked"][runs].mean() if "tracked" in table.numbers else None
         yield Share(
             name,
             count,
             int(mask.sum()) - count,
             float(kept[runs].mean()) if count else None,
-            float(tracked) if count and tracked is not None else None,
+            float(tracked[runs].mean()) if count and tracked is not None else None,
         )

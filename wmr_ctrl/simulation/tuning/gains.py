@@ -9,9 +9,10 @@ of a path that stops over its drive (`results.measures`); with merit = "corridor
 corridor stands in the place of position_rms (`Corridor.merit`), and gains that have one stand
 before all that have none.  The runs: every training seed, once with the scenario as it is and once
 for each of `MASSES`, the true mass and inertia over the believed ones, without the scenario's
-changes.  Fewer runs that end early come before a smaller objective of the others.  Gains are
-searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.
-Seeds of the test, and references that were not trained on, judge.
+changes.  A base that takes velocities is judged by its position alone, with its own mass.  Fewer
+runs that end early come before a smaller objective of the others.  Gains are searched as
+logarithms, from the scenario's own; the guard is off, so that it hides nothing.  Seeds of the test,
+and references that were not trained on, judge.
 """
 
 import math
@@ -35,8 +36,11 @@ from wmr_ctrl.simulation.many import checked_seeds
 from wmr_ctrl.theory.corridor import certified_corridor, find_corridor
 from wmr_ctrl.theory.door import proofs
 from wmr_ctrl.world.model.kinematics import KinematicGains
+from wmr_ctrl.world.references import reference_bounds
+from wmr_ctrl.world.references.curves import Lemniscate, Line
 from wmr_ctrl.world.scenario import Scenario, inherited, override
 from wmr_ctrl.world.scenario.toml_io import to_toml
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 from . import search
 
@@ -48,7 +52,11 @@ REFERENCES = ("lemniscate", "line")
 SEARCH = 0.9
 """Share of the time that the search takes."""
 _ERRORS = ("tracking_drive_rms", "torque_change_rms")
-"""Figures that are judged, less is better."""
+"""Figures that are judged, less is better; of a base that takes velocities the first."""
+FLOOR = 1e-6
+"""A smaller error [m] or change of torque [N m] is as good as none."""
+SHARE = 0.7
+"""Share of the speed limits that the references of the test ask for at most."""
 WORSE = 0.05
 """Share by which a figure may grow before it is worse: medians of few runs differ by as much."""
 
@@ -84,7 +92,8 @@ class Tuning:
     def worse(self) -> tuple[WorseFigure, ...]:
         """Figures of the test that are worse after than before, in the order of the table."""
         v1, omega = self.scenario.limits.v_u1
-        allowed = {name: (1 + WORSE) * self.before[name] for name in _ERRORS}
+        judged_by = _ERRORS[:1] if takes_velocity(self.scenario) else _ERRORS
+        allowed = {name: np.maximum((1 + WORSE) * self.before[name], FLOOR) for name in judged_by}
         allowed |= {
             "max_abs_v1": np.maximum(self.before["max_abs_v1"], v1),
             "max_abs_v2": np.maximum(self.before["max_abs_v2"], omega),
@@ -107,7 +116,7 @@ class Tuning:
             "seeds": list(plan.seeds), "test_seeds": list(plan.test_seeds),
             "trials": plan.trials, "weight": plan.weight, "hold": list(plan.hold),
             "merit": plan.merit,
-            "masses": [1.0, *MASSES],
+            "masses": [1.0, *_masses(plan.scenario)],
             "objective": {"before": first.metres, "after": last.metres},
             "ended_early": {"before": first.lost, "after": last.lost},
             "no_corridor": {"before": first.refused, "after": last.refused},
@@ -162,7 +171,7 @@ def tune(
     if merit == search.CORRIDOR:
         _check_corridor(chosen, law)
     target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
-    digest = search.digest_of(text, law, plan.seeds, weight, plan.hold, merit, MASSES)
+    digest = search.digest_of(text, law, plan.seeds, weight, plan.hold, merit, _masses(chosen))
     tries = search.Trials(target, digest)
     tell, optimiser = progress or (lambda share: None), search.Search(start)
     while optimiser.tried < plan.trials:
@@ -213,13 +222,18 @@ def _start(plan: search.TuningPlan) -> dict[str, tuple[float, ...]]:
     return values
 
 
+def _masses(scenario: Scenario) -> tuple[float, ...]:
+    """True over believed masses of the training and the test, beside 1."""
+    return () if takes_velocity(scenario) else MASSES
+
+
 def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
     """The scenario unguarded, as it is, then with robots that are not as heavy as believed."""
     free = replace(scenario, guard=replace(scenario.guard, enabled=False))
     yield 1.0, free
     believed = scenario.believed
     model = replace(scenario.model, m=believed.m, I=believed.I, mu=believed.mu)
-    for ratio in MASSES:
+    for ratio in _masses(scenario):
         robot = replace(scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
         yield ratio, replace(free, robot=robot, model=model, changes=())
 
@@ -234,7 +248,8 @@ def _costs(
         for name in ("tracking_drive_rms", "torque_change_rms", "stop")
     )
     completed = (stop == 0) & np.isfinite(reached)
-    squares = (plan.weight * np.nan_to_num(change)) ** 2
+    weight = 0.0 if takes_velocity(plan.scenario) else plan.weight
+    squares = (weight * np.nan_to_num(change)) ** 2
     costs = []
     for k, gains in enumerate(sets):
         refused, distance, whole = False, reached[k], completed[k]
@@ -282,7 +297,7 @@ def judged(
     chosen, listed = scenario_of(scenario), tuple(seeds)
     own, cases = chosen.reference_kind.name, []
     for kind in dict.fromkeys((own, *REFERENCES)):
-        on = chosen if kind == own else override(chosen, {"reference.kind": kind})
+        on = chosen if kind == own else _sized(override(chosen, {"reference.kind": kind}))
         cases += [(kind, ratio, case) for ratio, case in _robots(on)]
     names = [figure.name for figure in FIGURES.plugins]
     table = _table([case for _, _, case in cases], law, listed, jobs, names)
@@ -301,15 +316,32 @@ def judged(
     )
 
 
+def _sized(scenario: Scenario) -> Scenario:
+    """The scenario with its line or lemniscate slowed down to `SHARE` of the limits, if beyond."""
+    reference, (linear, angular) = scenario.reference, scenario.limits.v_u1
+    _, fastest, turning = reference_bounds(scenario)
+    slower = min(1.0, SHARE * linear / fastest)
+    if isinstance(reference, Line):
+        return override(scenario, {"reference.speed": slower * reference.speed})
+    if not isinstance(reference, Lemniscate):
+        return scenario
+    rate = min(1.0, SHARE * angular / turning)
+    size = min(1.0, slower / rate)
+    values = {"size": size * reference.size, "rate": rate * reference.rate}
+    return override(scenario, {f"reference.{key}": value for key, value in values.items()})
+
+
 def _document(tuning: Tuning) -> str:
     """The scenario, headed by how its gains came about."""
     plan, (first, last) = tuning.plan, tuning.objective
+    masses = ", ".join(f"{ratio:g}" for ratio in _masses(plan.scenario))
+    effort = f" + ({plan.weight:g} torque_change_rms)^2" if masses else ""
     head = [
         f"gains of {plan.law} found by wmr-ctrl tune {plan.scenario.name}, without guard:",
         *([f"held: {', '.join(plan.hold)};"] if plan.hold else []),
-        f"trials {plan.trials}, training seeds {list(plan.seeds)}, true over believed mass 1, "
-        f"{', '.join(f'{ratio:g}' for ratio in MASSES)};",
-        f"root of the mean of {search.MEASURED[plan.merit]}^2 + ({plan.weight:g} "
-        f"torque_change_rms)^2: {first.sentence} before, {last.sentence} after",
+        f"trials {plan.trials}, training seeds {list(plan.seeds)}"
+        f"{f', true over believed mass 1, {masses}' if masses else ''};",
+        f"root of the mean of {search.MEASURED[plan.merit]}^2{effort}: {first.sentence} before, "
+        f"{last.sentence} after",
     ]  # fmt: skip
     return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)
