@@ -13,8 +13,8 @@ from wmr_ctrl import __version__
 from wmr_ctrl.cli import root
 
 COMMANDS = (
-    *("scenarios", "laws", "check", "run", "compare", "show", "study", "tune", "identify"),
-    *("linearize", "codegen", "export", "cosim", "page", "reproduce", "prove", "bench"),
+    *("new", "scenarios", "laws", "check", "run", "compare", "show", "study", "tune", "identify"),
+    *("codegen", "export", "cosim", "page", "linearize", "reproduce", "prove", "bench"),
 )
 
 
@@ -22,7 +22,7 @@ def test_commands_are_listed_in_the_order_in_which_one_meets_them(wmr):
     found = wmr("--help")
 
     assert found.exit_code == 0
-    listed = re.findall(r"^  ([a-z]+) +[A-Z]", found.stdout.partition("Commands:")[2], re.M)
+    listed = re.findall(r"^  ([a-z]+) +[A-Z]", found.stdout.partition("Robot:")[2], re.M)
     assert tuple(listed) == COMMANDS
 
 

@@ -44,8 +44,8 @@ def check(
     steps. The output begins with values that look like another unit, and with what is guaranteed;
     a table of the laws and what to change follow. A corridor is computed of one law that --law
     names, or with --corridor. An answer that takes much work is "not checked"; stable ranges have
-    no such limit for laws that --law names. The exit code is 0 if the scenario is valid, whatever the warnings,
-    and 2 if it is not.
+    no such limit for laws that --law names. The exit code is 0 if the scenario is valid, whatever
+    the warnings, and 2 if it is not.
     """
     from wmr_ctrl.control.laws import LAWS
     from wmr_ctrl.theory.checks.budget import OF_LAW

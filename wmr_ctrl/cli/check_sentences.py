@@ -10,7 +10,7 @@ from wmr_ctrl.control.laws.law import OwnKinematics
 from wmr_ctrl.control.setup import KINEMATICS, Setup, gains_of, settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.core.fields.units import length, rounded
+from wmr_ctrl.core.fields.units import length, rounded, sized
 from wmr_ctrl.results import Run, driving, percent, speeds, tracked
 from wmr_ctrl.results.measures import arrival, guard_share, tracking
 from wmr_ctrl.theory.checks import Stability, filter_advice, filter_facts
@@ -229,7 +229,10 @@ def filter_lines(setup: Setup) -> Iterator[str]:
             f"(angular){added if facts.rise_cost else ''}"
         )
     prices = {name: (round(cost[0], 7), round(cost[1], 7)) for name, cost in costs.items() if cost}
-    texts = [f"one more {name} costs {speeds(cost)}" for name, cost in prices.items()]
+    texts = [
+        f"one more {name} costs {sized(cost[0], 'm/s', 3)}, {sized(cost[1], 'rad/s', 3)}"
+        for name, cost in prices.items()
+    ]
     if texts:
         yield "; ".join(texts)
 

@@ -170,6 +170,10 @@ FIRST = INTERVAL = 3.0 - TICK
 """Seconds until the first line there, and between two: no command is silent for more than 3 s."""
 
 
+FORESEEN = 0.2
+"""Share of a phase before which its time left is not told: the beginning is not like the rest."""
+
+
 class Interruption:
     """Whether Ctrl-C was heard, of which a library may make an error of its own."""
 
@@ -293,7 +297,8 @@ class Lines:
         self._next = now + INTERVAL
         if 0 < self._share < 1:
             left = (now - self._begin) * (1 - self._share) / self._share
-            said = f"{100 * self._share:.0f} %, about {left:.0f} s left"
+            said = f"{100 * self._share:.0f} %"
+            said += f", about {left:.0f} s left" if self._share >= FORESEEN else ""
         elif now - self._begin < 1:
             said = "begun"
         else:

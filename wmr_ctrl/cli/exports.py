@@ -244,5 +244,5 @@ def page(
     if not laws and not is_story(case):
         laws = (opt.law_of(case, None),)
     with Progress("compiling the page") as progress:
-        path = api.write_page(out, case, laws=laws or None, seed=seed, progress=progress)
-    say("wrote", str(path))
+        api.write_page(out, case, laws=laws or None, seed=seed, progress=progress)
+    say("wrote", out)

@@ -133,7 +133,7 @@ def _text(result: BaseIdentification) -> str:
         if item.seconds[1]
     ]
     if stretches:
-        text = f"seconds with half of the information on each: {', '.join(stretches)}"
+        text = f"where the log says most: {', '.join(stretches)}"
         lines += [wrapped(text, hang="  "), ""]
     limited, score = result.bounds.section, result.score
     for name, (value, _) in result.bounds.pairs().items():

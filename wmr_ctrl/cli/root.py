@@ -57,6 +57,14 @@ class Root(click.Group):
         """Names in the order of definition."""
         return list(self.commands)
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands by groups."""
+        for title, commands in GROUPS.items():
+            with formatter.section(title):
+                formatter.write_dl(
+                    [(item.name or "", item.get_short_help_str(70)) for item in commands]
+                )
+
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
@@ -112,11 +120,15 @@ def root(ctx: click.Context) -> None:
         click.echo(ctx.get_help())
 
 
-for _command in (
-    *(new, scenarios, laws, check, run, compare, show_saved, study, tune, identify, linearize),
-    *(codegen, export, cosim, page, reproduce, prove, bench),
-):
-    root.add_command(_command)
+GROUPS = {
+    "Robot": (new, scenarios, laws, check, run, compare, show_saved, study, tune, identify),
+    "Take away": (codegen, export, cosim, page),
+    "Analyse": (linearize, reproduce, prove, bench),
+}
+"""Commands by what they are for, in the order in which one meets them."""
+for _group in GROUPS.values():
+    for _command in _group:
+        root.add_command(_command)
 
 
 def main() -> NoReturn:

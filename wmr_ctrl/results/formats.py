@@ -77,6 +77,10 @@ def _of_a_robot(path: str | os.PathLike[str]) -> bool:
         return False
 
 
+OTHER_TABLES = "; a log is read by `wmr-ctrl identify`, a path by reference.file of a scenario"
+"""What else a .csv may be."""
+
+
 def _loaded(path: str | os.PathLike[str]) -> Run:
     _, decode = _FORMATS[check_suffix(path)]
     note_input(path, "run")
@@ -92,10 +96,12 @@ def _loaded(path: str | os.PathLike[str]) -> Run:
     except MissingExtraError:
         raise
     except Exception as error:  # foreign bytes can break a decoder in any way
-        detail = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        table = Path(path).suffix.lower() == ".csv"
+        words = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        detail, other = ("", OTHER_TABLES) if table else (f" ({words})", "")
         raise ResultFileError(
-            f"{os.fspath(path)!r} is not a run that this release saved, or it is damaged "
-            f"({detail}). Save the run again."
+            f"{os.fspath(path)!r} is not a run that this release saved, or it is damaged"
+            f"{detail}. Save the run again{other}."
         ) from error
 
 

@@ -4,6 +4,15 @@ import signal
 import sys
 
 NODES = ("filter", "drive")
+USAGE = """\
+usage: python -m wmr_ctrl.ros2 NODE --ros-args -p scenario:=FILE.toml [-p NAME:=VALUE ...]
+
+NODE is one of
+  filter  limits the commands (v, omega) of somebody else, with the scenario's command filter
+  drive   drives the scenario's path with one of its laws
+
+The parameters of each node are in docs/howto/ros2.md.
+"""
 
 
 def main() -> int:
@@ -17,6 +26,9 @@ def main() -> int:
 
 
 def _run(given: list[str]) -> int:
+    if given[:1] in (["--help"], ["-h"]):
+        sys.stdout.write(USAGE)
+        return 0
     if not given or given[0] not in NODES:
         sys.stderr.write(f"error: name a node: python -m wmr_ctrl.ros2 {' | '.join(NODES)}\n")
         return 2

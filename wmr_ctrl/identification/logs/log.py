@@ -21,6 +21,8 @@ from wmr_ctrl.results.bag_topics import load_source
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import Scenario, loads_scenario
 
+MOST_NAMED = 12
+"""Columns that a message names."""
 MOST_BYTES = 2**31
 WHEEL_ANGLE, WHEEL_SPEED = drive.WHEEL_ANGLE, drive.WHEEL_SPEEDS
 COMMAND, TORQUES = drive.COMMANDS, drive.TORQUES
@@ -208,7 +210,8 @@ def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
         scales.append(factor)
     if TIME.name not in names:
         raise LogError(
-            f"{name}: no column is named t. Name it t [s]; the others are {', '.join(KNOWN)}."
+            f"{name}: no column is named t. It has {', '.join(names[:MOST_NAMED])}: rename the one "
+            f"with the times to t [s]. Names that are read: {', '.join(KNOWN)}."
         )
     width = len(names)
     empty = table[:, width:] > 0 if table.shape[1] > width else np.zeros((len(table), width), bool)

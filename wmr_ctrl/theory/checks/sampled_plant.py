@@ -255,7 +255,9 @@ class Assembly:
     def _seen(self, sample: int | None) -> Floats:
         """What is `sensed` in a sample, or in one with a pose."""
         after = 0 if sample is None else sample - self.every
-        return self.steady[after] if 0 <= after < len(self.steady) else self.sensed(self.every + after)
+        return (
+            self.steady[after] if 0 <= after < len(self.steady) else self.sensed(self.every + after)
+        )
 
     def rates(self) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
         """Slopes of rates: the gradient of a plant step, by its length."""

@@ -161,8 +161,8 @@ def _model_errors(report: LinearReport, width: int) -> Iterator[str]:
     for item in report.model_errors:
         figures = map(_number, (item.phase, item.disk, item.max_sample_time))
         shown = figures if item.stable else ("unstable",)
-        rows.append((f"{item.parameter} x {item.factor:g}", *shown))
-    header = (f"unlike model, {kind}", "phase [deg]", "disk", "period [s]")
+        rows.append((f"{item.parameter} is {item.factor:g} times the believed", *shown))
+    header = (f"margins, {kind}, if", "phase [deg]", "disk", "period [s]")
     yield from _table(header, rows, width)
 
 

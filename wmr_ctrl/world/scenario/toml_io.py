@@ -8,6 +8,7 @@ import tomllib
 from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -22,6 +23,7 @@ from wmr_ctrl.core.fields.files import decode, parse_toml, read_text
 from wmr_ctrl.core.fields.orientation import PAPER, described, field_outward
 from wmr_ctrl.core.fields.problems import show
 from wmr_ctrl.core.fields.section import Section, quantities
+from wmr_ctrl.core.suffixes import RUNS
 from wmr_ctrl.world.references import REFERENCES
 
 from .raw import (
@@ -71,9 +73,38 @@ def title_of(scenario: Scenario) -> str:
     return f"{named[0]}, changed"
 
 
+_READ_BY = {
+    ".fmu": "an FMU: `wmr-ctrl cosim --plant {0}` or `--controller {0}` runs it",
+    **dict.fromkeys(RUNS, "read as a saved run, by `wmr-ctrl show {0}`"),
+    ".csv": "a table: `wmr-ctrl show {0}` prints a saved run, `wmr-ctrl identify {0}` reads a log, "
+    "and reference.file of a scenario names a path",
+    ".urdf": "a robot description: `wmr-ctrl new --from {0}` reads it",
+    ".xacro": "a robot description: `wmr-ctrl new --from {0}` reads it",
+    ".yaml": "a file of parameters: `wmr-ctrl new --from {0}` reads it",
+}
+"""What reads a file that is no scenario, by its suffix."""
+
+
+def _no_scenario(name: str) -> ScenarioError:
+    """The error for a file's name that does not end in .toml, with the files that may be meant."""
+    path = Path(name)
+    if path.suffix.lower() in _READ_BY:
+        return ScenarioError(f"{name} is {_READ_BY[path.suffix.lower()].format(name)}.")
+    return ScenarioError(f"{name} must end in {_SUFFIX}: a scenario is a TOML file.{_beside(path)}")
+
+
+def _beside(path: Path) -> str:
+    """Sentence on the scenario beside a path that may be meant; empty where there is none."""
+    files = [item.name for item in path.parent.glob(f"*{_SUFFIX}")]
+    near = get_close_matches(path.name, files, cutoff=0.8) or sorted(files)[:3]
+    return f" There is {' and '.join(near)}." if near else ""
+
+
 def _preset_text(name: str) -> str:
     """A preset's TOML text; raises UnknownNameError, which lists the near names."""
     if name not in preset_names():
+        if Path(name).suffix:
+            raise _no_scenario(name)
         remedy = "A file of your own is named by its path, such as ./mine.toml."
         raise UnknownNameError("scenario", name, preset_names(), remedy)
     return (_PRESETS / (name + _SUFFIX)).read_text(encoding="utf-8")
@@ -151,7 +182,14 @@ def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
     path = folder / source
     mark = os.path.abspath(path) if "\0" not in source else source
     if mark in seen:
-        raise ScenarioError(f"extends = {show(source)} leads back to the same file: {path.name}.")
+        way = " -> ".join(Path(one).name for one in (*seen[seen.index(mark) :], mark))
+        raise ScenarioError(
+            f"extends = {show(source)} leads back to where it came from: {way}. Take one extends out."
+        )
+    if path.suffix != _SUFFIX and path.suffix:
+        raise _no_scenario(source)
+    if "\0" not in source and not path.exists():
+        raise ScenarioError(f"scenario: there is no file {path}.{_beside(path)} Check the path.")
     return _extended(_parse(read_text(path, "scenario"), path), path.parent, (*seen, mark))
 
 
