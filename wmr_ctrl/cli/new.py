@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,11 +13,16 @@ import click
 from wmr_ctrl.core.errors import ArgumentError
 
 from . import options as opt
-from .console import print_json, say, table
+from .console import print_json, say, table, wrapped
 
 if TYPE_CHECKING:
     from wmr_ctrl.world.robot_files import Found
     from wmr_ctrl.world.scenario.new import NewScenario
+
+NOT_STATED = (
+    "base velocity: not stated. It takes (v, omega), as cmd_vel has them; for one that takes wheel "
+    "torques, add --base torque."
+)
 
 
 @opt.command(
@@ -53,6 +59,7 @@ def new(
     Gazebo. Where two disagree, the controller's counts, and both are printed. The file's key
     `assumed` names what nobody stated.
     """
+    from wmr_ctrl.control.laws.kanayama import guided
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.world.robot_files import read_robot_files
     from wmr_ctrl.world.scenario.new import new_scenario
@@ -65,21 +72,20 @@ def new(
     if os.path.lexists(out) and not force:
         raise ArgumentError(f"{out} is there already, and is kept. Name another file, or --force.")
     sheet = read_robot_files([*files, *more])
-    made = new_scenario(sheet, base or "velocity", f"{Path(out).stem}, begun by wmr-ctrl new")
+    title = f"{Path(out).stem}, begun by wmr-ctrl new"
+    made = new_scenario(sheet, base or "velocity", title, guided)
     with atomic_text(out) as file:
         file.write(f"{made.text}\n\n# Next: wmr-ctrl check {shlex.quote(out)}\n")
     say("wrote", out)
     if base is None:
-        say(
-            "note",
-            "base velocity: not stated. It takes (v, omega), as cmd_vel has them; for one that "
-            "takes wheel torques, add --base torque.",
-        )
+        say("note", NOT_STATED)
     if as_json:
         print_json(_json(made))
-    else:
-        click.echo(_text(made))
-        click.echo(f"\nwmr-ctrl check {shlex.quote(out)}")
+        return
+    click.echo(_text(made))
+    if made.nodes:
+        click.echo(f"\n{wrapped(_for_nodes(made.nodes), hang='  ')}")
+    click.echo(f"\nwmr-ctrl check {shlex.quote(out)}")
 
 
 def _json(made: NewScenario) -> dict[str, object]:
@@ -92,16 +98,22 @@ def _json(made: NewScenario) -> dict[str, object]:
 
 
 def _text(made: NewScenario) -> str:
+    from wmr_ctrl.world.robot_files import shown
     from wmr_ctrl.world.scenario.new import HOW
 
-    rows = [_row(item, "found") for item in (*made.found.values(), *made.nodes.values())]
-    rows += [_row(item, "not used") for item in made.unused]
-    for values, label in ((made.assumed, "assumed"), (made.unknown, "unknown")):
-        for key, value in values.items():
-            shown = list(value) if isinstance(value, tuple) else value
-            rows.append((key, str(shown), label, HOW[key]))
-    return table(rows, ("key", "value", "", "from, or how to find it"))
+    stated = {"found": (*made.found.values(), *made.nodes.values()), "not used": made.unused}
+    rows = [
+        (it.key, it.text, f"{label}: {it.source}") for label, its in stated.items() for it in its
+    ]
+    for label, values in (("assumed", made.assumed), ("unknown", made.unknown)):
+        rows += [(key, shown(value), f"{label}: {HOW[key]}") for key, value in values.items()]
+    return table(rows, ("key", "value", "from, or how to find it"))
 
 
-def _row(item: Found, label: str) -> tuple[str, str, str, str]:
-    return item.key, item.text, label, item.source
+def _for_nodes(nodes: Mapping[str, Found]) -> str:
+    """Frames and topics as arguments of the ROS 2 nodes."""
+    parts = []
+    for key, item in nodes.items():
+        name = key.removeprefix("ros.")
+        parts.append(f"-{'r' if name in ('cmd_vel', 'odom') else 'p'} {name}:={item.text}")
+    return f"For the ROS 2 nodes: --ros-args {' '.join(parts)}"

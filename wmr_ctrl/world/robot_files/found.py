@@ -24,9 +24,10 @@ PAIRS = ("limits.v_u1", "base.accel", "base.decel")
 """Keys with a value for each axis, of which the smallest of several counts."""
 V, OMEGA = "limits.v_u1[1]", "limits.v_u1[2]"
 UP, TURN_UP, DOWN, TURN_DOWN = "base.accel[1]", "base.accel[2]", "base.decel[1]", "base.decel[2]"
-NAMES = ("topic ", "node ")
-COMMANDS, ODOMETRY = "topic cmd_vel", "topic odom"
-BASE_FRAME, ODOMETRY_FRAME, STAMPED = "node base_frame", "node odometry_frame", "node stamped"
+NAMES = "ros."
+"""Beginning of keys of frames and topics, for this project's ROS 2 nodes."""
+COMMANDS, ODOMETRY = "ros.cmd_vel", "ros.odom"
+BASE_FRAME, ODOMETRY_FRAME, STAMPED = "ros.base_frame", "ros.odometry_frame", "ros.stamped"
 STEP = 1e-3
 """Control periods are multiples of this time [s], the plant's step."""
 ALIKE = 0.01
@@ -47,8 +48,8 @@ class Rank(IntEnum):
 class Found:
     """A value that a file states.
 
-    ``key``: that of a scenario, with [1] or [2] for an axis; or "node NAME" and "topic NAME" of
-    this project's ROS 2 nodes.  ``source``: file and place in it, perhaps with a remark.
+    ``key``: that of a scenario, with [1] or [2] for an axis; or "ros." and a
+    parameter or topic of this project's nodes.  ``source``: file and place in it, in words.
     """
 
     key: str
@@ -58,10 +59,17 @@ class Found:
 
     @property
     def text(self) -> str:
-        """The value in four digits."""
-        if isinstance(self.value, tuple):
-            return f"[{', '.join(f'{part:.4g}' for part in self.value)}]"
-        return f"{self.value:.4g}" if isinstance(self.value, float) else str(self.value)
+        """The value in words."""
+        return shown(self.value)
+
+
+def shown(value: Value) -> str:
+    """A value, numbers in four digits."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(shown, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.4g}" if isinstance(value, float) else value
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,8 @@ The shares below are ours.  They make a guard or filter that can be met and a ci
 room, whatever the limits are.
 """
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
@@ -21,11 +22,13 @@ from .scenario import sections
 from .toml_io import loads_scenario
 
 LAW = "kanayama"
+GainsRule: TypeAlias = Callable[[float, float, float], tuple[float, float, float]]
 Value: TypeAlias = float | bool | str | tuple[float, ...]
 OPTIONAL = (
     *("body.radius", "robot.m", "robot.I", "robot.r", "robot.l"),
-    *("base.accel", "base.decel", "base.timeout"),
+    *("base.timeout", "base.accel", "base.decel"),
 )
+RAMPS = OPTIONAL[-2:]
 """Keys that a base that takes velocities does without, unless a file states them."""
 IDENTIFY = "`wmr-ctrl identify LOG{}` measures it"
 HOW: Mapping[str, str] = MappingProxyType(
@@ -40,28 +43,31 @@ HOW: Mapping[str, str] = MappingProxyType(
         "limits.v_u1": "data sheet, or the fastest that you allow",
         "base.tau": "give a step, read the time to 63 %; " + IDENTIFY.format(" --base velocity"),
         "base.delay": "time from command to first motion; " + IDENTIFY.format(" --base velocity"),
+        "base.accel": "inf is none; step commands, read the slope of the speed",
+        "base.decel": "inf is none; step commands, read the slope of the speed",
         "actuator.tau_max": "data sheet of motor and gear: stall torque at the wheel",
         "filter.kind": '"governor" allows more speed once base and odometry are known',
         "filter.gain": "10 % either way; drive 5 m by odometry, measure it by tape",
         "filter.d": "5 % of the limits; speed on your steepest slope, less that on the level",
         "guard.enabled": "the limits are kept while the bounds below hold",
         "guard.mass_margin": "20 % for the load that comes and goes",
-        "guard.dbar": "3 % of its weight: your steepest slope, or a push; spring balance",
+        "guard.dbar": "3 % of its weight or less: your steepest slope, or a push; spring balance",
         "guard.nbar": "2 % of the limits; standing still, the largest speed that it measures",
-        "guard.alpha": "a fifth of 1/T, less where torques would swing",
+        "guard.alpha": "at most 0.3/T, less where torques would swing",
         "clock.control": "rate of your controller's loop",
         "reference.kind": "`wmr-ctrl scenarios --reference waypoints` shows a path of points",
         "reference.radius": "at half of the speed limit",
+        f"gains.{LAW}.k": "the law's rule for this path and period; `wmr-ctrl tune` betters them",
         "reference.rate": "at a quarter of the turning limit",
     }
 )
 """How to find each value that no file states."""
-OURS = ("law", "base.kind", "filter.kind", "guard.enabled", "guard.alpha", "reference")
+OURS = ("law", "base.kind", "filter.kind", "guard.enabled", "guard.alpha", "reference", "gains")
 """Choices and what follows from them: nothing that could be measured."""
 LIMITS = "limits.v_u1"
 TABLES = (
     *("", "robot", "body", "base", "actuator"),
-    *("limits", "filter", "guard", "clock", "reference"),
+    *("limits", "filter", "guard", "clock", "reference", f"gains.{LAW}"),
 )
 """Tables in the order in which they are written."""
 GRAVITY = 9.81
@@ -83,14 +89,15 @@ class NewScenario:
     nodes: Mapping[str, Found]
 
 
-def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
+def new_scenario(sheet: Sheet, base: str, title: str, gains: GainsRule) -> NewScenario:
     """The scenario of a base that takes "velocity" or "torque" commands.
 
-    Raises ScenarioError where a value of a file is impossible.
+    ``gains``: rule for the law's k, of the control period, what drives and base are late [s], and
+    the path's speed [m/s].  Raises ScenarioError where a value of a file is impossible.
     """
-    values = _values(sheet, base)
+    values = _values(sheet, base, gains)
     nodes = {key: item for key, item in sheet.found.items() if key.startswith(NAMES)}
-    found = {key: item for key, item in sheet.found.items() if key in values}
+    found = {key: item for key, item in sheet.found.items() if key.partition("[")[0] in values}
     rest = {key: value for key, value in values.items() if key not in found}
     assumed = {key: value for key, value in rest.items() if key.startswith(OURS)}
     unknown = {key: value for key, value in rest.items() if key not in assumed}
@@ -104,54 +111,67 @@ def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
     return NewScenario(text, found, assumed, unknown, (*unused, *sheet.overruled), nodes)
 
 
-def _values(sheet: Sheet, base: str) -> dict[str, Value]:
+def _values(sheet: Sheet, base: str, gains: GainsRule) -> dict[str, Value]:
     """Every key of the file with its value, in the order of the file."""
     stated = {key: item.value for key, item in sheet.found.items()}
     sizes = {key: value for key, value in stated.items() if isinstance(value, float)}
     pair = stated.get(LIMITS, tuple(sizes.get(f"{LIMITS}[{i}]", 0.3 * i) for i in (1, 2)))
     assert isinstance(pair, tuple)
     v, omega = pair
-    rate = _short(0.25 * omega)
-    guess: dict[str, Value] = {"law": LAW, LIMITS: (v, omega), "reference.kind": "circle"}
-    guess |= {"reference.radius": _short(0.5 * v / rate), "reference.rate": rate}
+    speed, rate = _short(0.5 * v), _short(0.25 * omega)
+    period = sizes.get("clock.control", 0.05 if base == "velocity" else 0.01)
+    guess: dict[str, Value] = {"law": LAW, LIMITS: (v, omega), "clock.control": period}
     if base == "velocity":
-        guess |= {"base.kind": base, "base.tau": (0.2, 0.2), "base.delay": 0.05}
+        tau, delay = 0.2, 0.05
+        guess |= {"base.kind": base, "base.tau": (tau, tau), "base.delay": delay}
         guess |= {"filter.kind": "clip", "filter.gain": (0.9, 1.1)}
-        guess |= {"filter.d": (_short(0.05 * v), _short(0.05 * omega)), "clock.control": 0.05}
+        guess |= {"filter.d": (_short(0.05 * v), _short(0.05 * omega))}
+        late = delay + tau / 2
     else:
-        body = {
-            "robot.m": 10.0,
-            "robot.mu": 0.02,
-            "robot.r": 0.08,
-            "robot.l": 0.2,
-            "clock.control": 0.01,
-        }
-        body |= sizes
-        guess |= _guarded(body, v, omega)
+        guess |= _guarded(sizes, v, omega, period)
+        late = 0.0
+    radius = _short(speed / rate)
+    guess |= {"reference.kind": "circle", "reference.radius": radius, "reference.rate": rate}
+    first, second, third = map(_short, gains(period, late, radius * rate))
+    guess[f"gains.{LAW}.k"] = (first, second, third)
+    for key in RAMPS:
+        ends = tuple(sizes.get(f"{key}[{axis}]", math.inf) for axis in (1, 2))
+        if min(ends) < math.inf:
+            stated[key] = ends
     optional = OPTIONAL if base == "velocity" else OPTIONAL[:1]
     values = guess | {key: stated[key] for key in stated if key in guess or key in optional}
     return dict(sorted(values.items(), key=lambda item: TABLES.index(item[0].rpartition(".")[0])))
 
 
-def _guarded(body: dict[str, float], v: float, omega: float) -> dict[str, Value]:
-    """A robot, drives that give half of its weight as thrust, and a guard that counts on less."""
-    m, l, r = (body[f"robot.{name}"] for name in "mlr")
-    inertia, weight = body.get("robot.I", _short(m * l * l)), m * GRAVITY
-    thrust, errors = 0.5 * weight, (_short(0.02 * v), _short(0.02 * omega))
-    quickest = thrust / max(m * errors[0], inertia * errors[1] / l, thrust * body["clock.control"])
+def _guarded(sizes: Mapping[str, float], v: float, omega: float, period: float) -> dict[str, Value]:
+    """A robot, drives that give half of its weight as thrust, and a guard that counts on less.
+
+    What is unknown of mass, half track and inertia follows from I = m l^2.
+    """
+    m, l, inertia = (sizes.get(f"robot.{name}") for name in ("m", "l", "I"))
+    if m is None:
+        m = 10.0 if inertia is None or l is None else inertia / l**2
+    if l is None:
+        l = 0.2 if inertia is None else math.sqrt(inertia / m)
+    if inertia is None:
+        inertia = m * l * l
+    r, thrust = sizes.get("robot.r", 0.08), 0.5 * m * GRAVITY
+    errors, axes = (0.02 * v, 0.02 * omega), ((m, 1.0, v), (inertia, l, omega))
+    swing = max(mass * error / arm for (mass, arm, _), error in zip(axes, errors, strict=True))
+    alpha = 0.3 * min(1 / period, thrust / swing)
+    push = [min(0.06 * thrust * arm, 0.07 * mass * alpha * limit) for mass, arm, limit in axes]
     return {
-        "robot.m": m,
-        "robot.I": inertia,
-        "robot.mu": body["robot.mu"],
+        "robot.m": _short(m),
+        "robot.I": _short(inertia),
+        "robot.mu": min(0.02, _short(0.1 * alpha * v / GRAVITY)),
         "robot.r": r,
-        "robot.l": l,
+        "robot.l": _short(l),
         "actuator.tau_max": _short(thrust * r / 2),
         "guard.enabled": True,
         "guard.mass_margin": 0.2,
-        "guard.dbar": (_short(0.03 * weight), _short(0.03 * weight * l)),
-        "guard.nbar": errors,
-        "guard.alpha": _short(0.2 * quickest),
-        "clock.control": body["clock.control"],
+        "guard.dbar": (_short(push[0]), _short(push[1])),
+        "guard.nbar": (_short(errors[0]), _short(errors[1])),
+        "guard.alpha": _short(alpha),
     }
 
 
@@ -177,10 +197,10 @@ def _lines(
         table = part
         unit, meaning = _meaning(part, name)
         yield f"# {f'[{unit}] ' * (unit not in ('', '1'))}{meaning}"
-        if key in found:
-            beside = printable(found[key].source)
-        else:
-            beside = f"{'UNKNOWN' if key in unknown else 'ours'}: {HOW[key]}"
+        sources = [found[name].source for name in (key, f"{key}[1]", f"{key}[2]") if name in found]
+        if key not in found:
+            sources.append(f"{'UNKNOWN' if key in unknown else 'ours'}: {HOW[key]}")
+        beside = printable("; ".join(sources))
         shown = list(value) if isinstance(value, tuple) else value
         yield f"{name} = {_toml(shown)}  # {beside}"
 
@@ -195,6 +215,8 @@ def _meaning(table: str, name: str) -> tuple[str, str]:
         return "", "control law"
     if name == "kind" and table == "reference":
         return "", "kind of the desired motion"
+    if table.startswith("gains."):
+        return "1/s, 1/m2, 1/m", "gains along the path, across it, and of the heading"
     known = {**sections(), "reference": REFERENCES["circle"].section}[table]
     what = dict(quantities(known))[name]
     return what.unit, what.doc
