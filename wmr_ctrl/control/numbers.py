@@ -25,6 +25,11 @@ from .laws import LAWS
 from .laws.registry import NAMES
 from .setup import KINEMATICS, Setup
 
+ALWAYS_READ = frozenset((
+    "disturbance.std", "disturbance.truncate", "sensor.pose_noise", "sensor.velocity_noise",
+))  # fmt: skip
+"""Keys of numbers of which graphs are the same where they are 0 or infinite."""
+
 
 def structure_of(setup: Setup) -> Hashable:
     """Equal for setups whose graphs are the same but for the values of parameters.
@@ -40,7 +45,7 @@ def structure_of(setup: Setup) -> Hashable:
     sizes = tuple(signal.size for signal, _ in kind.numbers(scenario.reference))
     known = ["robot", "limits", "disturbance", "sensor", "actuator", "base"]
     known += [item.section.KEY for item in setup.effects if item.section.KEY not in known]
-    tables = tuple(_form(scenario.table(key)) for key in known)
+    tables = tuple(_form(scenario.table(key), f"{key}.") for key in known)
     shape = tuple(scenario.value(key) for item in setup.effects for key in item.shape)
     guard = (scenario.guard.enabled, scenario.guard.map)
     sent = (scenario.filter, scenario.clock, scenario.base)  # the filter counts in samples
@@ -57,8 +62,11 @@ def _steps(setup: Setup) -> Hashable:
     return clock.control, clock.plant, actuator.delay, times
 
 
-def _form(section: Section) -> Hashable:
-    return tuple(_mask(getattr(section, item.name)) for item in fields(section))  # type: ignore[arg-type]
+def _form(section: Section, head: str = "") -> Hashable:
+    names = (item.name for item in fields(section))  # type: ignore[arg-type]
+    return tuple(
+        None if f"{head}{name}" in ALWAYS_READ else _mask(getattr(section, name)) for name in names
+    )
 
 
 def _mask(value: object) -> Hashable:

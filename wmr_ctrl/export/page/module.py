@@ -16,7 +16,7 @@ from wmr_ctrl.core.errors import CompilerError
 from wmr_ctrl.core.signals import PLANT_STATE
 
 UNIT = ("page.c", *LOOP[1:], "seed.c", "seed.h")
-FLAGS = ("-O2", "-target", "wasm32-wasi")
+FLAGS = ("-O2", "-g0", "-fno-inline", "-target", "wasm32-wasi")
 LINKING = (
     "-target", "wasm32-freestanding", "-nostdlib", "-rtlib=compiler-rt", "-s", "-Wl,--no-entry",
     "-Wl,--strip-all",
@@ -59,7 +59,7 @@ class PageLoops:
         """The loop of a setup; setups whose C text is the same share it."""
         program = program_of(setup)
         if program not in self._by_program:
-            text, start = program.generated_watched, tuple(program.loop.x0)
+            text, start = program.generated, tuple(program.loop.x0)
             key = f"{digest(text)} {start[len(PLANT_STATE) :]} {program.layout}"
             new = PageLoop(f"k{len(self._loops)}", text, program.layout, start)
             self._by_program[program] = self._loops.setdefault(key, new)
