@@ -205,6 +205,7 @@ def show(run: Run, as_json: bool, verbose: bool = False) -> None:
 @opt.command(
     "Co-simulate FMUs of plant and controller.",
     "wmr-ctrl cosim paper-simulation --law nn",
+    "wmr-ctrl cosim --plant theirs.fmu --map-template names.toml",
     "wmr-ctrl cosim --plant theirs.fmu --map names.toml --out run.npz",
     "wmr-ctrl cosim --controller theirs.fmu --map names.toml --guard",
     "wmr-ctrl cosim --law prox --guard --master jacobi --know-delay",
@@ -221,6 +222,12 @@ def show(run: Run, as_json: bool, verbose: bool = False) -> None:
 @click.option("--plant", metavar="FILE.fmu", help="Plant to use instead of ours.")
 @click.option("--controller", metavar="FILE.fmu", help="Controller to use instead of ours.")
 @click.option("--map", "map_file", metavar="FILE.toml", help="Names and units of foreign FMUs.")
+@click.option(
+    "--map-template",
+    metavar="FILE.toml",
+    help="Write a map to fill in, from what --plant and --controller say of themselves; run "
+    "nothing.",
+)
 @click.option(
     "--master",
     default="gauss-seidel",
@@ -251,6 +258,7 @@ def cosim(
     report: str | None,
     verbose: bool,
     as_json: bool,
+    map_template: str | None,
     **options: Unpack[CosimulationOptions],
 ) -> None:
     """Run reference, controller and plant as FMUs, and print how it went.
@@ -262,8 +270,14 @@ def cosim(
     from wmr_ctrl import api
     from wmr_ctrl.export.cosim.fitting import law_within
 
-    case = opt.load(scenario, assignments, guard)
     file = options.get("controller")
+    if map_template:
+        from wmr_ctrl.export.cosim.map_template import write_map_template
+
+        written = write_map_template(map_template, options.get("plant"), file)
+        click.echo(f"wrote: {written}")
+        return
+    case = opt.load(scenario, assignments, guard)
     read = law_within(file) if file and not law else opt.law_of(case, law)
     opt.note_idle(case, scenario, assignments, [read] if read else [])
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:

@@ -72,12 +72,14 @@ DRIVEN = (*TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *DISTURBED)
 """Sources of a plant."""
 SEEN = (*DESIRED, *STATE, *TAU_APPLIED.elements, *READY)
 """Sources of a controller."""
-_TAKEN = {"plant": DRIVEN, "controller": SEEN}
-_GIVEN = {
+TAKEN = {"plant": DRIVEN, "controller": SEEN}
+"""Quantities of ours that inputs of each part may be made of."""
+GIVEN = {
     "plant": (*STATE, *READY, PATH.name, SKID.name),
     "controller": (*TORQUES, *FORCE.elements),
 }
-_EITHER = {
+"""Quantities of ours that outputs of each part may give."""
+EITHER = {
     "plant": ((("theta",), ("psi",)), (("v1", "omega"), ("w_right", "w_left"))),
     "controller": ((TORQUES, FORCE.elements),),
 }
@@ -175,7 +177,7 @@ def input_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
 def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
     """Rows that give our quantities from their outputs."""
     given = part.outputs.items()
-    for one, other in _EITHER[name]:
+    for one, other in EITHER[name]:
         both = [next((key for key in side if key in part.outputs), "") for side in (one, other)]
         if all(both):
             raise ArgumentError(
@@ -206,7 +208,7 @@ class _Row:
     ) -> None:
         self.key = key = f"{table}.{target}"
         self.target, self.theirs, self.units = target, theirs, units
-        sides = _TAKEN if inward else _GIVEN
+        sides = TAKEN if inward else GIVEN
         self.ours = tuple(CHANGED) if table == _PARAMETERS else sides[table.partition(".")[0]]
         if not isinstance(raw, str | Mapping):
             raise ArgumentError(f"{key} = {show(raw)} must be a name, or a table with terms.")
@@ -249,9 +251,9 @@ class _Row:
         unit = self.entry.unit or self.theirs(name) or si
         if isinstance(unit, NamedUnit):
             return unit
-        terms = ", ".join(f"{_toml_key(k)} = {share!r}" for k, share in self.entry.terms.items())
+        terms = ", ".join(f"{toml_key(k)} = {share!r}" for k, share in self.entry.terms.items())
         hint = (
-            f"State it in the row, such as: {_toml_key(self.target)} = {{ terms = {{ {terms} }}, "
+            f"State it in the row, such as: {toml_key(self.target)} = {{ terms = {{ {terms} }}, "
             f'unit = "{self.fitting}" }}'
         )
         if unit is None:
@@ -269,7 +271,8 @@ class _Row:
             ) from error
 
 
-def _toml_key(name: str) -> str:
+def toml_key(name: str) -> str:
+    """A name as a key in TOML, quoted where it must be."""
     return name if _BARE.fullmatch(name) else json.dumps(name)
 
 

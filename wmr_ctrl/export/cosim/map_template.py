@@ -1,0 +1,123 @@
+"""A map file to fill in, from the model descriptions of foreign FMUs.
+
+Rows whose names agree are filled in.  Every other row is a comment that lists what it could be.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.core.fields.files import note_output
+from wmr_ctrl.export.fmi.units import NamedUnit, unit_of
+
+from .mapping import CHANGED, EITHER, GIVEN, TAKEN, UNITS, toml_key
+from .slave import FmuFile
+
+_REAL = ("Real", "Float64")
+_MOST = 8
+"""Candidates that a comment names."""
+
+
+def write_map_template(
+    path: str | Path, plant: str | Path | None, controller: str | Path | None
+) -> Path:
+    """Write the template for one or both FMUs; raises ArgumentError if the file exists."""
+    target = Path(path)
+    files = {"plant": plant, "controller": controller}
+    given = {name: FmuFile(file, name) for name, file in files.items() if file is not None}
+    if not given:
+        raise ArgumentError(
+            "a map template needs the FMU whose names it lists: give --plant FILE.fmu, "
+            "--controller FILE.fmu, or both."
+        )
+    if target.exists():
+        raise ArgumentError(f"{target} exists, and is not overwritten. Name another file.")
+    note_output(target)
+    text = "\n".join(line for name, fmu in given.items() for line in _part(name, fmu))
+    target.write_text(f"{text}\n", encoding="utf-8")
+    return target
+
+
+def _part(part: str, fmu: FmuFile) -> Iterator[str]:
+    theirs = {name: v for name, v in fmu.variables.items() if v.type in _REAL and not v.dimensions}
+    inputs = {name: v for name, v in theirs.items() if v.causality == "input"}
+    outputs = {name: v for name, v in theirs.items() if v.causality == "output"}
+    yield f"# Map of {Path(fmu.path).name} ({fmu.description.modelName})."
+    yield "# Remove the first # of a row that fits."
+    yield f"[{part}]"
+    step = getattr(fmu.description.defaultExperiment, "stepSize", None)
+    yield f"{'' if step else '# '}step = {step or 0.005}  # s, communication step of the FMU"
+    if not all(fmu.unit(name) for name in (*inputs, *outputs)):
+        yield '# units = "SI"  # if all variables for which the FMU gives no unit are in SI units'
+    yield f"[{part}.inputs]  # theirs = ours"
+    ours = {name: UNITS[name] for name in TAKEN[part]}
+    for name in inputs:
+        yield _row(name, fmu.unit(name), ours, fmu.unit(name))
+    yield f"[{part}.outputs]  # ours = theirs"
+    known = {name: fmu.unit(name) for name in outputs}
+    filled: set[str] = set()
+    for name in GIVEN[part]:
+        row = _row(name, UNITS[name], known, all(known.values()))
+        if any(name in other and filled.intersection(one) for one, other in EITHER[part]):
+            row = f"# {row.removeprefix('# ')}"
+        elif not row.startswith("#"):
+            filled.add(name)
+        yield row
+    if part == "plant":
+        parameters = {
+            name: fmu.unit(name) for name, v in theirs.items() if v.variability == "tunable"
+        }
+        yield "[plant.parameters]  # ours = theirs, for scenarios that change them"
+        for name in CHANGED:
+            yield _row(name, CHANGED[name], parameters, all(parameters.values()))
+    yield f"[{part}.start]  # start values of the FMU, where other ones are wanted"
+    for name, variable in theirs.items():
+        if variable.initial == "exact" and variable.causality in ("output", "parameter"):
+            yield f"# {toml_key(name)} = {_number(variable.start)}  # {_unit_text(fmu.unit(name))}"
+
+
+def _row(
+    target: str, unit: NamedUnit | str | None, sources: Mapping[str, Any], stated: object
+) -> str:
+    """The row of ``target``, filled in where one source has its name and a unit that fits.
+
+    Where the FMU's unit is not ``stated``, the row has a place for it.
+    """
+    fitting = [name for name, other in sources.items() if _fits(unit, other)]
+    alike = [name for name in fitting if _plain(name) == _plain(target)]
+    others = ", ".join(fitting[:_MOST]) + (", ..." if len(fitting) > _MOST else "")
+    left = f"{toml_key(target)} ="
+    if len(alike) == 1 and stated:
+        return f"{left} {json.dumps(alike[0])}  # {_unit_text(unit)}"
+    source = toml_key(alike[0]) if len(alike) == 1 else '""'
+    right = '""' if stated else f'{{ terms = {{ {source} = 1.0 }}, unit = "" }}'
+    could = f"could be {others}" if others else "no variable has such a unit"
+    return f"# {left} {right}  # {_unit_text(unit)}; {could}"
+
+
+def _fits(one: NamedUnit | str | None, other: NamedUnit | str | None) -> bool:
+    """Whether both can measure the same kind; a unit that is not known fits all."""
+    units = []
+    for unit in (one, other):
+        try:
+            units.append(unit if isinstance(unit, NamedUnit) else unit_of(unit or ""))
+        except ArgumentError:
+            return True
+    return units[0].fits(units[1])
+
+
+def _plain(name: str) -> str:
+    """A name without case, signs, and the components that it is in."""
+    return re.sub(r"[^a-z0-9]", "", re.split(r"\.(?=[^.]+$)", name)[-1].lower())
+
+
+def _unit_text(unit: NamedUnit | str | None) -> str:
+    name = unit.name if isinstance(unit, NamedUnit) else unit
+    return f"[{name}]" if name else "the FMU gives no unit"
+
+
+def _number(start: str | None) -> str:
+    return str(float(start)) if start else "0.0"
