@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wmr_ctrl.theory.checks.budget import spend
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
 
 from .along import Along
@@ -26,6 +27,8 @@ from .remainders import Remainders
 FAR, NEAR, SLOW_NEAR, TRIES = 30.0, 1e-3, 0.3, 40
 """Growth over the linear loop, and more [m, rad], with which a sample counts as lost, the latter
 also by secants; tries."""
+COST, COLUMNS = 10.0, 1000.0
+"""Work of a block (`wmr_ctrl.theory.checks.budget`), and columns that take one more."""
 GUESSED, GROWN = 1.003, 1.02
 """Growth of what is guessed, at first and from try to try."""
 
@@ -130,6 +133,7 @@ class Following(Remainders):
         are left, or on a ``first`` try wider than they need be.
         """
         self.tried = now.k + now.count
+        spend(0, COST + self.carried.weight.size / COLUMNS)
         along, until, count = self.along, self._until(now), now.count
         guess = guess or self.last.going_on(self.before, count)
         before = np.vstack([reach[0], until.linear])
