@@ -1,0 +1,204 @@
+"""Mass, inertia, wheels and track of a URDF."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.world.robot_files.read import read_robot_files
+
+DRAWS = 50
+
+
+def turn(rpy):
+    """Rotation about fixed x, then y, then z, by quaternions."""
+    total = np.array([1.0, 0, 0, 0])
+    for axis, angle in enumerate(rpy):
+        w, v = math.cos(angle / 2), np.eye(3)[axis] * math.sin(angle / 2)
+        a, b = total[0], total[1:]
+        total = np.array([w * a - v @ b, *(w * b + a * v + np.cross(v, b))])
+    w, (x, y, z) = total[0], total[1:]
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def text(values):
+    return " ".join(repr(float(value)) for value in values)
+
+
+def origin(xyz, rpy):
+    return f'<origin xyz="{text(xyz)}" rpy="{text(rpy)}"/>'
+
+
+def inertial(masses, points, rpy):
+    """The inertial of point masses, stated in a frame that is turned by ``rpy``."""
+    centre, about = masses @ points / masses.sum(), np.zeros((3, 3))
+    for mass, at in zip(masses, (points - centre) @ turn(rpy), strict=True):
+        about += mass * (at @ at * np.eye(3) - np.outer(at, at))
+    rows, columns = np.triu_indices(3)
+    stated = zip(("xx", "xy", "xz", "yy", "yz", "zz"), about[rows, columns], strict=True)
+    entries = " ".join(f'i{name}="{float(value)!r}"' for name, value in stated)
+    mass = f'<mass value="{masses.sum()}"/>'
+    return f"<inertial>{origin(centre, rpy)}{mass}<inertia {entries}/></inertial>"
+
+
+def joined(parent, child):
+    return (
+        f'<joint name="{parent}{child}" type="fixed"><parent link="{parent}"/>'
+        f'<child link="{child}"/></joint>'
+    )
+
+
+def wheel(name, x, y, radius=0.1, parent="base", **attributes):
+    kind = attributes.get("kind", "continuous")
+    return (
+        f'<link name="{name}"><collision><geometry><cylinder radius="{radius}" length="0.02"/>'
+        f'</geometry></collision></link><joint name="{name}_joint" type="{kind}">'
+        f'<parent link="{parent}"/><child link="{name}"/>{origin((x, y, 0), (-math.pi / 2, 0, 0))}'
+        '<axis xyz="0 0 1"/></joint>'
+    )
+
+
+def robot(*parts):
+    return f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>'
+
+
+def read(tmp_path, *texts, name="robot{}.urdf"):
+    files = [tmp_path / name.format(i) for i in range(len(texts))]
+    for file, content in zip(files, texts, strict=True):
+        file.write_text(content, encoding="utf-8")
+    return read_robot_files(files)
+
+
+@pytest.mark.parametrize("seed", range(DRAWS))
+def test_inertia_is_that_of_all_point_masses_about_the_axle(seed, tmp_path):
+    rng, chance = np.random.default_rng(seed), random.Random(seed)
+    x, y, frames, parts, cloud = (
+        rng.uniform(-1, 1),
+        rng.uniform(0.05, 1),
+        [(np.eye(3), np.zeros(3))],
+        [],
+        [],
+    )
+    for i in range(chance.randint(1, 8)):
+        parent = chance.randrange(len(frames))
+        xyz, rpy = rng.uniform(-1, 1, 3), rng.uniform(-3, 3, 3)
+        outer, place = frames[parent]
+        frames.append((outer @ turn(rpy), place + outer @ xyz))
+        masses, points = rng.uniform(0.1, 5, 4), rng.uniform(-1, 1, (4, 3))
+        cloud += [
+            (m, frames[-1][1] + frames[-1][0] @ p) for m, p in zip(masses, points, strict=True)
+        ]
+        above = "base" if parent == 0 else f"link{parent - 1}"
+        kind = chance.choice(["fixed", "revolute", "prismatic"])
+        parts.append(
+            f'<link name="link{i}">{inertial(masses, points, rng.uniform(-3, 3, 3))}</link>'
+            f'<joint name="j{i}" type="{kind}"><parent link="{above}"/><child link="link{i}"/>'
+            f"{origin(xyz, rpy)}</joint>"
+        )
+    chance.shuffle(parts)
+    parts += [wheel("left", x, y), wheel("right", x, -y)]
+
+    found = read(tmp_path, robot(*parts)).found
+
+    expected = sum(m * ((p[0] - x) ** 2 + p[1] ** 2) for m, p in cloud)
+    assert found["robot.I"].value == pytest.approx(expected, rel=1e-5)
+    assert found["robot.m"].value == pytest.approx(sum(m for m, _ in cloud), rel=1e-5)
+    assert found["robot.l"].value == pytest.approx(y, rel=1e-5)
+    assert found["robot.r"].value == 0.1
+
+
+def test_four_wheels_drive_and_casters_do_not(tmp_path):
+    sides = [("front_left", 0.3, 0.2), ("front_right", 0.3, -0.2)]
+    sides += [("rear_left", -0.1, 0.2), ("rear_right", -0.1, -0.2)]
+    casters = [wheel("caster_left", 0.5, 0.3, 0.04), wheel("caster_right", 0.5, -0.3, 0.04)]
+    body = inertial(np.ones(2), np.array([[0.1, 1.0, 0], [0.1, -1.0, 0]]), (0, 0, 0))
+    box = f'<link name="box">{body}</link>{joined("base", "box")}'
+
+    found = read(tmp_path, robot(*casters, *(wheel(*side) for side in sides), box)).found
+
+    assert found["robot.l"].value == 0.2
+    assert found["robot.r"].value == 0.1
+    assert found["robot.I"].value == 2.0, "the box is in the middle of the four wheels"
+    assert "(not caster_left_joint, caster_right_joint)" in found["robot.l"].source
+
+
+PAIR = wheel("l", 0, 0.2) + wheel("r", 0, -0.2)
+NEGATIVE = '<link name="b"><inertial><mass value="-1"/></inertial></link>' + joined("base", "b")
+CIRCLE = '<link name="a"/><link name="b"/>' + joined("a", "b") + joined("b", "a")
+BOMB = '<!DOCTYPE robot [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]>'
+OUTSIDE = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/passwd">]><robot>&x;</robot>'
+MACROS = '<robot xmlns:xacro="http://ros.org/wiki/xacro">{}</robot>'
+FAULTS = {
+    "no pair of wheels": robot(wheel("l", 0, 0.2), wheel("r", 0.1, -0.2)),
+    "no pair": robot(wheel("l", 0, 0.2), wheel("r", 0, 0.2)),
+    "wheels": robot(wheel("l", 0, 0), wheel("r", 0, 0)),
+    "must be 3 finite numbers": robot(PAIR).replace("0.2 0.0", "nan 0.0"),
+    "must not be below 0": robot(PAIR, NEGATIVE),
+    "two have the same": robot(PAIR, PAIR),
+    "must join two links": robot(PAIR).replace('child link="l"', 'child link="nobody"'),
+    "have no joint above them": robot(PAIR, '<link name="lost"/>'),
+    "circle of joints": robot(PAIR, CIRCLE),
+    "a finite number": robot(PAIR).replace('radius="0.1"', 'radius="wide"'),
+    "is not valid XML": robot(PAIR)[:200],
+    "is of no known kind": "<robot/>",
+    "DOCTYPE": BOMB + robot(PAIR),
+    "DOCTYPE, which": OUTSIDE,
+    "cannot be expanded by xacro": MACROS.format("<xacro:none/>"),
+    "$(find nowhere)": MACROS.format('<xacro:include filename="$(find nowhere)/x"/>'),
+    "xacro": MACROS.format('<xacro:if value="${1/0}"/>'),
+}
+
+
+@pytest.mark.parametrize("words", FAULTS)
+def test_faulty_file_is_refused_in_words(words, tmp_path):
+    with pytest.raises(ScenarioError) as caught:
+        read(tmp_path, FAULTS[words])
+
+    assert words in str(caught.value)
+    assert "robot0.urdf" in str(caught.value)
+
+
+def test_every_cut_and_altered_file_is_read_or_refused(tmp_path):
+    chance, whole, refused = random.Random(0), robot(PAIR), 0
+    for _ in range(300):
+        place = chance.randrange(len(whole))
+        piece = chance.choice(["", "nan", "-1e308", '"', "<", "ü\u2028", "${", whole[:place]])
+        try:
+            read(tmp_path, whole[:place] + piece + whole[place + chance.randrange(9) :])
+        except ScenarioError:
+            refused += 1
+    assert 100 < refused < 300
+
+
+def test_xacro_is_expanded_with_packages_of_the_workspace(tmp_path):
+    for name in ("mine_description", "wheels"):
+        (tmp_path / name).mkdir()
+        package = f"<package><name>{name}</name></package>"
+        (tmp_path / name / "package.xml").write_text(package, encoding="utf-8")
+    spaces = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    (tmp_path / "wheels" / "wheel.xacro").write_text(
+        f'<robot {spaces}><xacro:macro name="wheel" params="side y">'
+        + wheel("${side}", 0, 0).replace("0.0 0.0 0.0", "0 ${y} 0")
+        + "</xacro:macro></robot>",
+        encoding="utf-8",
+    )
+    file = tmp_path / "mine_description" / "mine.urdf.xacro"
+    file.write_text(
+        f'<robot name="r" {spaces}><xacro:arg name="track" default="0.6"/>'
+        '<xacro:include filename="$(find wheels)/wheel.xacro"/><link name="base"/>'
+        '<xacro:wheel side="left" y="${$(arg track)/2}"/>'
+        '<xacro:wheel side="right" y="${-$(arg track)/2}"/></robot>',
+        encoding="utf-8",
+    )
+
+    assert read_robot_files([file]).found["robot.l"].value == 0.3
